@@ -1,0 +1,43 @@
+#include "polyarm/base/error.hpp"
+
+#include <algorithm>
+
+namespace polyarm {
+
+namespace {
+std::string all_texts(const std::vector<Problem>& problems) {
+  std::string out;
+  for (const Problem& problem : problems) out += (out.empty() ? "" : "\n") + problem.text();
+  return out;
+}
+}  // namespace
+
+std::string Location::text() const {
+  std::string out = file;
+  if (line > 0) out += ":" + std::to_string(line);
+  if (line > 0 && column > 0) out += ":" + std::to_string(column);
+  return out;
+}
+
+std::string Problem::text() const {
+  const std::string place = where.text();
+  std::string out = place.empty() ? "" : place + ": ";
+  out += severity == Severity::error ? "error: " : "warning: ";
+  out += what;
+  if (!advice.empty()) out += " (" + advice + ")";
+  return out;
+}
+
+Error::Error(std::vector<Problem> problems)
+    : std::runtime_error(all_texts(problems)), problems_(std::move(problems)) {}
+
+bool Problems::has_errors() const {
+  return std::any_of(list_.begin(), list_.end(),
+                     [](const Problem& p) { return p.severity == Severity::error; });
+}
+
+void Problems::throw_if_errors() const {
+  if (has_errors()) throw Error(list_);
+}
+
+}  // namespace polyarm

@@ -1,0 +1,30 @@
+#pragma once
+/// Quantities as a person writes them: `40mm`, `30deg`, `50%`, `0.2`. Bare numbers are SI.
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace polyarm {
+
+enum class Dimension {
+  none, length, angle, time, mass, force, torque, rate, speed, angular_speed, acceleration, angular_acceleration
+};
+
+const char* name(Dimension dimension);
+
+struct Unit {
+  std::string_view text;
+  Dimension dimension;
+  double scale;  ///< times this gives SI
+};
+
+/// The unit that `text` spells exactly, if there is one (mm cm m deg rad ms s min kg g N Nm Hz % mm/s …).
+const Unit* find_unit(std::string_view text);
+/// The longest unit that `text` starts with, if any.
+const Unit* longest_unit(std::string_view text);
+
+/// The value in SI of a number with or without a unit of the dimension asked for.
+/// Empty when the text is no number or the unit is of another dimension.
+std::optional<double> parse_quantity(std::string_view text, Dimension dimension);
+
+}  // namespace polyarm

@@ -1,0 +1,116 @@
+#include "polyarm/base/text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace polyarm {
+
+namespace {
+char lower_ascii(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Optimal string alignment distance, case ignored: insert, delete, replace and swap of neighbours cost one.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower_ascii(a[i - 1]) == lower_ascii(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && lower_ascii(a[i - 1]) == lower_ascii(b[j - 2]) &&
+          lower_ascii(a[i - 2]) == lower_ascii(b[j - 1]))
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+}  // namespace
+
+std::string_view trim(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\r\n\f\v");
+  if (first == std::string_view::npos) return {};
+  return s.substr(first, s.find_last_not_of(" \t\r\n\f\v") - first + 1);
+}
+
+std::string lower(std::string_view s) {
+  std::string out(s);
+  std::transform(out.begin(), out.end(), out.begin(), lower_ascii);
+  return out;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
+           return lower_ascii(x) == lower_ascii(y);
+         });
+}
+
+std::vector<std::string> split_words(std::string_view s, std::string_view separators) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at < s.size();) {
+    const auto first = s.find_first_not_of(separators, at);
+    if (first == std::string_view::npos) break;
+    const auto last = std::min(s.find_first_of(separators, first), s.size());
+    out.emplace_back(s.substr(first, last - first));
+    at = last;
+  }
+  return out;
+}
+
+std::vector<std::string> split_fields(std::string_view s, char separator) {
+  std::vector<std::string> out;
+  for (;;) {
+    const auto end = s.find(separator);
+    out.emplace_back(trim(s.substr(0, end)));
+    if (end == std::string_view::npos) return out;
+    s.remove_prefix(end + 1);
+  }
+}
+
+std::optional<double> parse_number(std::string_view s) {
+  s = trim(s);
+  if (s.starts_with('+')) s.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), value);
+  if (s.empty() || error != std::errc{} || end != s.data() + s.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::string format_number(double value) {
+  char text[32];
+  const auto result = std::to_chars(text, text + sizeof text, value);
+  return {text, result.ptr};
+}
+
+std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(1, wrong.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(wrong, candidate);
+    if (distance < best_distance) {
+      best = &candidate;
+      best_distance = distance;
+    }
+  }
+  if (best) return *best;
+  return std::nullopt;
+}
+
+std::string did_you_mean(std::string_view wrong, std::span<const std::string> candidates) {
+  const auto name = nearest_name(wrong, candidates);
+  return name ? "; did you mean '" + *name + "'?" : std::string{};
+}
+
+std::string join(std::span<const std::string> items, std::string_view separator) {
+  std::string out;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i > 0) out += separator;
+    out += items[i];
+  }
+  return out;
+}
+
+}  // namespace polyarm

@@ -1,0 +1,64 @@
+#pragma once
+/// A YAML file read with the places of its nodes, so that every complaint names file, line and column.
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
+#include "polyarm/base/quantity.hpp"
+
+namespace polyarm {
+
+/// A node (map, list, scalar or nothing) of a YAML document. Copies are cheap and share the document.
+/// Accessors throw Error("bad-value" | "missing-key") with the node's place.
+class Yaml {
+ public:
+  static Yaml load(const std::string& path);
+  static Yaml parse(std::string_view text, std::string name);
+  Yaml();
+  Yaml(const Yaml&);
+  Yaml(Yaml&&) noexcept;
+  Yaml& operator=(const Yaml&);
+  Yaml& operator=(Yaml&&) noexcept;
+  ~Yaml();
+
+  bool defined() const;  ///< present and not null
+  bool is_map() const;
+  bool is_list() const;
+  bool is_scalar() const;
+  Location where() const;
+
+  /// The value of `key`; an undefined node where the map has none or this is no map.
+  Yaml operator[](std::string_view key) const;
+  /// The same, but a missing key is an error.
+  Yaml required(std::string_view key) const;
+  bool has(std::string_view key) const { return (*this)[key].defined(); }
+  std::vector<std::string> keys() const;  ///< in the order of the file
+  Location key_location(std::string_view key) const;
+  std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one; undefined as none
+
+  std::string text() const;
+  std::string text(std::string fallback) const;
+  double number(Dimension dimension = Dimension::none) const;
+  double number(Dimension dimension, double fallback) const;
+  bool boolean() const;
+  bool boolean(bool fallback) const;
+  std::vector<double> numbers(Dimension dimension = Dimension::none) const;
+  std::vector<std::string> texts() const;
+  /// A list of three.
+  Vec3 vec3(Dimension dimension = Dimension::length) const;
+  /// A map with `xyz` or `at` (metres) and `rpy` (radians) or `quaternion` (x y z w), or a list of 3, 6 or 7.
+  Pose pose() const;
+
+  /// Every key of this map that is not in `known` becomes a problem with the nearest known name.
+  void check_keys(const std::vector<std::string>& known, Problems& problems) const;
+
+ private:
+  struct Data;
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace polyarm

@@ -1,0 +1,112 @@
+#pragma once
+/// The seam between the runtime and hardware, simulated or real. A superset of ros2_control's hardware
+/// component interface, with the same words: states are read, commands are written, once each cycle.
+/// Standard types only: plugins include this.
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/description/robot_model.hpp"
+#include "polyarm/description/scene.hpp"
+#include "polyarm/hardware/world_state.hpp"
+
+namespace polyarm::hardware {
+
+enum class CallbackReturn { success, failure, error };
+enum class ReturnType { ok, error, deactivate };
+enum class LifecycleState { unconfigured, inactive, active, finalized };
+const char* name(LifecycleState state);
+
+/// The moment of a control cycle, on the cell's clock.
+struct Cycle {
+  Nanoseconds time = 0;    ///< start of the cycle
+  Nanoseconds period = 0;  ///< always the nominal period of the loop
+  std::uint64_t index = 0;
+};
+
+/// One robot that a component drives, with where it stands and what it carries. `model` and `tool` outlive
+/// the component.
+struct RobotInstance {
+  std::string name;                                 ///< in the cell, first part of its interface names
+  const description::RobotModel* model = nullptr;
+  const description::Tool* tool = nullptr;          ///< may be null
+  Pose base;                                        ///< T_world_base
+  std::vector<double> initial_positions;            ///< of the actuated joints, rad or m
+  std::vector<description::HardwareInfo> hardware;  ///< the <ros2_control> blocks this component stands for; may be empty
+};
+
+/// Everything a component is told when it is made.
+struct ComponentContext {
+  std::string name;
+  std::vector<RobotInstance> robots;
+  const description::Scene* scene = nullptr;  ///< may be null
+  std::map<std::string, std::string> parameters;
+  Nanoseconds period = 1'000'000;             ///< of the control loop
+};
+
+/// A named number in the interface table. `name` is whole: "arm/elbow_joint/position".
+struct InterfaceDescription {
+  std::string name;
+  double initial = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Actuator, sensor or system. All calls come from one thread at a time: the on_… and prepare calls from the
+/// thread that builds or switches, read, write and perform from the control thread, which must never block,
+/// allocate, throw or log.
+class Component {
+ public:
+  virtual ~Component() = default;
+
+  /// Takes over what it is told and checks parameters. The only place that may throw polyarm::Error.
+  virtual CallbackReturn on_init(const ComponentContext& context) = 0;
+  virtual CallbackReturn on_configure() { return CallbackReturn::success; }
+  virtual CallbackReturn on_activate() { return CallbackReturn::success; }
+  virtual CallbackReturn on_deactivate() { return CallbackReturn::success; }
+  virtual CallbackReturn on_cleanup() { return CallbackReturn::success; }
+  virtual CallbackReturn on_shutdown() { return CallbackReturn::success; }
+  virtual CallbackReturn on_error() { return CallbackReturn::success; }
+
+  /// Valid after on_init; the order is the order of the spans given to read and write.
+  virtual std::vector<InterfaceDescription> state_interfaces() const = 0;
+  virtual std::vector<InterfaceDescription> command_interfaces() const = 0;
+
+  /// May the named command interfaces ("robot/joint/interface") be started and stopped together?
+  virtual ReturnType prepare_command_mode_switch(std::span<const std::string> start,
+                                                 std::span<const std::string> stop) {
+    return ReturnType::ok;
+  }
+  virtual ReturnType perform_command_mode_switch(std::span<const std::string> start,
+                                                 std::span<const std::string> stop) noexcept {
+    return ReturnType::ok;
+  }
+
+  /// Writes what the hardware measured into `states`.
+  virtual ReturnType read(const Cycle& cycle, std::span<double> states) noexcept = 0;
+  /// Sends `commands` to the hardware. NaN means: no command.
+  virtual ReturnType write(const Cycle& cycle, std::span<const double> commands) noexcept = 0;
+
+  /// Where the parts are, for components that simulate a world; current after each read. Else null.
+  virtual const WorldState* world() const noexcept { return nullptr; }
+  /// Names for Contact::a and b.
+  virtual std::vector<std::string> world_names() const { return {}; }
+  /// What is worth one line at the start of a run ("MuJoCo 2.2.2, step 1 ms"); may be empty.
+  virtual std::string summary() const { return {}; }
+};
+
+/// Makes a component; a driver registers one under its name ("mock", "mujoco").
+using ComponentFactory = std::unique_ptr<Component> (*)();
+
+}  // namespace polyarm::hardware
+
+/// Exported by a driver that lives in a shared library `polyarm_driver_<name>.so`.
+#define POLYARM_DRIVER(Type)                                                      \
+  extern "C" __attribute__((visibility("default"))) polyarm::hardware::Component* \
+  polyarm_make_component() {                                                      \
+    return new Type;                                                              \
+  }

@@ -1,0 +1,44 @@
+#pragma once
+/// A trajectory: what every joint does at every time, exactly. Built outside the control loop, then const.
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace polyarm::trajectory {
+
+/// Piecewise polynomials in time, one per joint and segment, of degree at most kDegree.
+/// Thread: built anywhere; sample() is const, allocates nothing and never throws.
+class Trajectory {
+ public:
+  static constexpr int kDegree = 5;
+  static constexpr int kCoefficients = kDegree + 1;
+
+  Trajectory() = default;
+  explicit Trajectory(std::size_t joints) : joints_(joints) {}
+
+  std::size_t joints() const noexcept { return joints_; }
+  std::size_t segments() const noexcept { return ends_.size(); }
+  /// Seconds from start to end; 0 for an empty trajectory.
+  double duration() const noexcept { return ends_.empty() ? 0.0 : ends_.back(); }
+  bool empty() const noexcept { return ends_.empty(); }
+  /// End time of segment `i`, s from the start.
+  double end_of(std::size_t i) const noexcept { return ends_[i]; }
+
+  /// Appends a segment of `duration` > 0 seconds. `coefficients[j * kCoefficients + k]` belongs to joint j and
+  /// power k of the time since the segment began.
+  void append(double duration, std::span<const double> coefficients);
+
+  /// Position, velocity and acceleration (spans of `joints()` values, or empty where not wanted) at `t` seconds.
+  /// Before the start the first values with zero velocity, after the end the last ones with zero velocity and
+  /// acceleration. `hint` is a segment index kept by the caller between calls that makes lookup O(1).
+  void sample(double t, std::span<double> position, std::span<double> velocity, std::span<double> acceleration,
+              std::size_t& hint) const noexcept;
+
+ private:
+  std::size_t joints_ = 0;
+  std::vector<double> ends_;          // s, increasing
+  std::vector<double> coefficients_;  // [segment][joint][power]
+};
+
+}  // namespace polyarm::trajectory
