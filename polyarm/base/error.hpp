@@ -21,8 +21,8 @@ enum class Severity { error, warning };
 struct Problem {
   std::string code;
   Location where;
-  std::string what;     ///< one sentence with the offending text and the numbers
-  std::string advice;   ///< what to do; may be empty
+  std::string what;    ///< one sentence with the offending text and the numbers
+  std::string advice;  ///< what to do; may be empty
   Severity severity = Severity::error;
   /// "file:line:column: error: what [advice]"
   std::string text() const;
@@ -51,7 +51,9 @@ class Problems {
     list_.push_back(
         {std::move(code), std::move(where), std::move(what), std::move(advice), Severity::warning});
   }
-  void add(const Error& error) { list_.insert(list_.end(), error.problems().begin(), error.problems().end()); }
+  void add(const Error& error) {
+    list_.insert(list_.end(), error.problems().begin(), error.problems().end());
+  }
   bool has_errors() const;
   const std::vector<Problem>& list() const { return list_; }
   /// Throws one Error with everything found, if there is an error among it.

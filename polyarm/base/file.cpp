@@ -16,27 +16,32 @@ namespace polyarm {
 std::string read_file(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
-    throw Error(Problem{"no-file", {path.string()}, "there is no such file", "check the name and the folder"});
+    throw Error(
+        Problem{"no-file", {path.string()}, "there is no such file", "check the name and the folder"});
   if (std::filesystem::is_directory(path, ignored))
     throw Error(Problem{"no-file", {path.string()}, "this is a folder, a file was expected", {}});
   std::ifstream in(path, std::ios::binary);
   std::ostringstream out;
   out << in.rdbuf();
   if (!in.good() && !in.eof())
-    throw Error(Problem{"unreadable", {path.string()}, "cannot be read: " + std::string(std::strerror(errno)),
+    throw Error(Problem{"unreadable",
+                        {path.string()},
+                        "cannot be read: " + std::string(std::strerror(errno)),
                         "check its permissions"});
   return out.str();
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view content) {
   static std::atomic<unsigned> counter{0};
-  const std::filesystem::path temporary = path.parent_path() / ("." + path.filename().string() + ".tmp" +
-                                                                std::to_string(::getpid()) + "." +
-                                                                std::to_string(counter++));
+  const std::filesystem::path temporary =
+      path.parent_path() / ("." + path.filename().string() + ".tmp" + std::to_string(::getpid()) + "." +
+                            std::to_string(counter++));
   const auto fail = [&](const char* action) {
     const std::string reason = std::strerror(errno);
     ::unlink(temporary.c_str());
-    throw Error(Problem{"unwritable", {path.string()}, std::string("cannot ") + action + ": " + reason,
+    throw Error(Problem{"unwritable",
+                        {path.string()},
+                        std::string("cannot ") + action + ": " + reason,
                         "the file is as it was; check permissions and free space"});
   };
   const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);

@@ -1,19 +1,17 @@
 #pragma once
-/// A running 64-bit hash of numbers (FNV-1a over their bytes), for traces and replay checks; not for security.
 #include <bit>
 #include <cstdint>
-#include <span>
 #include <string>
 
 namespace polyarm {
 
+/// A running 64-bit hash of numbers, bit for bit, for traces and replay checks; not for security. Each word
+/// is mixed by a multiplication and a shift of the high half down (the round of a multiplicative hash).
 class TraceHash {
  public:
   void add(std::uint64_t word) noexcept {
-    for (int i = 0; i < 8; ++i) {
-      state_ = (state_ ^ (word & 0xff)) * 0x100000001b3ULL;
-      word >>= 8;
-    }
+    state_ = (state_ ^ word) * 0x9e3779b97f4a7c15ULL;
+    state_ ^= state_ >> 32;
   }
   void add(double value) noexcept { add(std::bit_cast<std::uint64_t>(value)); }
   std::uint64_t value() const noexcept { return state_; }

@@ -11,15 +11,27 @@ struct Vec3 {
   friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
-constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
-constexpr Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-constexpr double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+constexpr Vec3 operator-(const Vec3& a, const Vec3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+constexpr Vec3 operator-(const Vec3& a) {
+  return {-a.x, -a.y, -a.z};
+}
+constexpr Vec3 operator*(double s, const Vec3& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+constexpr double dot(const Vec3& a, const Vec3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline double norm(const Vec3& a) {
+  return std::sqrt(dot(a, a));
+}
 /// The unit vector along `a`; z where `a` is zero.
 inline Vec3 normalized(const Vec3& a) {
   const double n = norm(a);
@@ -36,7 +48,9 @@ constexpr Quaternion operator*(const Quaternion& a, const Quaternion& b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
-constexpr Quaternion inverse(const Quaternion& q) { return {-q.x, -q.y, -q.z, q.w}; }
+constexpr Quaternion inverse(const Quaternion& q) {
+  return {-q.x, -q.y, -q.z, q.w};
+}
 constexpr Vec3 operator*(const Quaternion& q, const Vec3& v) {
   const Vec3 u{q.x, q.y, q.z};
   const Vec3 t = 2.0 * cross(u, v);
@@ -65,7 +79,9 @@ struct Pose {
 constexpr Pose operator*(const Pose& a, const Pose& b) {
   return {a.position + a.rotation * b.position, a.rotation * b.rotation};
 }
-constexpr Vec3 operator*(const Pose& a, const Vec3& p) { return a.position + a.rotation * p; }
+constexpr Vec3 operator*(const Pose& a, const Vec3& p) {
+  return a.position + a.rotation * p;
+}
 constexpr Pose inverse(const Pose& a) {
   const Quaternion r = inverse(a.rotation);
   return {-(r * a.position), r};

@@ -37,18 +37,30 @@ constexpr std::array kUnits = {
 
 const char* name(Dimension dimension) {
   switch (dimension) {
-    case Dimension::none: return "a number";
-    case Dimension::length: return "a length";
-    case Dimension::angle: return "an angle";
-    case Dimension::time: return "a time";
-    case Dimension::mass: return "a mass";
-    case Dimension::force: return "a force";
-    case Dimension::torque: return "a torque";
-    case Dimension::rate: return "a rate";
-    case Dimension::speed: return "a speed";
-    case Dimension::angular_speed: return "an angular speed";
-    case Dimension::acceleration: return "an acceleration";
-    case Dimension::angular_acceleration: return "an angular acceleration";
+    case Dimension::none:
+      return "a number";
+    case Dimension::length:
+      return "a length";
+    case Dimension::angle:
+      return "an angle";
+    case Dimension::time:
+      return "a time";
+    case Dimension::mass:
+      return "a mass";
+    case Dimension::force:
+      return "a force";
+    case Dimension::torque:
+      return "a torque";
+    case Dimension::rate:
+      return "a rate";
+    case Dimension::speed:
+      return "a speed";
+    case Dimension::angular_speed:
+      return "an angular speed";
+    case Dimension::acceleration:
+      return "an acceleration";
+    case Dimension::angular_acceleration:
+      return "an angular acceleration";
   }
   return "a quantity";
 }
@@ -69,13 +81,11 @@ const Unit* longest_unit(std::string_view text) {
 std::optional<double> parse_quantity(std::string_view text, Dimension dimension) {
   text = trim(text);
   if (const auto bare = parse_number(text)) return bare;
-  const auto unit_at = text.find_last_of("0123456789.");
-  if (unit_at == std::string_view::npos) return std::nullopt;
   // "m/s2" ends in a digit: try every place where a number could end.
   for (std::size_t at = 1; at < text.size(); ++at) {
     const auto number = parse_number(text.substr(0, at));
     if (!number) continue;
-    const Unit* unit = find_unit(text.substr(at));
+    const Unit* unit = find_unit(trim(text.substr(at)));
     if (unit && unit->dimension == dimension) return *number * unit->scale;
   }
   return std::nullopt;

@@ -7,7 +7,18 @@
 namespace polyarm {
 
 enum class Dimension {
-  none, length, angle, time, mass, force, torque, rate, speed, angular_speed, acceleration, angular_acceleration
+  none,
+  length,
+  angle,
+  time,
+  mass,
+  force,
+  torque,
+  rate,
+  speed,
+  angular_speed,
+  acceleration,
+  angular_acceleration
 };
 
 const char* name(Dimension dimension);

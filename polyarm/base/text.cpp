@@ -7,7 +7,9 @@
 namespace polyarm {
 
 namespace {
-char lower_ascii(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+char lower_ascii(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
 
 /// Optimal string alignment distance, case ignored: insert, delete, replace and swap of neighbours cost one.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -42,9 +44,8 @@ std::string lower(std::string_view s) {
 }
 
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
-           return lower_ascii(x) == lower_ascii(y);
-         });
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                            [](char x, char y) { return lower_ascii(x) == lower_ascii(y); });
 }
 
 std::vector<std::string> split_words(std::string_view s, std::string_view separators) {

@@ -54,13 +54,25 @@ Yaml Yaml::parse(std::string_view text, std::string name) {
   }
 }
 
-Yaml Yaml::load(const std::string& path) { return parse(read_file(path), path); }
+Yaml Yaml::load(const std::string& path) {
+  return parse(read_file(path), path);
+}
 
-bool Yaml::defined() const { return data_ && data_->node.IsDefined() && !data_->node.IsNull(); }
-bool Yaml::is_map() const { return defined() && data_->node.IsMap(); }
-bool Yaml::is_list() const { return defined() && data_->node.IsSequence(); }
-bool Yaml::is_scalar() const { return defined() && data_->node.IsScalar(); }
-Location Yaml::where() const { return data_ ? place(data_->node.Mark(), *data_->file) : Location{}; }
+bool Yaml::defined() const {
+  return data_ && data_->node.IsDefined() && !data_->node.IsNull();
+}
+bool Yaml::is_map() const {
+  return defined() && data_->node.IsMap();
+}
+bool Yaml::is_list() const {
+  return defined() && data_->node.IsSequence();
+}
+bool Yaml::is_scalar() const {
+  return defined() && data_->node.IsScalar();
+}
+Location Yaml::where() const {
+  return data_ ? place(data_->node.Mark(), *data_->file) : Location{};
+}
 
 Yaml Yaml::operator[](std::string_view key) const {
   Yaml out;
@@ -90,7 +102,8 @@ std::vector<std::string> Yaml::keys() const {
 Location Yaml::key_location(std::string_view key) const {
   if (is_map())
     for (const auto& entry : data_->node)
-      if (entry.first.IsScalar() && entry.first.Scalar() == key) return place(entry.first.Mark(), *data_->file);
+      if (entry.first.IsScalar() && entry.first.Scalar() == key)
+        return place(entry.first.Mark(), *data_->file);
   return where();
 }
 
@@ -107,12 +120,13 @@ std::vector<Yaml> Yaml::items() const {
 }
 
 std::string Yaml::text() const {
-  if (!is_scalar())
-    throw Error(Problem{"bad-value", where(), "a single value is expected here", {}});
+  if (!is_scalar()) throw Error(Problem{"bad-value", where(), "a single value is expected here", {}});
   return data_->node.Scalar();
 }
 
-std::string Yaml::text(std::string fallback) const { return defined() ? text() : std::move(fallback); }
+std::string Yaml::text(std::string fallback) const {
+  return defined() ? text() : std::move(fallback);
+}
 
 double Yaml::number(Dimension dimension) const {
   const std::string value = text();
@@ -132,7 +146,9 @@ bool Yaml::boolean() const {
   throw Error(Problem{"bad-value", where(), "'" + value + "' is neither true nor false", {}});
 }
 
-bool Yaml::boolean(bool fallback) const { return defined() ? boolean() : fallback; }
+bool Yaml::boolean(bool fallback) const {
+  return defined() ? boolean() : fallback;
+}
 
 std::vector<double> Yaml::numbers(Dimension dimension) const {
   std::vector<double> out;
@@ -149,7 +165,8 @@ std::vector<std::string> Yaml::texts() const {
 Vec3 Yaml::vec3(Dimension dimension) const {
   const std::vector<double> v = numbers(dimension);
   if (v.size() != 3)
-    throw Error(Problem{"bad-value", where(), "three numbers are expected, here are " + std::to_string(v.size()),
+    throw Error(Problem{"bad-value", where(),
+                        "three numbers are expected, here are " + std::to_string(v.size()),
                         "write [x, y, z]"});
   return {v[0], v[1], v[2]};
 }
@@ -165,14 +182,16 @@ Pose Yaml::pose() const {
     if (has("quaternion")) {
       const std::vector<double> q = (*this)["quaternion"].numbers();
       if (q.size() != 4 || !(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > 1e-12))
-        throw Error(Problem{"bad-value", (*this)["quaternion"].where(), "no unit quaternion", "write [x, y, z, w]"});
+        throw Error(
+            Problem{"bad-value", (*this)["quaternion"].where(), "no unit quaternion", "write [x, y, z, w]"});
       out.rotation = normalized(Quaternion{q[0], q[1], q[2], q[3]});
     }
     return out;
   }
   const std::vector<Yaml> v = items();
   if (v.size() != 3 && v.size() != 6 && v.size() != 7)
-    throw Error(Problem{"bad-value", where(), "a pose has 3, 6 or 7 numbers, here are " + std::to_string(v.size()),
+    throw Error(Problem{"bad-value", where(),
+                        "a pose has 3, 6 or 7 numbers, here are " + std::to_string(v.size()),
                         "write [x, y, z], [x, y, z, roll, pitch, yaw] or [x, y, z, qx, qy, qz, qw]"});
   Pose out;
   const auto metres = [&](std::size_t i) { return v[i].number(Dimension::length); };

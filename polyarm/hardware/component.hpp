@@ -33,12 +33,13 @@ struct Cycle {
 /// One robot that a component drives, with where it stands and what it carries. `model` and `tool` outlive
 /// the component.
 struct RobotInstance {
-  std::string name;                                 ///< in the cell, first part of its interface names
+  std::string name;  ///< in the cell, first part of its interface names
   const description::RobotModel* model = nullptr;
-  const description::Tool* tool = nullptr;          ///< may be null
-  Pose base;                                        ///< T_world_base
-  std::vector<double> initial_positions;            ///< of the actuated joints, rad or m
-  std::vector<description::HardwareInfo> hardware;  ///< the <ros2_control> blocks this component stands for; may be empty
+  const description::Tool* tool = nullptr;  ///< may be null
+  Pose base;                                ///< T_world_base
+  std::vector<double> initial_positions;    ///< of the actuated joints, rad or m
+  std::vector<description::HardwareInfo>
+      hardware;  ///< the <ros2_control> blocks this component stands for; may be empty
 };
 
 /// Everything a component is told when it is made.
@@ -47,7 +48,7 @@ struct ComponentContext {
   std::vector<RobotInstance> robots;
   const description::Scene* scene = nullptr;  ///< may be null
   std::map<std::string, std::string> parameters;
-  Nanoseconds period = 1'000'000;             ///< of the control loop
+  Nanoseconds period = 1'000'000;  ///< of the control loop
 };
 
 /// A named number in the interface table. `name` is whole: "arm/elbow_joint/position".
@@ -105,8 +106,7 @@ using ComponentFactory = std::unique_ptr<Component> (*)();
 }  // namespace polyarm::hardware
 
 /// Exported by a driver that lives in a shared library `polyarm_driver_<name>.so`.
-#define POLYARM_DRIVER(Type)                                                      \
-  extern "C" __attribute__((visibility("default"))) polyarm::hardware::Component* \
-  polyarm_make_component() {                                                      \
-    return new Type;                                                              \
+#define POLYARM_DRIVER(Type)                                                                                 \
+  extern "C" __attribute__((visibility("default"))) polyarm::hardware::Component* polyarm_make_component() { \
+    return new Type;                                                                                         \
   }

@@ -10,13 +10,13 @@
 namespace polyarm::hardware {
 
 struct PartState {
-  Pose pose;               ///< in the world
-  Vec3 linear_velocity;    ///< m/s
-  double speed = 0;        ///< fastest point of the part, about: |v| + |w| * size, m/s
-  bool entered = false;    ///< has been in the cell
-  bool in_world = false;   ///< is there now: not waiting in a feeder, not taken by an outfeed
+  Pose pose;              ///< in the world
+  Vec3 linear_velocity;   ///< m/s
+  double speed = 0;       ///< fastest point of the part, about: |v| + |w| * size, m/s
+  bool entered = false;   ///< has been in the cell
+  bool in_world = false;  ///< is there now: not waiting in a feeder, not taken by an outfeed
   bool asleep = false;
-  int held_by = -1;        ///< index of the robot that holds it; -1: none
+  int held_by = -1;  ///< index of the robot that holds it; -1: none
 };
 
 /// Something touched what it should not have.
@@ -28,12 +28,13 @@ struct Contact {
 
 struct WorldState {
   static constexpr int kMaxFindings = 64;
-  std::vector<PartState> parts;              ///< in the order of Scene::parts
-  std::array<Contact, kMaxFindings> findings;///< each touching pair once, in order of time; later ones are only counted
-  int finding_count = 0;                     ///< all findings, may exceed kMaxFindings
-  int contacts = 0;                          ///< contact points in the last physics step
-  double tracking_error = 0;                 ///< largest |commanded - measured| of a position-driven joint, last cycle
-  bool at_rest = true;                       ///< no part, mover or finger is moving
+  std::vector<PartState> parts;  ///< in the order of Scene::parts
+  std::array<Contact, kMaxFindings>
+      findings;               ///< each touching pair once, in order of time; later ones are only counted
+  int finding_count = 0;      ///< all findings, may exceed kMaxFindings
+  int contacts = 0;           ///< contact points in the last physics step
+  double tracking_error = 0;  ///< largest |commanded - measured| of a position-driven joint, last cycle
+  bool at_rest = true;        ///< no part, mover or finger is moving
 };
 
 }  // namespace polyarm::hardware

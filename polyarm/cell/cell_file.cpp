@@ -1,0 +1,147 @@
+#include "polyarm/cell/cell_file.hpp"
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+/// Runs `read`; what it throws joins the problems, so that one bad entry does not hide the next.
+template <typename Read>
+void collect(Problems& problems, Read read) {
+  try {
+    read();
+  } catch (const Error& e) {
+    problems.add(e);
+  }
+}
+
+RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
+  RobotEntry robot;
+  robot.name = name;
+  robot.where = yaml.where();
+  yaml.check_keys({"model", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters"}, problems);
+  collect(problems, [&] { robot.model = yaml.required("model").text(); });
+  collect(problems, [&] { robot.base = yaml.pose(); });
+  collect(problems, [&] { robot.hardware = yaml["hardware"].text("mock"); });
+  collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
+  for (const std::string& key : yaml["parameters"].keys())
+    collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });
+  if (name.find_first_of("/ \t") != std::string::npos)
+    problems.error("bad-name", robot.where, "a robot's name may hold no '/' and no blanks: '" + name + "'");
+  return robot;
+}
+
+MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
+  MotionEntry motion;
+  if (!yaml.defined()) return motion;
+  yaml.check_keys({"speed", "thesis_scale"}, problems);
+  collect(problems, [&] { motion.speed = yaml["speed"].number(Dimension::none, 1); });
+  if (yaml.has("thesis_scale"))
+    collect(problems, [&] { motion.thesis_scale = yaml["thesis_scale"].number(Dimension::none); });
+  if (!(motion.speed > 0 && motion.speed <= 1))
+    problems.error("bad-value", yaml["speed"].where(),
+                   "speed is a share of the limits, above 0 and at most 1 (100%)");
+  return motion;
+}
+
+void check_kind(const Yaml& yaml, Problems& problems) {
+  const std::string kind = yaml["polyarm"].text("");
+  if (kind == "cell/1") return;
+  if (kind.empty())
+    problems.error("missing-key", {yaml.where().file, 1, 1},
+                   "this is not a cell file: it does not say 'polyarm: cell/1'",
+                   "write that as its first line");
+  else if (kind.starts_with("cell/"))
+    problems.error("newer-file", yaml["polyarm"].where(),
+                   "this is a " + kind + " file, newer than this program reads",
+                   "it reads cell/1; install a newer Polyarm");
+  else
+    problems.error("wrong-kind", yaml["polyarm"].where(),
+                   "this is a '" + kind + "' file, a cell/1 was expected");
+}
+
+void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
+  for (RobotEntry& robot : cell.robots)
+    if (!overrides.hardware.empty()) robot.hardware = overrides.hardware;
+  if (overrides.robot.empty()) return;
+  const auto equals = overrides.robot.find('=');
+  if (equals == std::string::npos) {
+    if (cell.robots.size() == 1)
+      cell.robots.front().model = overrides.robot;
+    else
+      problems.error("which-robot", {cell.path.string()},
+                     "the cell has " + std::to_string(cell.robots.size()) + " robots",
+                     "say which: --robot NAME=MODEL");
+    return;
+  }
+  const std::string name = overrides.robot.substr(0, equals);
+  const auto found = std::find_if(cell.robots.begin(), cell.robots.end(),
+                                  [&](const RobotEntry& r) { return r.name == name; });
+  if (found != cell.robots.end())
+    found->model = overrides.robot.substr(equals + 1);
+  else
+    problems.error("which-robot", {cell.path.string()}, "the cell has no robot '" + name + "'");
+}
+}  // namespace
+
+CellFile read_cell_file(const std::filesystem::path& given, const Overrides& overrides) {
+  CellFile cell;
+  cell.path = std::filesystem::is_directory(given) ? given / "cell.yaml" : given;
+  cell.folder = cell.path.parent_path().empty() ? "." : cell.path.parent_path();
+  cell.name = std::filesystem::weakly_canonical(cell.folder).filename().string();
+  if (std::filesystem::is_directory(given) && !std::filesystem::exists(cell.path))
+    throw Error(Problem{"no-cell",
+                        {given.string()},
+                        "there is no cell.yaml in this folder",
+                        "name a folder with a cell.yaml, a cell file, or use --description FILE.urdf"});
+  const Yaml yaml = Yaml::load(cell.path.string());
+  Problems problems;
+  check_kind(yaml, problems);
+  yaml.check_keys(
+      {"polyarm", "rate", "robots", "scene", "controllers", "signals", "program", "plc", "motion"}, problems);
+  collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
+  if (!(cell.rate >= 1 && cell.rate <= 10000))
+    problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
+  for (const std::string& name : yaml["robots"].keys())
+    cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
+  if (cell.robots.empty())
+    problems.error("missing-key", yaml.where(), "the cell has no robots",
+                   "add 'robots: {arm: {model: universal_robots/ur3}}'");
+  const auto file = [&](const char* key, std::string& name, Location& where) {
+    collect(problems, [&] { name = yaml[key].text(""); });
+    where = yaml[key].where();
+  };
+  file("scene", cell.scene, cell.scene_where);
+  file("controllers", cell.controllers, cell.controllers_where);
+  file("signals", cell.signals, cell.signals_where);
+  file("program", cell.program, cell.program_where);
+  file("plc", cell.plc, cell.plc_where);
+  cell.motion = read_motion(yaml["motion"], problems);
+  apply(overrides, cell, problems);
+  problems.throw_if_errors();
+  return cell;
+}
+
+CellFile cell_from_description(const std::filesystem::path& description,
+                               const std::filesystem::path& controllers, const Overrides& overrides) {
+  CellFile cell;
+  cell.path = description;
+  cell.folder = ".";
+  cell.name = description.stem().string();
+  RobotEntry robot;
+  robot.model = description.string();
+  robot.hardware = "declared";
+  robot.where = {description.string()};
+  cell.robots.push_back(robot);
+  cell.controllers = controllers.string();
+  cell.controllers_where = {controllers.string()};
+  Problems problems;
+  apply(overrides, cell, problems);
+  problems.throw_if_errors();
+  return cell;
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,54 @@
+#pragma once
+/// What a user says a cell is: `cell.yaml`, or a ROS user's description with its controllers.
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
+
+namespace polyarm::cell {
+
+struct RobotEntry {
+  std::string name = "arm";
+  std::string model;              ///< catalogue name, or path of a description
+  Pose base;                      ///< T_world_base
+  std::string hardware = "mock";  ///< driver name, or "declared": what the description's <ros2_control> says
+  std::string tool = "none";      ///< built-in tool, or path of a tool file
+  std::map<std::string, std::string> parameters;  ///< of the hardware
+  Location where;
+};
+
+/// How long a joint move takes: as fast as the limits allow (times `speed`), or the thesis's rule.
+struct MotionEntry {
+  double speed = 1;                    ///< share of the limits, (0, 1]
+  std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
+};
+
+/// A robot program or PLC file as the cell names it, and the folder beside which its files are looked for.
+struct CellFile {
+  std::filesystem::path path;    ///< of cell.yaml or the description
+  std::filesystem::path folder;  ///< names in the cell are relative to it
+  std::string name;
+  double rate = 1000;  ///< Hz
+  std::vector<RobotEntry> robots;
+  std::string scene, controllers, signals, program, plc;  ///< file names as written; empty: none
+  Location scene_where, controllers_where, signals_where, program_where, plc_where;
+  MotionEntry motion;
+};
+
+/// What the command line puts over the file.
+struct Overrides {
+  std::string robot;     ///< model for the only robot, or "name=model"
+  std::string hardware;  ///< for every robot
+};
+
+/// Reads `cell.yaml` (or the folder that has one). Throws Error with everything that is wrong.
+CellFile read_cell_file(const std::filesystem::path& path, const Overrides& overrides = {});
+/// A cell of one robot `arm` from a description file and, if given, its controllers YAML.
+CellFile cell_from_description(const std::filesystem::path& description,
+                               const std::filesystem::path& controllers, const Overrides& overrides = {});
+
+}  // namespace polyarm::cell

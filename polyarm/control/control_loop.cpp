@@ -1,0 +1,103 @@
+#include "polyarm/control/control_loop.hpp"
+
+#include <algorithm>
+
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::control {
+
+void BlackBox::build(std::size_t values, std::size_t rows) {
+  width_ = values;
+  capacity_ = rows;
+  data_.assign(values * rows, 0.0);
+  next_ = filled_ = 0;
+}
+
+void BlackBox::record(std::span<const double> states, std::span<const double> commands) noexcept {
+  if (capacity_ == 0) return;
+  double* row = data_.data() + next_ * width_;
+  row = std::copy(states.begin(), states.end(), row);
+  std::copy(commands.begin(), commands.end(), row);
+  next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
+  filled_ = std::min(filled_ + 1, capacity_);
+}
+
+std::span<const double> BlackBox::row(std::size_t i) const noexcept {
+  const std::size_t first = filled_ < capacity_ ? 0 : next_;
+  return {data_.data() + ((first + i) % capacity_) * width_, width_};
+}
+
+ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
+  cycle_.period = options.period;
+}
+
+void ControlLoop::start_hardware() {
+  hardware_.configure_and_activate();
+  hardware_.read(cycle_);
+}
+
+void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
+  limits_.build(table_, joints, options_.period);
+  traced_.clear();
+  for (const controllers::JointFacts& joint : joints)
+    if (const auto index = table_.find_state(joint.name + "/position"))
+      traced_.push_back(static_cast<std::uint32_t>(*index));
+  const std::size_t states = table_.states().size(), commands = table_.commands().size();
+  black_box_.build(states + commands, options_.black_box_rows);
+  Snapshot empty;
+  empty.states.assign(table_.states().begin(), table_.states().end());
+  empty.commands.assign(table_.commands().begin(), table_.commands().end());
+  if (hardware_.world()) empty.world = *hardware_.world();
+  outbox_.reset(empty);
+}
+
+controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
+  const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
+  Request request = Request::none;
+  inbox_.pop(request);  // at most one request from outside
+  const controllers::Verdict verdict =
+      supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
+  controllers_.update(cycle, verdict);                                // a stop is followed on the path
+  limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
+  if (const hardware::Fault failed = hardware_.write(cycle))
+    supervisor_.raise(StopCause::component, failed.component);
+  if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
+  publish(cycle);  // snapshot, and the ring of cycle records
+  return verdict;
+}
+
+controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
+  const Nanoseconds before = options_.measure ? realtime::monotonic_now() : 0;
+  const controllers::Verdict verdict = step(cycle_, gap);
+  if (options_.measure) health_.cost.add(realtime::monotonic_now() - before);
+  ++health_.cycles;
+  cycle_.time += cycle_.period;
+  ++cycle_.index;
+  return verdict;
+}
+
+void ControlLoop::publish(const hardware::Cycle& cycle) noexcept {
+  const std::span<const double> states = table_.states(), commands = table_.commands();
+  for (const std::uint32_t index : traced_) trace_.add(states[index]);
+  black_box_.record(states, commands);
+  Snapshot& draft = outbox_.draft();
+  draft.cycle = cycle;
+  draft.state = supervisor_.state();
+  draft.cause = supervisor_.cause();
+  draft.culprit = supervisor_.culprit();
+  draft.standing = controllers_.standing();
+  std::copy(states.begin(), states.end(), draft.states.begin());
+  std::copy(commands.begin(), commands.end(), draft.commands.begin());
+  if (const hardware::WorldState* world = hardware_.world()) {
+    std::copy(world->parts.begin(), world->parts.end(), draft.world.parts.begin());
+    const int news = std::min(world->finding_count, hardware::WorldState::kMaxFindings);
+    std::copy_n(world->findings.begin(), news, draft.world.findings.begin());
+    draft.world.finding_count = world->finding_count;
+    draft.world.contacts = world->contacts;
+    draft.world.tracking_error = world->tracking_error;
+    draft.world.at_rest = world->at_rest;
+  }
+  outbox_.publish();
+}
+
+}  // namespace polyarm::control

@@ -1,0 +1,61 @@
+#include "polyarm/control/supervisor.hpp"
+
+namespace polyarm::control {
+
+const char* name(RunState state) {
+  constexpr const char* kNames[] = {"running", "stopping", "held", "fault"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+const char* name(Event event) {
+  constexpr const char* kNames[] = {"stop", "standing", "resume", "discard", "fault", "recover"};
+  return kNames[static_cast<std::size_t>(event)];
+}
+
+const char* name(StopCause cause) {
+  constexpr const char* kNames[] = {
+      "nothing",
+      "a stop was asked for",
+      "wall time went missing (the process or the machine was suspended)",
+      "the cell thread was silent for 0.5 s",
+      "a hardware component failed",
+      "a controller failed",
+      "the program ended",
+  };
+  return kNames[static_cast<std::size_t>(cause)];
+}
+
+void Supervisor::enter(Event event, StopCause cause) noexcept {
+  const RunState now = state();
+  const RunState then = next(now, event);
+  if (then == now) return;
+  if (then == RunState::running) culprit_.store(-1, std::memory_order_relaxed);
+  if (then == RunState::running || then == RunState::stopping || then == RunState::fault)
+    cause_.store(cause, std::memory_order_release);
+  state_.store(then, std::memory_order_release);
+}
+
+void Supervisor::raise(StopCause cause, std::int32_t who) noexcept {
+  culprit_.store(who, std::memory_order_release);
+  enter(Event::fault, cause);
+}
+
+controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
+                                       bool standing, Request request) noexcept {
+  controllers::Verdict verdict;
+  const realtime::StopKind stop = latch_.requested();
+  if (fault) raise(StopCause::component, fault.component);
+  if (stop != realtime::StopKind::none) enter(Event::stop, StopCause::asked);
+  if (gap) enter(Event::stop, StopCause::gap);
+  if (watch_cell && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
+    enter(Event::stop, StopCause::cell_silent);
+  if (state() == RunState::stopping && standing) enter(Event::standing, StopCause::none);
+  if (request == Request::resume && stop == realtime::StopKind::none) enter(Event::resume, StopCause::none);
+  if (request == Request::recover) enter(Event::recover, StopCause::none);
+  verdict.discard = request == Request::discard && state() == RunState::held;
+  verdict.speed = state() == RunState::running ? 1 : 0;
+  verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault;
+  return verdict;
+}
+
+}  // namespace polyarm::control

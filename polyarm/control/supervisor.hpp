@@ -1,0 +1,75 @@
+#pragma once
+/// The one place where faults become stops. One table says what follows what; the table is a test.
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/controllers/controller.hpp"
+#include "polyarm/hardware/hardware.hpp"
+#include "polyarm/realtime/stop_latch.hpp"
+
+namespace polyarm::control {
+
+/// running → stopping (on the path, within limits) → held → resume | discard; any → fault → recover → held.
+enum class RunState : std::uint8_t { running, stopping, held, fault };
+enum class Event : std::uint8_t { stop, standing, resume, discard, fault, recover };
+constexpr int kRunStates = 4, kEvents = 6;
+const char* name(RunState state);
+const char* name(Event event);
+
+/// The state table: what each event leads to in each state.
+constexpr std::array<std::array<RunState, kEvents>, kRunStates> kNextState = {{
+    // stop               standing            resume              discard             fault            recover
+    {{RunState::stopping, RunState::running, RunState::running, RunState::running, RunState::fault,
+      RunState::running}},
+    {{RunState::stopping, RunState::held, RunState::stopping, RunState::stopping, RunState::fault,
+      RunState::stopping}},
+    {{RunState::held, RunState::held, RunState::running, RunState::held, RunState::fault, RunState::held}},
+    {{RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::held}},
+}};
+constexpr RunState next(RunState state, Event event) {
+  return kNextState[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
+}
+
+/// Why the robot is not running.
+enum class StopCause : std::uint8_t { none, asked, gap, cell_silent, component, controller, program };
+const char* name(StopCause cause);
+
+/// What a person or the cell asks of the supervisor; taken once each cycle.
+enum class Request : std::uint8_t { none, resume, discard, recover };
+
+/// judge(): the control thread. The latch and the heartbeat: any thread.
+class Supervisor {
+ public:
+  /// The loop stops by itself when the cell thread is silent for this long while something moves.
+  static constexpr Nanoseconds kSilence = 500'000'000;
+
+  realtime::StopLatch& latch() noexcept { return latch_; }
+  /// The cell thread's sign of life; `now` is the cell's time.
+  void heartbeat(Nanoseconds now) noexcept { heartbeat_.store(now, std::memory_order_relaxed); }
+
+  /// The verdict of this cycle. `gap`: wall time has gone missing before this cycle. `standing`: no
+  /// controller asked for motion in the cycle before.
+  controllers::Verdict judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
+                             bool standing, Request request) noexcept;
+  /// A fault found after judging, for the next cycle.
+  void raise(StopCause cause, std::int32_t who) noexcept;
+
+  RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
+  StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
+  /// Index of the component or controller at fault, -1 for none.
+  std::int32_t culprit() const noexcept { return culprit_.load(std::memory_order_acquire); }
+  bool watch_cell = true;  ///< off in lock-step, where the cell cannot fall silent
+
+ private:
+  void enter(Event event, StopCause cause) noexcept;
+
+  realtime::StopLatch latch_;
+  std::atomic<Nanoseconds> heartbeat_{0};
+  std::atomic<RunState> state_{RunState::running};
+  std::atomic<StopCause> cause_{StopCause::none};
+  std::atomic<std::int32_t> culprit_{-1};
+};
+
+}  // namespace polyarm::control

@@ -1,0 +1,59 @@
+#include "polyarm/realtime/periodic.hpp"
+
+#include <sched.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include <algorithm>
+
+namespace polyarm::realtime {
+
+namespace {
+Nanoseconds now(clockid_t clock) noexcept {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return static_cast<Nanoseconds>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+}  // namespace
+
+Nanoseconds monotonic_now() noexcept {
+  return now(CLOCK_MONOTONIC);
+}
+Nanoseconds wall_now() noexcept {
+  return now(CLOCK_REALTIME);
+}
+
+WakeUp Periodic::wait() noexcept {
+  timespec until{static_cast<time_t>(due_ / 1'000'000'000), static_cast<long>(due_ % 1'000'000'000)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
+  }
+  const Nanoseconds woke = monotonic_now();
+  WakeUp out{due_, std::max<Nanoseconds>(0, woke - due_), 0};
+  due_ += period_;
+  if (due_ <= woke) {
+    out.skipped = static_cast<std::uint64_t>((woke - due_) / period_) + 1;
+    due_ += static_cast<Nanoseconds>(out.skipped) * period_;
+  }
+  return out;
+}
+
+const char* apply(const ThreadOptions& options) noexcept {
+  const char* refused = "";
+  if (options.cpu >= 0) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<unsigned>(options.cpu), &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0)
+      refused = "the control thread could not be pinned to its processor";
+  }
+  if (options.priority > 0) {
+    sched_param parameters{};
+    parameters.sched_priority = options.priority;
+    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+      refused = "real-time priority was refused (needs CAP_SYS_NICE or an rtprio limit)";
+  }
+  if (options.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) refused = "memory could not be locked";
+  return refused;
+}
+
+}  // namespace polyarm::realtime

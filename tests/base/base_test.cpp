@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/pose.hpp"
+#include "polyarm/base/quantity.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+
+namespace polyarm {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Pose, RpyGoesThereAndBack) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> angle(-3.1, 3.1), half(-1.5, 1.5);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 rpy{angle(random), half(random), angle(random)};
+    const Vec3 back = to_rpy(from_rpy(rpy.x, rpy.y, rpy.z));
+    EXPECT_NEAR(back.x, rpy.x, 1e-9);
+    EXPECT_NEAR(back.y, rpy.y, 1e-9);
+    EXPECT_NEAR(back.z, rpy.z, 1e-9);
+  }
+}
+
+TEST(Pose, RpyAtTheEndOfPitchIsTheSameRotation) {
+  for (const double pitch : {kPi / 2, -kPi / 2})
+    for (const double yaw : {-2.0, 0.3, 1.0}) {
+      const Quaternion q = from_rpy(0.7, pitch, yaw);
+      const Vec3 rpy = to_rpy(q);
+      EXPECT_LT(angle_between(q, from_rpy(rpy.x, rpy.y, rpy.z)), 1e-6);
+    }
+}
+
+TEST(Pose, InverseUndoesAndComposesInOrder) {
+  const Pose a = pose_xyz_rpy({1, 2, 3}, {0.1, 0.2, 0.3}), b = pose_xyz_rpy({-1, 0.5, 0}, {1, 0, 0});
+  const Vec3 p{0.3, -0.2, 0.9};
+  EXPECT_LT(norm((a * b) * p - a * (b * p)), 1e-12);
+  EXPECT_LT(norm(inverse(a) * (a * p) - p), 1e-12);
+}
+
+TEST(Pose, RotationBetweenTurnsOneIntoTheOther) {
+  for (const Vec3 to : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, normalized(Vec3{1, 2, -3})})
+    EXPECT_LT(norm(rotation_between({0, 0, 1}, to) * Vec3{0, 0, 1} - to), 1e-9);
+}
+
+TEST(Quantity, ReadsUnitsAndRefusesWrongOnes) {
+  EXPECT_DOUBLE_EQ(*parse_quantity("40mm", Dimension::length), 0.04);
+  EXPECT_DOUBLE_EQ(*parse_quantity("180deg", Dimension::angle), kPi);
+  EXPECT_DOUBLE_EQ(*parse_quantity("1.5 m/s2", Dimension::acceleration), 1.5);
+  EXPECT_DOUBLE_EQ(*parse_quantity("-.5", Dimension::length), -0.5);
+  EXPECT_FALSE(parse_quantity("40mm", Dimension::angle));
+  EXPECT_FALSE(parse_quantity("mm", Dimension::length));
+  EXPECT_FALSE(parse_quantity("1e999", Dimension::none));
+  EXPECT_FALSE(parse_quantity("", Dimension::none));
+}
+
+TEST(Text, NearestNameForgivesSmallSlips) {
+  const std::vector<std::string> names{"GripperActive", "GripperInactive", "Repeat"};
+  EXPECT_EQ(nearest_name("GriperActive", names), "GripperActive");
+  EXPECT_EQ(nearest_name("repaet", names), "Repeat");
+  EXPECT_EQ(nearest_name("Conveyor", names), std::nullopt);
+}
+
+TEST(Text, NumbersGoThereAndBackExactly) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 10000; ++i) {
+    const double value = std::ldexp(static_cast<double>(random()), static_cast<int>(random() % 200) - 100);
+    EXPECT_EQ(parse_number(format_number(value)), value);
+  }
+}
+
+TEST(File, IsReplacedWholeAndLeavesNothingBeside) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("polyarm_file_test" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  write_file_atomically(folder / "a", "one");
+  write_file_atomically(folder / "a", "two");
+  EXPECT_EQ(read_file(folder / "a"), "two");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_THROW(write_file_atomically(folder / "missing" / "a", "x"), Error);
+  EXPECT_THROW(read_file(folder / "b"), Error);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(YamlFile, NamesThePlaceOfWhatIsWrong) {
+  const Yaml yaml = Yaml::parse("rate: 1000\nrobots:\n  arm: {model: ur3, at: [0, x, 0]}\n", "cell.yaml");
+  try {
+    yaml["robots"]["arm"]["at"].vec3();
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().where.line, 3);
+    EXPECT_NE(std::string(e.what()).find("'x' is not a length"), std::string::npos);
+  }
+  Problems problems;
+  yaml.check_keys({"rate", "robot"}, problems);
+  ASSERT_EQ(problems.list().size(), 1u);
+  EXPECT_NE(problems.list()[0].what.find("did you mean 'robot'"), std::string::npos);
+}
+
+TEST(YamlFile, SurvivesGarbage) {
+  std::mt19937 random(3);
+  const std::string valid = "a: {b: [1, 2mm, {c: d}], e: 'f'}\nlist:\n  - 1\n  - x: y\n";
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = valid;
+    for (int k = 0; k < 4; ++k) text[random() % text.size()] = static_cast<char>(random() % 256);
+    try {
+      const Yaml yaml = Yaml::parse(text, "x");
+      for (const std::string& key : yaml.keys()) (void)yaml[key].pose();
+    } catch (const Error&) {
+    }
+  }
+  EXPECT_THROW(Yaml::parse(std::string(100000, '['), "x"), Error);
+}
+
+}  // namespace
+}  // namespace polyarm

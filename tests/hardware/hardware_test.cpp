@@ -1,0 +1,124 @@
+#include "polyarm/hardware/hardware.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
+
+namespace polyarm::hardware {
+namespace {
+
+/// Echoes its one command; fails where it is told to.
+class Echo : public Component {
+ public:
+  CallbackReturn on_init(const ComponentContext& context) override {
+    name_ = context.name;
+    return context.parameters.contains("refuse") ? CallbackReturn::failure : CallbackReturn::success;
+  }
+  CallbackReturn on_activate() override {
+    ++active;
+    return CallbackReturn::success;
+  }
+  CallbackReturn on_deactivate() override {
+    --active;
+    return CallbackReturn::success;
+  }
+  std::vector<InterfaceDescription> state_interfaces() const override {
+    return {{name_ + "/j/position", 0.0}};
+  }
+  std::vector<InterfaceDescription> command_interfaces() const override { return {{name_ + "/j/position"}}; }
+  ReturnType read(const Cycle&, std::span<double> states) noexcept override {
+    states[0] = last_;
+    return fail ? ReturnType::error : ReturnType::ok;
+  }
+  ReturnType write(const Cycle&, std::span<const double> commands) noexcept override {
+    last_ = commands[0];
+    return ReturnType::ok;
+  }
+  static inline int active = 0;
+  static inline bool fail = false;
+
+ private:
+  std::string name_;
+  double last_ = 0;
+};
+
+ComponentContext named(const std::string& name) {
+  ComponentContext context;
+  context.name = name;
+  return context;
+}
+
+TEST(Hardware, GivesEachComponentItsOwnPlacesInTheTable) {
+  InterfaceTable table;
+  Hardware hardware(table);
+  hardware.add(std::make_unique<Echo>(), named("left"));
+  hardware.add(std::make_unique<Echo>(), named("right"));
+  hardware.configure_and_activate();
+  table.commands()[*table.find_command("right/j/position")] = 0.5;
+  hardware.write({});
+  EXPECT_FALSE(hardware.read({}));
+  EXPECT_EQ(table.states()[*table.find_state("right/j/position")], 0.5);
+  EXPECT_TRUE(std::isnan(table.states()[*table.find_state("left/j/position")]));
+}
+
+TEST(Hardware, NamesTheComponentThatFails) {
+  InterfaceTable table;
+  Hardware hardware(table);
+  hardware.add(std::make_unique<Echo>(), named("left"));
+  hardware.configure_and_activate();
+  Echo::fail = true;
+  const Fault fault = hardware.read({});
+  Echo::fail = false;
+  EXPECT_EQ(fault.kind, FaultKind::component_read);
+  EXPECT_EQ(hardware.component_name(static_cast<std::size_t>(fault.component)), "left");
+}
+
+TEST(Hardware, DeactivatesOnEveryWayOut) {
+  Echo::active = 0;
+  {
+    InterfaceTable table;
+    Hardware hardware(table);
+    hardware.add(std::make_unique<Echo>(), named("left"));
+    hardware.configure_and_activate();
+    EXPECT_EQ(Echo::active, 1);
+  }
+  EXPECT_EQ(Echo::active, 0);
+}
+
+TEST(Hardware, ForcesAFaultOverWhatControllersSay) {
+  InterfaceTable table;
+  Hardware hardware(table);
+  hardware.add(std::make_unique<Echo>(), named("arm"));
+  hardware.configure_and_activate();
+  hardware.force("arm/j/position", 0.25);
+  table.commands()[0] = 1;
+  hardware.write({});
+  hardware.read({});
+  EXPECT_EQ(table.commands()[0], 0.25);
+  EXPECT_EQ(table.states()[0], 0.25);
+  EXPECT_THROW(hardware.force("arm/k/position", 0), Error);
+}
+
+TEST(Hardware, RefusesTwoInterfacesOfOneName) {
+  InterfaceTable table;
+  Hardware hardware(table);
+  hardware.add(std::make_unique<Echo>(), named("arm"));
+  EXPECT_THROW(hardware.add(std::make_unique<Echo>(), named("arm")), Error);
+}
+
+TEST(Drivers, UnknownNamesGetTheNearestKnownOne) {
+  register_driver("echo", [] { return std::unique_ptr<Component>(new Echo); });
+  EXPECT_NE(make_driver("echo"), nullptr);
+  try {
+    make_driver("ecko");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("did you mean 'echo'"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace polyarm::hardware
