@@ -1,0 +1,284 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "polyarm/control/control_loop.hpp"
+#include "polyarm/controllers/forward_command_controller.hpp"
+#include "polyarm/controllers/joint_state_broadcaster.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/trajectory/joint_move.hpp"
+#include "tests/support/realtime_guard.hpp"
+
+namespace polyarm::control {
+namespace {
+
+constexpr int kJoints = 6;
+
+/// Six joints that are where they were last told to be.
+class Plant : public hardware::Component {
+ public:
+  hardware::CallbackReturn on_init(const hardware::ComponentContext&) override {
+    return hardware::CallbackReturn::success;
+  }
+  std::vector<hardware::InterfaceDescription> state_interfaces() const override {
+    std::vector<hardware::InterfaceDescription> out;
+    for (int j = 0; j < kJoints; ++j) out.push_back({joint(j) + "/position", 0.1 * j});
+    return out;
+  }
+  std::vector<hardware::InterfaceDescription> command_interfaces() const override {
+    std::vector<hardware::InterfaceDescription> out;
+    for (int j = 0; j < kJoints; ++j) out.push_back({joint(j) + "/position"});
+    return out;
+  }
+  hardware::ReturnType read(const hardware::Cycle&, std::span<double> states) noexcept override {
+    if (fails) return hardware::ReturnType::error;
+    for (int j = 0; j < kJoints; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (std::isfinite(at_[k])) states[k] = at_[k];
+    }
+    return hardware::ReturnType::ok;
+  }
+  hardware::ReturnType write(const hardware::Cycle&, std::span<const double> commands) noexcept override {
+    std::copy(commands.begin(), commands.end(), at_.begin());
+    return hardware::ReturnType::ok;
+  }
+  static std::string joint(int j) { return "arm/joint_" + std::to_string(j + 1); }
+  static inline bool fails = false;
+
+ private:
+  std::array<double, kJoints> at_ = [] {
+    std::array<double, kJoints> nothing{};
+    nothing.fill(std::numeric_limits<double>::quiet_NaN());
+    return nothing;
+  }();
+};
+
+struct Bench {
+  ControlLoop loop{LoopOptions{}};
+  controllers::JointTrajectoryController* jtc = nullptr;
+  std::vector<controllers::JointFacts> joints;
+  std::vector<trajectory::JointMotionLimits> limits;
+  std::vector<double> at;
+  std::uint64_t next_id = 1;
+
+  Bench() {
+    Plant::fails = false;
+    loop.supervisor().watch_cell = false;
+    loop.hardware().add(std::make_unique<Plant>(), {});
+    loop.start_hardware();
+    controllers::ControllerContext context;
+    context.robot = "arm";
+    for (int j = 0; j < kJoints; ++j) {
+      joints.push_back({Plant::joint(j), false, -3, 3, 2.0, 8.0, 80.0});
+      limits.push_back({2.0, 8.0, 80.0});
+      at.push_back(0.1 * j);
+    }
+    context.joints = joints;
+    context.name = "jtc";
+    for (int j = 0; j < kJoints; ++j) context.parameters.entries["joints"].values.push_back("joint_" + std::to_string(j + 1));
+    auto made = std::make_unique<controllers::JointTrajectoryController>();
+    jtc = made.get();
+    loop.controllers().add(std::move(made), context);
+    controllers::ControllerContext broadcaster;
+    broadcaster.name = "jsb";
+    broadcaster.joints = joints;
+    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()), broadcaster);
+    loop.controllers().activate("jtc", loop.cycle());
+    loop.controllers().activate("jsb", loop.cycle());
+    loop.prepare(joints);
+  }
+
+  void move(std::vector<double> target) {
+    auto goal = std::make_unique<controllers::TrajectoryGoal>();
+    goal->id = next_id++;
+    goal->trajectory = trajectory::plan_joint_move(at, target, limits, {});
+    ASSERT_TRUE(jtc->follow(goal));
+    at = std::move(target);
+  }
+  double commanded(int j) { return loop.table().commands()[static_cast<std::size_t>(j)]; }
+  void run(int cycles) {
+    for (int i = 0; i < cycles; ++i) loop.step_next();
+  }
+};
+
+TEST(ControlLoop, HoldsWhereItFoundTheRobot) {
+  Bench bench;
+  bench.run(100);
+  for (int j = 0; j < kJoints; ++j) EXPECT_DOUBLE_EQ(bench.commanded(j), 0.1 * j);
+}
+
+TEST(ControlLoop, FollowsATrajectoryToItsEnd) {
+  Bench bench;
+  bench.move({1, 0.5, 0, -0.5, 0.2, 0.3});
+  bench.run(3000);
+  EXPECT_EQ(bench.jtc->status().finished.load(), 1u);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), 1);
+  EXPECT_DOUBLE_EQ(bench.commanded(3), -0.5);
+  EXPECT_EQ(bench.loop.limits().clamps(), 0u);
+}
+
+TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
+  Bench straight, stopped;
+  straight.move({1, 1, 1, 1, 1, 1});
+  stopped.move({1, 1, 1, 1, 1, 1});
+  std::vector<double> path;
+  for (int i = 0; i < 4000; ++i) {
+    straight.loop.step_next();
+    path.push_back(straight.commanded(0));
+  }
+  stopped.run(250);
+  stopped.loop.supervisor().latch().request(realtime::StopKind::controlled);
+  double before = stopped.commanded(0), fastest = 0;
+  const auto watch = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      stopped.loop.step_next();
+      fastest = std::max(fastest, std::abs(stopped.commanded(0) - before));
+      before = stopped.commanded(0);
+      // On the path: all joints stand at the same share of the line as the first.
+      const double share = stopped.commanded(0);
+      for (int j = 1; j < kJoints; ++j) EXPECT_NEAR((stopped.commanded(j) - 0.1 * j) / (1 - 0.1 * j), share, 1e-9);
+    }
+  };
+  watch(1000);
+  EXPECT_EQ(stopped.loop.supervisor().state(), RunState::held);
+  const double held_at = stopped.commanded(0);
+  EXPECT_GT(held_at, 0.01);
+  EXPECT_LT(held_at, 0.99);
+  watch(500);
+  EXPECT_DOUBLE_EQ(stopped.commanded(0), held_at);
+  stopped.loop.supervisor().latch().clear();
+  stopped.loop.post(Request::resume);
+  watch(4000);
+  EXPECT_DOUBLE_EQ(stopped.commanded(0), 1);
+  EXPECT_LE(fastest, 2.0e-3 * (1 + 1e-6)) << "never faster than the joint's velocity limit";
+}
+
+TEST(ControlLoop, DiscardForgetsTheRestOfTheMove) {
+  Bench bench;
+  bench.move({1, 1, 1, 1, 1, 1});
+  bench.run(300);
+  bench.loop.supervisor().latch().request(realtime::StopKind::controlled);
+  bench.run(1000);
+  const double held_at = bench.commanded(0);
+  bench.loop.post(Request::discard);
+  bench.run(1);
+  bench.loop.supervisor().latch().clear();
+  bench.loop.post(Request::resume);
+  bench.run(2000);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), held_at);
+  EXPECT_EQ(bench.jtc->status().discarded.load(), 1u);
+}
+
+TEST(ControlLoop, RefusesAGoalThatWouldJump) {
+  Bench bench;
+  bench.run(10);
+  bench.at[0] = 0.5;
+  bench.move({1, 1, 1, 1, 1, 1});
+  bench.run(10);
+  EXPECT_EQ(bench.jtc->status().refused.load(), 1u);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), 0);
+}
+
+TEST(ControlLoop, AComponentErrorIsAFaultThatHolds) {
+  Bench bench;
+  bench.move({1, 1, 1, 1, 1, 1});
+  bench.run(200);
+  Plant::fails = true;
+  bench.run(1000);
+  EXPECT_EQ(bench.loop.supervisor().state(), RunState::fault);
+  EXPECT_EQ(bench.loop.supervisor().cause(), StopCause::component);
+  const double held_at = bench.commanded(0);
+  Plant::fails = false;
+  bench.run(100);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), held_at) << "nothing moves on recovery by itself";
+  bench.loop.post(Request::recover);
+  bench.loop.post(Request::resume);
+  bench.run(4000);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), 1);
+}
+
+TEST(ControlLoop, TwoControllersNeverShareACommand) {
+  Bench bench;
+  controllers::ControllerContext context;
+  context.name = "forward";
+  context.robot = "arm";
+  context.joints = bench.joints;
+  context.parameters.entries["joints"].values = {"joint_1"};
+  context.parameters.entries["interface_name"].values = {"position"};
+  bench.loop.controllers().add(std::make_unique<controllers::ForwardCommandController>(), context);
+  EXPECT_THROW(bench.loop.controllers().activate("forward", bench.loop.cycle()), Error);
+  bench.loop.controllers().deactivate("jtc", bench.loop.cycle());
+  EXPECT_NO_THROW(bench.loop.controllers().activate("forward", bench.loop.cycle()));
+}
+
+TEST(ControlLoop, SameInputsGiveTheSameTrace) {
+  Bench a, b, c;
+  for (Bench* bench : {&a, &b}) bench->move({1, 0, 0, 0, 0, 0});
+  c.move({1.0000001, 0, 0, 0, 0, 0});
+  for (Bench* bench : {&a, &b, &c}) bench->run(2000);
+  EXPECT_EQ(a.loop.trace().text(), b.loop.trace().text());
+  EXPECT_NE(a.loop.trace().text(), c.loop.trace().text());
+}
+
+TEST(ControlLoop, LimitsHaveTheLastWord) {
+  Bench bench;
+  bench.loop.controllers().deactivate("jtc", bench.loop.cycle());
+  controllers::ControllerContext context;
+  context.name = "forward";
+  context.robot = "arm";
+  context.joints = bench.joints;
+  context.parameters.entries["joints"].values = {"joint_1"};
+  auto made = std::make_unique<controllers::ForwardCommandController>();
+  auto* forward = made.get();
+  bench.loop.controllers().add(std::move(made), context);
+  bench.loop.controllers().activate("forward", bench.loop.cycle());
+  forward->send(std::array{100.0});
+  double last = bench.commanded(0);
+  for (int i = 0; i < 3000; ++i) {
+    bench.loop.step_next();
+    EXPECT_LE(bench.commanded(0) - last, 2e-3 * (1 + 1e-5));
+    last = bench.commanded(0);
+  }
+  EXPECT_DOUBLE_EQ(last, 3);
+  EXPECT_GT(bench.loop.limits().clamps(), 0u);
+}
+
+TEST(ControlLoop, AHundredThousandCyclesTouchNothingForbidden) {
+  if (!test::RealtimeGuard::watches()) GTEST_SKIP() << "sanitizers bring their own allocator";
+  Bench bench;
+  bench.move({1, 0.5, 0, -0.5, 0.2, 0.3});
+  bench.run(100);
+  std::string violations;
+  for (int part = 0; part < 100; ++part) {
+    if (part % 10 == 5) bench.loop.supervisor().latch().request(realtime::StopKind::controlled);
+    if (part % 10 == 8) {
+      bench.loop.supervisor().latch().clear();
+      bench.loop.post(Request::resume);
+    }
+    if (bench.jtc->status().finished.load() + 1 == bench.next_id)
+      bench.move(part % 2 ? std::vector<double>{1, 0.5, 0, -0.5, 0.2, 0.3} : std::vector<double>{-1, 0, 1, 0.5, 0, 0});
+    const test::RealtimeGuard guard;
+    bench.run(1000);
+    violations += guard.violations();
+  }
+  EXPECT_EQ(violations, "");
+}
+
+TEST(RealtimeGuard, SeesWhatIsForbidden) {
+  if (!test::RealtimeGuard::watches()) GTEST_SKIP() << "sanitizers bring their own allocator";
+  const test::RealtimeGuard guard;
+  auto* volatile p = new int(1);
+  delete p;
+  try {
+    throw 1;
+  } catch (int) {
+  }
+  const std::string seen = guard.violations();
+  EXPECT_NE(seen.find("malloc"), std::string::npos);
+  EXPECT_NE(seen.find("free"), std::string::npos);
+  EXPECT_NE(seen.find("throw"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyarm::control
