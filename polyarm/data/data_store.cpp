@@ -1,0 +1,132 @@
+#include "polyarm/data/data_store.hpp"
+
+#include <algorithm>
+
+namespace polyarm::data {
+
+void DataStore::declare_tag(const std::string& name, Value initial, TagRole role) {
+  const auto [at, added] = slots_.try_emplace(name);
+  at->second.tag = role;
+  if (added) change(name, at->second, std::move(initial), "cell", true);
+}
+
+bool DataStore::is_tag(const std::string& name) const {
+  return tag_role(name).has_value();
+}
+
+std::optional<TagRole> DataStore::tag_role(const std::string& name) const {
+  const auto at = slots_.find(name);
+  return at == slots_.end() ? std::nullopt : at->second.tag;
+}
+
+std::size_t DataStore::set_index(const std::string& set) {
+  const auto at = std::find(sets_.begin(), sets_.end(), set);
+  if (at != sets_.end()) return static_cast<std::size_t>(at - sets_.begin());
+  sets_.push_back(set);
+  return sets_.size() - 1;
+}
+
+void DataStore::load(const std::string& set, const DataSet& content, const std::string& who) {
+  const std::size_t index = set_index(set);
+  std::erase_if(writes_, [&](const auto& write) { return write.first.first == index; });
+  forget_missing(index, content, who);
+  for (const Entry& entry : content.entries()) load_entry(index, entry, who);
+}
+
+void DataStore::forget_missing(std::size_t set, const DataSet& content, const std::string& who) {
+  for (auto at = slots_.begin(); at != slots_.end();) {
+    Slot& slot = at->second;
+    const bool leaves = !content.find(at->first) && std::erase(slot.sets, set) > 0;
+    if (!leaves || !slot.sets.empty() || slot.tag) {
+      ++at;
+      continue;
+    }
+    ++version_;
+    record(at->first, slot.value, std::nullopt, who);
+    at = slots_.erase(at);
+  }
+}
+
+void DataStore::load_entry(std::size_t set, const Entry& entry, const std::string& who) {
+  const auto [at, added] = slots_.try_emplace(entry.name);
+  Slot& slot = at->second;
+  if (std::find(slot.sets.begin(), slot.sets.end(), set) == slot.sets.end()) slot.sets.push_back(set);
+  if (slot.tag == TagRole::state) {
+    if (!(slot.value == entry.value)) writes_[{set, entry.name}] = slot.value;
+    return;
+  }
+  if (change(entry.name, slot, entry.value, who, added)) note_writes(entry.name, slot, set);
+}
+
+void DataStore::take_outside(const std::string& set, const std::vector<std::pair<std::string, Value>>& values,
+                             const std::string& who) {
+  const std::size_t index = set_index(set);
+  for (const auto& [name, value] : values) load_entry(index, {name, value, {}}, who);
+}
+
+std::vector<std::string> DataStore::sets() const {
+  return sets_;
+}
+
+std::string DataStore::set_of(const std::string& name) const {
+  const auto at = slots_.find(name);
+  return at == slots_.end() || at->second.sets.empty() ? std::string{} : sets_[at->second.sets.front()];
+}
+
+const Value* DataStore::find(std::string_view name) const {
+  const auto at = slots_.find(name);
+  return at == slots_.end() ? nullptr : &at->second.value;
+}
+
+std::vector<std::string> DataStore::names() const {
+  std::vector<std::string> out;
+  for (const auto& slot : slots_) out.push_back(slot.first);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool DataStore::set(const std::string& name, Value value, const std::string& who) {
+  const auto [at, added] = slots_.try_emplace(name);
+  if (added && !sets_.empty()) at->second.sets.push_back(0);
+  if (!change(name, at->second, std::move(value), who, added)) return false;
+  note_writes(name, at->second);
+  return true;
+}
+
+bool DataStore::change(const std::string& name, Slot& slot, Value value, const std::string& who,
+                       bool is_new) {
+  if (!is_new && slot.value == value) return false;
+  std::optional<Value> old;
+  if (!is_new) old = std::move(slot.value);
+  slot.value = std::move(value);
+  ++version_;
+  record(name, std::move(old), slot.value, who);
+  return true;
+}
+
+void DataStore::note_writes(const std::string& name, const Slot& slot, std::optional<std::size_t> except) {
+  for (const std::size_t set : slot.sets)
+    if (set != except) writes_[{set, name}] = slot.value;
+}
+
+std::vector<PendingWrite> DataStore::take_writes() {
+  std::vector<PendingWrite> out;
+  for (auto& [key, value] : writes_) out.push_back({sets_[key.first], key.second, std::move(value)});
+  writes_.clear();
+  return out;
+}
+
+void DataStore::record(const std::string& name, std::optional<Value> old, std::optional<Value> now,
+                       const std::string& who) {
+  changes_.push_back({version_, name, std::move(old), std::move(now), who});
+  if (changes_.size() > kChangesKept) changes_.pop_front();
+}
+
+std::vector<Change> DataStore::changes_since(std::uint64_t version) const {
+  const auto first =
+      std::upper_bound(changes_.begin(), changes_.end(), version,
+                       [](std::uint64_t v, const Change& change) { return v < change.version; });
+  return {first, changes_.end()};
+}
+
+}  // namespace polyarm::data

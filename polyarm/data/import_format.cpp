@@ -1,0 +1,454 @@
+#include "polyarm/data/import_format.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::data {
+
+namespace {
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+/// Above one and a half turns an angle was probably meant in degrees.
+constexpr double kImplausibleAngle = 2 * std::numbers::pi * 1.5;
+constexpr std::size_t kMostProblems = 200;
+using Form = PointFormat::Form;
+
+const std::vector<std::string>& keys() {
+  static const std::vector<std::string> list = {"Name", "Bool", "Num", "Text", "JS", "Pose", "Point"};
+  return list;
+}
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  std::string shown(text.substr(0, kMost));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
+  return "'" + shown + (text.size() > kMost ? "…'" : "'");
+}
+
+/// The number of characters before byte `at`, plus one.
+int column_of(std::string_view line, std::size_t at) {
+  int column = 1;
+  for (std::size_t i = 0; i < at && i < line.size(); ++i)
+    if ((static_cast<unsigned char>(line[i]) & 0xC0) != 0x80) ++column;
+  return column;
+}
+
+/// A number with whatever unit it says.
+std::optional<Number> parse_any_quantity(std::string_view text) {
+  if (const auto bare = parse_number(text)) return Number{*bare};
+  for (int i = 0; i <= static_cast<int>(Dimension::angular_acceleration); ++i) {
+    const auto dimension = static_cast<Dimension>(i);
+    const auto number = parse_quantity(text, dimension);
+    if (number && std::isfinite(*number)) return Number{*number, dimension};
+  }
+  return std::nullopt;
+}
+
+std::string header(const PointFormat& format) {
+  switch (format.form) {
+    case Form::none:
+      return "";
+    case Form::joints:
+      return "JS: " + join(format.joints, " ");
+    case Form::rpy:
+      return "Pose: RPY";
+    case Form::quaternion:
+      return "Pose: Quaternion";
+  }
+  return "";
+}
+
+std::vector<double> numbers_of(const Value& value, const PointFormat& format) {
+  std::vector<double> out;
+  if (const JointState* joints = value.as_joints()) {
+    for (const std::string& joint : format.joints) out.push_back(*joints->find(joint));
+    return out;
+  }
+  const Pose& pose = value.as_point()->pose;
+  out = {pose.position.x, pose.position.y, pose.position.z};
+  if (format.form == Form::quaternion) {
+    const Quaternion& q = pose.rotation;
+    out.insert(out.end(), {q.x, q.y, q.z, q.w});
+  } else {
+    const Vec3 rpy = to_rpy(pose.rotation);
+    out.insert(out.end(), {rpy.x, rpy.y, rpy.z});
+  }
+  return out;
+}
+
+std::string point_line(const Value& value, const PointFormat& format) {
+  std::string out;
+  for (const double number : numbers_of(value, format))
+    out += (out.empty() ? "" : ", ") + format_number(number);
+  return "Point: " + out;
+}
+
+/// The format in which `value` is written where `around` holds.
+PointFormat format_for(const Value& value, const PointFormat& around) {
+  if (const Point* point = value.as_point()) {
+    if (around.form == Form::rpy || around.form == Form::quaternion) return around;
+    return {point->quaternion_given ? Form::quaternion : Form::rpy, {}};
+  }
+  const JointState& joints = *value.as_joints();
+  const bool same = around.form == Form::joints && around.joints.size() == joints.names.size() &&
+                    std::all_of(around.joints.begin(), around.joints.end(),
+                                [&](const std::string& joint) { return joints.find(joint) != nullptr; });
+  return same ? around : PointFormat{Form::joints, joints.names};
+}
+
+bool keeps_as_joint_name(const std::string& joint) {
+  return !joint.empty() && joint.find_first_of(" \t\r\n,#") == std::string::npos;
+}
+
+void check_can_keep(const std::string& name, const Value& value, const std::string& file) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Problem{"cannot-keep", {file}, quote(name) + " cannot be kept in this file: " + why, {}});
+  };
+  if (name.empty() || trim(name) != name || name.find_first_of("\r\n") != std::string::npos)
+    refuse("a name here is one line without blanks around it");
+  if (value.as_list()) refuse("it has no form for lists");
+  if (const Number* number = value.as_number(); number && !std::isfinite(number->value))
+    refuse("it is no finite number");
+  if (const std::string* text = value.as_text(); text && (text->find_first_of("\r\n") != std::string::npos ||
+                                                          trim(*text) != *text || why_not_text(*text)))
+    refuse("a text here is one line without blanks around it");
+  if (const JointState* joints = value.as_joints();
+      joints && (joints->names.empty() || joints->names.size() != joints->positions.size() ||
+                 !std::all_of(joints->names.begin(), joints->names.end(), keeps_as_joint_name)))
+    refuse("its joints do not all have a name and a position");
+}
+
+std::string plain_line(const Value& value) {
+  if (value.as_boolean()) return "Bool: " + value.text();
+  if (value.as_number()) return "Num: " + value.text();
+  return *value.as_text() == "" ? "Text:" : "Text: " + value.text();
+}
+
+/// " # why" at the end of a line whose value is neither a name nor a text.
+std::string comment_of(const std::string& line) {
+  const std::string key = lower(trim(std::string_view(line).substr(0, line.find(':'))));
+  const auto at = line.find('#');
+  if (key == "text" || key == "name" || at == std::string::npos) return "";
+  const auto start = line.find_last_not_of(" \t", at - 1);
+  const auto first = start == std::string::npos ? 0 : start + 1;
+  return line.substr(first, line.find_first_of("\r\n", at) - first);
+}
+}  // namespace
+
+std::optional<std::string> why_not_text(std::string_view content) {
+  if (content.size() > 1 && content[0] == '\x80' && content[1] > 1 && content[1] < 6)
+    return "this is a Python pickle, which is never read because reading one can run any program; export it "
+           "as text";
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF"))
+    return "this text is in UTF-16; save it as UTF-8";
+  if (content.find('\0') != std::string_view::npos) return "this is a binary file, a text file was expected";
+  return std::nullopt;
+}
+
+/// Reads line by line, with the name and the point format that hold at each.
+class ImportReader {
+ public:
+  ImportReader(ImportFile& out, Problems& problems) : out_{out}, problems_{problems} {}
+
+  void read(std::string_view text) {
+    if (const auto why = why_not_text(text)) {
+      problems_.error("not-text", {out_.file_}, *why);
+      return;
+    }
+    split(text);
+    for (line_ = 0; line_ < out_.lines_.size(); ++line_) read_line(out_.lines_[line_].text);
+    finish_name();
+    out_.last_format_ = format_;
+  }
+
+ private:
+  void split(std::string_view text) {
+    if (text.starts_with(kByteOrderMark)) {
+      out_.mark_ = kByteOrderMark;
+      text.remove_prefix(kByteOrderMark.size());
+    }
+    while (!text.empty()) {
+      const auto end = text.find('\n');
+      std::string_view line = text.substr(0, end);
+      std::string ending = end == std::string_view::npos ? "" : "\n";
+      if (!ending.empty() && line.ends_with('\r')) {
+        line.remove_suffix(1);
+        ending = "\r\n";
+      }
+      if (out_.lines_.empty() && !ending.empty()) out_.newline_ = ending;
+      out_.lines_.push_back({std::string(line), ending});
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    }
+  }
+
+  void read_line(const std::string& line) {
+    const std::string_view content = trim(line);
+    if (content.empty() || content.front() == '#') return;
+    const auto colon = line.find(':');
+    if (colon == std::string::npos) {
+      const std::string word = split_words(content).front();
+      return error(line, content, "bad-line",
+                   quote(content) + " is no line of data" + did_you_mean(word, keys()),
+                   "write `Key: value`; keys are " + join(keys(), ", "));
+    }
+    const std::string_view key = trim(std::string_view(line).substr(0, colon));
+    std::string_view value = std::string_view(line).substr(colon + 1);
+    const std::string lowered = lower(key);
+    if (lowered != "text" && lowered != "name") value = value.substr(0, value.find('#'));
+    read_key(line, key, lowered, trim(value));
+  }
+
+  void read_key(const std::string& line, std::string_view key, const std::string& lowered,
+                std::string_view value) {
+    if (lowered == "name") return read_name(line, value);
+    if (lowered == "js") return read_joint_names(line, value);
+    if (lowered == "pose") return read_pose_form(line, value);
+    if (lowered == "bool") return read_boolean(line, value);
+    if (lowered == "num") return read_number(line, value);
+    if (lowered == "text") return store(line, Value(std::string(value)));
+    if (lowered == "point") return read_point(line, value);
+    error(line, key.empty() ? std::string_view(line) : key, "unknown-key",
+          quote(key) + " is no kind of data" + did_you_mean(key, keys()), "kinds are " + join(keys(), ", "));
+  }
+
+  void read_name(const std::string& line, std::string_view value) {
+    finish_name();
+    name_ = value;
+    name_line_ = line_;
+    name_used_ = false;
+    if (value.empty()) error(line, value, "no-name", "a name is missing after 'Name:'", "write `Name: Home`");
+  }
+
+  /// Warns of a name that never got a value.
+  void finish_name() {
+    if (name_.empty() || name_used_) return;
+    problems_.warning("no-value", {out_.file_, static_cast<int>(name_line_) + 1, 1},
+                      quote(name_) + " gets no value", "write a line such as `Bool: True` after it");
+  }
+
+  void read_joint_names(const std::string& line, std::string_view value) {
+    auto joints = split_words(value, " \t,");
+    auto sorted = joints;
+    std::sort(sorted.begin(), sorted.end());
+    if (joints.empty())
+      error(line, value, "bad-joints", "no joints are named after 'JS:'", "write their names between blanks");
+    if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+      error(line, value, "bad-joints", "the joint " + quote(*twice) + " is named twice");
+    format_ = {Form::joints, std::move(joints)};
+  }
+
+  void read_pose_form(const std::string& line, std::string_view value) {
+    static const std::vector<std::string> forms = {"RPY", "Quaternion"};
+    if (equal_ignoring_case(value, forms[0])) {
+      format_ = {Form::rpy, {}};
+    } else if (equal_ignoring_case(value, forms[1])) {
+      format_ = {Form::quaternion, {}};
+    } else {
+      format_ = {};
+      format_broken_ = true;
+      error(line, value, "bad-pose",
+            quote(value) + " is no way to write a rotation" + did_you_mean(value, forms),
+            "write `Pose: RPY` or `Pose: Quaternion`");
+      return;
+    }
+    format_broken_ = false;
+  }
+
+  void read_boolean(const std::string& line, std::string_view value) {
+    static const std::vector<std::string> words = {"True", "False"};
+    if (equal_ignoring_case(value, words[0])) return store(line, Value(true));
+    if (equal_ignoring_case(value, words[1])) return store(line, Value(false));
+    error(line, value, "bad-value", quote(value) + " is no boolean" + did_you_mean(value, words),
+          "write True or False");
+    name_used_ = true;
+  }
+
+  void read_number(const std::string& line, std::string_view value) {
+    if (const auto number = parse_any_quantity(value)) return store(line, Value(*number));
+    error(line, value, "bad-value", quote(value) + " is no number", "write a number such as 10, 0.5 or 40mm");
+    name_used_ = true;
+  }
+
+  void read_point(const std::string& line, std::string_view value) {
+    name_used_ = true;
+    if (format_.form == Form::none) {
+      if (!format_broken_)
+        error(line, value, "no-format", "a point needs a line 'JS:' or 'Pose:' before it",
+              "write `Pose: RPY`, or `JS:` with the names of the joints");
+      return;
+    }
+    const auto fields = split_fields(value, ',');
+    const std::size_t expected = count(format_);
+    if (value.empty() || fields.size() != expected)
+      return error(line, value, "bad-point",
+                   "this point has " + std::to_string(value.empty() ? 0 : fields.size()) + " numbers, " +
+                       std::to_string(expected) + " were expected after '" + header(format_) + "'",
+                   "write them between commas");
+    std::vector<double> numbers;
+    if (read_fields(line, value, fields, numbers)) store_point(line, value, numbers);
+  }
+
+  static std::size_t count(const PointFormat& format) {
+    if (format.form == Form::joints) return format.joints.size();
+    return format.form == Form::rpy ? 6 : 7;
+  }
+
+  bool is_angle(std::size_t index) const {
+    return format_.form == Form::joints || (format_.form == Form::rpy && index >= 3);
+  }
+
+  bool read_fields(const std::string& line, std::string_view value, const std::vector<std::string>& fields,
+                   std::vector<double>& numbers) {
+    bool degrees = false;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const auto number = read_field(fields[i], i);
+      if (!number) {
+        error_at(column_of(line, offset(line, value, i)), "bad-point",
+                 quote(fields[i]) + " is no number here, in place " + std::to_string(i + 1) + " of the point",
+                 "lengths are metres (or 40mm), angles radians (or 30deg)");
+        continue;
+      }
+      numbers.push_back(*number);
+      degrees = degrees || (is_angle(i) && std::abs(*number) > kImplausibleAngle);
+    }
+    if (degrees)
+      problems_.warning("looks-like-degrees",
+                        place(column_of(line, static_cast<std::size_t>(value.data() - line.data()))),
+                        quote(value) + " looks like degrees", "angles are radians unless they say deg");
+    return numbers.size() == fields.size();
+  }
+
+  std::optional<double> read_field(const std::string& field, std::size_t index) const {
+    std::optional<double> number;
+    if (is_angle(index)) number = parse_quantity(field, Dimension::angle);
+    if (!number && !(format_.form == Form::rpy && index >= 3))
+      number = parse_quantity(field, Dimension::length);
+    if (number && !std::isfinite(*number)) number.reset();
+    return number;
+  }
+
+  /// Where field `index` of `value` starts in the line.
+  static std::size_t offset(const std::string& line, std::string_view value, std::size_t index) {
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < index; ++i) at = value.find(',', at) + 1;
+    const auto start = value.find_first_not_of(" \t", at);
+    return static_cast<std::size_t>(value.data() - line.data()) +
+           (start == std::string_view::npos ? at : start);
+  }
+
+  void store_point(const std::string& line, std::string_view value, const std::vector<double>& n) {
+    if (format_.form == Form::joints) return store(line, Value(JointState{format_.joints, n}));
+    const Vec3 position{n[0], n[1], n[2]};
+    if (format_.form == Form::rpy)
+      return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]})}));
+    const double length = std::hypot(std::hypot(n[3], n[4]), std::hypot(n[5], n[6]));
+    if (!(length > 1e-6) || !std::isfinite(length))
+      return error(line, value, "bad-point", "the quaternion of this point is zero or no rotation",
+                   "no rotation is 0, 0, 0, 1");
+    const bool unit = std::abs(length - 1) < 1e-12;
+    const Quaternion q{n[3], n[4], n[5], n[6]};
+    if (std::abs(length - 1) > 0.01)
+      problems_.warning("not-unit", place(1),
+                        "the quaternion of this point has length " + format_number(length) +
+                            ", it was made a unit quaternion");
+    store(line, Value(Point{{position, unit ? q : normalized(q)}, true}));
+  }
+
+  void store(const std::string& line, Value value) {
+    name_used_ = true;
+    if (name_.empty())
+      return error(line, trim(line), "no-name", "this value has no name", "write a line `Name: …` before it");
+    const int column = column_of(line, line.find_first_not_of(" \t"));
+    const bool known = out_.values_.find(name_) != nullptr;
+    out_.values_.set(name_, std::move(value), place(column));
+    if (!known) return out_.slots_.push_back({name_, line_, format_});
+    *std::find_if(out_.slots_.rbegin(), out_.slots_.rend(),
+                  [&](const ImportFile::Slot& slot) { return slot.name == name_; }) = {name_, line_, format_};
+  }
+
+  Location place(int column) const { return {out_.file_, static_cast<int>(line_) + 1, column}; }
+
+  void error(const std::string& line, std::string_view part, std::string code, std::string what,
+             std::string advice = {}) {
+    const bool inside = part.data() >= line.data() && part.data() <= line.data() + line.size();
+    error_at(column_of(line, inside ? static_cast<std::size_t>(part.data() - line.data()) : 0),
+             std::move(code), std::move(what), std::move(advice));
+  }
+
+  void error_at(int column, std::string code, std::string what, std::string advice) {
+    if (++count_ < kMostProblems)
+      problems_.error(std::move(code), place(column), std::move(what), std::move(advice));
+    if (count_ == kMostProblems)
+      problems_.error("many-errors", place(column), "there are more errors in this file");
+  }
+
+  ImportFile& out_;
+  Problems& problems_;
+  PointFormat format_;
+  bool format_broken_ = false;
+  std::string name_;
+  std::size_t name_line_ = 0, line_ = 0, count_ = 0;
+  bool name_used_ = false;
+};
+
+ImportFile ImportFile::parse(std::string_view text, const std::string& file, Problems& problems) {
+  ImportFile out;
+  out.file_ = file;
+  ImportReader(out, problems).read(text);
+  return out;
+}
+
+ImportFile ImportFile::load(const std::string& path) {
+  Problems problems;
+  ImportFile out = parse(read_file(path), path, problems);
+  problems.throw_if_errors();
+  return out;
+}
+
+std::string ImportFile::block(const Value& value, const PointFormat& format,
+                              const std::string& old_line) const {
+  const std::string indent = old_line.substr(0, old_line.find_first_not_of(" \t"));
+  if (!value.is_place()) return indent + plain_line(value) + comment_of(old_line);
+  const PointFormat own = format_for(value, format);
+  const std::string line = indent + point_line(value, own) + comment_of(old_line);
+  if (own == format) return line;
+  const std::string after = header(format);
+  return indent + header(own) + newline_ + line + (after.empty() ? "" : newline_ + indent + after);
+}
+
+void ImportFile::set(const std::string& name, const Value& value) {
+  const Value* present = values_.value(name);
+  if (present && *present == value) return;
+  check_can_keep(name, value, file_);
+  const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) { return s.name == name; });
+  if (slot == slots_.end()) return append(name, value);
+  Line& line = lines_[slot->line];
+  line.text = block(value, slot->format, line.text);
+  Problems none;
+  const std::string text = header(slot->format) + "\nName: " + name + "\n" + line.text;
+  values_.set(name, *parse(text, file_, none).values().value(name));
+}
+
+void ImportFile::append(const std::string& name, const Value& value) {
+  if (!lines_.empty() && lines_.back().ending.empty()) lines_.back().ending = newline_;
+  const std::string written = block(value, last_format_, "");
+  lines_.push_back({"Name: " + name, newline_});
+  lines_.push_back({written, newline_});
+  slots_.push_back({name, lines_.size() - 1, last_format_});
+  Problems none;
+  const std::string text = header(last_format_) + "\nName: " + name + "\n" + written;
+  values_.set(name, *parse(text, file_, none).values().value(name));
+}
+
+std::string ImportFile::text() const {
+  std::string out = mark_;
+  for (const Line& line : lines_) out += line.text + line.ending;
+  return out;
+}
+
+}  // namespace polyarm::data

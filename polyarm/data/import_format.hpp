@@ -1,0 +1,74 @@
+#pragma once
+/// The text form of a data set: lines of `Key: value`.
+///
+///   Name: Home            the name of the value that follows; without a new Name a value overwrites the last
+///   Bool: True            True or False
+///   Num: 10               a number, SI unless it says a unit
+///   Text: cycle           the rest of the line
+///   JS: elbow wrist       the joints of the Points that follow, in the order of their numbers
+///   Pose: RPY             the Points that follow are x, y, z, roll, pitch, yaw (metres, radians), or with
+///                         `Pose: Quaternion` x, y, z, qx, qy, qz, qw
+///   Point: 0.1, 0.2       numbers between commas
+///
+/// Keys are read in any case. Blank lines, lines that start with #, and a # after a value other than a text
+/// or a name are comments. CRLF and a byte order mark are kept.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/data/data_set.hpp"
+
+namespace polyarm::data {
+
+/// How the numbers of a Point are meant.
+struct PointFormat {
+  enum class Form { none, joints, rpy, quaternion } form = Form::none;
+  std::vector<std::string> joints;
+  friend bool operator==(const PointFormat&, const PointFormat&) = default;
+};
+
+/// A data file that is held as its text, so that changing a value changes only that value's line.
+class ImportFile {
+ public:
+  /// Reads everything that is right and reports everything that is not, with file, line and column.
+  static ImportFile parse(std::string_view text, const std::string& file, Problems& problems);
+  /// Reads the file; throws Error with every problem of it.
+  static ImportFile load(const std::string& path);
+
+  const std::string& file() const { return file_; }
+  /// The values as a reader of text() would get them.
+  const DataSet& values() const { return values_; }
+  /// Changes the line of `name`, or appends name and value. Nothing changes where the value is equal.
+  /// Throws Error("cannot-keep") for a value that this form cannot hold: a list, a text with a line break.
+  void set(const std::string& name, const Value& value);
+  std::string text() const;
+
+ private:
+  struct Line {
+    std::string text;
+    std::string ending;
+  };
+  struct Slot {
+    std::string name;
+    std::size_t line = 0;
+    PointFormat format;  ///< that a Point in this line has
+  };
+  friend class ImportReader;
+
+  std::string block(const Value& value, const PointFormat& format, const std::string& old_line) const;
+  void append(const std::string& name, const Value& value);
+
+  std::string file_;
+  std::string mark_;  ///< the byte order mark, where the file has one
+  std::string newline_ = "\n";
+  std::vector<Line> lines_;
+  std::vector<Slot> slots_;
+  PointFormat last_format_;
+  DataSet values_;
+};
+
+/// A sentence why `content` is no text file (a pickle, NUL bytes), or nothing.
+std::optional<std::string> why_not_text(std::string_view content);
+
+}  // namespace polyarm::data
