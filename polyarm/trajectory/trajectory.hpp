@@ -25,15 +25,16 @@ class Trajectory {
   /// End time of segment `i`, s from the start.
   double end_of(std::size_t i) const noexcept { return ends_[i]; }
 
-  /// Appends a segment of `duration` > 0 seconds. `coefficients[j * kCoefficients + k]` belongs to joint j and
-  /// power k of the time since the segment began.
+  /// Appends a segment of `duration` > 0 seconds. `coefficients[j * kCoefficients + k]` belongs to joint j
+  /// and power k of the time since the segment began.
   void append(double duration, std::span<const double> coefficients);
 
-  /// Position, velocity and acceleration (spans of `joints()` values, or empty where not wanted) at `t` seconds.
-  /// Before the start the first values with zero velocity, after the end the last ones with zero velocity and
-  /// acceleration. `hint` is a segment index kept by the caller between calls that makes lookup O(1).
-  void sample(double t, std::span<double> position, std::span<double> velocity, std::span<double> acceleration,
-              std::size_t& hint) const noexcept;
+  /// Position, velocity and acceleration (spans of `joints()` values, or empty where not wanted) at `t`
+  /// seconds. Before the start the first values with zero velocity, after the end the last ones with zero
+  /// velocity and acceleration. `hint` is a segment index kept by the caller between calls that makes lookup
+  /// O(1).
+  void sample(double t, std::span<double> position, std::span<double> velocity,
+              std::span<double> acceleration, std::size_t& hint) const noexcept;
 
  private:
   std::size_t joints_ = 0;

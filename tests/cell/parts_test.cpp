@@ -22,7 +22,8 @@ struct OnePart {
   }
   hardware::PartState& state() { return world.parts[0]; }
   void pass(PartTracker& tracker, double s) {
-    for (const Nanoseconds end = now + nanoseconds(s); now < end; now += 2'000'000) tracker.update(now, world);
+    for (const Nanoseconds end = now + nanoseconds(s); now < end; now += 2'000'000)
+      tracker.update(now, world);
   }
 };
 
@@ -55,11 +56,16 @@ TEST(PartTracker, APartAtItsGoalIsPlaced) {
   EXPECT_EQ(part.bin, "tray");
 }
 
-TEST(PartTracker, APartTooFarOffIsNot) { EXPECT_EQ(carried_to({0.306, -0.15, 0.02}).fate, PartFate::off_goal); }
-TEST(PartTracker, APartOutsideItsBinIsNot) { EXPECT_EQ(carried_to({0.5, -0.15, 0.02}).fate, PartFate::wrong_bin); }
+TEST(PartTracker, APartTooFarOffIsNot) {
+  EXPECT_EQ(carried_to({0.306, -0.15, 0.02}).fate, PartFate::off_goal);
+}
+TEST(PartTracker, APartOutsideItsBinIsNot) {
+  EXPECT_EQ(carried_to({0.5, -0.15, 0.02}).fate, PartFate::wrong_bin);
+}
 TEST(PartTracker, APartStillRollingHasNotArrived) {
   EXPECT_EQ(carried_to({0.3, -0.15, 0.02}, 0.01).fate, PartFate::moving);
-  EXPECT_EQ(carried_to({0.3, -0.15, 0.02}, 0, 0.4).fate, PartFate::moving) << "at rest for less than half a second";
+  EXPECT_EQ(carried_to({0.3, -0.15, 0.02}, 0, 0.4).fate, PartFate::moving)
+      << "at rest for less than half a second";
 }
 
 TEST(PartTracker, APartTakenAwayKeepsWhatWasMeasured) {

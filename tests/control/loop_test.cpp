@@ -76,14 +76,16 @@ struct Bench {
     }
     context.joints = joints;
     context.name = "jtc";
-    for (int j = 0; j < kJoints; ++j) context.parameters.entries["joints"].values.push_back("joint_" + std::to_string(j + 1));
+    for (int j = 0; j < kJoints; ++j)
+      context.parameters.entries["joints"].values.push_back("joint_" + std::to_string(j + 1));
     auto made = std::make_unique<controllers::JointTrajectoryController>();
     jtc = made.get();
     loop.controllers().add(std::move(made), context);
     controllers::ControllerContext broadcaster;
     broadcaster.name = "jsb";
     broadcaster.joints = joints;
-    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()), broadcaster);
+    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()),
+                           broadcaster);
     loop.controllers().activate("jtc", loop.cycle());
     loop.controllers().activate("jsb", loop.cycle());
     loop.prepare(joints);
@@ -137,7 +139,8 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
       before = stopped.commanded(0);
       // On the path: all joints stand at the same share of the line as the first.
       const double share = stopped.commanded(0);
-      for (int j = 1; j < kJoints; ++j) EXPECT_NEAR((stopped.commanded(j) - 0.1 * j) / (1 - 0.1 * j), share, 1e-9);
+      for (int j = 1; j < kJoints; ++j)
+        EXPECT_NEAR((stopped.commanded(j) - 0.1 * j) / (1 - 0.1 * j), share, 1e-9);
     }
   };
   watch(1000);
@@ -257,7 +260,8 @@ TEST(ControlLoop, AHundredThousandCyclesTouchNothingForbidden) {
       bench.loop.post(Request::resume);
     }
     if (bench.jtc->status().finished.load() + 1 == bench.next_id)
-      bench.move(part % 2 ? std::vector<double>{1, 0.5, 0, -0.5, 0.2, 0.3} : std::vector<double>{-1, 0, 1, 0.5, 0, 0});
+      bench.move(part % 2 ? std::vector<double>{1, 0.5, 0, -0.5, 0.2, 0.3}
+                          : std::vector<double>{-1, 0, 1, 0.5, 0, 0});
     const test::RealtimeGuard guard;
     bench.run(1000);
     violations += guard.violations();

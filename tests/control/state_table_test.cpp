@@ -13,28 +13,33 @@ struct Row {
 
 class StateTable : public testing::TestWithParam<Row> {};
 
-TEST_P(StateTable, LeadsWhereItMust) { EXPECT_EQ(next(GetParam().from, GetParam().event), GetParam().to); }
+TEST_P(StateTable, LeadsWhereItMust) {
+  EXPECT_EQ(next(GetParam().from, GetParam().event), GetParam().to);
+}
 
 using S = RunState;
 using E = Event;
 INSTANTIATE_TEST_SUITE_P(
     All, StateTable,
-    testing::Values(
-        Row{S::running, E::stop, S::stopping}, Row{S::running, E::standing, S::running},
-        Row{S::running, E::resume, S::running}, Row{S::running, E::discard, S::running},
-        Row{S::running, E::fault, S::fault}, Row{S::running, E::recover, S::running},
-        Row{S::stopping, E::stop, S::stopping}, Row{S::stopping, E::standing, S::held},
-        Row{S::stopping, E::resume, S::stopping}, Row{S::stopping, E::discard, S::stopping},
-        Row{S::stopping, E::fault, S::fault}, Row{S::stopping, E::recover, S::stopping},
-        Row{S::held, E::stop, S::held}, Row{S::held, E::standing, S::held}, Row{S::held, E::resume, S::running},
-        Row{S::held, E::discard, S::held}, Row{S::held, E::fault, S::fault}, Row{S::held, E::recover, S::held},
-        Row{S::fault, E::stop, S::fault}, Row{S::fault, E::standing, S::fault}, Row{S::fault, E::resume, S::fault},
-        Row{S::fault, E::discard, S::fault}, Row{S::fault, E::fault, S::fault}, Row{S::fault, E::recover, S::held}),
+    testing::Values(Row{S::running, E::stop, S::stopping}, Row{S::running, E::standing, S::running},
+                    Row{S::running, E::resume, S::running}, Row{S::running, E::discard, S::running},
+                    Row{S::running, E::fault, S::fault}, Row{S::running, E::recover, S::running},
+                    Row{S::stopping, E::stop, S::stopping}, Row{S::stopping, E::standing, S::held},
+                    Row{S::stopping, E::resume, S::stopping}, Row{S::stopping, E::discard, S::stopping},
+                    Row{S::stopping, E::fault, S::fault}, Row{S::stopping, E::recover, S::stopping},
+                    Row{S::held, E::stop, S::held}, Row{S::held, E::standing, S::held},
+                    Row{S::held, E::resume, S::running}, Row{S::held, E::discard, S::held},
+                    Row{S::held, E::fault, S::fault}, Row{S::held, E::recover, S::held},
+                    Row{S::fault, E::stop, S::fault}, Row{S::fault, E::standing, S::fault},
+                    Row{S::fault, E::resume, S::fault}, Row{S::fault, E::discard, S::fault},
+                    Row{S::fault, E::fault, S::fault}, Row{S::fault, E::recover, S::held}),
     [](const testing::TestParamInfo<Row>& row) {
       return std::string(name(row.param.from)) + "_" + name(row.param.event);
     });
 
-hardware::Cycle at_ms(int ms) { return {ms * 1'000'000LL, 1'000'000, static_cast<std::uint64_t>(ms)}; }
+hardware::Cycle at_ms(int ms) {
+  return {ms * 1'000'000LL, 1'000'000, static_cast<std::uint64_t>(ms)};
+}
 
 TEST(Supervisor, NothingButResumeLeavesAHold) {
   Supervisor supervisor;
