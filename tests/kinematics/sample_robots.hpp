@@ -1,0 +1,68 @@
+#pragma once
+/// Two robots written by hand, so that these tests need no file: a UR3 and a seven-joint arm.
+#include <numbers>
+#include <string>
+
+#include "polyarm/description/robot_model.hpp"
+
+namespace polyarm::test {
+
+struct JointRow {
+  const char* name;
+  Vec3 xyz, rpy, axis;
+  double lower, upper;
+};
+
+inline description::RobotModel serial_robot(const std::string& name, std::initializer_list<JointRow> rows) {
+  description::RobotModel model;
+  model.name = name;
+  model.links.push_back({"base_link"});
+  for (const JointRow& row : rows) {
+    const int index = static_cast<int>(model.joints.size());
+    description::Joint joint;
+    joint.name = row.name;
+    joint.type = row.lower < row.upper ? description::JointType::revolute : description::JointType::fixed;
+    joint.parent_link = index;
+    joint.child_link = index + 1;
+    joint.origin = pose_xyz_rpy(row.xyz, row.rpy);
+    joint.axis = row.axis;
+    if (joint.moves()) {
+      joint.limits.lower = row.lower;
+      joint.limits.upper = row.upper;
+      joint.limits.velocity = 3.0;
+      model.actuated.push_back(index);
+    }
+    model.joints.push_back(joint);
+    model.links.push_back({"link_" + std::to_string(index + 1), {}, {}, {}, index});
+  }
+  model.links.back().name = "tool0";
+  return model;
+}
+
+/// Kinematics of the Universal Robots UR3 (the maker's published DH parameters, base turned as in its ROS description).
+inline description::RobotModel ur3() {
+  constexpr double pi = std::numbers::pi;
+  const Vec3 z{0, 0, 1};
+  return serial_robot("ur3", {{"base", {0, 0, 0}, {0, 0, pi}, z, 0, 0},
+                              {"shoulder_pan", {0, 0, 0.1519}, {0, 0, 0}, z, -2 * pi, 2 * pi},
+                              {"shoulder_lift", {0, 0, 0}, {pi / 2, 0, 0}, z, -2 * pi, 2 * pi},
+                              {"elbow", {-0.24365, 0, 0}, {0, 0, 0}, z, -pi, pi},
+                              {"wrist_1", {-0.21325, 0, 0.11235}, {0, 0, 0}, z, -2 * pi, 2 * pi},
+                              {"wrist_2", {0, -0.08535, 0}, {pi / 2, 0, 0}, z, -2 * pi, 2 * pi},
+                              {"wrist_3", {0, 0.0819, 0}, {pi / 2, pi, pi}, z, -2 * pi, 2 * pi}});
+}
+
+inline description::RobotModel seven() {
+  constexpr double pi = std::numbers::pi;
+  const Vec3 z{0, 0, 1};
+  return serial_robot("seven", {{"a1", {0, 0, 0.34}, {0, 0, 0}, z, -2.9, 2.9},
+                                {"a2", {0, 0, 0}, {-pi / 2, 0, 0}, z, -2.0, 2.0},
+                                {"a3", {0, -0.4, 0}, {pi / 2, 0, 0}, z, -2.9, 2.9},
+                                {"a4", {0, 0, 0}, {pi / 2, 0, 0}, z, -2.0, 2.0},
+                                {"a5", {0, 0.4, 0}, {-pi / 2, 0, 0}, z, -2.9, 2.9},
+                                {"a6", {0, 0, 0}, {-pi / 2, 0, 0}, z, -2.0, 2.0},
+                                {"a7", {0, 0, 0}, {pi / 2, 0, 0}, z, -3.0, 3.0},
+                                {"flange", {0, 0, 0.126}, {0, 0, 0}, z, 0, 0}});
+}
+
+}  // namespace polyarm::test
