@@ -53,7 +53,8 @@ Chain::Frame Chain::frame_of(const Pose& pose) noexcept {
           {pose.position.x, pose.position.y, pose.position.z}};
 }
 
-/// The rotation by the branch with the largest quaternion component, so that no division is by a small number.
+/// The rotation by the branch with the largest quaternion component, so that no division is by a small
+/// number.
 Pose Chain::pose_of(const Frame& f) noexcept {
   const double* r = f.r;
   Quaternion q;
@@ -73,7 +74,8 @@ void Chain::append(Frame& a, const Frame& b) noexcept {
   Frame out;
   for (int i = 0; i < 3; ++i) {
     const double* row = a.r + 3 * i;
-    for (int j = 0; j < 3; ++j) out.r[3 * i + j] = row[0] * b.r[j] + row[1] * b.r[3 + j] + row[2] * b.r[6 + j];
+    for (int j = 0; j < 3; ++j)
+      out.r[3 * i + j] = row[0] * b.r[j] + row[1] * b.r[3 + j] + row[2] * b.r[6 + j];
     out.p[i] = a.p[i] + row[0] * b.p[0] + row[1] * b.p[1] + row[2] * b.p[2];
   }
   a = out;
@@ -123,7 +125,6 @@ void Chain::read_joints(const RobotModel& model) {
     upper_.push_back(bounded ? joint.limits.upper.value_or(kInfinity) : kInfinity);
     if (!(lower_.back() <= upper_.back()))
       refuse("the lower limit of '" + joint.name + "' is not below its upper limit");
-    prismatic_.push_back(joint.type == JointType::prismatic);
   }
   on_path_.assign(joints(), false);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
@@ -150,8 +151,9 @@ void Chain::read_path(const RobotModel& model, int tip_link) {
   while (link != root_) {
     const int joint = model.links[static_cast<std::size_t>(link)].parent_joint;
     if (path.size() > model.joints.size()) refuse("the links form a circle");
-    path.push_back(index_in(model.joints.size(), joint,
-                            "the joint that carries '" + model.links[static_cast<std::size_t>(link)].name + "'"));
+    path.push_back(
+        index_in(model.joints.size(), joint,
+                 "the joint that carries '" + model.links[static_cast<std::size_t>(link)].name + "'"));
     link = model.joints[static_cast<std::size_t>(joint)].parent_link;
   }
   std::reverse(path.begin(), path.end());
@@ -174,6 +176,7 @@ void Chain::find_periods() {
     period_[i] = whole_turns ? 2 * std::numbers::pi : 0.0;
     if (step.prismatic) uses[i] = 2;
   }
+  for (const double period : period_) turns_.push_back(period > 0);
 }
 
 Chain::Chain(const RobotModel& model, int tip_link, Pose T_world_base, Pose T_tip_tcp)
@@ -208,11 +211,7 @@ void Chain::link_poses(std::span<const double> q, std::span<Pose> out) const noe
   }
 }
 
-void Chain::jacobian(std::span<const double> q, std::span<double> J) const noexcept {
-  forward_and_jacobian(q, J);
-}
-
-Pose Chain::forward_and_jacobian(std::span<const double> q, std::span<double> J) const noexcept {
+Pose Chain::jacobian(std::span<const double> q, std::span<double> J) const noexcept {
   // More steps than joints are possible with mimic joints; a second sweep finds their axes again.
   const std::size_t n = joints();
   std::array<Frame, kMaxJoints> kept;
@@ -255,7 +254,8 @@ double Chain::largest_value(const Step& step) const noexcept {
   if (d.variable < 0) return std::abs(d.offset);
   const auto i = static_cast<std::size_t>(d.variable);
   if (d.multiplier == 0) return std::abs(d.offset);
-  return std::max(std::abs(d.multiplier * lower_[i] + d.offset), std::abs(d.multiplier * upper_[i] + d.offset));
+  return std::max(std::abs(d.multiplier * lower_[i] + d.offset),
+                  std::abs(d.multiplier * upper_[i] + d.offset));
 }
 
 double Chain::distance_squared(std::span<const double> q) const noexcept {
@@ -263,9 +263,9 @@ double Chain::distance_squared(std::span<const double> q) const noexcept {
   return dot(arm, arm);
 }
 
-/// Moves one joint to where the TCP is furthest from the base. For a joint that turns once the squared distance is
-/// a + b cos q + c sin q, which three values determine; else the better end of a prismatic joint, where the squared
-/// distance is convex; other joints stay.
+/// Moves one joint to where the TCP is furthest from the base. For a joint that turns once the squared
+/// distance is a + b cos q + c sin q, which three values determine; else the better end of a prismatic joint,
+/// where the squared distance is convex; other joints stay.
 void Chain::stretch_joint(std::span<double> q, std::size_t joint) const noexcept {
   const double was = q[joint];
   const auto at = [&](double value) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Where a robot's links and its tool centre point are for given joint values, and how they move. Built once from a
-/// model, then const. Everything here is SI: metres, radians, poses in the world.
+/// Where a robot's links and its tool centre point are for given joint values, and how they move. Built once
+/// from a model, then const. Everything here is SI: metres, radians, poses in the world.
 #include <cstddef>
 #include <span>
 #include <string>
@@ -11,19 +11,20 @@
 
 namespace polyarm::kinematics {
 
-/// The kinematics of one robot from its base to a tool centre point (TCP). A joint state `q` has one value for each
-/// actuated joint of the model, in the order of RobotModel::actuated; actuated joints that do not lie between root and
-/// tip have no influence on the TCP. A mimic joint follows as multiplier * q + offset.
-/// Thread: const and without hidden state, so any thread; forward(), link_poses(), jacobian() allocate nothing.
-/// Precondition of all three: the spans have the sizes stated.
+/// The kinematics of one robot from its base to a tool centre point (TCP). A joint state `q` has one value
+/// for each actuated joint of the model, in the order of RobotModel::actuated; actuated joints that do not
+/// lie between root and tip have no influence on the TCP. A mimic joint follows as multiplier * q + offset.
+/// Thread: const and without hidden state, so any thread; forward(), link_poses(), jacobian() allocate
+/// nothing. Precondition of all three: the spans have the sizes stated.
 class Chain {
  public:
   /// Most actuated joints that a chain may have.
   static constexpr std::size_t kMaxJoints = 32;
 
-  /// `tip_link` indexes RobotModel::links. T_world_base places the root link, T_tip_tcp the TCP in the tip link.
-  /// Throws Error("bad-model") for a tip or parent that does not exist, a planar or floating joint on the path, mimic
-  /// joints that follow each other in a circle, more than kMaxJoints actuated joints, or numbers that are not finite.
+  /// `tip_link` indexes RobotModel::links. T_world_base places the root link, T_tip_tcp the TCP in the tip
+  /// link. Throws Error("bad-model") for a tip or parent that does not exist, a planar or floating joint on
+  /// the path, mimic joints that follow each other in a circle, more than kMaxJoints actuated joints, or
+  /// numbers that are not finite.
   Chain(const description::RobotModel& model, int tip_link, Pose T_world_base = {}, Pose T_tip_tcp = {});
 
   /// How many values a joint state has.
@@ -34,33 +35,37 @@ class Chain {
   const std::vector<double>& upper() const noexcept { return upper_; }
   /// Whether joint `i` moves the TCP.
   bool moves_tcp(std::size_t i) const noexcept { return on_path_[i]; }
-  /// A change of joint `i` by this much, rad, leaves the TCP where it is (2 pi for an ordinary revolute joint);
-  /// 0 where there is no such change.
+  /// A change of joint `i` by this much, rad, leaves the TCP where it is (2 pi for an ordinary revolute
+  /// joint); 0 where there is no such change.
   double period(std::size_t i) const noexcept { return period_[i]; }
+  /// Whether joint `i` has such a period.
+  const std::vector<bool>& turns() const noexcept { return turns_; }
   /// How many links the model has, which is the size of link_poses().
   std::size_t links() const noexcept { return link_count_; }
   const Pose& base() const noexcept { return T_world_base_; }
+  /// What reach() is measured from: the base's origin, in the world.
+  const Vec3& reach_center() const noexcept { return T_world_base_.position; }
 
-  /// The largest distance of the TCP from the base's origin that some joint state within limits was found to have, m.
-  /// Found by exact maximisation over one joint after another from several starts: a true distance, and in practice
-  /// the largest. Infinite with a prismatic joint that has no limits.
+  /// The largest distance of the TCP from the base's origin that some joint state within limits was found to
+  /// have, m. Found by exact maximisation over one joint after another from several starts: a true distance,
+  /// and in practice the largest. Infinite with a prismatic joint that has no limits.
   double reach() const noexcept { return reach_; }
-  /// No joint state within limits puts the TCP further from the base's origin than this, m: the sum of all lengths.
+  /// No joint state within limits puts the TCP further from the base's origin than this, m: the sum of all
+  /// lengths.
   double reach_bound() const noexcept { return reach_bound_; }
 
   /// The TCP's pose.
   Pose forward(std::span<const double> q) const noexcept;
-  /// The pose of every link of the model, in the order of RobotModel::links. Links behind planar or floating joints
-  /// are placed as if those stood at zero.
+  /// The pose of every link of the model, in the order of RobotModel::links. Links behind planar or floating
+  /// joints are placed as if those stood at zero.
   void link_poses(std::span<const double> q, std::span<Pose> out) const noexcept;
-  /// Velocity of the TCP per joint velocity: 6 rows (linear x y z, angular x y z, world axes at the TCP) by joints()
-  /// columns, row after row.
-  void jacobian(std::span<const double> q, std::span<double> J) const noexcept;
-  /// Both in one sweep.
-  Pose forward_and_jacobian(std::span<const double> q, std::span<double> J) const noexcept;
+  /// Velocity of the TCP per joint velocity: 6 rows (linear x y z, angular x y z, world axes at the TCP) by
+  /// joints() columns, row after row. Returns the TCP's pose, which the sweep finds on its way.
+  Pose jacobian(std::span<const double> q, std::span<double> J) const noexcept;
 
  private:
-  /// How a joint of the model gets its value: multiplier * q[variable] + offset; a constant where variable is -1.
+  /// How a joint of the model gets its value: multiplier * q[variable] + offset; a constant where variable is
+  /// -1.
   struct Drive {
     int variable = -1;
     double multiplier = 1, offset = 0;
@@ -73,8 +78,8 @@ class Chain {
     double r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     double p[3] = {0, 0, 0};
   };
-  /// One moving joint of the path. `fixed` leads from the frame after the joint before (the world at first) to this
-  /// joint's frame, turned so that the joint's axis is z.
+  /// One moving joint of the path. `fixed` leads from the frame after the joint before (the world at first)
+  /// to this joint's frame, turned so that the joint's axis is z.
   struct Step {
     Frame fixed;
     bool prismatic = false;
@@ -106,7 +111,7 @@ class Chain {
 
   std::vector<std::string> names_;
   std::vector<double> lower_, upper_, period_;
-  std::vector<bool> on_path_, prismatic_;
+  std::vector<bool> on_path_, turns_;
   std::vector<TreeJoint> tree_;
   std::vector<Step> steps_;
   Frame last_;  ///< from the frame after the last joint to the TCP
