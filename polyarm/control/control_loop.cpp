@@ -58,11 +58,11 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   const controllers::Verdict verdict =
       supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
   controllers_.update(cycle, verdict);                                // a stop is followed on the path
-  limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
+  if (options_.limits) limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
   if (const hardware::Fault failed = hardware_.write(cycle))
     supervisor_.raise(StopCause::component, failed.component);
   if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
-  publish(cycle);  // snapshot, and the ring of cycle records
+  if (options_.publish) publish(cycle);  // snapshot, and the ring of cycle records
   return verdict;
 }
 

@@ -52,6 +52,8 @@ struct LoopOptions {
   Nanoseconds period = 1'000'000;
   std::size_t black_box_rows = 10'000;
   bool measure = true;  ///< measure the cost of each cycle
+  bool limits = true;   ///< restrict commands; off only to measure what that costs
+  bool publish = true;  ///< snapshot and cycle records; off only to measure what that costs
 };
 
 /// One control loop: its table, hardware, controllers and supervisor, and the one function that a cycle is.
