@@ -1,1 +1,80 @@
-int main() { return 0; }
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "apps/verb.hpp"
+#include "drivers/mock/mock.hpp"
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
+
+namespace polyarm::apps {
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> table = {
+      {"run", "run a cell: simulate, execute its program, report", run_run},
+      {"check", "find every error of a cell's files; nothing moves", run_check},
+      {"robots", "list the robots of the catalogue", run_robots},
+      {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
+      {"fk", "forward kinematics: joint values to a pose", run_fk},
+      {"ik", "inverse kinematics: a pose to joint values", run_ik},
+      {"completion", "print shell completion (bash, zsh, fish)", run_completion},
+      {"version", "print the version", run_version},
+  };
+  return table;
+}
+
+namespace {
+
+void print_help() {
+  fmt::print("polyarm: one runtime for every robot arm\n\nUsage: polyarm VERB [OPTIONS]\n\n");
+  for (const Verb& verb : verbs()) fmt::print("  {:<12}{}\n", verb.name, verb.summary);
+  fmt::print(
+      "\n  polyarm VERB --help says more, with examples.\n\nExamples:\n"
+      "  polyarm run examples/pick_and_place\n"
+      "  polyarm run examples/sorting --robot abb/irb_120 --fast\n"
+      "  polyarm check examples/bin_picking --robot fanuc/lr_mate_200id\n"
+      "  polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --rpy 3.1416 0 0\n\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 stopped by a person\n");
+}
+
+int unknown_verb(const std::string& wrong) {
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs()) names.emplace_back(verb.name);
+  fmt::print(stderr, "polyarm: there is no verb '{}'{}\nverbs: {}\n", wrong, did_you_mean(wrong, names),
+             join(names, ", "));
+  return kUsage;
+}
+
+}  // namespace
+}  // namespace polyarm::apps
+
+int main(int argc, char** argv) {
+  using namespace polyarm;
+  hardware::register_driver(
+      "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  if (argc < 2) {
+    apps::print_help();
+    return apps::kUsage;
+  }
+  const std::string wanted = argv[1];
+  if (wanted == "--help" || wanted == "-h" || wanted == "help") {
+    apps::print_help();
+    return apps::kOk;
+  }
+  if (wanted == "--version") return apps::run_version(argc - 1, argv + 1);
+  for (const apps::Verb& verb : apps::verbs()) {
+    if (wanted != verb.name) continue;
+    try {
+      return verb.run(argc - 1, argv + 1);
+    } catch (const Error& e) {
+      fmt::print(stderr, "{}\n", e.what());
+    } catch (const std::exception& e) {
+      fmt::print(stderr, "polyarm {}: unexpected: {}\n", wanted, e.what());
+    }
+    return apps::kFailed;
+  }
+  return apps::unknown_verb(wanted);
+}

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include "apps/options.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+std::string verb_names() {
+  std::string out;
+  for (const Verb& verb : verbs()) out += (out.empty() ? "" : " ") + std::string(verb.name);
+  return out;
+}
+
+constexpr const char* kOptions =
+    "--help --json --robot --hardware --fast --cycles --seconds --description --controllers --fault "
+    "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp";
+
+void print_bash() {
+  fmt::print(R"(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc
+_polyarm() {{
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
+  if [[ $COMP_CWORD == 1 ]]; then COMPREPLY=($(compgen -W "{0}" -- "$word")); return; fi
+  if [[ $before == --robot || ${{COMP_WORDS[1]}} =~ ^(describe|fk|ik)$ && $COMP_CWORD == 2 ]]; then
+    COMPREPLY=($(compgen -W "$(polyarm robots --names)" -- "$word")); return; fi
+  if [[ $before == --hardware ]]; then COMPREPLY=($(compgen -W "declared mock mujoco" -- "$word")); return; fi
+  if [[ $word == -* ]]; then COMPREPLY=($(compgen -W "{1}" -- "$word")); return; fi
+  COMPREPLY=($(compgen -f -- "$word"))
+}}
+complete -o filenames -F _polyarm polyarm
+)",
+             verb_names(), kOptions);
+}
+void print_zsh() {
+  fmt::print("# polyarm completion for zsh: put `source <(polyarm completion zsh)` into ~/.zshrc\n"
+             "autoload -U +X bashcompinit && bashcompinit\n");
+  print_bash();
+}
+void print_fish() {
+  fmt::print("# polyarm completion for fish: polyarm completion fish > ~/.config/fish/completions/polyarm.fish\n");
+  for (const Verb& verb : verbs())
+    fmt::print("complete -c polyarm -n __fish_use_subcommand -f -a {} -d '{}'\n", verb.name, verb.summary);
+  fmt::print("complete -c polyarm -l robot -x -a '(polyarm robots --names)'\n"
+             "complete -c polyarm -l hardware -x -a 'declared mock mujoco'\n");
+}
+}  // namespace
+
+int run_completion(int argc, char** argv) {
+  CLI::App app("Prints shell completion", "polyarm completion");
+  std::string shell = "bash";
+  app.add_option("shell", shell, "bash, zsh or fish")->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  app.footer(examples({"source <(polyarm completion bash)"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  if (shell == "fish") print_fish();
+  else if (shell == "zsh") print_zsh();
+  else print_bash();
+  return kOk;
+}
+
+}  // namespace polyarm::apps

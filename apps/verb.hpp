@@ -1,0 +1,32 @@
+#pragma once
+/// The verbs of the command. One table gives dispatch, help and completion.
+#include <string>
+#include <vector>
+
+namespace polyarm::apps {
+
+/// Exit codes of every verb.
+enum Exit {
+  kOk = 0,
+  kFailed = 1,   ///< the run, the check or the solve ended as failed
+  kUsage = 2,    ///< the command line was wrong
+  kStopped = 3,  ///< stopped by a person before the end
+};
+
+struct Verb {
+  const char* name;
+  const char* summary;
+  int (*run)(int argc, char** argv);  ///< argv[0] is the verb
+};
+const std::vector<Verb>& verbs();
+
+int run_run(int argc, char** argv);
+int run_check(int argc, char** argv);
+int run_robots(int argc, char** argv);
+int run_describe(int argc, char** argv);
+int run_fk(int argc, char** argv);
+int run_ik(int argc, char** argv);
+int run_completion(int argc, char** argv);
+int run_version(int argc, char** argv);
+
+}  // namespace polyarm::apps
