@@ -125,6 +125,7 @@ void Chain::read_joints(const RobotModel& model) {
     upper_.push_back(bounded ? joint.limits.upper.value_or(kInfinity) : kInfinity);
     if (!(lower_.back() <= upper_.back()))
       refuse("the lower limit of '" + joint.name + "' is not below its upper limit");
+    slides_.push_back(joint.type == JointType::prismatic);
   }
   on_path_.assign(joints(), false);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {

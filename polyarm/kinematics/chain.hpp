@@ -35,6 +35,8 @@ class Chain {
   const std::vector<double>& upper() const noexcept { return upper_; }
   /// Whether joint `i` moves the TCP.
   bool moves_tcp(std::size_t i) const noexcept { return on_path_[i]; }
+  /// Whether joint `i` is prismatic: its values are metres, not radians.
+  bool slides(std::size_t i) const noexcept { return slides_[i]; }
   /// A change of joint `i` by this much, rad, leaves the TCP where it is (2 pi for an ordinary revolute
   /// joint); 0 where there is no such change.
   double period(std::size_t i) const noexcept { return period_[i]; }
@@ -111,7 +113,7 @@ class Chain {
 
   std::vector<std::string> names_;
   std::vector<double> lower_, upper_, period_;
-  std::vector<bool> on_path_, turns_;
+  std::vector<bool> on_path_, turns_, slides_;
   std::vector<TreeJoint> tree_;
   std::vector<Step> steps_;
   Frame last_;  ///< from the frame after the last joint to the TCP

@@ -1,324 +1,278 @@
 #include "polyarm/kinematics/inverse.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <random>
+#include <limits>
+
+#include "polyarm/kinematics/descent.hpp"
 
 namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
-
-struct PoseError {
-  Vector6 twist;  // from the present pose to the target, world axes
-  double position, orientation;
-};
-
-PoseError error_between(const Pose& now, const Pose& target, bool orientation_free) {
-  const Vec3 p = target.position - now.position;
-  const Vec3 r = orientation_free ? Vec3{} : to_rotation_vector(target.rotation * inverse(now.rotation));
-  PoseError out;
-  out.twist << p.x, p.y, p.z, r.x, r.y, r.z;
-  out.position = norm(p);
-  out.orientation = norm(r);
-  return out;
-}
-
-/// One descent. Keeps the best state seen in `best`.
-class Descent {
- public:
-  Descent(const Chain& chain, const Pose& target, const IkOptions& options)
-      : chain_(chain), target_(target), options_(options), jacobian_(6, static_cast<Eigen::Index>(chain.joints())) {}
-
-  bool run(std::vector<double>& q, bool keep_limits) {
-    double last = 1e300;
-    int stuck = 0;
-    for (int i = 0; i < options_.iterations; ++i) {
-      const Pose now = chain_.jacobian(q, {jacobian_.data(), static_cast<std::size_t>(jacobian_.size())});
-      const PoseError error = error_between(now, target_, options_.orientation_free);
-      const double size = error.twist.norm();
-      if (size < best_size_) remember(q, error, size);
-      if (error.position <= polish_ * options_.position_tolerance &&
-          error.orientation <= polish_ * options_.orientation_tolerance)
-        return true;
-      stuck = size > 0.97 * last ? stuck + 1 : 0;
-      if (stuck > 8) break;
-      last = size;
-      step(q, error, size, keep_limits);
-    }
-    return best_.position <= options_.position_tolerance && best_.orientation <= options_.orientation_tolerance &&
-           finish(q);
-  }
-  const PoseError& best() const { return best_; }
-  const std::vector<double>& best_q() const { return best_q_; }
-
- private:
-  static constexpr double polish_ = 1e-3;
-
-  void remember(const std::vector<double>& q, const PoseError& error, double size) {
-    best_size_ = size;
-    best_ = error;
-    best_q_ = q;
-  }
-  bool finish(std::vector<double>& q) const {
-    q = best_q_;
-    return true;
-  }
-
-  void step(std::vector<double>& q, const PoseError& error, double size, bool keep_limits) {
-    Eigen::VectorXd dq = solve(jacobian_, error.twist, size);
-    if (keep_limits && block_limits(q, dq)) dq = solve(jacobian_, error.twist, size);
-    const double biggest = dq.cwiseAbs().maxCoeff();
-    if (biggest > 0.6) dq *= 0.6 / biggest;
-    for (std::size_t j = 0; j < q.size(); ++j) {
-      q[j] += dq[static_cast<Eigen::Index>(j)];
-      if (keep_limits) q[j] = std::clamp(q[j], chain_.lower()[j], chain_.upper()[j]);
-    }
-  }
-
-  /// Columns of joints that would leave their limits are taken out for this step.
-  bool block_limits(const std::vector<double>& q, const Eigen::VectorXd& dq) {
-    bool any = false;
-    for (std::size_t j = 0; j < q.size(); ++j) {
-      const double d = dq[static_cast<Eigen::Index>(j)];
-      if ((d > 0 && q[j] >= chain_.upper()[j]) || (d < 0 && q[j] <= chain_.lower()[j])) {
-        jacobian_.col(static_cast<Eigen::Index>(j)).setZero();
-        any = true;
-      }
-    }
-    return any;
-  }
-
-  static Eigen::VectorXd solve(const Jacobian& jacobian, const Vector6& twist, double size) {
-    const double damping = 2e-2 * size * size + 1e-12;
-    Matrix6 a = jacobian * jacobian.transpose();
-    a.diagonal().array() += damping;
-    return jacobian.transpose() * a.ldlt().solve(twist);
-  }
-
-  const Chain& chain_;
-  const Pose& target_;
-  const IkOptions& options_;
-  Jacobian jacobian_;
-  double best_size_ = 1e300;
-  PoseError best_{Vector6::Zero(), 1e300, 1e300};
-  std::vector<double> best_q_;
-};
-
-/// Brings joints that turn to the turn nearest `near` that is inside the limits.
-void unwind(const Chain& chain, std::vector<double>& q, std::span<const double> near) {
-  for (std::size_t j = 0; j < q.size(); ++j) {
-    if (!chain.turns()[j]) continue;
-    const double turns = std::round((near[j] - q[j]) / (2 * kPi));
-    double best = q[j], best_distance = 1e300;
-    for (const double k : {turns - 1, turns, turns + 1}) {
-      const double candidate = q[j] + 2 * kPi * k;
-      if (candidate < chain.lower()[j] - 1e-12 || candidate > chain.upper()[j] + 1e-12) continue;
-      if (std::abs(candidate - near[j]) < best_distance) {
-        best = candidate;
-        best_distance = std::abs(candidate - near[j]);
-      }
-    }
-    q[j] = best;
-  }
-}
-
-bool inside(const Chain& chain, const std::vector<double>& q) {
-  for (std::size_t j = 0; j < q.size(); ++j)
-    if (q[j] < chain.lower()[j] - 1e-9 || q[j] > chain.upper()[j] + 1e-9) return false;
-  return true;
-}
-
-std::vector<double> random_state(const Chain& chain, std::mt19937_64& random) {
-  std::vector<double> q(chain.joints());
-  for (std::size_t j = 0; j < q.size(); ++j) {
-    const double lower = std::max(chain.lower()[j], -kPi), upper = std::min(chain.upper()[j], kPi);
-    const double share = static_cast<double>(random() >> 11) * 0x1p-53;
-    q[j] = lower < upper ? lower + share * (upper - lower) : std::clamp(0.0, chain.lower()[j], chain.upper()[j]);
-  }
-  return q;
-}
+constexpr std::size_t kMostSolutions = 64;
+constexpr double kSameSolution = 1e-3;  // rad or m: nearer than this is one solution
 
 double distance(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
-  for (std::size_t j = 0; j < a.size(); ++j) sum += (a[j] - b[j]) * (a[j] - b[j]);
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return std::sqrt(sum);
 }
 
-/// First without limits and then wound back into them; if that is not possible, with the limits as walls.
-bool descend(const Chain& chain, const Pose& target, std::vector<double>& q, std::span<const double> near,
-             const IkOptions& options, IkResult& best) {
-  const std::vector<double> start = q;
-  for (const bool keep_limits : {false, true}) {
+double largest_change(std::span<const double> a, std::span<const double> b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+/// A question in the form the descents want: a unit rotation, a seed inside limits.
+struct Question {
+  const Chain& chain;
+  Pose target;
+  std::vector<double> seed;
+  const IkOptions& options;
+  std::string flaw;  ///< why it cannot be asked at all
+
+  Question(const Chain& c, const Pose& t, std::span<const double> s, const IkOptions& o)
+      : chain(c), target(t), seed(s.begin(), s.end()), options(o) {
+    const Quaternion& r = t.rotation;
+    const double length = r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w;
+    if (!std::isfinite(t.position.x + t.position.y + t.position.z + length))
+      flaw = "the pose has a value that is not a finite number";
+    else if (length < 1e-12)
+      flaw = "the orientation is a quaternion of length zero";
+    else if (c.joints() == 0)
+      flaw = "the robot has no joints that move";
+    else if (s.size() != c.joints())
+      flaw = "the seed has " + std::to_string(s.size()) + " values, the robot " + std::to_string(c.joints()) +
+             " joints";
+    if (!flaw.empty()) return;
+    target.rotation = normalized(r);
+    for (std::size_t i = 0; i < seed.size(); ++i)
+      seed[i] = std::isfinite(seed[i]) ? std::clamp(seed[i], c.lower()[i], c.upper()[i]) : resting(i);
+  }
+  double resting(std::size_t i) const { return std::clamp(0.0, chain.lower()[i], chain.upper()[i]); }
+  double weight() const {
+    return options.orientation_free ? 0.0 : std::max(1e-6, options.orientation_weight);
+  }
+  bool out_of_bounds() const {
+    return norm(target.position - chain.reach_center()) > chain.reach_bound() + options.position_tolerance;
+  }
+};
+
+IkResult flawed(const Question& question) {
+  IkResult out;
+  out.q = question.seed;
+  out.position_error = out.orientation_error = std::numeric_limits<double>::infinity();
+  out.reason = question.flaw;
+  return out;
+}
+
+IkResult solved(const Question& question, std::span<const double> q) {
+  IkResult out;
+  out.status = IkStatus::solved;
+  out.q.assign(q.begin(), q.end());
+  const Pose there = question.chain.forward(q);
+  out.position_error = norm(question.target.position - there.position);
+  if (!question.options.orientation_free)
+    out.orientation_error = angle_between(there.rotation, question.target.rotation);
+  return out;
+}
+
+/// The nearest that any descent came.
+struct Nearest {
+  JointState q{};
+  PoseError error;
+  double size = 1e300;
+};
+
+/// From one seed: first free and wound back into the limits; if they are still broken, with the limits as
+/// walls.
+bool descend(const Question& question, JointState& q, std::span<const double> near, Nearest* nearest) {
+  const JointState start = q;
+  for (const bool walls : {false, true}) {
     q = start;
-    Descent descent(chain, target, options);
-    const bool found = descent.run(q, keep_limits);
-    if (found) unwind(chain, q, near);
-    if (found && inside(chain, q)) return true;
-    if (keep_limits && descent.best().position + descent.best().orientation <
-                           best.position_error + best.orientation_error) {
-      best.q = descent.best_q();
-      best.position_error = descent.best().position;
-      best.orientation_error = descent.best().orientation;
+    Descent descent(question.chain, question.target, question.options, question.weight());
+    const bool found = descent.run(q, walls);
+    if (!walls && !found) continue;
+    unwind(question.chain, q, near);
+    if (found && inside_limits(question.chain, q)) {
+      for (std::size_t i = 0; i < near.size(); ++i)
+        q[i] = std::clamp(q[i], question.chain.lower()[i], question.chain.upper()[i]);
+      return true;
     }
+    if (walls && nearest && descent.size() < nearest->size) *nearest = {q, descent.error(), descent.size()};
   }
   return false;
 }
 
-/// The joint that a solution without limits breaks worst, as a sentence; empty when there is none.
-std::string broken_limit(const Chain& chain, const Pose& target, std::span<const double> seed,
-                         const IkOptions& options) {
-  std::mt19937_64 random(99);
-  std::vector<double> q(seed.begin(), seed.end());
-  std::string best;
-  double best_excess = 1e300;
-  for (int k = 0; k < 24; ++k) {
-    Descent descent(chain, target, options);
-    if (descent.run(q, false)) {
-      unwind(chain, q, seed);
-      double excess = 0;
-      std::string text;
-      for (std::size_t j = 0; j < q.size(); ++j) {
-        const double over = std::max(chain.lower()[j] - q[j], q[j] - chain.upper()[j]);
-        if (over <= excess) continue;
-        excess = over;
-        text = fmt::format("only with {} {:.3f} beyond its limit of {:.3f}", chain.names()[j], over,
-                           q[j] > chain.upper()[j] ? chain.upper()[j] : chain.lower()[j]);
-      }
-      if (!text.empty() && excess < best_excess) {
-        best_excess = excess;
-        best = text;
-      }
+JointState state_of(std::span<const double> values) {
+  JointState q{};
+  std::copy(values.begin(), values.end(), q.begin());
+  return q;
+}
+
+IkResult search(const Question& question) {
+  const std::size_t n = question.chain.joints();
+  JointState q = state_of(question.seed);
+  Nearest nearest;
+  Random random(1);
+  const int restarts = question.out_of_bounds() ? 0 : question.options.restarts;
+  for (int k = 0; k <= restarts; ++k) {
+    if (descend(question, q, question.seed, &nearest)) return solved(question, {q.data(), n});
+    q = state_of(question.seed);
+    scatter(question.chain, q, random);
+  }
+  IkResult out;
+  out.q.assign(nearest.q.begin(), nearest.q.begin() + static_cast<std::ptrdiff_t>(n));
+  if (nearest.size > 1e299) out.q = question.seed;
+  const Pose there = question.chain.forward(out.q);
+  out.position_error = norm(question.target.position - there.position);
+  if (!question.options.orientation_free)
+    out.orientation_error = angle_between(there.rotation, question.target.rotation);
+  explain_failure(question.chain, question.target, question.seed, question.options, out);
+  return out;
+}
+
+std::vector<std::vector<double>> collect(const Question& question) {
+  std::vector<std::vector<double>> out;
+  if (question.out_of_bounds()) return out;
+  const std::size_t n = question.chain.joints();
+  JointState q = state_of(question.seed);
+  Random random(2);
+  for (int k = 0; k <= question.options.restarts && out.size() < kMostSolutions; ++k) {
+    if (descend(question, q, question.seed, nullptr)) {
+      const std::span<const double> found(q.data(), n);
+      const auto same = [&](const auto& other) { return largest_change(other, found) < kSameSolution; };
+      if (std::none_of(out.begin(), out.end(), same)) out.emplace_back(found.begin(), found.end());
     }
-    q = random_state(chain, random);
+    q = state_of(question.seed);
+    scatter(question.chain, q, random);
   }
-  return best;
-}
-
-IkResult explain(const Chain& chain, const Pose& target, std::span<const double> seed, const IkOptions& options,
-                 IkResult result) {
-  const double away = norm(target.position - chain.reach_center());
-  if (away > chain.reach()) {
-    result.status = IkStatus::unreachable;
-    result.reason = fmt::format("it is {:.2f} m from the base, this robot reaches {:.2f} m", away, chain.reach());
-    return result;
-  }
-  if (const std::string limit = broken_limit(chain, target, seed, options); !limit.empty()) {
-    result.status = IkStatus::limits;
-    result.reason = limit;
-    return result;
-  }
-  IkOptions position_only = options;
-  position_only.orientation_free = true;
-  std::vector<double> q(seed.begin(), seed.end());
-  IkResult ignored;
-  ignored.position_error = ignored.orientation_error = 1e300;
-  if (!options.orientation_free && descend(chain, target, q, seed, position_only, ignored)) {
-    result.status = IkStatus::unreachable;
-    result.reason = fmt::format(
-        "the place can be reached, but not with this orientation: the nearest found is {:.1f} mm and {:.1f} deg off",
-        1e3 * result.position_error, result.orientation_error * 180 / kPi);
-    return result;
-  }
-  result.status = IkStatus::unreachable;
-  result.reason = fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm and {:.1f} deg",
-                              1e3 * result.position_error, result.orientation_error * 180 / kPi);
-  return result;
-}
-
-IkResult solved(const Chain& chain, const Pose& target, std::vector<double> q, const IkOptions& options) {
-  IkResult out;
-  const PoseError error = error_between(chain.forward(q), target, options.orientation_free);
-  out.status = IkStatus::solved;
-  out.q = std::move(q);
-  out.position_error = error.position;
-  out.orientation_error = error.orientation;
+  std::stable_sort(out.begin(), out.end(), [&](const auto& a, const auto& b) {
+    return distance(a, question.seed) < distance(b, question.seed);
+  });
   return out;
 }
 
-bool finite(const Pose& p) {
-  return std::isfinite(p.position.x + p.position.y + p.position.z + p.rotation.x + p.rotation.y + p.rotation.z +
-                       p.rotation.w);
+/// Of solutions sorted by distance from `current`: away from singularities before near them, then the
+/// nearest; of those as near as the nearest, the one nearest home.
+const std::vector<double>& choose(const Chain& chain, const std::vector<std::vector<double>>& found,
+                                  std::span<const double> current, std::span<const double> home) {
+  constexpr double kTie = 1e-6;
+  const auto regular = [&](const auto& q) { return smallest_singular_value(chain, q) >= kSingular; };
+  auto best = std::find_if(found.begin(), found.end(), regular);
+  if (best == found.end()) best = found.begin();
+  const double nearest = distance(*best, current);
+  for (auto other = best + 1; other != found.end() && distance(*other, current) <= nearest + kTie; ++other)
+    if (distance(*other, home) < distance(*best, home)) best = other;
+  return *best;
 }
 
-IkResult refused(std::span<const double> seed, const char* reason) {
-  IkResult out;
-  out.status = IkStatus::unreachable;
-  out.q.assign(seed.begin(), seed.end());
-  out.reason = reason;
-  return out;
+using Square = std::array<std::array<double, 6>, 6>;
+
+/// One rotation of Jacobi's method: makes a[p][q] zero.
+void rotate(Square& a, std::size_t p, std::size_t q) {
+  if (std::abs(a[p][q]) < 1e-300) return;
+  const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+  const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+  const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double x = a[k][p], y = a[k][q];
+    a[k][p] = c * x - s * y;
+    a[k][q] = s * x + c * y;
+  }
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double x = a[p][k], y = a[q][k];
+    a[p][k] = c * x - s * y;
+    a[q][k] = s * x + c * y;
+  }
+}
+
+/// Of a symmetric matrix, by Jacobi's cyclic method (Golub and Van Loan, Matrix Computations, section 8.5).
+double smallest_eigenvalue(Square a) {
+  constexpr int kSweeps = 8;
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (std::size_t p = 0; p < 5; ++p)
+      for (std::size_t q = p + 1; q < 6; ++q) rotate(a, p, q);
+  double least = a[0][0];
+  for (std::size_t i = 1; i < 6; ++i) least = std::min(least, a[i][i]);
+  return least;
 }
 
 }  // namespace
 
 const char* name(IkStatus status) {
-  constexpr const char* kNames[] = {"solved", "unreachable", "limits", "no_convergence"};
-  return kNames[static_cast<std::size_t>(status)];
+  switch (status) {
+    case IkStatus::solved:
+      return "solved";
+    case IkStatus::unreachable:
+      return "unreachable";
+    case IkStatus::limits:
+      return "limits";
+    case IkStatus::no_convergence:
+      return "no_convergence";
+  }
+  return "";
 }
 
 IkResult solve_inverse(const Chain& chain, const Pose& target, std::span<const double> seed,
                        const IkOptions& options) {
-  if (!finite(target)) return refused(seed, "the pose has values that are no numbers");
-  if (chain.joints() == 0) return refused(seed, "the robot has no joints that move");
-  IkResult best;
-  best.position_error = best.orientation_error = 1e300;
-  std::mt19937_64 random(1);
-  std::vector<double> q(seed.begin(), seed.end());
-  const bool far_away = norm(target.position - chain.reach_center()) > chain.reach() + options.position_tolerance;
-  for (int k = 0; k <= (far_away ? 0 : options.restarts); ++k) {
-    if (descend(chain, target, q, seed, options, best)) return solved(chain, target, std::move(q), options);
-    q = random_state(chain, random);
-  }
-  return explain(chain, target, seed, options, std::move(best));
+  const Question question(chain, target, seed, options);
+  return question.flaw.empty() ? search(question) : flawed(question);
 }
 
 std::vector<std::vector<double>> find_solutions(const Chain& chain, const Pose& target,
                                                 std::span<const double> rank_from, const IkOptions& options) {
-  std::vector<std::vector<double>> out;
-  if (!finite(target) || chain.joints() == 0 || norm(target.position - chain.reach_center()) > chain.reach() + 1e-9)
-    return out;
-  std::mt19937_64 random(2);
-  std::vector<double> q(rank_from.begin(), rank_from.end());
-  IkResult ignored;
-  ignored.position_error = ignored.orientation_error = 1e300;
-  for (int k = 0; k <= options.restarts; ++k) {
-    if (descend(chain, target, q, rank_from, options, ignored) &&
-        std::none_of(out.begin(), out.end(), [&](const auto& other) { return distance(other, q) < 1e-3; }))
-      out.push_back(q);
-    q = random_state(chain, random);
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const auto& a, const auto& b) { return distance(a, rank_from) < distance(b, rank_from); });
-  return out;
+  const Question question(chain, target, rank_from, options);
+  return question.flaw.empty() ? collect(question) : std::vector<std::vector<double>>{};
 }
 
 IkResult solve_nearest(const Chain& chain, const Pose& target, std::span<const double> current,
                        std::span<const double> home, const IkOptions& options) {
-  if (!finite(target)) return refused(current, "the pose has values that are no numbers");
-  constexpr double kNear = 1.6;  // rad: the same configuration, going by how far a joint turns
-  IkResult ignored;
-  ignored.position_error = ignored.orientation_error = 1e300;
-  for (const std::span<const double> seed : {current, home}) {
-    std::vector<double> q(seed.begin(), seed.end());
-    if (!descend(chain, target, q, current, options, ignored)) continue;
-    double biggest = 0;
-    for (std::size_t j = 0; j < q.size(); ++j) biggest = std::max(biggest, std::abs(q[j] - current[j]));
-    if (biggest < kNear) return solved(chain, target, std::move(q), options);
+  const Question question(chain, target, current, options);
+  if (!question.flaw.empty()) return flawed(question);
+  JointState q = state_of(question.seed);
+  if (!question.out_of_bounds() && descend(question, q, question.seed, nullptr)) {
+    const std::span<const double> direct(q.data(), chain.joints());
+    const double change = largest_change(direct, question.seed);
+    if (change <= kSameBranch || (change <= kNearby && smallest_singular_value(chain, direct) >= kSingular))
+      return solved(question, direct);
   }
-  std::vector<std::vector<double>> found = find_solutions(chain, target, current, options);
-  if (found.empty()) return solve_inverse(chain, target, current, options);
-  const auto rank = [&](const std::vector<double>& q) { return distance(q, current) + 0.5 * distance(q, home); };
-  const auto best = std::min_element(found.begin(), found.end(),
-                                     [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
-  return solved(chain, target, *best, options);
+  const std::vector<std::vector<double>> found = collect(question);
+  if (found.empty()) return search(question);
+  const std::span<const double> rest =
+      home.size() == chain.joints() ? home : std::span<const double>(question.seed);
+  return solved(question, choose(chain, found, question.seed, rest));
+}
+
+double smallest_singular_value(const Chain& chain, std::span<const double> q) {
+  const std::size_t n = chain.joints();
+  std::array<double, 6 * Chain::kMaxJoints> jacobian;
+  chain.jacobian(q, {jacobian.data(), 6 * n});
+  const double length = std::isfinite(chain.reach()) && chain.reach() > 0 ? chain.reach() : 1.0;
+  for (std::size_t k = 0; k < 3 * n; ++k) jacobian[k] /= length;
+  std::array<std::size_t, Chain::kMaxJoints> columns;
+  std::size_t used = 0;
+  for (std::size_t k = 0; k < n; ++k)
+    if (chain.moves_tcp(k)) columns[used++] = k;
+  // The smaller of the two squares; of fewer than six joints filled up with values that are never the
+  // smallest.
+  Square square{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) {
+      double& cell = square[i][j];
+      if (used >= 6) {
+        for (std::size_t k = 0; k < used; ++k)
+          cell += jacobian[i * n + columns[k]] * jacobian[j * n + columns[k]];
+      } else if (i < used && j < used) {
+        for (std::size_t k = 0; k < 6; ++k)
+          cell += jacobian[k * n + columns[i]] * jacobian[k * n + columns[j]];
+      } else if (i == j) {
+        cell = 1e6;
+      }
+    }
+  return used == 0 ? 0.0 : std::sqrt(std::max(0.0, smallest_eigenvalue(square)));
 }
 
 }  // namespace polyarm::kinematics

@@ -1,5 +1,7 @@
 #pragma once
-/// Inverse kinematics by iteration, within joint limits, from seeds. Deterministic: no clock, fixed random seeds.
+/// Inverse kinematics by iteration, within joint limits, from seeds. Deterministic: no clock, fixed random
+/// seeds, so the same question has the same answer. Metres, radians, poses of the TCP in the world. Any
+/// thread; not for the control cycle (results allocate).
 #include <span>
 #include <string>
 #include <vector>
@@ -8,39 +10,60 @@
 
 namespace polyarm::kinematics {
 
+/// `unreachable`: no joint state at all was found near the pose. `limits`: one was found, but outside joint
+/// limits. `no_convergence`: the iteration came close and stayed there, or the question was malformed.
 enum class IkStatus { solved, unreachable, limits, no_convergence };
 const char* name(IkStatus status);
 
 struct IkOptions {
-  double position_tolerance = 1e-6;     ///< m
+  double position_tolerance = 1e-6;     ///< m; solutions are polished well beyond it
   double orientation_tolerance = 1e-6;  ///< rad
   int iterations = 60;                  ///< of one descent
-  int restarts = 60;                    ///< random seeds tried after the given one
-  bool orientation_free = false;        ///< only the position counts (fewer than six joints, spraying, pointing)
+  int restarts = 100;                   ///< random seeds tried after the given one
+  /// Metres that one radian of orientation counts as while errors are traded against each other; matters to
+  /// arms of fewer than six joints, whose failed solves report the best compromise.
+  double orientation_weight = 1;
+  bool orientation_free = false;  ///< only the position counts
 };
 
 struct IkResult {
   IkStatus status = IkStatus::no_convergence;
-  std::vector<double> q;          ///< the solution, else the nearest found
-  double position_error = 0;      ///< m
-  double orientation_error = 0;   ///< rad
-  std::string reason;             ///< why it failed, with numbers, for a person
+  std::vector<double> q;         ///< the solution, else the nearest found; within limits
+  double position_error = 0;     ///< of `q`, m
+  double orientation_error = 0;  ///< of `q`, rad
+  std::string reason;            ///< why it failed, with numbers, for a person; empty when solved
   explicit operator bool() const { return status == IkStatus::solved; }
 };
 
-/// The solution that descent from `seed` finds, or from random seeds when that fails. Damped least squares with the
-/// damping of Chan and Lawrence (proportional to the error), limits kept by projection, joints that turn brought to
-/// the turn nearest the seed.
+/// The solution that descent from `seed` finds, or descent from random seeds when that fails. Joints that
+/// turn further than once come to the turn nearest the seed. Actuated joints that do not move the TCP keep
+/// the seed's values. Never throws for any numbers: a target or seed that is malformed fails with its reason.
+/// Method: damped least squares with damping proportional to the squared error (Chan and Lawrence 1988;
+/// Sugihara 2011), first free and wound back into the limits, then with the limits as walls.
 IkResult solve_inverse(const Chain& chain, const Pose& target, std::span<const double> seed,
                        const IkOptions& options = {});
 
-/// Distinct solutions found from many seeds, nearest to `rank_from` first.
+/// Distinct solutions found from `rank_from` and options.restarts random seeds, nearest to `rank_from`
+/// (Euclidean distance of joint states) first; at most 64, as arms of more than six joints have endlessly
+/// many.
 std::vector<std::vector<double>> find_solutions(const Chain& chain, const Pose& target,
-                                                std::span<const double> rank_from, const IkOptions& options = {});
+                                                std::span<const double> rank_from,
+                                                const IkOptions& options = {});
 
-/// What a move wants: the solution in the configuration of `current` if descent from there ends near; else the one
-/// nearest to `current` among all found, ties going to the one nearest `home`.
+/// What a move wants. Descent from `current`, if it ends near and not close to a singularity; else, of all
+/// solutions found and preferring those not close to a singularity, the one nearest to `current`, a tie going
+/// to the one nearest `home`. "Near": no joint by more than kNearby; "close to a singularity": below
+/// kSingular; neighbours within kSameBranch are taken whatever their singular value, so that a small step
+/// never turns into a change of branch.
 IkResult solve_nearest(const Chain& chain, const Pose& target, std::span<const double> current,
                        std::span<const double> home, const IkOptions& options = {});
+inline constexpr double kNearby = 1.0;      // rad
+inline constexpr double kSameBranch = 0.2;  // rad
+inline constexpr double kSingular = 0.01;   // of smallest_singular_value()
+
+/// How far `q` is from a singularity: the smallest singular value of the Jacobian with lengths measured in
+/// reaches of the robot, over the joints that move the TCP. 0 at a singularity; ordinary poses of six-joint
+/// arms have 0.05 to 0.4.
+double smallest_singular_value(const Chain& chain, std::span<const double> q);
 
 }  // namespace polyarm::kinematics
