@@ -1,0 +1,21 @@
+#pragma once
+/// From the text of a program to its statements as tokens. Nothing fails here: what is wrong becomes a token
+/// of kind bad, so that a statement that takes the rest of its line as text may hold anything.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/program/token.hpp"
+
+namespace polyarm::program {
+
+/// The lines of `text` without their endings, a byte order mark dropped.
+std::vector<std::string> split_lines(std::string_view text);
+
+/// The statements of `lines`; empty lines and comments leave none.
+std::vector<SourceLine> read_source(const std::vector<std::string>& lines);
+
+/// The tokens of a piece of source that starts at `place`, for expressions inside texts.
+std::vector<Token> read_tokens(std::string_view text, Place place);
+
+}  // namespace polyarm::program

@@ -1,0 +1,308 @@
+#include "polyarm/program/operators.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+namespace polyarm::program {
+
+using data::Kind;
+using data::List;
+using data::Number;
+
+namespace {
+[[noreturn]] void refuse(std::string what, std::string advice = {}) {
+  throw OperationError{"bad-type", std::move(what), std::move(advice)};
+}
+
+/// "a number (a length)".
+std::string described(const Value& value) {
+  const Number* number = value.as_number();
+  if (!number) return data::name(value.kind());
+  return number->dimension == Dimension::none ? "a number without unit" : name(number->dimension);
+}
+
+std::string pair(const Value& a, const Value& b) {
+  return described(a) + " and " + described(b);
+}
+
+Value number(double value, Dimension dimension) {
+  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
+  return Number{value, dimension};
+}
+
+std::size_t depth_of(const Value& value, std::size_t most) {
+  const List* list = value.as_list();
+  if (!list || most == 0) return 0;
+  std::size_t deepest = 0;
+  for (const Value& item : *list) deepest = std::max(deepest, depth_of(item, most - 1));
+  return deepest + 1;
+}
+
+std::size_t items_in(const Value& value) {
+  const List* list = value.as_list();
+  if (!list) return 1;
+  std::size_t count = 1;
+  for (const Value& item : *list) count += items_in(item);
+  return count;
+}
+
+Value join_texts(const std::string& a, const std::string& b) {
+  if (a.size() + b.size() > kLongestText)
+    throw OperationError{
+        "too-long", "this text would be longer than " + std::to_string(kLongestText) + " bytes", {}};
+  return a + b;
+}
+
+Value join_lists(const List& a, const List& b) {
+  List out = a;
+  out.insert(out.end(), b.begin(), b.end());
+  return make_list(std::move(out));
+}
+
+Value add(const Value& a, const Value& b) {
+  if (a.as_text() && b.as_text()) return join_texts(*a.as_text(), *b.as_text());
+  if (a.as_list() && b.as_list()) return join_lists(*a.as_list(), *b.as_list());
+  const Number *x = a.as_number(), *y = b.as_number();
+  if (!x || !y)
+    refuse("'+' joins two numbers, two texts or two lists, here are " + pair(a, b),
+           a.as_text() || b.as_text() ? "write \"…{value}…\" to put a value into a text" : "");
+  if (x->dimension != y->dimension) refuse("'+' cannot add " + pair(a, b), "give both the same kind of unit");
+  return number(x->value + y->value, x->dimension);
+}
+
+struct NumberPair {
+  Number a, b;
+};
+
+NumberPair numbers(Operator op, const Value& a, const Value& b) {
+  if (!a.as_number() || !b.as_number())
+    refuse(std::string("'") + spelling(op) + "' needs two numbers, here are " + pair(a, b));
+  return {*a.as_number(), *b.as_number()};
+}
+
+NumberPair alike(Operator op, const Value& a, const Value& b) {
+  const NumberPair out = numbers(op, a, b);
+  if (out.a.dimension != out.b.dimension)
+    refuse(std::string("'") + spelling(op) + "' cannot take " + pair(a, b),
+           "give both the same kind of unit");
+  return out;
+}
+
+void refuse_zero(const Number& divisor, Operator op) {
+  if (divisor.value == 0) throw OperationError{"zero", std::string("'") + spelling(op) + "' by zero", {}};
+}
+
+Value multiply(const Value& a, const Value& b) {
+  const auto [x, y] = numbers(Operator::multiply, a, b);
+  const auto dimension = product(x.dimension, y.dimension);
+  if (!dimension) refuse("the product of " + pair(a, b) + " has no unit here");
+  return number(x.value * y.value, *dimension);
+}
+
+Value divide(const Value& a, const Value& b) {
+  const auto [x, y] = numbers(Operator::divide, a, b);
+  refuse_zero(y, Operator::divide);
+  const auto dimension = quotient(x.dimension, y.dimension);
+  if (!dimension) refuse("the quotient of " + pair(a, b) + " has no unit here");
+  return number(x.value / y.value, *dimension);
+}
+
+Value modulo(const Value& a, const Value& b) {
+  const auto [x, y] = alike(Operator::modulo, a, b);
+  refuse_zero(y, Operator::modulo);
+  const double rest = std::fmod(x.value, y.value);
+  return number(rest != 0 && (rest < 0) != (y.value < 0) ? rest + y.value : rest, x.dimension);
+}
+
+Value power(const Value& a, const Value& b) {
+  const auto [x, y] = numbers(Operator::power, a, b);
+  if (x.dimension != Dimension::none || y.dimension != Dimension::none)
+    refuse("'^' takes numbers without unit");
+  return number(std::pow(x.value, y.value), Dimension::none);
+}
+
+Value compare(Operator op, const Value& a, const Value& b) {
+  if (a.as_text() && b.as_text()) {
+    const int order = a.as_text()->compare(*b.as_text());
+    return op == Operator::less         ? order < 0
+           : op == Operator::less_equal ? order <= 0
+           : op == Operator::greater    ? order > 0
+                                        : order >= 0;
+  }
+  const auto [x, y] = alike(op, a, b);
+  switch (op) {
+    case Operator::less:
+      return x.value < y.value;
+    case Operator::less_equal:
+      return x.value <= y.value;
+    case Operator::greater:
+      return x.value > y.value;
+    default:
+      return x.value >= y.value;
+  }
+}
+
+bool equal(Operator op, const Value& a, const Value& b) {
+  if (a.kind() != b.kind()) refuse(std::string("'") + spelling(op) + "' cannot compare " + pair(a, b));
+  if (a.as_number()) alike(op, a, b);
+  return a == b;
+}
+
+bool boolean(Operator op, const Value& value) {
+  if (!value.as_boolean())
+    refuse(std::string("'") + spelling(op) + "' needs True or False, here is " + described(value));
+  return *value.as_boolean();
+}
+
+constexpr std::array kFunctions = {Function{"length", 1, 1}, Function{"abs", 1, 1},
+                                   Function{"min", 1, 100},  Function{"max", 1, 100},
+                                   Function{"round", 1, 1},  Function{"floor", 1, 1}};
+
+Value length_of(const Value& value) {
+  if (value.as_list()) return static_cast<double>(value.as_list()->size());
+  if (!value.as_text()) refuse("length() takes a list or a text, here is " + described(value));
+  const std::string& text = *value.as_text();
+  return static_cast<double>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+/// The smallest, or with `less` turned round the largest, of numbers of one dimension.
+Value extreme(std::string_view function, std::span<const Value> values) {
+  Value best = values.front();
+  for (const Value& value : values) {
+    const Operator op = function == "min" ? Operator::less : Operator::greater;
+    numbers(op, value, best);
+    if (*compare(op, value, best).as_boolean()) best = value;
+  }
+  return best;
+}
+
+Value round_or_abs(std::string_view function, const Value& value) {
+  const Number* n = value.as_number();
+  if (!n) refuse(std::string(function) + "() takes a number, here is " + described(value));
+  const double result = function == "abs"     ? std::abs(n->value)
+                        : function == "round" ? std::round(n->value)
+                                              : std::floor(n->value);
+  return number(result, n->dimension);
+}
+
+struct Triple {
+  Dimension a, b, product;
+};
+constexpr std::array kTriples = {
+    Triple{Dimension::speed, Dimension::time, Dimension::length},
+    Triple{Dimension::acceleration, Dimension::time, Dimension::speed},
+    Triple{Dimension::angular_speed, Dimension::time, Dimension::angle},
+    Triple{Dimension::angular_acceleration, Dimension::time, Dimension::angular_speed},
+    Triple{Dimension::rate, Dimension::time, Dimension::none},
+    Triple{Dimension::force, Dimension::length, Dimension::torque},
+    Triple{Dimension::mass, Dimension::acceleration, Dimension::force},
+};
+}  // namespace
+
+std::optional<Dimension> product(Dimension a, Dimension b) {
+  if (a == Dimension::none) return b;
+  if (b == Dimension::none) return a;
+  for (const Triple& t : kTriples)
+    if ((t.a == a && t.b == b) || (t.a == b && t.b == a)) return t.product;
+  return std::nullopt;
+}
+
+std::optional<Dimension> quotient(Dimension a, Dimension b) {
+  if (b == Dimension::none) return a;
+  if (a == b) return Dimension::none;
+  for (const Triple& t : kTriples) {
+    if (t.product == a && t.b == b) return t.a;
+    if (t.product == a && t.a == b) return t.b;
+  }
+  return std::nullopt;
+}
+
+Value apply(Operator op, const Value& a, const Value& b) {
+  switch (op) {
+    case Operator::logical_or:
+      return boolean(op, a) | boolean(op, b) ? true : false;
+    case Operator::logical_and:
+      return boolean(op, a) & boolean(op, b) ? true : false;
+    case Operator::equal:
+      return equal(op, a, b);
+    case Operator::unequal:
+      return !equal(op, a, b);
+    case Operator::less:
+    case Operator::less_equal:
+    case Operator::greater:
+    case Operator::greater_equal:
+      return compare(op, a, b);
+    case Operator::add:
+      return add(a, b);
+    case Operator::multiply:
+      return multiply(a, b);
+    case Operator::divide:
+      return divide(a, b);
+    case Operator::modulo:
+      return modulo(a, b);
+    case Operator::power:
+      return power(a, b);
+    default:
+      break;
+  }
+  const auto [x, y] = alike(Operator::subtract, a, b);
+  return number(x.value - y.value, x.dimension);
+}
+
+Value apply(Operator op, const Value& a) {
+  if (op == Operator::logical_not) return !boolean(op, a);
+  if (!a.as_number()) refuse("'-' needs a number, here is " + described(a));
+  return Number{-a.as_number()->value, a.as_number()->dimension};
+}
+
+const Function* find_function(std::string_view name) {
+  const auto at =
+      std::find_if(kFunctions.begin(), kFunctions.end(), [&](const Function& f) { return f.name == name; });
+  return at == kFunctions.end() ? nullptr : &*at;
+}
+
+std::vector<std::string> function_names() {
+  std::vector<std::string> out;
+  for (const Function& function : kFunctions) out.emplace_back(function.name);
+  return out;
+}
+
+Value call(std::string_view function, std::span<const Value> arguments) {
+  const Function* found = find_function(function);
+  if (!found || arguments.size() < found->least || arguments.size() > found->most)
+    refuse("there is no function " + std::string(function) + "() of " + std::to_string(arguments.size()) +
+           " values");
+  if (function == "length") return length_of(arguments[0]);
+  if (function == "min" || function == "max") return extreme(function, arguments);
+  return round_or_abs(function, arguments[0]);
+}
+
+Value element(const Value& list, const Value& index) {
+  const List* items = list.as_list();
+  const Number* at = index.as_number();
+  if (!items) refuse("only a list has elements, here is " + described(list));
+  if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
+    refuse("the place in a list is a whole number, here is " + index.text());
+  if (at->value < 1 || at->value > static_cast<double>(items->size()))
+    throw OperationError{
+        "no-element",
+        "there is no element " + index.text() + " in a list of " + std::to_string(items->size()),
+        at->value == 0 ? "the first element is 1" : ""};
+  return (*items)[static_cast<std::size_t>(at->value) - 1];
+}
+
+Value make_list(List items) {
+  constexpr std::size_t kDeepest = 8;
+  Value out(std::move(items));
+  if (depth_of(out, kDeepest + 1) > kDeepest)
+    throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
+  if (items_in(out) > kMostListItems + 1)
+    throw OperationError{
+        "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};
+  return out;
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,24 @@
+#pragma once
+/// From text to a Program, with every error of the file at once.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/program/ast.hpp"
+
+namespace polyarm::program {
+
+/// Blocks inside blocks, and operators inside brackets, deeper than this are refused.
+inline constexpr int kDeepestBlocks = 400;
+inline constexpr int kDeepestExpression = 300;
+
+/// The words a statement may begin with, lower case.
+const std::vector<std::string>& statement_words();
+
+/// Parses `text`. Where problems gets errors the program holds only what was understood and must not be run.
+Program parse(std::string_view text, const std::string& file, Problems& problems);
+
+/// Reads and parses the file. Throws Error with every problem of it.
+Program load_program(const std::string& path);
+
+}  // namespace polyarm::program

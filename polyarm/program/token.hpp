@@ -1,0 +1,41 @@
+#pragma once
+/// The words and marks of one statement, with their places.
+#include <string>
+#include <vector>
+
+#include "polyarm/base/quantity.hpp"
+
+namespace polyarm::program {
+
+/// A place in a program: line and column from 1, columns in characters.
+struct Place {
+  int line = 0;
+  int column = 0;
+};
+
+enum class TokenKind {
+  name,    ///< a word; a keyword only where the grammar looks for one
+  quoted,  ///< a name in back-quotes, never a keyword
+  number,
+  text,  ///< between double quotes, as written there
+  symbol,
+  bad,  ///< what is wrong stands in `text`
+  end,  ///< of the statement
+};
+
+struct Token {
+  TokenKind kind = TokenKind::end;
+  std::string text;  ///< the name, the symbol, the raw inside of a text, or the complaint
+  Place place;
+  double number = 0;  ///< SI
+  Dimension dimension = Dimension::none;
+};
+
+/// One statement: usually a line; more where brackets or a trailing comma continue it.
+struct SourceLine {
+  std::string raw;  ///< its text without comment; lines that continue it are joined with a line break
+  Place place;      ///< of its first word
+  std::vector<Token> tokens;  ///< the last one is always of kind end
+};
+
+}  // namespace polyarm::program
