@@ -405,7 +405,6 @@ class Checker {
   void warn_of_case() {
     std::map<std::string, std::set<std::string>> same;
     for (const auto& name : names_) same[lower(name.first)].insert(name.first);
-    for (const auto& use : used_) same[lower(use.first)].insert(use.first);
     for (const auto& [name, place] : used_) {
       const auto& spellings = same[lower(name)];
       if (spellings.size() < 2 || *spellings.begin() == name) continue;

@@ -158,6 +158,7 @@ class Parser {
       parse_statement(line, cursor, made);
     } catch (const SyntaxError& e) {
       error(e);
+      if (!opens && made.kind != Kind::let) return;
     }
     if (opens) parse_body(line, made);
     out.push_back(std::move(made));
@@ -566,7 +567,12 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
     return program;
   }
   program.lines = split_lines(text);
-  Parser(program, problems).run();
+  Problems found;
+  Parser(program, found).run();
+  std::vector<Problem> list = found.list();
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Problem& a, const Problem& b) { return a.where.line < b.where.line; });
+  for (Problem& problem : list) problems.add(std::move(problem));
   return program;
 }
 
