@@ -136,7 +136,8 @@ void unwind(const Chain& chain, JointState& q, std::span<const double> near) {
   for (std::size_t i = 0; i < chain.joints(); ++i) {
     const double period = chain.period(i);
     if (!(period > 0) || !chain.moves_tcp(i)) continue;
-    q[i] += period * std::round((near[i] - q[i]) / period);
+    // Half a turn away is as near on either side; rounding must not decide which it is.
+    q[i] += period * std::round((near[i] - q[i]) / period - 1e-9);
     if (q[i] < chain.lower()[i]) q[i] += period * std::ceil((chain.lower()[i] - q[i]) / period - 1e-12);
     if (q[i] > chain.upper()[i]) {
       const double down = period * std::ceil((q[i] - chain.upper()[i]) / period - 1e-12);

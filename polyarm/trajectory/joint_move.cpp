@@ -2,26 +2,74 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <string>
+
+#include "polyarm/base/error.hpp"
 
 namespace polyarm::trajectory {
 
 namespace {
 
+constexpr double kLastInstant = 1e-6;     // s that stands exactly on the goal
+constexpr double kNoMove = 1e-12;         // rad or m
+constexpr double kShortestPhase = 1e-12;  // s
+constexpr std::size_t kCount = Trajectory::kCoefficients;
+
+void check_size(std::size_t size, std::size_t joints, const char* what) {
+  if (size != joints)
+    throw Error("bad-move", std::string("a move of ") + std::to_string(joints) + " joints got " +
+                                std::to_string(size) + " " + what);
+}
+
+void check_values(std::span<const double> values, std::size_t joints, const char* what) {
+  check_size(values.size(), joints, what);
+  for (std::size_t i = 0; i < joints; ++i)
+    if (!std::isfinite(values[i]))
+      throw Error("bad-move",
+                  "value " + std::to_string(i + 1) + " of the " + what + " is not a finite number");
+}
+
+void check_positive(double value, const std::string& what) {
+  if (!(value > 0) || !std::isfinite(value))
+    throw Error("bad-limit", what + " is " + std::to_string(value) + "; it must be above zero and finite");
+}
+
+void check_limits(std::span<const JointMotionLimits> limits, std::size_t joints) {
+  check_size(limits.size(), joints, "limits");
+  for (std::size_t i = 0; i < joints; ++i) {
+    const std::string joint = " limit of joint " + std::to_string(i + 1);
+    check_positive(limits[i].velocity, "the velocity" + joint);
+    check_positive(limits[i].acceleration, "the acceleration" + joint);
+    check_positive(limits[i].jerk, "the jerk" + joint);
+  }
+}
+
 /// A profile of s from 0 to 1, rest to rest: jerk up, constant acceleration, jerk down, cruise, and the
 /// mirror.
 struct Profile {
   double jerk = 0;               // 1/s³
-  double jerk_time = 0;          // of each jerk phase
-  double acceleration_time = 0;  // of the constant-acceleration phase
-  double cruise_time = 0;
+  double jerk_time = 0;          // s, of each jerk phase
+  double acceleration_time = 0;  // s, of each phase of constant acceleration
+  double cruise_time = 0;        // s
   double total() const { return 4 * jerk_time + 2 * acceleration_time + cruise_time; }
+  void stretch(double factor) {
+    jerk /= factor * factor * factor;
+    for (double* time : {&jerk_time, &acceleration_time, &cruise_time}) *time *= factor;
+  }
 };
 
-/// The fastest profile over the unit distance within |s'| <= v, |s''| <= a, |s'''| <= j.
-Profile fastest_profile(double v, double a, double j) {
+/// Limits of s', s'', s'''.
+struct PathLimits {
+  double velocity = std::numeric_limits<double>::infinity();
+  double acceleration = velocity, jerk = velocity;
+};
+
+/// The fastest profile within the limits.
+Profile fastest_profile(const PathLimits& limit) {
+  const double v = limit.velocity, a = limit.acceleration, j = limit.jerk;
   Profile p;
   p.jerk = j;
   if (v * j < a * a) {  // the acceleration limit is never reached on the way to full speed
@@ -36,173 +84,125 @@ Profile fastest_profile(double v, double a, double j) {
     return p;
   }
   // Full speed is never reached: half of the distance is spent speeding up.
-  p.cruise_time = 0;
   if (2 * a * a * a >= j * j) {  // nor is full acceleration: 2 j T³ = 1
     p.jerk_time = std::cbrt(1 / (2 * j));
     p.acceleration_time = 0;
   } else {  // a (2 Tj + Ta)(Tj + Ta) = 1 with Tj = a / j
     p.jerk_time = a / j;
-    const double tj = p.jerk_time;
-    p.acceleration_time = std::max(0.0, (-3 * tj + std::sqrt(tj * tj + 4 / a)) / 2);
+    p.acceleration_time = std::max(0.0, (std::sqrt(p.jerk_time * p.jerk_time + 4 / a) - 3 * p.jerk_time) / 2);
   }
   return p;
 }
 
-struct PathLimits {
-  double velocity, acceleration, jerk;
+/// One straight line in joint space.
+struct Line {
+  std::span<const double> from, to;
+
+  double distance(std::size_t i) const { return to[i] - from[i]; }
+  bool no_move() const {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (std::abs(distance(i)) >= kNoMove) return false;
+    return true;
+  }
+  Profile fastest(std::span<const JointMotionLimits> limits, double speed, double effort) const {
+    PathLimits path;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const double length = std::abs(distance(i));
+      if (length == 0) continue;
+      path.velocity = std::min(path.velocity, speed * limits[i].velocity / length);
+      path.acceleration = std::min(path.acceleration, effort * limits[i].acceleration / length);
+      path.jerk = std::min(path.jerk, effort * limits[i].jerk / length);
+    }
+    return fastest_profile(path);
+  }
 };
 
-PathLimits path_limits(std::span<const double> from, std::span<const double> to,
-                       std::span<const JointMotionLimits> limits, double speed_scale) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  PathLimits out{kInfinity, kInfinity, kInfinity};
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double distance = std::abs(to[i] - from[i]);
-    if (distance == 0) continue;
-    out.velocity = std::min(out.velocity, speed_scale * limits[i].velocity / distance);
-    out.acceleration = std::min(out.acceleration, limits[i].acceleration / distance);
-    out.jerk = std::min(out.jerk, limits[i].jerk / distance);
+void append_rest(Trajectory& out, std::span<const double> at, double duration) {
+  std::vector<double> c(at.size() * kCount, 0.0);
+  for (std::size_t i = 0; i < at.size(); ++i) c[i * kCount] = at[i];
+  out.append(duration, c);
+}
+
+void append_phase(Trajectory& out, const Line& line, double duration, const std::array<double, 4>& s) {
+  std::vector<double> c(line.from.size() * kCount, 0.0);
+  for (std::size_t i = 0; i < line.from.size(); ++i) {
+    for (std::size_t k = 0; k < s.size(); ++k) c[i * kCount + k] = line.distance(i) * s[k];
+    c[i * kCount] += line.from[i];
   }
-  return out;
+  out.append(duration, c);
 }
 
-/// Distances so small that their profile underflows are no moves.
-bool same_place(const PathLimits& limits) {
-  return !(limits.velocity < 1e12 && limits.jerk < 1e30);
+void append_move(Trajectory& out, const Line& line, const Profile& p) {
+  const double tj = p.jerk_time, ta = p.acceleration_time, tv = p.cruise_time;
+  const std::array<std::array<double, 2>, 7> phases = {
+      {{tj, p.jerk}, {ta, 0}, {tj, -p.jerk}, {tv, 0}, {tj, -p.jerk}, {ta, 0}, {tj, p.jerk}}};
+  double s = 0, v = 0, a = 0;
+  for (const auto& [t, j] : phases) {
+    if (t < kShortestPhase) continue;
+    append_phase(out, line, t, {s, v, a / 2, j / 6});
+    s += t * (v + t * (a / 2 + t * j / 6));
+    v += t * (a + t * j / 2);
+    a += t * j;
+  }
+  // Rounding of the sums must not miss the goal.
+  append_rest(out, line.to, kLastInstant);
 }
 
-Trajectory at_rest(std::span<const double> at) {
-  Trajectory out(at.size());
-  std::vector<double> c(at.size() * Trajectory::kCoefficients, 0.0);
-  for (std::size_t i = 0; i < at.size(); ++i) c[i * Trajectory::kCoefficients] = at[i];
-  out.append(1e-3, c);
-  return out;
+void check_options(const JointMoveOptions& options) {
+  check_positive(options.speed_scale, "the speed scale");
+  check_positive(options.acceleration_scale, "the acceleration scale");
 }
 
 }  // namespace
 
 Trajectory plan_joint_move(std::span<const double> from, std::span<const double> to,
                            std::span<const JointMotionLimits> limits, const JointMoveOptions& options) {
-  assert(from.size() == to.size() && from.size() == limits.size());
-  const PathLimits path = path_limits(from, to, limits, options.speed_scale);
-  if (same_place(path)) return at_rest(to);
-  Profile profile = fastest_profile(path.velocity, path.acceleration, path.jerk);
-  const double stretch = std::max(1.0, options.duration / profile.total());
-  const double jerk = profile.jerk / (stretch * stretch * stretch);
-  const double tj = profile.jerk_time * stretch, ta = profile.acceleration_time * stretch,
-               tv = profile.cruise_time * stretch;
-  const std::array<std::array<double, 2>, 7> phases = {
-      {{tj, jerk}, {ta, 0}, {tj, -jerk}, {tv, 0}, {tj, -jerk}, {ta, 0}, {tj, jerk}}};
+  const std::vector<std::vector<double>> waypoints{std::vector<double>(to.begin(), to.end())};
+  return plan_joint_moves(from, waypoints, limits, options);
+}
 
-  Trajectory out(from.size());
-  std::vector<double> c(from.size() * Trajectory::kCoefficients);
-  double s = 0, v = 0, a = 0;
-  for (std::size_t k = 0; k < phases.size(); ++k) {
-    const auto [t, j] = phases[k];
-    if (t < 1e-12) continue;
-    std::fill(c.begin(), c.end(), 0.0);
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      const double d = to[i] - from[i];
-      double* q = c.data() + i * Trajectory::kCoefficients;
-      q[0] = from[i] + d * s;
-      q[1] = d * v;
-      q[2] = d * a / 2;
-      q[3] = d * j / 6;
-    }
-    out.append(t, c);
-    s += t * (v + t * (a / 2 + t * j / 6));
-    v += t * (a + t * j / 2);
-    a += t * j;
+Trajectory plan_joint_moves(std::span<const double> from, std::span<const std::vector<double>> waypoints,
+                            std::span<const JointMotionLimits> limits, const JointMoveOptions& options) {
+  check_values(from, from.size(), "start values");
+  check_limits(limits, from.size());
+  check_options(options);
+  double fastest = 0;
+  std::vector<Line> lines;
+  for (const std::vector<double>& to : waypoints) {
+    check_values(to, from.size(), "target values");
+    const Line line{from, to};
+    from = to;
+    if (line.no_move()) continue;
+    lines.push_back(line);
+    fastest += line.fastest(limits, options.speed_scale, options.acceleration_scale).total();
   }
-  // Rounding of the sums must not leave the goal: a last instant that stands exactly on it.
-  std::fill(c.begin(), c.end(), 0.0);
-  for (std::size_t i = 0; i < from.size(); ++i) c[i * Trajectory::kCoefficients] = to[i];
-  out.append(1e-6, c);
+  Trajectory out(from.size());
+  for (const Line& line : lines) {
+    Profile profile = line.fastest(limits, options.speed_scale, options.acceleration_scale);
+    if (std::isfinite(options.duration)) profile.stretch(std::max(1.0, options.duration / fastest));
+    append_move(out, line, profile);
+  }
+  if (out.empty()) append_rest(out, from, 1e-3);
   return out;
 }
 
 double fastest_duration(std::span<const double> from, std::span<const double> to,
-                        std::span<const JointMotionLimits> limits, double speed_scale) {
-  const PathLimits path = path_limits(from, to, limits, speed_scale);
-  return same_place(path) ? 0.0 : fastest_profile(path.velocity, path.acceleration, path.jerk).total();
+                        std::span<const JointMotionLimits> limits, double speed_scale,
+                        double acceleration_scale) {
+  check_values(from, from.size(), "start values");
+  check_values(to, from.size(), "target values");
+  check_limits(limits, from.size());
+  check_options({speed_scale, acceleration_scale, 0});
+  const Line line{from, to};
+  return line.no_move() ? 0.0 : line.fastest(limits, speed_scale, acceleration_scale).total();
 }
 
 double thesis_duration(std::span<const double> from, std::span<const double> to, double scale) {
-  double sum = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) sum += (to[i] - from[i]) * (to[i] - from[i]);
-  return scale * std::sqrt(sum);
-}
-
-namespace {
-/// Jerk phases (duration, jerk) that bring one joint from (v, a) to rest: to an acceleration peak and back to
-/// zero.
-std::vector<std::array<double, 2>> stop_phases(double v, double a, const JointMotionLimits& limit) {
-  std::vector<std::array<double, 2>> out;
-  const double j = limit.jerk;
-  // Where the velocity ends if the acceleration is taken straight to zero decides which way to brake.
-  const double free_end = v + a * std::abs(a) / (2 * j);
-  const double direction = free_end > 0 ? -1 : 1;
-  // Peak p (in `direction`): v + (areas of both ramps) = 0, so p² = j |v| + a²/2 when no plateau is needed.
-  const double a_in = a * direction, v_in = -v * direction;  // v_in: velocity change still to be made
-  double peak = std::sqrt(std::max(0.0, j * v_in + a_in * a_in / 2));
-  double plateau = 0;
-  if (peak > limit.acceleration) {
-    peak = std::max(limit.acceleration, std::min(a_in, peak));
-    const double made = (peak * peak - a_in * a_in) / (2 * j) + peak * peak / (2 * j);
-    plateau = std::max(0.0, (v_in - made) / peak);
-  }
-  if (const double t = (peak - a_in) / j; t > 0) out.push_back({t, direction * j});
-  if (plateau > 0) out.push_back({plateau, 0.0});
-  if (const double t = peak / j; t > 0) out.push_back({t, -direction * j});
-  return out;
-}
-}  // namespace
-
-Trajectory plan_stop(std::span<const double> q, std::span<const double> v, std::span<const double> a,
-                     std::span<const JointMotionLimits> limits) {
-  const std::size_t n = q.size();
-  std::vector<std::vector<std::array<double, 2>>> phases(n);
-  std::vector<double> cuts;
-  for (std::size_t i = 0; i < n; ++i) {
-    phases[i] = stop_phases(v[i], a[i], limits[i]);
-    double t = 0;
-    for (const auto& phase : phases[i]) cuts.push_back(t += phase[0]);
-  }
-  std::sort(cuts.begin(), cuts.end());
-  cuts.erase(std::unique(cuts.begin(), cuts.end(), [](double x, double y) { return y - x < 1e-9; }),
-             cuts.end());
-  if (cuts.empty() || cuts.front() < 1e-9) return at_rest(q);
-
-  Trajectory out(n);
-  std::vector<double> c(n * Trajectory::kCoefficients), p(q.begin(), q.end()), vel(v.begin(), v.end()),
-      acc(a.begin(), a.end());
-  double begin = 0;
-  for (const double end : cuts) {
-    const double t = end - begin, middle = (begin + end) / 2;
-    std::fill(c.begin(), c.end(), 0.0);
-    for (std::size_t i = 0; i < n; ++i) {
-      double jerk = 0, until = 0;
-      bool stopped = true;
-      for (const auto& phase : phases[i])
-        if (middle < (until += phase[0])) {
-          jerk = phase[1];
-          stopped = false;
-          break;
-        }
-      if (stopped) vel[i] = acc[i] = 0;
-      double* k = c.data() + i * Trajectory::kCoefficients;
-      k[0] = p[i];
-      k[1] = vel[i];
-      k[2] = acc[i] / 2;
-      k[3] = jerk / 6;
-      p[i] += t * (vel[i] + t * (acc[i] / 2 + t * jerk / 6));
-      vel[i] += t * (acc[i] + t * jerk / 2);
-      acc[i] += t * jerk;
-    }
-    out.append(t, c);
-    begin = end;
-  }
-  return out;
+  check_values(from, from.size(), "start values");
+  check_values(to, from.size(), "target values");
+  const double squares = std::transform_reduce(from.begin(), from.end(), to.begin(), 0.0, std::plus<>(),
+                                               [](double a, double b) { return (b - a) * (b - a); });
+  return scale * std::sqrt(squares);
 }
 
 }  // namespace polyarm::trajectory

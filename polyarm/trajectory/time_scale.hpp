@@ -1,28 +1,39 @@
 #pragma once
+/// The speed at which a trajectory's time runs, changed smoothly.
 
 namespace polyarm::trajectory {
 
-/// The speed at which a trajectory's time runs: 1 as planned, 0 held. It changes smoothly, so that slowing
-/// down, holding and resuming stay exactly on the path. Between two values the scale follows a cubic
-/// smoothstep with zero slope at both ends, over a time proportional to the change. With a ramp of T seconds
-/// the path acceleration that a full stop adds is at most 1.5 v / T (v the velocity at that moment), and its
-/// jerk at most 6 v / T². No allocation, no exceptions; control thread.
+/// 1: as planned, 0: held. Running a trajectory's time faster or slower never leaves its path, so override,
+/// hold and resume are this scale alone. Towards a target that may change at any call, it moves with bounded
+/// rate (at most 1.5 / T per s) and bounded rate of rate (at most 4.5 / T² per s²), T being the ramp: from 1
+/// to 0 at rest takes T, a change by half less. It never leaves [0, 1] and passes no target that stands
+/// still.
+///
+/// What this does to a joint that the plan moves at velocity v and acceleration a: its acceleration becomes
+/// a s² + v s', so stopping alone costs up to 1.5 v / T, and its jerk gains up to 4.5 v / T² + 4.5 a / T.
+/// ramp_for() gives the T that keeps the sum within 1.07 times an acceleration limit even when the plan
+/// brakes at that limit. Control thread; no allocation, no exceptions.
 class TimeScale {
  public:
-  /// `ramp_s`: seconds from 1 to 0.
-  explicit TimeScale(double ramp_s = 0.25) : ramp_(ramp_s) {}
+  /// `ramp_s`: seconds from 1 to 0; 0 changes at once. `initial` in [0, 1].
+  explicit TimeScale(double ramp_s = 0.25, double initial = 1) noexcept;
 
-  /// Advances by `dt` seconds of clock towards `target` in [0, 1]; returns the seconds of trajectory time
-  /// that pass.
+  /// Lets `dt` > 0 seconds of clock pass, on the way to `target` (clamped to [0, 1]; not a number counts as
+  /// 0). Returns the seconds of trajectory time that pass, in [0, dt].
   double advance(double dt, double target) noexcept;
   double value() const noexcept { return value_; }
+  /// Change of value() per second now; 0 when the target is reached.
+  double rate() const noexcept { return rate_; }
+
+  /// The ramp, s, for a joint of these limits (rad/s, rad/s² or m).
+  static double ramp_for(double velocity, double acceleration) noexcept {
+    return 4 * velocity / acceleration;
+  }
 
  private:
-  double ramp_;
-  double value_ = 1;
-  double from_ = 1, to_ = 1;  // of the ramp under way
-  double elapsed_ = 0, length_ = 0;
-  bool ramping_ = false;
+  double most_rate_, most_change_;  // 1/s, 1/s²
+  double value_;
+  double rate_ = 0;
 };
 
 }  // namespace polyarm::trajectory

@@ -1,27 +1,41 @@
 #include "polyarm/trajectory/trajectory.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <cmath>
+
+#include "polyarm/base/error.hpp"
 
 namespace polyarm::trajectory {
 
 void Trajectory::append(double duration, std::span<const double> coefficients) {
-  assert(duration > 0 && coefficients.size() == joints_ * kCoefficients);
-  ends_.push_back((ends_.empty() ? 0.0 : ends_.back()) + duration);
+  if (!(duration > 0) || !std::isfinite(duration))
+    throw Error("bad-trajectory",
+                "a segment lasts " + std::to_string(duration) + " s; it must last longer than 0");
+  if (coefficients.size() != joints_ * kCoefficients)
+    throw Error("bad-trajectory", "a segment has " + std::to_string(coefficients.size()) + " coefficients; " +
+                                      std::to_string(joints_) + " joints need " +
+                                      std::to_string(joints_ * kCoefficients));
   coefficients_.insert(coefficients_.end(), coefficients.begin(), coefficients.end());
+  ends_.push_back(this->duration() + duration);
 }
 
 void Trajectory::sample(double t, std::span<double> position, std::span<double> velocity,
                         std::span<double> acceleration, std::size_t& hint) const noexcept {
   if (ends_.empty()) return;
   const std::size_t last = ends_.size() - 1;
+  const auto begin_of = [&](std::size_t i) { return i == 0 ? 0.0 : ends_[i - 1]; };
+  const auto holds = [&](std::size_t i) {
+    return (t >= begin_of(i) || i == 0) && (t < ends_[i] || i == last);
+  };
   std::size_t i = std::min(hint, last);
-  while (i < last && t > ends_[i]) ++i;
-  while (i > 0 && t <= ends_[i - 1]) --i;
+  if (!holds(i) && i < last && t >= ends_[i]) ++i;  // the usual next one; else look everywhere
+  if (!holds(i))
+    i = std::min(last,
+                 static_cast<std::size_t>(std::upper_bound(ends_.begin(), ends_.end(), t) - ends_.begin()));
+  if (std::isnan(t)) i = 0;
   hint = i;
-  const double begin = i == 0 ? 0.0 : ends_[i - 1];
-  const bool outside = t <= 0 || t >= ends_[last];
-  const double x = std::clamp(t, begin, ends_[i]) - begin;
+  const bool outside = !(t >= 0) || t > ends_[last];
+  const double x = !(t >= 0) ? 0.0 : std::min(t, ends_[i]) - begin_of(i);
   const double* c = coefficients_.data() + i * joints_ * kCoefficients;
   for (std::size_t j = 0; j < joints_; ++j, c += kCoefficients) {
     if (!position.empty()) position[j] = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));

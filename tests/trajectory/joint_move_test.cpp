@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "polyarm/trajectory/time_scale.hpp"
+#include "polyarm/base/error.hpp"
 
 namespace polyarm::trajectory {
 namespace {
@@ -23,7 +23,8 @@ Case random_case(std::mt19937& random) {
   const int n = 1 + static_cast<int>(random() % 7);
   for (int j = 0; j < n; ++j) {
     out.from.push_back(std::uniform_real_distribution<double>(-3, 3)(random));
-    out.to.push_back(out.from.back() + (random() % 5 == 0 ? 0 : log_uniform(1e-6, 6) * (random() % 2 ? 1 : -1)));
+    out.to.push_back(out.from.back() +
+                     (random() % 5 == 0 ? 0 : log_uniform(1e-6, 6) * (random() % 2 ? 1 : -1)));
     const double v = log_uniform(0.05, 5);
     out.limits.push_back({v, v * log_uniform(1, 20), v * log_uniform(20, 2000)});
   }
@@ -97,12 +98,10 @@ TEST(JointMove, IsContinuousInPositionVelocityAndAcceleration) {
 
 TEST(JointMove, IsAsFastAsTheClosedFormsSay) {
   const std::vector<JointMotionLimits> limits{{1, 2, 10}};
-  const auto duration = [&](double d) {
-    return fastest_duration(std::vector{0.0}, std::vector{d}, limits);
-  };
-  EXPECT_NEAR(duration(0.01), 4 * std::cbrt(0.01 / 20), 1e-9);               // neither a nor v reached
-  EXPECT_NEAR(duration(2.0), 2.0 / 1 + 1.0 / 2 + 2.0 / 10, 1e-9);            // both reached
-  EXPECT_NEAR(duration(0.4), 0.2 + std::sqrt(0.04 + 4 * 0.4 / 2), 1e-9);     // a reached, v not
+  const auto duration = [&](double d) { return fastest_duration(std::vector{0.0}, std::vector{d}, limits); };
+  EXPECT_NEAR(duration(0.01), 4 * std::cbrt(0.01 / 20), 1e-9);            // neither a nor v reached
+  EXPECT_NEAR(duration(2.0), 2.0 / 1 + 1.0 / 2 + 2.0 / 10, 1e-9);         // both reached
+  EXPECT_NEAR(duration(0.4), 0.2 + std::sqrt(0.04 + 4 * 0.4 / 2), 1e-9);  // a reached, v not
 }
 
 TEST(JointMove, StretchesToTheDurationAskedForAndNeverBelowTheFastest) {
@@ -112,7 +111,8 @@ TEST(JointMove, StretchesToTheDurationAskedForAndNeverBelowTheFastest) {
   options.duration = 7;
   EXPECT_NEAR(plan_joint_move(from, to, limits, options).duration(), 7, 1e-5);
   options.duration = 0.1;
-  EXPECT_NEAR(plan_joint_move(from, to, limits, options).duration(), fastest_duration(from, to, limits), 1e-5);
+  EXPECT_NEAR(plan_joint_move(from, to, limits, options).duration(), fastest_duration(from, to, limits),
+              1e-5);
 }
 
 TEST(JointMove, AMoveOfNoLengthStandsStill) {
@@ -139,31 +139,95 @@ TEST(PlanStop, EndsAtRestWithinLimits) {
     const Trajectory stop = plan_stop(c.from, v0, a0, c.limits);
     std::vector<double> q(n), v(n), a(n);
     std::size_t hint = 0;
-    for (double t = 1e-9; t < stop.duration(); t += stop.duration() / 200) {
-      stop.sample(t, q, v, a, hint);
-      for (std::size_t j = 0; j < n; ++j) EXPECT_LE(std::abs(a[j]), c.limits[j].acceleration * (1 + 1e-6) + 1e-12);
+    std::vector<double> last_a = a0;
+    const double dt = stop.duration() / 200;
+    for (int k = 0; k < 200; ++k) {
+      stop.sample(k * dt, q, v, a, hint);
+      for (std::size_t j = 0; j < n; ++j) {
+        EXPECT_LE(std::abs(a[j]), c.limits[j].acceleration * (1 + 1e-6) + 1e-12);
+        EXPECT_LE(std::abs(a[j] - last_a[j]),
+                  c.limits[j].jerk * dt * (1 + 1e-6) + 1e-6 * c.limits[j].acceleration);
+        if (k == 0) {
+          EXPECT_NEAR(v[j], v0[j], 1e-12);
+        }
+      }
+      last_a = a;
     }
     stop.sample(stop.duration() * (1 - 1e-12), q, v, a, hint);
     for (std::size_t j = 0; j < n; ++j) EXPECT_NEAR(v[j], 0, 1e-6 * c.limits[j].velocity);
   }
 }
 
-TEST(TimeScale, StopsAndResumesSmoothly) {
-  TimeScale scale(0.25);
-  double last = 1;
-  for (int i = 0; i < 250; ++i) {
-    scale.advance(1e-3, 0);
-    EXPECT_LE(std::abs(scale.value() - last), 1.5 / 0.25 * 1e-3 * (1 + 1e-9));
-    EXPECT_LE(scale.value(), last);
-    last = scale.value();
+TEST(PlanStop, IsAsFastAsTheClosedFormsSay) {
+  const std::vector<JointMotionLimits> limits{{1, 2, 10}};
+  const auto duration = [&](double v, double a) {
+    return plan_stop(std::vector{0.0}, std::vector{v}, std::vector{a}, limits).duration();
+  };
+  EXPECT_NEAR(duration(1, 0), 1.0 / 2 + 2.0 / 10, 1e-9);          // with a plateau: v / a + a / j
+  EXPECT_NEAR(duration(-0.1, 0), 2 * std::sqrt(0.1 / 10), 1e-9);  // without
+  EXPECT_NEAR(duration(0.05, -1), 0.1, 1e-9);                     // on its way out already: a / j
+  // An acceleration of twice the limit comes back within it first: 0.2 s, then a stop from what that leaves.
+  EXPECT_NEAR(duration(-2, 4), 0.2 + (2 - 0.6 - 0.2) / 2 + 0.2, 1e-9);
+}
+
+TEST(JointMoves, RestOnEveryWaypointAndShareTheDuration) {
+  const std::vector<JointMotionLimits> limits{{1, 2, 10}, {2, 4, 20}};
+  const std::vector<double> from{0, 0};
+  const std::vector<std::vector<double>> waypoints{{1, -0.5}, {1, -0.5}, {0.3, 0.7}};
+  const double first = fastest_duration(from, waypoints[0], limits);
+  const double second = fastest_duration(waypoints[1], waypoints[2], limits);
+  JointMoveOptions options;
+  options.duration = 3 * (first + second);
+  const Trajectory moves = plan_joint_moves(from, waypoints, limits, options);
+  EXPECT_NEAR(moves.duration(), options.duration, 1e-5);
+  std::vector<double> q(2), v(2);
+  std::size_t hint = 0;
+  moves.sample(3 * first + 0.5e-6, q, v, {}, hint);
+  EXPECT_NEAR(q[0], 1, 1e-12);
+  EXPECT_NEAR(q[1], -0.5, 1e-12);
+  EXPECT_NEAR(v[0], 0, 1e-9);
+  moves.sample(100, q, v, {}, hint);
+  EXPECT_EQ(q, waypoints.back());
+}
+
+TEST(JointMove, SpeedAndAccelerationScalesShrinkTheirLimits) {
+  const std::vector<JointMotionLimits> limits{{1, 2, 10}};
+  const std::vector<double> from{0}, to{3};
+  JointMoveOptions options;
+  options.speed_scale = 0.5;
+  options.acceleration_scale = 0.25;
+  const Trajectory move = plan_joint_move(from, to, limits, options);
+  double most_v = 0, most_a = 0;
+  std::vector<double> v(1), a(1);
+  std::size_t hint = 0;
+  for (double t = 0; t < move.duration(); t += 1e-3) {
+    move.sample(t, {}, v, a, hint);
+    most_v = std::max(most_v, std::abs(v[0]));
+    most_a = std::max(most_a, std::abs(a[0]));
   }
-  EXPECT_EQ(scale.value(), 0);
-  EXPECT_EQ(scale.advance(1e-3, 0), 0);
-  double passed = 0;
-  for (int i = 0; i < 250; ++i) passed += scale.advance(1e-3, 1);
-  EXPECT_EQ(scale.value(), 1);
-  EXPECT_NEAR(passed, 0.125, 1e-6);
-  EXPECT_EQ(scale.advance(1e-3, 1), 1e-3);
+  EXPECT_NEAR(most_v, 0.5, 1e-6);
+  EXPECT_NEAR(most_a, 0.5, 1e-6);
+}
+
+TEST(JointMove, TheThesisRuleIsScaleTimesDistance) {
+  EXPECT_DOUBLE_EQ(thesis_duration(std::vector{1.0, 1.0}, std::vector{4.0, -3.0}, 0.5), 2.5);
+}
+
+TEST(JointMove, RefusesWhatIsNoMove) {
+  const std::vector<JointMotionLimits> limits(2);
+  const std::vector<double> at{0, 0}, more{0, 0, 0}, hole{0, NAN}, far{INFINITY, 0};
+  EXPECT_THROW(plan_joint_move(at, more, limits), Error);
+  EXPECT_THROW(plan_joint_move(at, hole, limits), Error);
+  EXPECT_THROW(plan_joint_move(far, at, limits), Error);
+  EXPECT_THROW(plan_joint_move(at, at, std::vector<JointMotionLimits>(1)), Error);
+  EXPECT_THROW(plan_stop(at, hole, at, limits), Error);
+  for (const double bad : {0.0, -1.0, double(NAN), double(INFINITY)}) {
+    EXPECT_THROW(plan_joint_move(at, at, std::vector<JointMotionLimits>{{bad, 1, 1}, {}}), Error);
+    EXPECT_THROW(plan_joint_move(at, at, std::vector<JointMotionLimits>{{1, 1, bad}, {}}), Error);
+    JointMoveOptions options;
+    options.speed_scale = bad;
+    EXPECT_THROW(plan_joint_move(at, at, limits, options), Error);
+  }
 }
 
 }  // namespace

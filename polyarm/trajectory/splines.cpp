@@ -1,0 +1,179 @@
+#include "polyarm/trajectory/splines.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cfloat>
+#include <cmath>
+#include <numbers>
+
+namespace polyarm::trajectory {
+
+namespace {
+
+constexpr std::size_t kCount = Trajectory::kCoefficients;
+constexpr double kHold = 1e-3;  // s, of a trajectory whose only point is at time 0
+
+/// Looks for faults in one point and collects them under the point's name.
+struct PointCheck {
+  Problems& problems;
+  std::string name;
+  std::size_t joints;
+
+  void field(const std::vector<double>& values, const char* what) const {
+    if (!values.empty() && values.size() != joints)
+      problems.error("wrong-size", {},
+                     name + " has " + std::to_string(values.size()) + " " + what + " for " +
+                         std::to_string(joints) + " joints");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        problems.error(
+            "bad-number", {},
+            "value " + std::to_string(i + 1) + " of the " + what + " of " + name + " is not a finite number");
+  }
+  void fields(const TrajectoryPoint& point) const {
+    if (point.positions.empty() && joints > 0)
+      problems.error("no-positions", {}, name + " has no positions",
+                     "give positions; points of velocities or accelerations alone are not integrated");
+    field(point.positions, "positions");
+    field(point.velocities, "velocities");
+    field(point.accelerations, "accelerations");
+    field(point.effort, "effort values");
+  }
+};
+
+std::string name_of(std::size_t i) {
+  return "point " + std::to_string(i + 1);
+}
+
+void check_times(std::span<const TrajectoryPoint> points, Problems& problems) {
+  double last = -1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double t = points[i].time_from_start;
+    if (!std::isfinite(t) || t < 0)
+      problems.error("bad-time", {}, name_of(i) + " is at " + std::to_string(t) + " s",
+                     "times count from the start");
+    else if (t <= last)
+      problems.error("bad-time", {},
+                     name_of(i) + " is at " + std::to_string(t) +
+                         " s, not later than the point before it at " + std::to_string(last) + " s",
+                     "times must increase strictly");
+    last = t;
+  }
+}
+
+void check_end(const TrajectoryPoint& end, const SplineOptions& options, Problems& problems) {
+  if (options.allow_nonzero_velocity_at_end) return;
+  for (std::size_t i = 0; i < end.velocities.size(); ++i)
+    if (std::abs(end.velocities[i]) > FLT_EPSILON)
+      problems.error("moves-at-end", {},
+                     "the last point has velocity " + std::to_string(end.velocities[i]) + " for joint " +
+                         std::to_string(i + 1),
+                     "end at rest, or allow a velocity at the end");
+}
+
+Problems findings(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
+                  const SplineOptions& options) {
+  Problems problems;
+  const std::size_t joints = start.positions.size();
+  PointCheck{problems, "the start state", joints}.fields(start);
+  if (points.empty()) problems.error("no-points", {}, "the trajectory has no points", "send at least one");
+  for (std::size_t i = 0; i < points.size(); ++i) PointCheck{problems, name_of(i), joints}.fields(points[i]);
+  check_times(points, problems);
+  if (!points.empty()) check_end(points.back(), options, problems);
+  return problems;
+}
+
+/// Position, velocity and acceleration at one end of a segment.
+struct End {
+  double p, v, a;
+};
+
+/// The polynomial from one end to the other in `T` seconds that uses position (degree 1), velocity too (3),
+/// and acceleration too (5). It solves the end conditions for the upper half of the coefficients.
+std::array<double, kCount> polynomial(int degree, const End& x, const End& y, double T) {
+  const double d = y.p - x.p;
+  if (degree == 1) return {x.p, d / T, 0, 0, 0, 0};
+  if (degree == 3)
+    return {x.p, x.v, (3 * d / T - 2 * x.v - y.v) / T, (x.v + y.v - 2 * d / T) / (T * T), 0, 0};
+  const double p =
+      (d - x.v * T - x.a * T * T / 2) / (T * T * T);  // what the three upper powers must still give
+  const double v = (y.v - x.v - x.a * T) / (T * T);
+  const double a = (y.a - x.a) / T;
+  return {x.p,
+          x.v,
+          x.a / 2,
+          10 * p - 4 * v + a / 2,
+          (-15 * p + 7 * v - a) / T,
+          (6 * p - 3 * v + a / 2) / (T * T)};
+}
+
+int degree_between(const TrajectoryPoint& a, const TrajectoryPoint& b) {
+  if (a.velocities.empty() || b.velocities.empty()) return 1;
+  return a.accelerations.empty() || b.accelerations.empty() ? 3 : 5;
+}
+
+End end_of(const TrajectoryPoint& point, std::size_t joint) {
+  const auto value = [&](const std::vector<double>& list) { return list.empty() ? 0.0 : list[joint]; };
+  return {point.positions[joint], value(point.velocities), value(point.accelerations)};
+}
+
+void append_spline(Trajectory& out, const TrajectoryPoint& from, const TrajectoryPoint& to, double duration) {
+  std::vector<double> coefficients;
+  const int degree = degree_between(from, to);
+  for (std::size_t j = 0; j < out.joints(); ++j) {
+    const auto c = polynomial(degree, end_of(from, j), end_of(to, j), duration);
+    coefficients.insert(coefficients.end(), c.begin(), c.end());
+  }
+  out.append(duration, coefficients);
+}
+
+void append_constant(Trajectory& out, const TrajectoryPoint& at, double duration) {
+  std::vector<double> coefficients(out.joints() * kCount, 0.0);
+  for (std::size_t j = 0; j < out.joints(); ++j) coefficients[j * kCount] = at.positions[j];
+  out.append(duration, coefficients);
+}
+
+/// Takes whole turns between the start and the first point out, on the side that the options say.
+void take_shorter_way(TrajectoryPoint& start, std::vector<TrajectoryPoint>& points,
+                      const std::vector<bool>& continuous, Wraparound side) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  for (std::size_t j = 0; j < std::min(continuous.size(), start.positions.size()); ++j) {
+    if (!continuous[j]) continue;
+    const double turns = kTurn * std::round((points.front().positions[j] - start.positions[j]) / kTurn);
+    if (side == Wraparound::start)
+      start.positions[j] += turns;
+    else
+      for (TrajectoryPoint& point : points) point.positions[j] -= turns;
+  }
+}
+
+}  // namespace
+
+std::vector<Problem> check_points(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
+                                  const SplineOptions& options) {
+  return findings(start, points, options).list();
+}
+
+Trajectory interpolate(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
+                       const std::vector<bool>& continuous, const SplineOptions& options) {
+  findings(start, points, options).throw_if_errors();
+  TrajectoryPoint from = start;
+  std::vector<TrajectoryPoint> all(points.begin(), points.end());
+  take_shorter_way(from, all, continuous, options.wraparound);
+  from.time_from_start = 0;
+  Trajectory out(from.positions.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double duration = all[i].time_from_start - from.time_from_start;
+    if (duration > 0 && options.method == InterpolationMethod::splines)
+      append_spline(out, from, all[i], duration);
+    else if (duration > 0)
+      append_constant(out, i == 0 ? from : all[i], duration);
+    from = all[i];
+  }
+  // The last point of all has no interval that leads beyond it.
+  if (out.empty() || (options.method == InterpolationMethod::none && all.size() == 1))
+    append_constant(out, from, kHold);
+  return out;
+}
+
+}  // namespace polyarm::trajectory
