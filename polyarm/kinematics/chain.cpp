@@ -264,30 +264,58 @@ double Chain::distance_squared(std::span<const double> q) const noexcept {
   return dot(arm, arm);
 }
 
-/// Moves one joint to where the TCP is furthest from the base. For a joint that turns once the squared
-/// distance is a + b cos q + c sin q, which three values determine; else the better end of a prismatic joint,
-/// where the squared distance is convex; other joints stay.
-void Chain::stretch_joint(std::span<double> q, std::size_t joint) const noexcept {
-  const double was = q[joint];
+namespace {
+
+/// Where `f` is largest between two ends: the best of a coarse grid, narrowed by golden section.
+template <typename Function>
+double peak_between(double lower, double upper, const Function& f) {
+  constexpr int kCells = 24, kNarrowings = 45;
+  const double cell = (upper - lower) / kCells;
+  double best = lower, most = f(lower);
+  for (int i = 1; i <= kCells; ++i)
+    if (const double value = f(lower + i * cell); value > most) most = value, best = lower + i * cell;
+  double a = std::max(lower, best - cell), b = std::min(upper, best + cell);
+  for (int i = 0; i < kNarrowings; ++i) {
+    const double width = (b - a) / std::numbers::phi;
+    if (f(b - width) > f(a + width))
+      b = a + width;
+    else
+      a = b - width;
+  }
+  return (a + b) / 2;
+}
+
+}  // namespace
+
+/// The joint's value that takes the TCP furthest from the base, the others standing still. For a joint that
+/// turns once the squared distance is a + b cos q + c sin q, which three values determine.
+double Chain::furthest_turn(std::span<double> q, std::size_t joint) const noexcept {
   const auto at = [&](double value) {
     q[joint] = value;
     return distance_squared(q);
   };
-  std::array<double, 4> candidates{was, lower_[joint], upper_[joint], was};
-  if (period_[joint] > 0) {
-    constexpr double kThird = 2 * std::numbers::pi / 3;
-    const double f0 = at(0), f1 = at(kThird), f2 = at(-kThird);
-    double best = std::atan2((f1 - f2) / std::numbers::sqrt3, (2 * f0 - f1 - f2) / 3);
-    while (best < lower_[joint]) best += 2 * std::numbers::pi;
-    if (best <= upper_[joint]) candidates[3] = best;
+  double lower = lower_[joint], upper = upper_[joint];
+  if (!std::isfinite(lower)) lower = std::isfinite(upper) ? upper - 2 * std::numbers::pi : -std::numbers::pi;
+  if (!std::isfinite(upper)) upper = lower + 2 * std::numbers::pi;
+  if (!(period_[joint] > 0)) return peak_between(lower, upper, at);
+  constexpr double kThird = 2 * std::numbers::pi / 3;
+  const double f0 = at(0), f1 = at(kThird), f2 = at(-kThird);
+  const double best = std::atan2((f1 - f2) / std::numbers::sqrt3, (2 * f0 - f1 - f2) / 3);
+  return best + period_[joint] * std::max(0.0, std::ceil((lower - best) / period_[joint]));
+}
+
+/// Moves one joint to where the TCP is furthest from the base: as furthest_turn() says, or to a limit.
+void Chain::stretch_joint(std::span<double> q, std::size_t joint) const noexcept {
+  const double was = q[joint];
+  const double turned = slides_[joint] ? was : furthest_turn(q, joint);
+  double most = -1, best = was;
+  for (const double value : {was, lower_[joint], upper_[joint], turned}) {
+    if (!std::isfinite(value) || value < lower_[joint] || value > upper_[joint]) continue;
+    q[joint] = value;
+    const double distance = distance_squared(q);
+    if (distance > most) most = distance, best = value;
   }
-  double best_distance = -1, best_value = was;
-  for (const double value : candidates) {
-    if (!std::isfinite(value)) continue;
-    const double distance = at(value);
-    if (distance > best_distance) best_distance = distance, best_value = value;
-  }
-  q[joint] = best_value;
+  q[joint] = best;
 }
 
 void Chain::find_reach() {

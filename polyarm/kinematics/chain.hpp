@@ -108,6 +108,7 @@ class Chain {
   void find_periods();
   double largest_value(const Step& step) const noexcept;
   double distance_squared(std::span<const double> q) const noexcept;
+  double furthest_turn(std::span<double> q, std::size_t joint) const noexcept;
   void stretch_joint(std::span<double> q, std::size_t joint) const noexcept;
   void find_reach();
 

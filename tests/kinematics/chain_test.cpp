@@ -3,170 +3,196 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
+#include <limits>
 
-#include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/base/error.hpp"
+#include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
 namespace polyarm::kinematics {
 namespace {
 
-std::vector<double> random_state(const Chain& chain, std::mt19937& random) {
+constexpr double kPi = std::numbers::pi;
+const Pose kSomewhere{{0.4, -0.3, 0.8}, from_rpy(0.2, -0.4, 2.1)};
+const Pose kTool{{0.01, 0.02, 0.1}, from_rpy(0.3, 0, 0.2)};
+
+std::vector<double> random_state(const Chain& chain, Random& random) {
   std::vector<double> q;
-  for (std::size_t j = 0; j < chain.joints(); ++j)
-    q.push_back(std::uniform_real_distribution<double>(chain.lower()[j], chain.upper()[j])(random));
+  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
   return q;
 }
 
-Chain chain_of(const description::RobotModel& model, const Pose& tcp = {}) {
-  return Chain(model, model.find_link("tool0") >= 0 ? model.find_link("tool0") : static_cast<int>(model.links.size()) - 1,
-               {}, tcp);
-}
-
 /// The classic Denavit-Hartenberg product with the maker's numbers, turned by half a turn about z.
-Vec3 ur3_by_dh(const std::vector<double>& q) {
+Pose ur3_by_dh(const std::vector<double>& q) {
   const double a[] = {0, -0.24365, -0.21325, 0, 0, 0}, d[] = {0.1519, 0, 0, 0.11235, 0.08535, 0.0819};
-  const double alpha[] = {M_PI / 2, 0, 0, M_PI / 2, -M_PI / 2, 0};
-  Pose t{{}, from_rpy(0, 0, M_PI)};
-  for (int i = 0; i < 6; ++i)
-    t = t * Pose{{0, 0, d[i]}, from_rpy(0, 0, q[static_cast<std::size_t>(i)])} * Pose{{a[i], 0, 0}, from_rpy(alpha[i], 0, 0)};
-  return t.position;
+  const double alpha[] = {kPi / 2, 0, 0, kPi / 2, -kPi / 2, 0};
+  Pose t{{}, from_rpy(0, 0, kPi)};
+  for (std::size_t i = 0; i < 6; ++i)
+    t = t * Pose{{0, 0, d[i]}, from_rpy(0, 0, q[i])} * Pose{{a[i], 0, 0}, from_rpy(alpha[i], 0, 0)};
+  return t;
 }
 
 TEST(Chain, AgreesWithTheMakersDhParameters) {
   const auto model = test::ur3();
-  const Chain chain = chain_of(model);
-  std::mt19937 random(1);
-  for (int i = 0; i < 200; ++i) {
+  const Chain chain(model, test::tip_of(model));
+  Random random(1);
+  for (int i = 0; i < 500; ++i) {
     const auto q = random_state(chain, random);
-    EXPECT_LT(norm(chain.forward(q).position - ur3_by_dh(q)), 1e-12);
+    EXPECT_LT(norm(chain.forward(q).position - ur3_by_dh(q).position), 1e-12);
+    EXPECT_LT(angle_between(chain.forward(q).rotation, ur3_by_dh(q).rotation), 1e-7);
   }
 }
 
-TEST(Chain, JacobianIsTheDerivative) {
-  for (const auto& model : {test::ur3(), test::seven()}) {
-    const Chain chain = chain_of(model, {{0.01, 0.02, 0.1}, from_rpy(0.3, 0, 0.2)});
+TEST(Chain, StretchedOutUr3StandsWhereTheDrawingSays) {
+  const auto model = test::ur3();
+  const Chain chain(model, test::tip_of(model));
+  const Vec3 at = chain.forward(std::vector<double>(6, 0.0)).position;
+  EXPECT_NEAR(at.x, 0.24365 + 0.21325, 1e-12);
+  EXPECT_NEAR(at.y, 0.11235 + 0.0819, 1e-12);
+  EXPECT_NEAR(at.z, 0.1519 - 0.08535, 1e-12);
+}
+
+TEST(Chain, JacobianIsTheDerivativeOfThePose) {
+  for (const auto& model : {test::ur3(), test::seven(), test::five(), test::gantry()}) {
+    const Chain chain(model, test::tip_of(model), kSomewhere, kTool);
     const std::size_t n = chain.joints();
-    std::mt19937 random(2);
-    std::vector<double> jacobian(6 * n);
+    Random random(2);
+    std::vector<double> J(6 * n);
     for (int i = 0; i < 50; ++i) {
-      auto q = random_state(chain, random);
-      const Pose at = chain.jacobian(q, jacobian);
-      EXPECT_LT(norm(at.position - chain.forward(q).position), 1e-15);
+      const auto q = random_state(chain, random);
+      const Pose at = chain.jacobian(q, J);
+      EXPECT_EQ(at, chain.forward(q));
       for (std::size_t j = 0; j < n; ++j) {
-        constexpr double h = 1e-6;
-        auto ahead = q;
+        constexpr double h = 1e-5;
+        auto ahead = q, behind = q;
         ahead[j] += h;
-        const Pose moved = chain.forward(ahead);
-        const Vec3 v = (1 / h) * (moved.position - at.position);
-        const Vec3 w = (1 / h) * to_rotation_vector(moved.rotation * inverse(at.rotation));
-        EXPECT_LT(norm(v - Vec3{jacobian[j], jacobian[n + j], jacobian[2 * n + j]}), 1e-5);
-        EXPECT_LT(norm(w - Vec3{jacobian[3 * n + j], jacobian[4 * n + j], jacobian[5 * n + j]}), 1e-5);
+        behind[j] -= h;
+        const Pose a = chain.forward(ahead), b = chain.forward(behind);
+        const Vec3 v = (0.5 / h) * (a.position - b.position);
+        const Vec3 w = (0.5 / h) * to_rotation_vector(a.rotation * inverse(b.rotation));
+        EXPECT_LT(norm(v - Vec3{J[j], J[n + j], J[2 * n + j]}), 1e-8);
+        EXPECT_LT(norm(w - Vec3{J[3 * n + j], J[4 * n + j], J[5 * n + j]}), 1e-8);
       }
     }
   }
 }
 
-TEST(Chain, NoPoseIsBeyondTheReach) {
+TEST(Chain, BaseAndToolFrameTheChain) {
   const auto model = test::seven();
-  const Chain chain = chain_of(model);
-  std::mt19937 random(3);
-  for (int i = 0; i < 5000; ++i)
-    EXPECT_LE(norm(chain.forward(random_state(chain, random)).position - chain.reach_center()), chain.reach() + 1e-12);
-}
-
-TEST(Chain, LinkPosesEndWhereForwardDoes) {
-  const auto model = test::ur3();
-  const Chain chain = chain_of(model);
-  std::vector<Pose> links(model.links.size());
-  const std::vector<double> q{0.1, -1, 1, -1, -1, 0.4};
-  chain.link_poses(q, links);
-  EXPECT_LT(norm(links.back().position - chain.forward(q).position), 1e-12);
-}
-
-TEST(Inverse, UndoesForwardOnRandomReachablePoses) {
-  for (const auto& model : {test::ur3(), test::seven()}) {
-    const Chain chain = chain_of(model);
-    std::mt19937 random(4);
-    int solved = 0;
-    constexpr int kPoses = 1000;
-    for (int i = 0; i < kPoses; ++i) {
-      const Pose target = chain.forward(random_state(chain, random));
-      const IkResult result = solve_inverse(chain, target, random_state(chain, random));
-      if (!result) continue;
-      ++solved;
-      const Pose reached = chain.forward(result.q);
-      EXPECT_LT(norm(reached.position - target.position), 1e-6);
-      EXPECT_LT(angle_between(reached.rotation, target.rotation), 1e-6);
-      for (std::size_t j = 0; j < result.q.size(); ++j) {
-        EXPECT_GE(result.q[j], chain.lower()[j] - 1e-9);
-        EXPECT_LE(result.q[j], chain.upper()[j] + 1e-9);
-      }
-    }
-    EXPECT_GE(solved, kPoses * 999 / 1000) << model.name;
+  const Chain bare(model, test::tip_of(model)), placed(model, test::tip_of(model), kSomewhere, kTool);
+  Random random(3);
+  for (int i = 0; i < 50; ++i) {
+    const auto q = random_state(bare, random);
+    const Pose expected = kSomewhere * bare.forward(q) * kTool;
+    EXPECT_LT(norm(placed.forward(q).position - expected.position), 1e-14);
+    EXPECT_LT(angle_between(placed.forward(q).rotation, expected.rotation), 1e-7);
   }
 }
 
-TEST(Inverse, SaysHowFarAwayAPointIs) {
-  const auto model = test::ur3();
-  const IkResult result = solve_inverse(chain_of(model), {{5, 3, 2}, {}}, std::vector<double>(6, 0.0));
-  EXPECT_EQ(result.status, IkStatus::unreachable);
-  EXPECT_NE(result.reason.find("6.1"), std::string::npos) << result.reason;
+TEST(Chain, LinkPosesPutTheTipWhereForwardDoes) {
+  for (const auto& model : {test::ur3(), test::seven(), test::five(), test::gantry()}) {
+    const auto tip = static_cast<std::size_t>(test::tip_of(model));
+    const Chain chain(model, test::tip_of(model), kSomewhere);
+    ASSERT_EQ(chain.links(), model.links.size());
+    std::vector<Pose> links(chain.links());
+    Random random(4);
+    for (int i = 0; i < 50; ++i) {
+      const auto q = random_state(chain, random);
+      chain.link_poses(q, links);
+      EXPECT_EQ(links[0], kSomewhere);
+      EXPECT_LT(norm(links[tip].position - chain.forward(q).position), 1e-14);
+      EXPECT_LT(angle_between(links[tip].rotation, chain.forward(q).rotation), 1e-7);
+    }
+  }
 }
 
-TEST(Inverse, NamesTheJointWhoseLimitIsInTheWay) {
+TEST(Chain, AJointBesideThePathMovesOnlyItsOwnLink) {
+  const auto model = test::gantry();
+  const Chain chain(model, test::tip_of(model));
+  EXPECT_FALSE(chain.moves_tcp(3));
+  std::vector<double> q{0.1, 0.2, 0.3, 0};
+  std::vector<Pose> before(chain.links()), after(chain.links());
+  const Pose tcp = chain.forward(q);
+  chain.link_poses(q, before);
+  q[3] = 0.5;
+  chain.link_poses(q, after);
+  EXPECT_EQ(chain.forward(q), tcp);
+  for (std::size_t i = 0; i + 1 < chain.links(); ++i) EXPECT_EQ(before[i], after[i]);
+  EXPECT_NEAR(norm(after.back().position - before.back().position), 0.5, 1e-12);
+}
+
+TEST(Chain, AMimicJointFollows) {
+  const auto model = test::gantry();
+  auto unhooked = model;
+  unhooked.joints[2].mimic.reset();
+  unhooked.actuated = {0, 1, 2, 3};
+  const Chain chain(model, test::tip_of(model)), free(unhooked, test::tip_of(unhooked));
+  const Pose expected = free.forward(std::vector<double>{0.7, 0.9, -0.5 * 0.9 + 0.1, -0.4});
+  const Pose got = chain.forward(std::vector<double>{0.7, 0.9, -0.4, 0});
+  EXPECT_LT(norm(got.position - expected.position), 1e-14);
+}
+
+TEST(Chain, NoPoseIsBeyondTheReachWhichIsWithinTheBound) {
+  for (const auto& model : {test::ur3(), test::seven(), test::five(), test::gantry()}) {
+    const Chain chain(model, test::tip_of(model), kSomewhere, kTool);
+    EXPECT_LE(chain.reach(), chain.reach_bound() + 1e-12);
+    Random random(5);
+    double most = 0;
+    for (int i = 0; i < 50000; ++i)
+      most = std::max(most, norm(chain.forward(random_state(chain, random)).position - chain.reach_center()));
+    EXPECT_LE(most, chain.reach() + 1e-9) << model.name;
+    EXPECT_GE(most, 0.9 * chain.reach()) << model.name;
+  }
+}
+
+TEST(Chain, LimitsAndPeriodsAreTheModels) {
   auto model = test::ur3();
-  const Chain free_chain = chain_of(model);
-  const std::vector<double> q{0.5, -1.2, 1.5, -1.8, -1.5, 0.3};
-  const Pose target = free_chain.forward(q);
-  model.joints[1].limits.lower = -0.2;
-  model.joints[1].limits.upper = 0.2;
-  const IkResult result = solve_inverse(chain_of(model), target, std::vector<double>{0, -1.2, 1.5, -1.8, -1.5, 0});
-  EXPECT_EQ(result.status, IkStatus::limits) << result.reason;
-  EXPECT_NE(result.reason.find("shoulder_pan"), std::string::npos) << result.reason;
+  model.joints[6].type = description::JointType::continuous;
+  model.joints[3].limits = {};
+  const Chain chain(model, test::tip_of(model));
+  EXPECT_EQ(chain.names()[2], "elbow");
+  EXPECT_EQ(chain.lower()[0], -2 * kPi);
+  EXPECT_EQ(chain.upper()[2], std::numeric_limits<double>::infinity());
+  EXPECT_EQ(chain.upper()[5], std::numeric_limits<double>::infinity());
+  EXPECT_EQ(chain.period(0), 2 * kPi);
+  const auto sliding = test::gantry();
+  const Chain gantry(sliding, test::tip_of(sliding));
+  EXPECT_EQ(gantry.period(0), 0);  // slides
+  EXPECT_EQ(gantry.period(1), 0);  // turns a mimic joint by half as much
+  EXPECT_EQ(gantry.period(2), 2 * kPi);
+  EXPECT_TRUE(gantry.slides(0));
+  EXPECT_FALSE(gantry.slides(1));
 }
 
-TEST(Inverse, SurvivesPosesThatAreNoPoses) {
-  const auto model = test::ur3();
-  const Chain chain = chain_of(model);
-  const std::vector<double> seed(6, 0.1);
-  EXPECT_FALSE(solve_inverse(chain, {{NAN, 0, 0}, {}}, seed));
-  EXPECT_FALSE(solve_inverse(chain, {{1e300, 0, 0}, {}}, seed));
-  EXPECT_FALSE(solve_nearest(chain, {{0, 0, INFINITY}, {}}, seed, seed));
+TEST(Chain, RefusesModelsThatAreNone) {
+  const auto good = test::ur3();
+  EXPECT_THROW(Chain(good, -1), Error);
+  EXPECT_THROW(Chain(good, 99), Error);
+  EXPECT_THROW(Chain(good, 7, Pose{{NAN, 0, 0}, {}}), Error);
+  auto circle = test::gantry();
+  circle.joints[1].mimic = description::Mimic{2, 1, 0};
+  circle.actuated = {0, 3};
+  EXPECT_THROW(Chain(circle, test::tip_of(circle)), Error);
+  auto planar = test::ur3();
+  planar.joints[3].type = description::JointType::planar;
+  EXPECT_THROW(Chain(planar, test::tip_of(planar)), Error);
+  auto orphan = test::ur3();
+  orphan.links[3].parent_joint = 77;
+  EXPECT_THROW(Chain(orphan, test::tip_of(orphan)), Error);
+  auto loop = test::ur3();
+  loop.joints[2].parent_link = 5;
+  EXPECT_THROW(Chain(loop, test::tip_of(loop)), Error);
+  auto endless = test::ur3();
+  endless.joints[2].origin.position.x = INFINITY;
+  EXPECT_THROW(Chain(endless, test::tip_of(endless)), Error);
 }
 
-TEST(Inverse, NearestKeepsTheConfiguration) {
-  const auto model = test::ur3();
-  const Chain chain = chain_of(model);
-  const std::vector<double> home{0.0, -1.2, 1.5, -1.87, -1.57, 0.0};
-  std::vector<double> at = home;
-  const Pose start = chain.forward(home);
-  for (int i = 0; i < 60; ++i) {
-    Pose target = start;
-    target.position.x += 0.05 * std::sin(0.3 * i);
-    target.position.z += 0.03 * std::cos(0.2 * i) - 0.03;
-    const IkResult result = solve_nearest(chain, target, at, home);
-    ASSERT_TRUE(result) << result.reason;
-    for (std::size_t j = 0; j < 6; ++j) EXPECT_LT(std::abs(result.q[j] - at[j]), 0.8);
-    at = result.q;
-  }
-}
-
-TEST(Inverse, IsDeterministic) {
-  const auto model = test::seven();
-  const Chain chain = chain_of(model);
-  const Pose target = chain.forward(std::vector<double>{0.3, 0.5, -0.4, 1.2, 0.3, 0.7, 0.1});
-  const std::vector<double> seed(7, 0.0);
-  EXPECT_EQ(solve_inverse(chain, target, seed).q, solve_inverse(chain, target, seed).q);
-}
-
-TEST(Inverse, FindsAllEightOfAUr3) {
-  const auto model = test::ur3();
-  const Chain chain = chain_of(model);
-  const std::vector<double> q{0.4, -1.2, 1.3, -1.5, -1.2, 0.3};
-  IkOptions options;
-  options.restarts = 200;
-  EXPECT_EQ(find_solutions(chain, chain.forward(q), q, options).size(), 8u);
+TEST(Chain, ARobotWithoutJointsStandsStill) {
+  description::RobotModel model;
+  model.links.push_back({"base", {}, {}, {}, -1});
+  const Chain chain(model, 0, kSomewhere, kTool);
+  EXPECT_LT(norm(chain.forward({}).position - (kSomewhere * kTool).position), 1e-15);
+  EXPECT_NEAR(chain.reach(), norm(kTool.position), 1e-12);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
-/// Two robots written by hand, so that these tests need no file: a UR3 and a seven-joint arm.
+/// Robots written by hand, so that these tests need no file: a UR3, seven- and five-joint arms, and a gantry
+/// whose second axis carries a mimic joint.
 #include <numbers>
 #include <string>
 
@@ -7,6 +8,7 @@
 
 namespace polyarm::test {
 
+/// A row with lower = upper is a fixed joint.
 struct JointRow {
   const char* name;
   Vec3 xyz, rpy, axis;
@@ -16,7 +18,7 @@ struct JointRow {
 inline description::RobotModel serial_robot(const std::string& name, std::initializer_list<JointRow> rows) {
   description::RobotModel model;
   model.name = name;
-  model.links.push_back({"base_link"});
+  model.links.push_back({"base_link", {}, {}, {}, -1});
   for (const JointRow& row : rows) {
     const int index = static_cast<int>(model.joints.size());
     description::Joint joint;
@@ -39,7 +41,8 @@ inline description::RobotModel serial_robot(const std::string& name, std::initia
   return model;
 }
 
-/// Kinematics of the Universal Robots UR3 (the maker's published DH parameters, base turned as in its ROS description).
+/// Kinematics of the Universal Robots UR3 (the maker's published DH parameters, base turned as in its ROS
+/// description).
 inline description::RobotModel ur3() {
   constexpr double pi = std::numbers::pi;
   const Vec3 z{0, 0, 1};
@@ -63,6 +66,45 @@ inline description::RobotModel seven() {
                                 {"a6", {0, 0, 0}, {-pi / 2, 0, 0}, z, -2.0, 2.0},
                                 {"a7", {0, 0, 0}, {pi / 2, 0, 0}, z, -3.0, 3.0},
                                 {"flange", {0, 0, 0.126}, {0, 0, 0}, z, 0, 0}});
+}
+
+/// A classic arm without its fourth joint.
+inline description::RobotModel five() {
+  const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  return serial_robot("five", {{"turn", {0, 0, 0.3}, {0, 0, 0}, z, -3, 3},
+                               {"lift", {0.05, 0, 0}, {0, 0, 0}, y, -2, 2},
+                               {"bend", {0, 0, 0.4}, {0, 0, 0}, y, -2.5, 2.5},
+                               {"nod", {0.4, 0, 0.03}, {0, 0, 0}, y, -2, 2},
+                               {"roll", {0.08, 0, 0}, {0, 0, 0}, x, -3, 3},
+                               {"flange", {0.05, 0, 0}, {0, std::numbers::pi / 2, 0}, z, 0, 0}});
+}
+
+/// x slides; the arm turns; the wrist mimics the arm with -0.5 times its angle plus 0.1; then a slanted axis;
+/// a finger beside the path moves nothing.
+inline description::RobotModel gantry() {
+  description::RobotModel model =
+      serial_robot("gantry", {{"x", {0, 0, 0.5}, {0, 0, 0}, {1, 0, 0}, -1, 2},
+                              {"arm", {0, 0, 0.1}, {0.3, 0, 0}, {0, 0, 1}, -3, 3},
+                              {"wrist", {0.3, 0, 0}, {0, 0.2, 0}, {0, 1, 0}, -3, 3},
+                              {"tilt", {0.2, 0.1, 0}, {0, 0, 0}, {0.6, 0, 0.8}, -2, 2},
+                              {"tool", {0, 0, 0.1}, {0, 0, 0}, {0, 0, 1}, 0, 0}});
+  model.joints[0].type = description::JointType::prismatic;
+  model.joints[2].mimic = description::Mimic{1, -0.5, 0.1};
+  description::Joint finger = model.joints[0];
+  finger.name = "finger";
+  finger.parent_link = 3;
+  finger.child_link = static_cast<int>(model.links.size());
+  model.links.push_back({"finger", {}, {}, {}, static_cast<int>(model.joints.size())});
+  model.actuated = {0, 1, 3, static_cast<int>(model.joints.size())};
+  model.joints.push_back(finger);
+  return model;
+}
+
+/// The index of the link "tool0".
+inline int tip_of(const description::RobotModel& model) {
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (model.links[i].name == "tool0") return static_cast<int>(i);
+  return -1;
 }
 
 }  // namespace polyarm::test
