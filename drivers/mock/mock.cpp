@@ -1,0 +1,203 @@
+#include "drivers/mock/mock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::drivers {
+
+using description::ComponentInfo;
+using description::InterfaceInfo;
+using hardware::CallbackReturn;
+using hardware::ReturnType;
+
+namespace {
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+bool flag(const std::map<std::string, std::string>& parameters, const char* name) {
+  const auto found = parameters.find(name);
+  return found != parameters.end() && equal_ignoring_case(trim(found->second), "true");
+}
+
+double number(const std::map<std::string, std::string>& parameters, const char* name) {
+  const auto found = parameters.find(name);
+  if (found == parameters.end()) return 0;
+  if (const auto value = parse_number(found->second)) return *value;
+  throw Error("bad-value", std::string("the hardware parameter ") + name + " = '" + found->second + "' is not a number", {});
+}
+}  // namespace
+
+int MockComponent::state(const std::string& name, double initial) {
+  states_.push_back({name, initial});
+  return static_cast<int>(states_.size()) - 1;
+}
+
+int MockComponent::command(const std::string& name) {
+  commands_.push_back({name});
+  return static_cast<int>(commands_.size()) - 1;
+}
+
+void MockComponent::add_plain(const hardware::RobotInstance& robot) {
+  const std::vector<std::string> joints = robot.model->joint_names();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const std::string name = robot.name + "/" + joints[j];
+    Part part;
+    part.position = part.last_position = j < robot.initial_positions.size() ? robot.initial_positions[j] : 0;
+    part.position_state = state(name + "/position", part.position);
+    part.velocity_state = state(name + "/velocity", 0);
+    part.position_command = command(name + "/position");
+    part.quotient = true;
+    parts_.push_back(part);
+  }
+}
+
+void MockComponent::add_component(const hardware::RobotInstance& robot, const ComponentInfo& info) {
+  const std::string name = robot.name + "/" + info.name;
+  const bool joint = info.kind == "joint";
+  const std::vector<std::string> actuated = robot.model->joint_names();
+  Part part;
+  const auto at = std::find(actuated.begin(), actuated.end(), info.name);
+  if (joint && at != actuated.end() && static_cast<std::size_t>(at - actuated.begin()) < robot.initial_positions.size())
+    part.position = robot.initial_positions[static_cast<std::size_t>(at - actuated.begin())];
+  const auto place = [&](const std::string& interface, bool is_command) -> int* {
+    if (!joint) return nullptr;
+    if (interface == "position") return is_command ? &part.position_command : &part.position_state;
+    if (interface == "velocity") return is_command ? &part.velocity_command : &part.velocity_state;
+    if (interface == "acceleration") return is_command ? &part.acceleration_command : &part.acceleration_state;
+    if (interface == "effort") return is_command ? &part.effort_command : &part.effort_state;
+    return nullptr;
+  };
+  for (const InterfaceInfo& s : info.state_interfaces) {
+    const double initial = s.name == "position" && joint ? s.initial_value.value_or(part.position)
+                                                         : s.initial_value.value_or(joint ? 0.0 : kNone);
+    if (joint && s.name == "position") part.position = initial;
+    const int index = state(name + "/" + s.name, initial);
+    if (int* own = place(s.name, false)) *own = index;
+    else mirrors_.push_back({-1, index, initial});
+  }
+  const auto mirror_of = [&](const std::string& interface) -> Mirror* {
+    for (Mirror& m : mirrors_)
+      if (states_[static_cast<std::size_t>(m.state)].name == name + "/" + interface) return &m;
+    return nullptr;
+  };
+  for (const InterfaceInfo& c : info.command_interfaces) {
+    const int index = command(name + "/" + c.name);
+    if (int* own = place(c.name, true)) *own = index;
+    else if (Mirror* m = mirror_of(c.name)) m->command = index;
+  }
+  const bool mirrored = (info.kind == "sensor" && mirror_sensors_) || (info.kind == "gpio" && mirror_gpios_);
+  if (mirrored)
+    for (const InterfaceInfo& s : info.state_interfaces)
+      if (Mirror* m = mirror_of(s.name); m && m->command < 0) m->command = command(name + "/" + s.name);
+  part.last_position = part.position;
+  if (joint) parts_.push_back(part);
+}
+
+void MockComponent::add_declared(const hardware::RobotInstance& robot, const description::HardwareInfo& info) {
+  const std::size_t first = parts_.size();
+  std::vector<std::string> names;
+  for (const ComponentInfo& component : info.components) {
+    add_component(robot, component);
+    if (component.kind == "joint") names.push_back(component.name);
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const int joint = robot.model->find_joint(names[k]);
+    if (joint < 0 || !robot.model->joints[static_cast<std::size_t>(joint)].mimic) continue;
+    const description::Mimic& mimic = *robot.model->joints[static_cast<std::size_t>(joint)].mimic;
+    const std::string& source = robot.model->joints[static_cast<std::size_t>(mimic.joint)].name;
+    const auto found = std::find(names.begin(), names.end(), source);
+    if (found == names.end()) continue;
+    Part& part = parts_[first + k];
+    part.mimicked = static_cast<int>(first + static_cast<std::size_t>(found - names.begin()));
+    part.multiplier = mimic.multiplier;
+    part.offset = mimic.offset;
+  }
+}
+
+CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context) {
+  dynamics_ = flag(context.parameters, "calculate_dynamics");
+  disabled_ = flag(context.parameters, "disable_commands");
+  mirror_sensors_ = flag(context.parameters, "mock_sensor_commands");
+  mirror_gpios_ = flag(context.parameters, "mock_gpio_commands");
+  following_offset_ = number(context.parameters, "position_state_following_offset");
+  for (const hardware::RobotInstance& robot : context.robots) {
+    if (robot.hardware.empty()) add_plain(robot);
+    for (const description::HardwareInfo& info : robot.hardware) add_declared(robot, info);
+  }
+  world_ = std::make_unique<MockWorld>(context, states_, commands_);
+  asked_.assign(commands_.size(), kNone);
+  return CallbackReturn::success;
+}
+
+std::vector<hardware::InterfaceDescription> MockComponent::state_interfaces() const { return states_; }
+std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() const { return commands_; }
+
+void MockComponent::move(Part& part, double dt) noexcept {
+  const auto asked = [&](int index) { return index < 0 ? kNone : asked_[static_cast<std::size_t>(index)]; };
+  const double q = asked(part.position_command), v = asked(part.velocity_command), a = asked(part.acceleration_command);
+  const double before = part.position;
+  if (std::isfinite(q)) {
+    part.position = q + following_offset_;
+    if (dynamics_ || part.quotient) {
+      const double velocity = dt > 0 ? (part.position - before) / dt : 0;
+      part.acceleration = dt > 0 ? (velocity - part.velocity) / dt : 0;
+      part.velocity = velocity;
+    } else if (std::isfinite(v)) {
+      part.velocity = v;
+    }
+  } else if (std::isfinite(v)) {
+    if (dynamics_) {
+      part.acceleration = dt > 0 ? (v - part.velocity) / dt : 0;
+      part.position += v * dt;
+    }
+    part.velocity = v;
+  } else if (std::isfinite(a)) {
+    part.acceleration = a;
+    if (dynamics_) {
+      part.velocity += a * dt;
+      part.position += part.velocity * dt;
+    }
+  }
+  if (const double e = asked(part.effort_command); std::isfinite(e)) part.effort = e;
+}
+
+ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  const double dt = seconds(cycle.period);
+  if (!disabled_)
+    for (Part& part : parts_)
+      if (part.mimicked < 0) move(part, dt);
+  for (Part& part : parts_) {
+    if (part.mimicked >= 0) {
+      const Part& source = parts_[static_cast<std::size_t>(part.mimicked)];
+      part.position = part.multiplier * source.position + part.offset;
+      part.velocity = part.multiplier * source.velocity;
+      part.acceleration = part.multiplier * source.acceleration;
+    }
+    const auto put = [&](int index, double value) {
+      if (index >= 0) states[static_cast<std::size_t>(index)] = value;
+    };
+    put(part.position_state, part.position);
+    put(part.velocity_state, part.velocity);
+    put(part.acceleration_state, part.acceleration);
+    put(part.effort_state, part.effort);
+  }
+  for (Mirror& mirror : mirrors_) {
+    if (mirror.command >= 0 && std::isfinite(asked_[static_cast<std::size_t>(mirror.command)]) && !disabled_)
+      mirror.value = asked_[static_cast<std::size_t>(mirror.command)];
+    states[static_cast<std::size_t>(mirror.state)] = mirror.value;
+  }
+  world_->step(cycle, asked_, states);
+  return broken_ ? ReturnType::error : ReturnType::ok;
+}
+
+ReturnType MockComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (std::isinf(commands[i])) broken_ = true;
+    if (std::isfinite(commands[i])) asked_[i] = commands[i];
+  }
+  return broken_ ? ReturnType::error : ReturnType::ok;
+}
+
+}  // namespace polyarm::drivers

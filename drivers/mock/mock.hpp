@@ -1,0 +1,57 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "drivers/mock/mock_world.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::drivers {
+
+/// Hardware that does what it is told at once, without physics: the behaviour of mock_components/GenericSystem of
+/// ros2_control. Parameters: `calculate_dynamics`, `disable_commands`, `position_state_following_offset`,
+/// `mock_sensor_commands`, `mock_gpio_commands`. A robot without <ros2_control> gets a position command, and position
+/// and velocity states, for each actuated joint; there the velocity state is the difference quotient of positions.
+/// Tools, feeders, outfeeds, movers and parts are played by MockWorld.
+class MockComponent : public hardware::Component {
+ public:
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  std::vector<hardware::InterfaceDescription> state_interfaces() const override;
+  std::vector<hardware::InterfaceDescription> command_interfaces() const override;
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept override;
+  const hardware::WorldState* world() const noexcept override { return world_ ? &world_->state() : nullptr; }
+  std::vector<std::string> world_names() const override { return {}; }
+  std::string summary() const override { return "mock hardware: states follow commands at once, no physics"; }
+
+ private:
+  /// One joint, sensor or gpio; the indices are places in the spans of read and write, -1 for none.
+  struct Part {
+    int position_state = -1, velocity_state = -1, acceleration_state = -1, effort_state = -1;
+    int position_command = -1, velocity_command = -1, acceleration_command = -1, effort_command = -1;
+    double position = 0, velocity = 0, acceleration = 0, effort = 0;
+    double last_position = 0;
+    int mimicked = -1;  ///< index of the part followed
+    double multiplier = 1, offset = 0;
+    bool quotient = false;  ///< velocity state is the difference quotient
+  };
+  struct Mirror {
+    int command = -1, state = -1;
+    double value = 0;
+  };
+  void add_declared(const hardware::RobotInstance& robot, const description::HardwareInfo& info);
+  void add_plain(const hardware::RobotInstance& robot);
+  void add_component(const hardware::RobotInstance& robot, const description::ComponentInfo& info);
+  int state(const std::string& name, double initial);
+  int command(const std::string& name);
+  void move(Part& part, double dt) noexcept;
+
+  std::vector<hardware::InterfaceDescription> states_, commands_;
+  std::vector<Part> parts_;
+  std::vector<Mirror> mirrors_;
+  std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
+  std::unique_ptr<MockWorld> world_;
+  bool dynamics_ = false, disabled_ = false, mirror_sensors_ = false, mirror_gpios_ = false, broken_ = false;
+  double following_offset_ = 0;
+};
+
+}  // namespace polyarm::drivers

@@ -1,0 +1,67 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::drivers {
+
+/// Tools, feeders, outfeeds, movers and parts without physics, so that programs run on mock hardware. A gripper that is
+/// switched on holds the nearest part within 15 mm of the TCP after 0.1 s; what it lets go of sinks to where its goal or
+/// its start stood; movers follow their set points at their speed and carry nothing.
+class MockWorld {
+ public:
+  MockWorld(const hardware::ComponentContext& context, std::vector<hardware::InterfaceDescription>& states,
+            std::vector<hardware::InterfaceDescription>& commands);
+
+  /// Advances by a cycle. `asked` has the last finite command of each interface, `states` the joint positions.
+  void step(const hardware::Cycle& cycle, std::span<const double> asked, std::span<double> states) noexcept;
+  const hardware::WorldState& state() const { return state_; }
+
+ private:
+  struct Step {  // of the chain from base to TCP
+    Pose fixed;
+    Vec3 axis;
+    int position_state = -1;  ///< -1: fixed
+    bool prismatic = false;
+    double multiplier = 1, offset = 0;
+  };
+  struct Arm {
+    Pose base, last;
+    std::vector<Step> chain;
+    int command = -1, level_state = -1, present_state = -1;
+    double on_for = 0;
+    int held = -1;
+    Pose grasp;  ///< T_tcp_part
+  };
+  struct Feeder {
+    int command, presented_state, remaining_state, present_state, kind_state;
+    std::vector<int> parts;
+    int presented = 0;
+    Pose pose;
+  };
+  struct Region {
+    int command = -1, present_state = -1, taken_state = -1;
+    Vec3 lower, upper;
+    int taken = 0;
+  };
+  struct Mover {
+    int command, state;
+    double at = 0, speed = 0.1, lower = 0, upper = 0;
+  };
+  Pose tcp(const Arm& arm, std::span<const double> states) const noexcept;
+  void grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept;
+  void let_go(Arm& arm) noexcept;
+  void feed(Feeder& feeder, std::span<const double> asked, std::span<double> states) noexcept;
+  void watch(Region& region, std::span<const double> asked, std::span<double> states) noexcept;
+
+  const description::Scene* scene_ = nullptr;
+  std::vector<Arm> arms_;
+  std::vector<Feeder> feeders_;
+  std::vector<Region> regions_;
+  std::vector<Mover> movers_;
+  hardware::WorldState state_;
+};
+
+}  // namespace polyarm::drivers

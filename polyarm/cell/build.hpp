@@ -1,0 +1,59 @@
+#pragma once
+/// The steps of building a cell from its files.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/data_files.hpp"
+#include "polyarm/cell/observer.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/control/control_loop.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/program/ast.hpp"
+
+namespace polyarm::cell {
+
+/// Runs `step`; what it throws joins the problems, so that one bad file does not hide the next.
+template <typename Step>
+void collect(Problems& problems, Step step) {
+  try {
+    step();
+  } catch (const Error& e) {
+    problems.add(e);
+  }
+}
+
+/// Name of the controller that carries tags to command interfaces.
+inline constexpr const char* kIoController = "io";
+
+/// The control rate: the cell's, or what its controllers file says where the cell comes from a description.
+double rate_of(const CellFile& file, Problems& problems);
+
+struct PlannedController {
+  std::unique_ptr<controllers::Controller> controller;
+  controllers::ControllerContext context;
+};
+struct ControllerPlan {
+  std::vector<PlannedController> controllers;
+};
+
+/// The controllers of the cell's file, or a sensible set where it has none: a trajectory controller for each robot, a
+/// joint state broadcaster, and one that carries the tags in `io_commands` out.
+ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
+                                const std::vector<std::string>& io_commands, Observer& observer, Problems& problems);
+
+/// The active controller that follows trajectories of all joints of the robot in the model's order; null if none.
+controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
+                                                                 const control::ControllerManager& manager);
+
+struct Programs {
+  std::optional<program::Program> program, plc;
+};
+
+/// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC, and checks
+/// them against the names of the store.
+Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems);
+
+}  // namespace polyarm::cell

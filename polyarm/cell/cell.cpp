@@ -1,0 +1,246 @@
+#include "polyarm/cell/cell.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/build.hpp"
+#include "polyarm/controllers/joint_state_broadcaster.hpp"
+#include "polyarm/description/scene_file.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+/// A run in which nothing can happen any more is given this long, in cell time, before it is called a deadlock.
+constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
+/// Parts that were let go of are given this long to come to rest after the program has ended.
+constexpr Nanoseconds kSettlePatience = 2'000'000'000;
+}  // namespace
+
+Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options, Observer& observer)
+    : file_(file), options_(std::move(options)), observer_(observer) {
+  Problems problems;
+  std::vector<std::string> notes;
+  robots_ = resolve_robots(file_, catalogue, problems, notes);
+  for (const std::string& note : notes) observer_.on_note(note);
+  collect(problems, [&] {
+    if (!file_.scene.empty()) scene_ = description::read_scene((file_.folder / file_.scene).string());
+  });
+  parts_ = PartTracker(scene_);
+  problems.throw_if_errors();
+
+  const double rate = rate_of(file_, problems);
+  control::LoopOptions loop;
+  loop.period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
+  loop.black_box_rows = static_cast<std::size_t>(10 * rate);
+  loop_ = std::make_unique<control::ControlLoop>(loop);
+  loop_->supervisor().watch_cell = !options_.lock_step;
+  add_components(loop_->hardware(), robots_, scene_, loop.period);
+  loop_->start_hardware();
+  for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
+
+  worker_ = std::make_unique<Worker>(options_.lock_step);
+  for (const std::string& answer : options_.answers) answers_.give(answer);
+  build_tags(problems);
+  collect(problems, [&] { build_controllers(problems); });
+  for (const auto& [name, value] : options_.faults)
+    collect(problems, [&, n = name, v = value] { loop_->hardware().force(n, v); });
+  std::vector<controllers::JointFacts> joints;
+  for (const auto& robot : robots_) joints.insert(joints.end(), robot->joints.begin(), robot->joints.end());
+  loop_->prepare(joints);
+  collect(problems, [&] { build_programs(problems); });
+  problems.throw_if_errors();
+  for (const Problem& problem : problems.list()) observer_.on_problem(0, problem);
+  told_version_ = store_.version();
+}
+
+Cell::~Cell() = default;
+
+void Cell::build_tags(Problems& problems) {
+  pass_state_ = states_.add("program/pass");
+  running_state_ = states_.add("program/running");
+  for (const auto& robot : robots_)
+    tcp_states_.push_back({states_.add(robot->entry.name + "/tcp/x"), states_.add(robot->entry.name + "/tcp/y"),
+                           states_.add(robot->entry.name + "/tcp/z")});
+  signals::SignalsFile signals;
+  collect(problems, [&] {
+    if (!file_.signals.empty()) signals = signals::read_signals((file_.folder / file_.signals).string());
+  });
+  std::set<std::string> live(signals.live.begin(), signals.live.end());
+  files_ = std::make_unique<DataFiles>(store_, StateFolder(file_.folder, live, options_.keep), *worker_,
+                                       options_.lock_step);
+  tags_ = std::make_unique<TagBinding>(signals.tags, loop_->table(), states_, store_, problems);
+  for (const signals::CameraLink& link : signals.cameras)
+    cameras_.emplace_back(Camera::Setup{link.camera, link.point, link.request, link.done, link.noise, link.seed},
+                          scene_);
+}
+
+void Cell::build_controllers(Problems& problems) {
+  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), observer_, problems);
+  for (PlannedController& planned : plan.controllers) {
+    const std::string name = planned.context.name;
+    controllers::Controller* made = planned.controller.get();
+    loop_->controllers().add(std::move(planned.controller), planned.context);
+    loop_->controllers().activate(name, loop_->cycle());
+    if (name == kIoController) tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(made));
+  }
+  for (const auto& robot : robots_) {
+    controllers::JointTrajectoryController* follower = trajectory_controller_of(*robot, loop_->controllers());
+    trajectory_controllers_.push_back(follower);
+    motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(*robot->facts, *follower) : nullptr);
+    if (motions_.back()) motions_.back()->set_planned(robot->start);
+    std::vector<std::size_t> commands;
+    for (const controllers::JointFacts& joint : robot->joints)
+      if (const auto index = loop_->table().find_command(joint.name + "/position")) commands.push_back(*index);
+    joint_commands_.push_back(std::move(commands));
+  }
+}
+
+void Cell::build_programs(Problems& problems) {
+  ProgramHost::Context context{"program", &store_, files_.get(), nullptr, file_.motion, &answers_, &observer_, &now_};
+  Programs programs = load_programs(file_, *files_, store_, problems);
+  if (programs.plc) {
+    context.task = "plc";
+    plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
+  }
+  if (!programs.program) return;
+  if (motions_.size() != 1 || !motions_.front())
+    problems.error("no-motion", file_.program_where, "the program needs one robot whose joints a trajectory controller moves",
+                   "give the cell one robot, and leave 'controllers' out or name a joint_trajectory_controller for all joints");
+  context.task = "program";
+  context.motion = motions_.empty() ? nullptr : motions_.front().get();
+  program_ = std::make_unique<Task>("program", std::move(*programs.program), context);
+  if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
+}
+
+Pose Cell::tcp(std::size_t robot) const {
+  const CellRobot& r = *robots_[robot];
+  std::array<double, 64> q{};
+  const control::Snapshot& snapshot = loop_->outbox().value();
+  for (std::size_t j = 0; j < r.joints.size() && j < q.size(); ++j) {
+    const auto index = loop_->table().find_state(r.joints[j].name + "/position");
+    q[j] = index ? snapshot.states[*index] : 0;
+  }
+  return r.facts->chain.forward({q.data(), r.joints.size()});
+}
+
+void Cell::update_states(const control::Snapshot& snapshot) {
+  const bool running = program_ && !program_->ended();
+  states_.set(pass_state_, program_ ? static_cast<double>(program_->status().passes + (running ? 1 : 0)) : 0);
+  states_.set(running_state_, running ? 1 : 0);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Pose at = tcp(i);
+    states_.set(tcp_states_[i][0], at.position.x);
+    states_.set(tcp_states_[i][1], at.position.y);
+    states_.set(tcp_states_[i][2], at.position.z);
+  }
+}
+
+void Cell::tick(Nanoseconds now) {
+  now_ = now;
+  loop_->outbox().fetch();
+  loop_->supervisor().heartbeat(now);
+  const control::Snapshot& snapshot = loop_->outbox().value();
+  update_states(snapshot);
+  tags_->read(snapshot.states, states_);
+  for (Camera& camera : cameras_) camera.tick(snapshot.world, store_);
+  if (!failure_ && plc_) plc_->tick();
+  if (!failure_ && program_ && snapshot.state == control::RunState::running) program_->tick();
+  tags_->write();
+  files_->write_through(now);
+  parts_.update(now, snapshot.world);
+  contacts_max_ = std::max(contacts_max_, snapshot.world.contacts);
+  tracking_error_max_ = std::max(tracking_error_max_, snapshot.world.tracking_error);
+  tell_changes(now);
+  if (failure_) return;
+  watch_contacts(now, snapshot);
+  watch_for_deadlock(now, snapshot);
+  watch_end(now);
+}
+
+void Cell::tell_changes(Nanoseconds now) {
+  if (store_.version() == told_version_) return;
+  for (const data::Change& change : store_.changes_since(told_version_))
+    if (change.now && change.old && change.who != "state") observer_.on_tag(now, change.name, change.now->text(), change.who);
+  told_version_ = store_.version();
+}
+
+void Cell::fail(Nanoseconds now, Problem problem) {
+  if (failure_) return;
+  observer_.on_problem(now, problem);
+  failure_ = Failure{std::move(problem), now};
+  loop_->supervisor().latch().request(realtime::StopKind::controlled);
+}
+
+void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
+  const hardware::WorldState& world = snapshot.world;
+  const auto& names = loop_->hardware().world_names();
+  for (; findings_seen_ < world.finding_count; ++findings_seen_) {
+    if (findings_seen_ >= hardware::WorldState::kMaxFindings) continue;
+    const hardware::Contact& contact = world.findings[static_cast<std::size_t>(findings_seen_)];
+    const auto called = [&](int id) {
+      return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)] : "something";
+    };
+    Problem problem{"contact", program_ ? program_->status().where : Location{},
+                    fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", called(contact.a), called(contact.b),
+                                seconds(contact.time), 1e3 * contact.depth),
+                    "move the points or the obstacle, or run with --allow-contact"};
+    if (options_.allow_contact) {
+      problem.severity = Severity::warning;
+      observer_.on_problem(now, problem);
+    } else {
+      fail(now, std::move(problem));
+    }
+  }
+  if (snapshot.state == control::RunState::fault) {
+    const std::string who = snapshot.cause == control::StopCause::component && snapshot.culprit >= 0
+                                ? " (" + loop_->hardware().component_name(static_cast<std::size_t>(snapshot.culprit)) + ")"
+                                : "";
+    fail(now, {"fault", {}, std::string(control::name(snapshot.cause)) + who, "see the recorded cycles of this run"});
+  }
+}
+
+void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {
+  const auto stuck = [](const Task* task) {
+    return !task || task->ended() ||
+           (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
+  };
+  const bool quiet = program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
+                     snapshot.standing && snapshot.world.at_rest && !parts_.anything_moving() &&
+                     snapshot.state == control::RunState::running && !files_->has_outside_writers() &&
+                     store_.version() == quiet_version_;
+  quiet_version_ = store_.version();
+  if (!quiet) quiet_since_ = now;
+  if (now - quiet_since_ < kDeadlockPatience) return;
+  std::string waiting = program_->sentence();
+  if (plc_ && !plc_->ended()) waiting += "; " + plc_->sentence();
+  fail(now, {"deadlock", program_->status().where,
+             "every task waits, and no clock, link or motion can change what it waits for: " + waiting,
+             "check who is to set these tags"});
+}
+
+void Cell::watch_end(Nanoseconds now) {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task && task->failed())
+      fail(now, task->status().problem.value_or(Problem{"failed", task->status().where, task->name() + " failed", {}}));
+  if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
+  if (failure_ || !program_ || !program_->ended()) return;
+  if (ended_at_ < 0) ended_at_ = now;
+  const bool settled = !parts_.anything_moving() && loop_->outbox().value().standing;
+  finished_ = settled || now - ended_at_ > kSettlePatience;
+}
+
+std::optional<std::uint64_t> Cell::first_motion_cycle() const {
+  for (const controllers::JointTrajectoryController* follower : trajectory_controllers_)
+    if (follower && follower->status().started_cycle.load() > 0) return follower->status().started_cycle.load() - 1;
+  return std::nullopt;
+}
+
+void Cell::stop_programs() {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task) task->interpreter().stop();
+}
+
+}  // namespace polyarm::cell

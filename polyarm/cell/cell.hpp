@@ -1,0 +1,120 @@
+#pragma once
+/// A running cell: built from its files, stepped by whoever runs it. The front door of the library.
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/camera.hpp"
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/data_files.hpp"
+#include "polyarm/cell/observer.hpp"
+#include "polyarm/cell/parts.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/cell/tag_binding.hpp"
+#include "polyarm/cell/task.hpp"
+#include "polyarm/control/control_loop.hpp"
+
+namespace polyarm::cell {
+
+struct CellOptions {
+  bool lock_step = false;               ///< one thread, files inline, the cell cannot fall silent
+  bool keep = false;                    ///< go on from what the last run left in .state/
+  bool allow_contact = false;           ///< contacts are reported and do not end the run
+  std::uint64_t cycles = 0;             ///< passes of the program's outermost while; 0: as many as it likes
+  std::map<std::string, double> faults; ///< interface name → value forced upon it
+  std::vector<std::string> answers;     ///< to `wait user`, in order
+};
+
+/// Why a cell cannot go on by itself.
+struct Failure {
+  Problem problem;
+  Nanoseconds time = 0;
+};
+
+/// Everything a cell owns. Building: any one thread. tick(): the cell thread; the loop's step: the control thread (the
+/// same one in lock-step). Addresses are stable: it is neither copied nor moved.
+class Cell {
+ public:
+  /// Nanoseconds of cell time between ticks.
+  static constexpr Nanoseconds kTick = 2'000'000;
+
+  /// Throws Error with everything that is wrong in any file.
+  Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options, Observer& observer);
+  ~Cell();
+  Cell(const Cell&) = delete;
+  Cell& operator=(const Cell&) = delete;
+
+  control::ControlLoop& loop() { return *loop_; }
+  /// One tick at cell time `now` on the newest snapshot.
+  void tick(Nanoseconds now);
+
+  /// The program's task; null when the cell has no program.
+  Task* program() { return program_.get(); }
+  Task* plc() { return plc_.get(); }
+  const std::optional<Failure>& failure() const { return failure_; }
+  /// True when program and PLC have ended, and every part has come to rest or has had 2 s to.
+  bool finished() const { return finished_; }
+  const PartTracker& parts() const { return parts_; }
+  const CellRobots& robots() const { return robots_; }
+  const description::Scene& scene() const { return scene_; }
+  data::DataStore& store() { return store_; }
+  DataFiles& files() { return *files_; }
+  Answers& answers() { return answers_; }
+  const CellFile& file() const { return file_; }
+  const control::Snapshot& snapshot() const { return loop_->outbox().value(); }
+  /// True when the number of passes was limited from outside.
+  bool limited() const { return options_.cycles > 0; }
+  int contacts_max() const { return contacts_max_; }
+  double tracking_error_max() const { return tracking_error_max_; }
+  /// Cycle in which the first motion was commanded, if any.
+  std::optional<std::uint64_t> first_motion_cycle() const;
+  /// Ends the programs where they are (a person stopped the run).
+  void stop_programs();
+  Pose tcp(std::size_t robot) const;
+
+ private:
+  void build_controllers(Problems& problems);
+  void build_tags(Problems& problems);
+  void build_programs(Problems& problems);
+  void add_controller(const std::string& type, controllers::ControllerContext context);
+  void update_states(const control::Snapshot& snapshot);
+  void tell_changes(Nanoseconds now);
+  void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
+  void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
+  void watch_end(Nanoseconds now);
+  void fail(Nanoseconds now, Problem problem);
+
+  CellFile file_;
+  CellOptions options_;
+  Observer& observer_;
+  CellRobots robots_;
+  description::Scene scene_;
+  std::unique_ptr<control::ControlLoop> loop_;
+  std::unique_ptr<Worker> worker_;
+  data::DataStore store_;
+  std::unique_ptr<DataFiles> files_;
+  CellStates states_;
+  std::unique_ptr<TagBinding> tags_;
+  std::vector<Camera> cameras_;
+  std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
+  std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
+  Answers answers_;
+  std::unique_ptr<Task> program_, plc_;
+  PartTracker parts_{scene_};
+  Nanoseconds now_ = 0;
+  std::size_t pass_state_ = 0, running_state_ = 0;
+  std::vector<std::array<std::size_t, 3>> tcp_states_;
+  std::vector<std::vector<std::size_t>> joint_commands_;  // per robot: command index of each joint position
+  int findings_seen_ = 0, contacts_max_ = 0;
+  double tracking_error_max_ = 0;
+  std::uint64_t told_version_ = 0, quiet_version_ = 0;
+  Nanoseconds quiet_since_ = 0, ended_at_ = -1;
+  std::optional<Failure> failure_;
+  bool finished_ = false;
+};
+
+}  // namespace polyarm::cell

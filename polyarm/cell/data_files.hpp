@@ -1,0 +1,64 @@
+#pragma once
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/cell/state_folder.hpp"
+#include "polyarm/cell/worker.hpp"
+#include "polyarm/data/data_store.hpp"
+
+namespace polyarm::cell {
+
+/// The data files of a running cell: loads them for programs and writes through what programs, PLC and cameras set.
+/// Owned by the cell thread, which never waits here: disk is touched by the worker.
+class DataFiles {
+ public:
+  DataFiles(data::DataStore& store, StateFolder folder, Worker& worker, bool lock_step);
+
+  /// Starts to load the data set `name`; its values are in the store when poll says so.
+  std::int64_t start_load(const std::string& name, const Location& where);
+  /// True when done. Throws what went wrong.
+  bool poll_load(std::int64_t handle);
+
+  /// Loads it and waits: before the cell runs. Returns its ScriptFile, empty if it names none. Throws Error.
+  std::filesystem::path load_now(const std::string& name, const Location& where);
+  /// True when a data set is bound to its own file, which somebody outside may write.
+  bool has_outside_writers() const { return folder_.has_live(); }
+
+  /// Puts pending writes of the store into the files: at once with a worker, now and then in lock-step.
+  void write_through(Nanoseconds now);
+  /// Everything to disk, and waits for it.
+  void flush();
+  /// The first file that could not be written since the last call; empty if all is well.
+  std::optional<Error> take_failure();
+  const StateFolder& folder() const { return folder_; }
+
+ private:
+  struct Load {
+    data::LoadedFiles files;
+    std::optional<Error> error;
+    std::string name;
+    std::atomic<bool> ready{false};
+  };
+  void adopt(Load& load);
+  void write_dirty();
+
+  data::DataStore& store_;
+  StateFolder folder_;
+  Worker& worker_;
+  bool lock_step_;
+  std::map<std::string, std::shared_ptr<data::ImportFile>> files_;  ///< by set
+  std::set<std::string> dirty_;
+  std::map<std::int64_t, std::shared_ptr<Load>> loads_;
+  std::mutex failure_mutex_;
+  std::optional<Error> failure_;
+  std::int64_t next_ = 1;
+  Nanoseconds written_ = 0;
+};
+
+}  // namespace polyarm::cell

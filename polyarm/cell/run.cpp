@@ -1,0 +1,266 @@
+#include "polyarm/cell/run.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+std::atomic<control::Supervisor*> running_supervisor{nullptr};
+std::atomic<int> stops_asked{0};
+
+/// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a sleeping laptop.
+/// Ordinary lateness on a busy machine stays below it.
+constexpr Nanoseconds kGap = 250'000'000;
+/// A stopped robot must stand within this time, or the run ends all the same.
+constexpr double kStopPatience = 3;
+
+/// A loop that does nothing, beside the real one: what the machine itself is late.
+class EmptyLoop {
+ public:
+  explicit EmptyLoop(Nanoseconds period) : thread_([this, period] {
+    realtime::Periodic clock(period);
+    for (clock.start(); !done_.load(std::memory_order_relaxed);) {
+      const realtime::WakeUp wake = clock.wait();
+      late_ += (wake.latency > period / 2 ? 1 : 0) + wake.skipped;
+    }
+  }) {}
+  std::uint64_t finish() {
+    done_ = true;
+    thread_.join();
+    return late_;
+  }
+
+ private:
+  std::atomic<bool> done_{false};
+  std::uint64_t late_ = 0;
+  std::thread thread_;
+};
+
+/// Lines that a person types, without ever waiting for them.
+class Console {
+ public:
+  explicit Console(bool on) : on_(on) {}
+  std::optional<std::string> line() {
+    for (pollfd waiting{STDIN_FILENO, POLLIN, 0}; on_ && ::poll(&waiting, 1, 0) > 0;) {
+      char text[256];
+      const ssize_t n = ::read(STDIN_FILENO, text, sizeof text);
+      if (n <= 0) on_ = false;
+      else buffer_.append(text, static_cast<std::size_t>(n));
+    }
+    const auto end = buffer_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string out(trim(std::string_view(buffer_).substr(0, end)));
+    buffer_.erase(0, end + 1);
+    return out;
+  }
+  bool on() const { return on_; }
+
+ private:
+  bool on_;
+  std::string buffer_;
+};
+
+class Runner {
+ public:
+  Runner(Cell& cell, const RunOptions& options, Observer& observer)
+      : cell_(cell), options_(options), observer_(observer), console_(options.console && !options.fast) {
+    cell_.answers().somebody_there = console_.on();
+    wall_start_ = realtime::monotonic_now();
+    limit_ = options.seconds > 0 ? nanoseconds(options.seconds) : INT64_MAX;
+  }
+
+  RunResult run() {
+    running_supervisor = &cell_.loop().supervisor();
+    if (options_.fast) lock_step();
+    else wall_clock();
+    running_supervisor = nullptr;
+    return result();
+  }
+
+ private:
+  void lock_step() {
+    control::ControlLoop& loop = cell_.loop();
+    Nanoseconds next_tick = 0;
+    while (!over_) {
+      if (loop.cycle().time >= next_tick) {
+        next_tick = loop.cycle().time + Cell::kTick;
+        after_tick(loop.cycle().time);
+        if (over_) break;
+      }
+      loop.step_next();
+    }
+  }
+
+  void wall_clock() {
+    std::atomic<bool> done{false};
+    EmptyLoop empty(cell_.loop().options().period);
+    std::thread control([&] { control_thread(done); });
+    realtime::Periodic clock(Cell::kTick);
+    for (clock.start(); !over_;) {
+      clock.wait();
+      cell_.loop().outbox().fetch();
+      const hardware::Cycle seen = cell_.snapshot().cycle;
+      after_tick(seen.time + seen.period);
+      while (const auto line = console_.line()) typed(*line);
+    }
+    done = true;
+    control.join();
+    late_empty_ = empty.finish();
+  }
+
+  void control_thread(const std::atomic<bool>& done) {
+    const realtime::ThreadOptions thread{options_.priority, options_.cpu, options_.priority > 0};
+    refused_ = realtime::apply(thread);
+    control::ControlLoop& loop = cell_.loop();
+    control::Health& health = loop.health();
+    const Nanoseconds period = loop.options().period;
+    realtime::Periodic clock(period);
+    for (clock.start(); !done.load(std::memory_order_relaxed);) {
+      const realtime::WakeUp wake = clock.wait();
+      health.wake_up.add(wake.latency);
+      health.late += (wake.latency > period / 2 ? 1 : 0) + wake.skipped;
+      loop.step_next(static_cast<Nanoseconds>(wake.skipped) * period >= kGap);
+    }
+  }
+
+  void typed(const std::string& line) {
+    if (line == "resume") {
+      cell_.loop().supervisor().latch().clear();
+      stops_asked = 0;
+      cell_.loop().post(control::Request::resume);
+    } else if (line == "discard") {
+      cell_.loop().post(control::Request::discard);
+    } else if (line == "recover") {
+      cell_.loop().post(control::Request::recover);
+    } else if (line == "hold") {
+      held_by_hand_ = true;
+      cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
+    } else if (line == "stop") {
+      request_stop();
+    } else {
+      cell_.answers().give(line);
+      return;
+    }
+    if (line == "resume") held_by_hand_ = false;
+  }
+
+  void after_tick(Nanoseconds now) {
+    cell_.tick(now);
+    watch_state(now);
+    watch_first_motion();
+    const control::Snapshot& seen = cell_.snapshot();
+    if (stops_asked.load() > 0 && !stopping_) {
+      stopping_ = true;
+      cell_.stop_programs();
+    }
+    if (stopping_ || cell_.failure()) {
+      if (stop_since_ < 0) stop_since_ = now;
+      const bool standing = seen.standing && seen.state != control::RunState::stopping &&
+                            seen.state != control::RunState::running;
+      over_ = standing || seconds(now - stop_since_) > kStopPatience;
+    } else {
+      over_ = cell_.finished() || now >= limit_;
+      cut_short_ = over_ && !cell_.finished();
+    }
+    if (now - told_pose_ >= 100'000'000) {
+      told_pose_ = now;
+      for (std::size_t i = 0; i < cell_.robots().size(); ++i)
+        observer_.on_pose(now, cell_.robots()[i]->entry.name, cell_.tcp(i));
+    }
+  }
+
+  void watch_state(Nanoseconds now) {
+    const control::Snapshot& seen = cell_.snapshot();
+    if (seen.state == told_state_) return;
+    told_state_ = seen.state;
+    observer_.on_state(now, control::name(seen.state), control::name(seen.cause));
+  }
+
+  void watch_first_motion() {
+    if (first_motion_ || !cell_.first_motion_cycle()) return;
+    const Nanoseconds here = options_.started > 0 ? realtime::wall_now() - options_.started
+                                                  : realtime::monotonic_now() - wall_start_;
+    first_motion_ = seconds(here);
+  }
+
+  RunResult result() {
+    cell_.files().flush();
+    control::ControlLoop& loop = cell_.loop();
+    RunResult out;
+    out.sim_time_s = seconds(loop.cycle().time);
+    out.wall_time_s = seconds(realtime::monotonic_now() - wall_start_);
+    out.program_cycles = cell_.program() ? cell_.program()->status().passes : 0;
+    out.contacts_max = cell_.contacts_max();
+    out.tracking_error_max = cell_.tracking_error_max();
+    out.clamps = loop.limits().clamps();
+    out.parts = cell_.parts().report();
+    out.repeatable = options_.fast && !cell_.files().has_outside_writers();
+    out.trace_hash = loop.trace().text();
+    out.first_motion_s = first_motion_;
+    for (const auto& robot : cell_.robots())
+      if (robot->driver == "mujoco") out.physics_step_s = std::min(1e-3, seconds(loop.options().period));
+    health(out.health);
+    verdict(out);
+    return out;
+  }
+
+  void health(LoopHealth& out) {
+    const control::Health& h = cell_.loop().health();
+    out = {h.cycles, h.late, late_empty_, h.cost.percentile(0.5), h.cost.percentile(0.99), h.cost.max(),
+           h.wake_up.percentile(0.5), h.wake_up.percentile(0.99), h.wake_up.max()};
+  }
+
+  void verdict(RunResult& out) {
+    if (cell_.failure()) {
+      out.outcome = Outcome::failed;
+      out.problems.push_back(cell_.failure()->problem);
+    } else if (stopping_) {
+      out.outcome = Outcome::stopped;
+      return;
+    }
+    const bool cut = cut_short_ || cell_.failure().has_value() || cell_.limited();
+    for (const std::string& part : cell_.parts().failures(cut)) {
+      if (cut_short_ && !cell_.failure()) continue;  // ended by --seconds in the middle of the work
+      out.outcome = Outcome::failed;
+      out.problems.push_back({"part", {}, part, {}});
+    }
+  }
+
+  Cell& cell_;
+  RunOptions options_;
+  Observer& observer_;
+  Console console_;
+  Nanoseconds wall_start_ = 0, limit_ = 0, stop_since_ = -1, told_pose_ = -1'000'000'000;
+  control::RunState told_state_ = control::RunState::running;
+  std::optional<double> first_motion_;
+  std::uint64_t late_empty_ = 0;
+  const char* refused_ = "";
+  bool over_ = false, stopping_ = false, cut_short_ = false, held_by_hand_ = false;
+};
+
+}  // namespace
+
+const char* name(Outcome outcome) {
+  constexpr const char* kNames[] = {"completed", "stopped", "failed"};
+  return kNames[static_cast<std::size_t>(outcome)];
+}
+
+void request_stop() noexcept {
+  const int count = ++stops_asked;
+  if (control::Supervisor* supervisor = running_supervisor.load())
+    supervisor->latch().request(count > 1 ? realtime::StopKind::immediate : realtime::StopKind::controlled);
+}
+
+RunResult run(Cell& cell, const RunOptions& options, Observer& observer) {
+  return Runner(cell, options, observer).run();
+}
+
+}  // namespace polyarm::cell

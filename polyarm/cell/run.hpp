@@ -1,0 +1,50 @@
+#pragma once
+/// Runs a cell to its end, on the wall clock or in lock-step.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell.hpp"
+
+namespace polyarm::cell {
+
+enum class Outcome { completed, stopped, failed };
+const char* name(Outcome outcome);
+
+struct RunOptions {
+  bool fast = false;             ///< lock-step, as fast as the machine allows
+  double seconds = 0;            ///< of cell time after which the run ends; 0: no limit
+  int priority = 0;              ///< SCHED_FIFO priority of the control thread
+  int cpu = -1;                  ///< processor of the control thread
+  bool console = true;           ///< typed lines (resume, discard, stop, answers) are read
+  Nanoseconds started = 0;       ///< wall time at which the user gave the command; 0: unknown
+};
+
+struct LoopHealth {
+  std::uint64_t cycles = 0, late = 0, late_empty = 0;
+  Nanoseconds cost_p50 = 0, cost_p99 = 0, cost_max = 0;
+  Nanoseconds wake_p50 = 0, wake_p99 = 0, wake_max = 0;  ///< zero in lock-step
+};
+
+struct RunResult {
+  Outcome outcome = Outcome::completed;
+  std::vector<Problem> problems;         ///< why it failed
+  double sim_time_s = 0, wall_time_s = 0;
+  std::optional<double> physics_step_s;  ///< empty without physics
+  std::uint64_t program_cycles = 0;
+  LoopHealth health;
+  int contacts_max = 0;
+  double tracking_error_max = 0;         ///< rad or m
+  std::uint64_t clamps = 0;
+  std::vector<PartReport> parts;
+  bool repeatable = false;
+  std::string trace_hash;
+  std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time
+};
+
+/// The stop latch of the run under way is set through this; safe in signal handlers.
+void request_stop() noexcept;
+
+RunResult run(Cell& cell, const RunOptions& options, Observer& observer);
+
+}  // namespace polyarm::cell

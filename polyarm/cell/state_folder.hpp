@@ -1,0 +1,33 @@
+#pragma once
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "polyarm/data/file_lookup.hpp"
+
+namespace polyarm::cell {
+
+/// Where a run keeps what it writes to its data files: copies in `DIR/.state/`, so that every run starts from the files
+/// as the user wrote them and git sees no change. A data set that is live is bound to its own file instead.
+/// Reads and writes disk: not for the cell thread, except in lock-step.
+class StateFolder {
+ public:
+  /// Empties the folder unless `keep`.
+  StateFolder(std::filesystem::path cell_folder, std::set<std::string> live, bool keep);
+
+  /// The data file called `name` as it is now, with its points; copied into the folder at first sight.
+  data::LoadedFiles load(const std::string& name, const Location& where) const;
+  /// Where the set called `name` is read and written.
+  std::filesystem::path folder_of(const std::string& name) const;
+  bool has_live() const { return !live_.empty(); }
+  const std::filesystem::path& path() const { return state_; }
+
+ private:
+  void bring(const std::filesystem::path& original) const;
+
+  std::filesystem::path folder_, state_;
+  std::set<std::string> live_;
+};
+
+}  // namespace polyarm::cell

@@ -1,0 +1,53 @@
+#include "polyarm/cell/task.hpp"
+
+#include <fmt/format.h>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::cell {
+
+using program::TaskState;
+
+Task::Task(std::string name, program::Program program, ProgramHost::Context context)
+    : name_(std::move(name)),
+      observer_(context.observer),
+      now_(context.now),
+      host_(std::move(context)),
+      interpreter_(std::move(program), host_) {
+  look();
+}
+
+void Task::look() {
+  status_ = std::move(interpreter_.status().front());
+  if (status_.where.line == shown_.line || status_.state == TaskState::finished) return;
+  shown_ = status_.where;
+  observer_->on_line(*now_, name_, status_.where, status_.source);
+}
+
+void Task::tick() {
+  if (ended()) return;
+  for (int k = 0; k < kBudget; ++k) {
+    const program::StepResult result = interpreter_.step(1);
+    if (result.executed > 0 || result.state != status_.state) look();
+    if (result.executed == 0) break;
+  }
+}
+
+bool Task::ended() const {
+  return status_.state != TaskState::running && status_.state != TaskState::waiting;
+}
+
+std::string Task::sentence() const {
+  std::string out = fmt::format("{}: {}", status_.where.text(), status_.source);
+  switch (status_.waiting.kind) {
+    case program::WaitKind::condition: out += ", waits for " + join(status_.waiting.names, ", "); break;
+    case program::WaitKind::move: out += ", moves to " + status_.waiting.text; break;
+    case program::WaitKind::user: out += ", waits for a person"; break;
+    case program::WaitKind::load: out += ", loads " + status_.waiting.text; break;
+    case program::WaitKind::time: out += ", waits for time to pass"; break;
+    case program::WaitKind::none: break;
+  }
+  return out;
+}
+
+}  // namespace polyarm::cell

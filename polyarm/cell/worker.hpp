@@ -1,0 +1,35 @@
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace polyarm::cell {
+
+/// The I/O thread: takes jobs that touch the disk, in order. Made inline, it runs each job at once on the caller's
+/// thread: that is lock-step. post() never blocks for longer than a push.
+class Worker {
+ public:
+  explicit Worker(bool run_inline);
+  ~Worker();  ///< finishes what was posted
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void post(std::function<void()> job);
+  /// Waits until everything posted so far is done.
+  void drain();
+
+ private:
+  void work();
+
+  bool inline_;
+  std::mutex mutex_;
+  std::condition_variable wake_, idle_;
+  std::deque<std::function<void()>> jobs_;
+  bool busy_ = false, ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace polyarm::cell

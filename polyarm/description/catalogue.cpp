@@ -1,0 +1,237 @@
+#include "polyarm/description/catalogue.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/urdf.hpp"
+
+namespace polyarm::description {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+JointType type_of(const Yaml& yaml) {
+  const std::string text = yaml.text();
+  for (const JointType type : {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic})
+    if (text == name(type)) return type;
+  throw Error(Problem{"bad-value", yaml.where(), "'" + text + "' is no joint type", "fixed, revolute, continuous or prismatic"});
+}
+
+std::optional<double> optional_number(const Yaml& yaml, Dimension dimension) {
+  if (!yaml.defined()) return std::nullopt;
+  return yaml.number(dimension);
+}
+
+NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
+  yaml.check_keys({"name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper", "velocity", "effort",
+                   "acceleration", "jerk", "damping", "friction"}, problems);
+  NamedJoint out;
+  out.where = yaml.where();
+  out.joint.name = yaml.required("name").text();
+  out.joint.type = type_of(yaml.required("type"));
+  out.parent = yaml.required("parent").text();
+  out.child = yaml.required("child").text();
+  out.joint.origin = yaml.pose();
+  if (yaml.has("axis")) out.joint.axis = normalized(yaml["axis"].vec3(Dimension::none));
+  const bool slides = out.joint.type == JointType::prismatic;
+  const Dimension place = slides ? Dimension::length : Dimension::angle;
+  out.joint.limits.lower = optional_number(yaml["lower"], place);
+  out.joint.limits.upper = optional_number(yaml["upper"], place);
+  out.joint.limits.velocity = optional_number(yaml["velocity"], slides ? Dimension::speed : Dimension::angular_speed);
+  out.joint.limits.effort = optional_number(yaml["effort"], slides ? Dimension::force : Dimension::torque);
+  out.joint.limits.acceleration =
+      optional_number(yaml["acceleration"], slides ? Dimension::acceleration : Dimension::angular_acceleration);
+  out.joint.limits.jerk = optional_number(yaml["jerk"], Dimension::none);
+  out.joint.damping = yaml["damping"].number(Dimension::none, 0);
+  out.joint.friction = yaml["friction"].number(Dimension::none, 0);
+  return out;
+}
+
+Shape capsule_between(const Vec3& from, const Vec3& to, double radius) {
+  Shape out;
+  out.kind = ShapeKind::capsule;
+  out.radius = radius;
+  out.length = norm(to - from);
+  out.pose.position = 0.5 * (from + to);
+  if (out.length > 1e-9) out.pose.rotation = rotation_between({0, 0, 1}, (1 / out.length) * (to - from));
+  return out;
+}
+
+Link read_link(const Yaml& yaml, Problems& problems) {
+  yaml.check_keys({"name", "mass", "com", "inertia", "capsule"}, problems);
+  Link out;
+  out.name = yaml.required("name").text();
+  if (yaml.has("mass")) {
+    Inertial inertial;
+    inertial.mass = yaml["mass"].number(Dimension::mass);
+    if (yaml.has("com")) inertial.center = yaml["com"].vec3();
+    const std::vector<double> tensor = yaml["inertia"].numbers();
+    if (tensor.size() == 6) std::copy(tensor.begin(), tensor.end(), inertial.inertia.begin());
+    out.inertial = inertial;
+  }
+  if (const Yaml capsule = yaml["capsule"]; capsule.defined()) {
+    capsule.check_keys({"from", "to", "radius"}, problems);
+    out.collisions.push_back(capsule_between(capsule.required("from").vec3(), capsule.required("to").vec3(),
+                                             capsule.required("radius").number(Dimension::length)));
+    out.visuals = out.collisions;
+  }
+  return out;
+}
+
+void read_provenance(const Yaml& yaml, RobotModel& model) {
+  Provenance& p = model.provenance;
+  p.maker = yaml["maker"].text("");
+  p.model = yaml["model"].text("");
+  p.source = yaml["source"].text("");
+  p.licence = yaml["licence"].text("");
+  p.payload_kg = optional_number(yaml["payload"], Dimension::mass);
+  p.reach_m = optional_number(yaml["reach"], Dimension::length);
+  p.notes = yaml["notes"].texts();
+}
+
+void read_named_states(const Yaml& yaml, RobotModel& model, Problems& problems) {
+  for (const std::string& state : yaml.keys()) {
+    std::vector<double> values(model.actuated.size(), 0.0);
+    const std::vector<std::string> names = model.joint_names();
+    for (const std::string& joint : yaml[state].keys()) {
+      const auto found = std::find(names.begin(), names.end(), joint);
+      if (found == names.end())
+        problems.error("unknown-joint", yaml[state].key_location(joint), "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+      else
+        values[static_cast<std::size_t>(found - names.begin())] = yaml[state][joint].number(Dimension::angle);
+    }
+    model.named_states[state] = values;
+  }
+}
+
+void read_allowed(const Yaml& yaml, RobotModel& model, Problems& problems) {
+  for (const Yaml& pair : yaml.items()) {
+    const std::vector<std::string> names = pair.texts();
+    if (names.size() != 2) {
+      problems.error("bad-value", pair.where(), "a pair of links is expected here");
+      continue;
+    }
+    std::array<int, 2> links{model.find_link(names[0]), model.find_link(names[1])};
+    if (links[0] < 0 || links[1] < 0)
+      problems.error("unknown-link", pair.where(), "'" + names[links[0] < 0 ? 0 : 1] + "' is no link");
+    else
+      model.allowed_collisions.push_back({std::min(links[0], links[1]), std::max(links[0], links[1])});
+  }
+}
+
+/// "universal_robots/ur3" from the last two parts of the path.
+std::string name_of(const fs::path& file) {
+  return file.parent_path().filename().string() + "/" + file.stem().string();
+}
+
+std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> out;
+  std::set<std::string> seen;
+  std::error_code error;
+  for (const fs::path& folder : folders) {
+    std::vector<fs::path> here;
+    for (const auto& maker : fs::directory_iterator(folder, error))
+      if (maker.is_directory())
+        for (const auto& file : fs::directory_iterator(maker.path(), error))
+          if (file.path().extension() == ".yaml") here.push_back(file.path());
+    for (const fs::path& file : here)
+      if (seen.insert(name_of(file)).second) out.push_back(file);
+  }
+  std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return name_of(a) < name_of(b); });
+  return out;
+}
+
+}  // namespace
+
+RobotModel read_robot_file(const fs::path& path) {
+  const Yaml yaml = Yaml::load(path.string());
+  Problems problems;
+  const std::string kind = yaml["polyarm"].text("");
+  if (kind != "robot/1")
+    throw Error(Problem{"wrong-kind", yaml.where(), kind.empty() ? "this is not a robot file: it does not say 'polyarm: robot/1'"
+                                                                 : "this is a '" + kind + "' file, a robot/1 was expected", {}});
+  yaml.check_keys({"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints", "links",
+                   "named_states", "allowed_collisions"}, problems);
+  RobotModel model;
+  model.name = path.stem().string();
+  std::vector<NamedJoint> joints;
+  const auto attempt = [&](auto step) {
+    try {
+      step();
+    } catch (const Error& e) {
+      problems.add(e);
+    }
+  };
+  attempt([&] { read_provenance(yaml, model); });
+  for (const Yaml& link : yaml["links"].items()) attempt([&] { model.links.push_back(read_link(link, problems)); });
+  for (const Yaml& joint : yaml["joints"].items()) attempt([&] { joints.push_back(read_joint(joint, problems)); });
+  if (!problems.has_errors() && tie_together(model, std::move(joints), {path.string()}, problems)) {
+    attempt([&] { read_named_states(yaml["named_states"], model, problems); });
+    attempt([&] { read_allowed(yaml["allowed_collisions"], model, problems); });
+  }
+  problems.throw_if_errors();
+  complete_inertials(model, problems);
+  return model;
+}
+
+std::vector<CatalogueEntry> Catalogue::entries() const {
+  std::vector<CatalogueEntry> out;
+  for (const fs::path& file : robot_files(folders_)) {
+    const RobotModel model = read_robot_file(file);
+    out.push_back({name_of(file), model.provenance.maker, model.provenance.model, static_cast<int>(model.actuated.size()),
+                   model.provenance.reach_m, model.provenance.payload_kg, file});
+  }
+  return out;
+}
+
+std::vector<std::string> Catalogue::names() const {
+  std::vector<std::string> out;
+  for (const fs::path& file : robot_files(folders_)) out.push_back(name_of(file));
+  return out;
+}
+
+RobotModel Catalogue::load(const std::string& wanted) const {
+  std::vector<fs::path> matches;
+  std::vector<std::string> all;
+  for (const fs::path& file : robot_files(folders_)) {
+    all.push_back(name_of(file));
+    if (name_of(file) == wanted) return read_robot_file(file);
+    if (equal_ignoring_case(file.stem().string(), wanted)) matches.push_back(file);
+    all.push_back(file.stem().string());
+  }
+  if (matches.size() == 1) return read_robot_file(matches.front());
+  if (all.empty())
+    throw Error("no-catalogue", "the catalogue of robots was not found", "set POLYARM_ROBOTS to the folder robots/ of Polyarm");
+  throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, all),
+              "`polyarm robots` lists them; a path to a .urdf file works too");
+}
+
+std::vector<fs::path> default_catalogue_folders() {
+  std::vector<fs::path> out;
+  if (const char* from_user = std::getenv("POLYARM_ROBOTS"))
+    for (const std::string& folder : split_words(from_user, ":")) out.emplace_back(folder);
+  std::error_code error;
+  fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (int up = 0; up < 5 && !here.empty(); ++up, here = here.parent_path())
+    for (const fs::path& folder : {here / "robots", here / "share" / "polyarm" / "robots"})
+      if (fs::is_directory(folder / "universal_robots", error)) out.push_back(folder);
+  return out;
+}
+
+RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings) {
+  const fs::path path = name_or_path;
+  std::error_code error;
+  const std::string extension = path.extension().string();
+  if (extension == ".yaml" && fs::exists(path, error)) return read_robot_file(path);
+  if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" || extension == ".xml")
+    return read_urdf(read_file(path), path.string(), warnings);
+  return catalogue.load(name_or_path);
+}
+
+}  // namespace polyarm::description

@@ -1,0 +1,223 @@
+#include "polyarm/description/scene_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/shape_yaml.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+constexpr double kDensity = 500;  // kg/m³, of a part that states no mass
+
+std::vector<std::string> with_shapes(std::vector<std::string> keys) {
+  keys.insert(keys.end(), shape_keys().begin(), shape_keys().end());
+  return keys;
+}
+
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& list) {
+  std::vector<std::string> out;
+  for (const Named& item : list) out.push_back(item.name);
+  return out;
+}
+
+/// Reads one scene; every method adds what is wrong to the problems and goes on.
+class SceneReader {
+ public:
+  explicit SceneReader(const Yaml& yaml) : yaml_(yaml) {}
+
+  Scene read() {
+    header();
+    each("movers", [&](const std::string& name, const Yaml& y) { mover(name, y); });
+    each("bins", [&](const std::string& name, const Yaml& y) { bin(name, y); });
+    each("fixtures", [&](const std::string& name, const Yaml& y) { fixture(name, y); });
+    each("feeders", [&](const std::string& name, const Yaml& y) {
+      y.check_keys({"at", "xyz", "rpy", "quaternion"}, problems_);
+      scene_.feeders.push_back({name, y.pose()});
+    });
+    each("outfeeds", [&](const std::string& name, const Yaml& y) {
+      const auto [lower, upper] = region(y, {});
+      scene_.outfeeds.push_back({name, lower, upper});
+    });
+    each("sensors", [&](const std::string& name, const Yaml& y) {
+      const auto [lower, upper] = region(y, {});
+      scene_.sensors.push_back({name, lower, upper});
+    });
+    each("cameras", [&](const std::string& name, const Yaml& y) {
+      const auto [lower, upper] = region(y, {"eye"});
+      const Vec3 above = 0.5 * (lower + upper) + Vec3{0, 0, 0.8};
+      scene_.cameras.push_back({name, lower, upper, y.has("eye") ? y["eye"].vec3() : above});
+    });
+    each("parts", [&](const std::string& name, const Yaml& y) { parts(name, y); });
+    problems_.throw_if_errors();
+    return std::move(scene_);
+  }
+
+ private:
+  template <typename Read>
+  void each(const char* section, Read read) {
+    const Yaml all = yaml_[section];
+    if (all.defined() && !all.is_map()) {
+      problems_.error("bad-value", all.where(), std::string("'") + section + "' must be a map of names", "write 'NAME: {…}' below it");
+      return;
+    }
+    for (const std::string& name : all.keys()) {
+      try {
+        read(name, all[name]);
+      } catch (const Error& e) {
+        problems_.add(e);
+      }
+    }
+  }
+
+  void header() {
+    const std::string kind = yaml_["polyarm"].text("");
+    if (kind != "scene/1")
+      problems_.error("wrong-kind", yaml_.where(),
+                      kind.empty() ? "this is not a scene file: it does not say 'polyarm: scene/1'"
+                                   : "this is a '" + kind + "' file, a scene/1 was expected");
+    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "feeders", "outfeeds", "sensors",
+                      "cameras", "parts"}, problems_);
+    const Yaml floor = yaml_["floor"];
+    if (floor.is_map()) {
+      scene_.floor_height = floor["height"].number(Dimension::length, 0);
+    } else if (floor.defined()) {
+      scene_.floor = floor.boolean();
+    }
+    if (yaml_.has("gravity")) scene_.gravity = yaml_["gravity"].vec3(Dimension::acceleration);
+  }
+
+  void mover(const std::string& name, const Yaml& y) {
+    y.check_keys({"axis", "lower", "upper", "speed", "acceleration"}, problems_);
+    Mover out;
+    out.name = name;
+    const Vec3 axis = y.required("axis").vec3(Dimension::none);
+    if (!(norm(axis) > 0)) throw Error(Problem{"bad-value", y["axis"].where(), "the axis has no direction", {}});
+    out.axis = normalized(axis);
+    out.lower = y["lower"].number(Dimension::length, out.lower);
+    out.upper = y["upper"].number(Dimension::length, out.upper);
+    out.speed = y["speed"].number(Dimension::speed, out.speed);
+    out.acceleration = y["acceleration"].number(Dimension::acceleration, out.acceleration);
+    if (!(out.lower < out.upper && out.speed > 0 && out.acceleration > 0))
+      throw Error(Problem{"bad-value", y.where(), "a mover needs lower < upper, and speed and acceleration above zero", {}});
+    scene_.movers.push_back(out);
+  }
+
+  void fixture(const std::string& name, const Yaml& y) {
+    y.check_keys(with_shapes({"at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
+    Fixture out;
+    out.name = name;
+    out.shapes = {read_shape(y)};
+    out.pose = y.pose();
+    out.mover = y["mover"].text("");
+    out.friction = y["friction"].number(Dimension::none, out.friction);
+    known(out.mover, names_of(scene_.movers), y["mover"], "mover");
+    scene_.fixtures.push_back(std::move(out));
+  }
+
+  /// A floor area with walls around it (or only the region in which parts are counted).
+  void bin(const std::string& name, const Yaml& y) {
+    y.check_keys({"at", "inner", "wall", "walls", "lower", "upper", "size"}, problems_);
+    if (y.has("lower") || y.has("size")) {
+      const auto [lower, upper] = region(y, {"walls"});
+      scene_.bins.push_back({name, lower, upper});
+      return;
+    }
+    const Vec3 at = y.required("at").vec3(), inner = y.required("inner").vec3();
+    const double wall = y["wall"].number(Dimension::length, 0.005);
+    scene_.bins.push_back({name, {at.x - inner.x / 2, at.y - inner.y / 2, at.z - 0.005},
+                           {at.x + inner.x / 2, at.y + inner.y / 2, at.z + std::max(inner.z, 0.06)}});
+    if (!y["walls"].boolean(true)) return;
+    Fixture out;
+    out.name = name;
+    out.pose.position = at;
+    const auto side = [&](double x, double y_, double lx, double ly) {
+      Shape s;
+      s.size = {lx, ly, inner.z};
+      s.pose.position = {x, y_, inner.z / 2};
+      out.shapes.push_back(s);
+    };
+    const double ox = inner.x / 2 + wall / 2, oy = inner.y / 2 + wall / 2;
+    side(ox, 0, wall, inner.y + 2 * wall);
+    side(-ox, 0, wall, inner.y + 2 * wall);
+    side(0, oy, inner.x, wall);
+    side(0, -oy, inner.x, wall);
+    scene_.fixtures.push_back(std::move(out));
+  }
+
+  std::pair<Vec3, Vec3> region(const Yaml& y, std::vector<std::string> more) {
+    more.insert(more.end(), {"at", "size", "lower", "upper"});
+    y.check_keys(more, problems_);
+    Vec3 lower, upper;
+    if (y.has("lower")) {
+      lower = y["lower"].vec3();
+      upper = y.required("upper").vec3();
+    } else {
+      const Vec3 at = y.required("at").vec3(), size = y.required("size").vec3();
+      lower = at - 0.5 * size;
+      upper = at + 0.5 * size;
+    }
+    if (!(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
+      throw Error(Problem{"bad-value", y.where(), "the region is empty: lower must be below upper in x, y and z", {}});
+    return {lower, upper};
+  }
+
+  void parts(const std::string& name, const Yaml& y) {
+    y.check_keys(with_shapes({"count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal", "feeder"}), problems_);
+    Part part;
+    part.kind = y["kind"].text(name);
+    part.shape = read_shape(y);
+    part.mass = y["mass"].number(Dimension::mass, inertial_of({part.shape}, kDensity).mass);
+    part.friction = y["friction"].number(Dimension::none, part.friction);
+    part.start = y.pose();
+    part.feeder = y["feeder"].text("");
+    if (!(part.mass > 0)) throw Error(Problem{"bad-value", y["mass"].where(), "a part's mass must be above zero", {}});
+    known(part.feeder, names_of(scene_.feeders), y["feeder"], "feeder");
+    if (part.feeder.empty() && !y.has("at") && !y.has("xyz"))
+      problems_.error("missing-key", y.where(), "the part '" + name + "' has neither 'at' nor a 'feeder'");
+    if (const Yaml goal = y["goal"]; goal.defined()) part.goal = read_goal(goal);
+    const double count = y["count"].number(Dimension::none, 1);
+    if (!(count >= 1 && count <= 1000 && count == std::floor(count)))
+      throw Error(Problem{"bad-value", y["count"].where(), "count must be a whole number from 1 to 1000", {}});
+    if (count > 1 && part.feeder.empty())
+      throw Error(Problem{"bad-value", y["count"].where(), "several parts cannot stand in one place", "give them a feeder, or a place each"});
+    if (std::find(scene_.kinds.begin(), scene_.kinds.end(), part.kind) == scene_.kinds.end())
+      scene_.kinds.push_back(part.kind);
+    for (int i = 1; i <= static_cast<int>(count); ++i) {
+      part.name = count > 1 ? name + "_" + std::to_string(i) : name;
+      scene_.parts.push_back(part);
+    }
+  }
+
+  Goal read_goal(const Yaml& y) {
+    y.check_keys({"at", "bin", "tolerance"}, problems_);
+    Goal out;
+    out.at = y.required("at").vec3();
+    out.bin = y["bin"].text("");
+    out.tolerance = y["tolerance"].number(Dimension::length, out.tolerance);
+    known(out.bin, names_of(scene_.bins), y["bin"], "bin");
+    return out;
+  }
+
+  void known(const std::string& name, const std::vector<std::string>& names, const Yaml& where, const char* what) {
+    if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return;
+    problems_.error("unknown-name", where.where(), std::string("there is no ") + what + " '" + name + "'" + did_you_mean(name, names),
+                    names.empty() ? std::string("the scene has no ") + what + "s" : "known are: " + join(names, ", "));
+  }
+
+  const Yaml& yaml_;
+  Scene scene_;
+  Problems problems_;
+};
+
+}  // namespace
+
+Scene read_scene(const Yaml& yaml) { return SceneReader(yaml).read(); }
+
+Scene read_scene(const std::string& path) { return read_scene(Yaml::load(path)); }
+
+}  // namespace polyarm::description

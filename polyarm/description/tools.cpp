@@ -1,0 +1,105 @@
+#include "polyarm/description/tools.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/shape_yaml.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+Shape cylinder_along_z(double from, double to, double radius) {
+  Shape out;
+  out.kind = ShapeKind::cylinder;
+  out.radius = radius;
+  out.length = to - from;
+  out.pose.position.z = (from + to) / 2;
+  return out;
+}
+
+/// A slim vacuum cup: a 24 mm wide body that ends 4 mm above the lip, whose centre is the TCP, 0.10 m out.
+Tool suction_cup() {
+  Tool tool;
+  tool.name = "suction_cup";
+  tool.tcp.position.z = 0.10;
+  tool.mass = 0.15;
+  tool.center = {0, 0, 0.04};
+  tool.gripper = GripperKind::suction;
+  tool.cup_radius = 0.009;
+  tool.body = {cylinder_along_z(0.0, 0.02, 0.025), cylinder_along_z(0.02, 0.096, 0.012)};
+  return tool;
+}
+
+/// A parallel gripper: 50 mm between the open pads, which end at the TCP, 0.10 m out.
+Tool parallel_gripper() {
+  Tool tool;
+  tool.name = "parallel_gripper";
+  tool.tcp.position.z = 0.10;
+  tool.mass = 0.4;
+  tool.center = {0, 0, 0.03};
+  tool.gripper = GripperKind::parallel;
+  tool.stroke = 0.05;
+  tool.finger_length = 0.035;
+  tool.finger_width = 0.018;
+  tool.body = {cylinder_along_z(0.0, 0.055, 0.03)};
+  return tool;
+}
+
+GripperKind gripper_of(const Yaml& yaml) {
+  const std::string kind = yaml.text("none");
+  if (kind == "none") return GripperKind::none;
+  if (kind == "suction") return GripperKind::suction;
+  if (kind == "parallel") return GripperKind::parallel;
+  throw Error(Problem{"bad-value", yaml.where(), "'" + kind + "' is no gripper", "none, suction or parallel"});
+}
+
+}  // namespace
+
+const std::vector<std::string>& built_in_tools() {
+  static const std::vector<std::string> names = {"none", "suction_cup", "parallel_gripper"};
+  return names;
+}
+
+Tool read_tool(const Yaml& yaml, const std::string& name) {
+  Problems problems;
+  yaml.check_keys({"polyarm", "tcp", "mass", "center", "body", "gripper", "cup_radius", "holding_force", "reach",
+                   "stroke", "grip_force", "finger_length", "finger_width", "closing_speed"}, problems);
+  problems.throw_if_errors();
+  Tool tool;
+  tool.name = name;
+  if (yaml.has("tcp")) tool.tcp = yaml["tcp"].pose();
+  tool.mass = yaml["mass"].number(Dimension::mass, 0.1);
+  if (yaml.has("center")) tool.center = yaml["center"].vec3();
+  for (const Yaml& entry : yaml["body"].items()) {
+    Shape shape = read_shape(entry);
+    shape.pose = entry.pose();
+    tool.body.push_back(shape);
+  }
+  tool.gripper = gripper_of(yaml["gripper"]);
+  tool.cup_radius = yaml["cup_radius"].number(Dimension::length, tool.cup_radius);
+  tool.holding_force = yaml["holding_force"].number(Dimension::force, tool.holding_force);
+  tool.reach = yaml["reach"].number(Dimension::length, tool.reach);
+  tool.stroke = yaml["stroke"].number(Dimension::length, tool.stroke);
+  tool.grip_force = yaml["grip_force"].number(Dimension::force, tool.grip_force);
+  tool.finger_length = yaml["finger_length"].number(Dimension::length, tool.finger_length);
+  tool.finger_width = yaml["finger_width"].number(Dimension::length, tool.finger_width);
+  tool.closing_speed = yaml["closing_speed"].number(Dimension::speed, tool.closing_speed);
+  return tool;
+}
+
+Tool find_tool(const std::string& name, const std::string& folder) {
+  if (name.empty() || name == "none") return Tool{};
+  if (name == "suction_cup") return suction_cup();
+  if (name == "parallel_gripper") return parallel_gripper();
+  for (const std::string& file : {name, name + ".yaml"}) {
+    const auto path = std::filesystem::path(folder) / file;
+    std::error_code error;
+    if (std::filesystem::is_regular_file(path, error)) return read_tool(Yaml::load(path.string()), name);
+  }
+  throw Error("unknown-tool", "there is no tool '" + name + "'" + did_you_mean(name, built_in_tools()),
+              "known are: " + join(built_in_tools(), ", ") + ", or a tool file beside the cell");
+}
+
+}  // namespace polyarm::description

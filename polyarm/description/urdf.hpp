@@ -1,0 +1,36 @@
+#pragma once
+/// URDF, read and written.
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/description/robot_model.hpp"
+
+namespace polyarm::description {
+
+struct UrdfOptions {
+  /// Folders that hold ROS packages, for `package://name/…`. Meshes are never required.
+  std::vector<std::filesystem::path> package_folders;
+};
+
+/// Reads URDF with its <ros2_control> blocks. Odd but legal files are accepted: axes that are not unit, missing inertials
+/// and limits, any order. Warnings are added; throws Error with line and reason for what cannot be a robot: syntax,
+/// several roots, unknown or duplicated names, circles, numbers that are none, xacro that has not been expanded.
+RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
+                     const UrdfOptions& options = {});
+
+/// URDF that reads back equal. Capsules, which URDF does not have, are written as <capsule radius length/>.
+std::string write_urdf(const RobotModel& model);
+
+/// What a ROS launch file (XML or Python) mentions, so that a user can be told what to type instead.
+struct LaunchHints {
+  std::vector<std::string> descriptions;  ///< .urdf and .xacro files
+  std::vector<std::string> controllers;   ///< .yaml files
+  /// "polyarm run --description … --controllers …"
+  std::string line() const;
+};
+bool is_launch_file(const std::filesystem::path& path);
+LaunchHints find_in_launch_file(std::string_view text);
+
+}  // namespace polyarm::description

@@ -1,0 +1,327 @@
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/urdf.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// Reads one description; complaints carry the line of the element.
+class UrdfReader {
+ public:
+  UrdfReader(const std::string& file, Problems& warnings, const UrdfOptions& options)
+      : file_(file), warnings_(warnings), options_(options) {}
+
+  RobotModel read(std::string_view text) {
+    if (text.find("<xacro:") != std::string_view::npos)
+      throw Error(Problem{"xacro", {file_, line_of(text, "<xacro:")}, "this file is xacro: it has to be expanded to URDF first",
+                          "run `xacro FILE > robot.urdf` and name that file"});
+    tinyxml2::XMLDocument document;
+    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+      throw Error(Problem{"xml-syntax", {file_, document.ErrorLineNum()}, "not valid XML: " + std::string(document.ErrorName()),
+                          "check that every element is closed and every quote has its partner"});
+    const XMLElement* robot = document.FirstChildElement("robot");
+    if (!robot)
+      throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
+    if (const char* name = robot->Attribute("name")) model_.name = name;
+    for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
+    problems_.throw_if_errors();
+    tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_);
+    problems_.throw_if_errors();
+    for (const HardwareInfo& hardware : model_.hardware) check_hardware(hardware);
+    problems_.throw_if_errors();
+    complete_inertials(model_, warnings_);
+    return std::move(model_);
+  }
+
+ private:
+  Location at(const XMLElement& e) const { return {file_, e.GetLineNum()}; }
+  void error(const XMLElement& e, std::string code, std::string what, std::string advice = {}) {
+    problems_.error(std::move(code), at(e), std::move(what), std::move(advice));
+  }
+
+  static int line_of(std::string_view text, std::string_view what) {
+    return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(what)), '\n'));
+  }
+
+  void element(const XMLElement& e) {
+    const std::string tag = e.Name();
+    if (tag == "link") link(e);
+    else if (tag == "joint") joint(e);
+    else if (tag == "ros2_control") hardware(e);
+    else if (tag != "material" && tag != "gazebo" && tag != "transmission" && passed_over_.insert(tag).second)
+      warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
+  }
+
+  std::string attribute(const XMLElement& e, const char* name) {
+    const char* value = e.Attribute(name);
+    const std::string text(value ? trim(value) : "");
+    if (text.empty()) error(e, "missing-attribute", std::string("<") + e.Name() + "> has no attribute '" + name + "'");
+    return text;
+  }
+
+  std::optional<double> number(const XMLElement* e, const char* name) {
+    const char* text = e ? e->Attribute(name) : nullptr;
+    if (!text) return std::nullopt;
+    const auto value = parse_number(text);
+    if (!value) error(*e, "bad-number", std::string(name) + "=\"" + text + "\" is not a number");
+    return value;
+  }
+
+  Vec3 vector(const XMLElement& e, const char* name, const Vec3& fallback) {
+    const char* text = e.Attribute(name);
+    if (!text) return fallback;
+    const std::vector<std::string> words = split_words(text);
+    std::vector<double> values;
+    for (const std::string& word : words)
+      if (const auto value = parse_number(word)) values.push_back(*value);
+    if (values.size() != 3 || words.size() != 3) {
+      error(e, "bad-number", std::string(name) + "=\"" + text + "\" is not three numbers");
+      return fallback;
+    }
+    return {values[0], values[1], values[2]};
+  }
+
+  Pose origin(const XMLElement& parent) {
+    const XMLElement* e = parent.FirstChildElement("origin");
+    return e ? pose_xyz_rpy(vector(*e, "xyz", {}), vector(*e, "rpy", {})) : Pose{};
+  }
+
+  void link(const XMLElement& e) {
+    Link out;
+    out.name = attribute(e, "name");
+    if (const XMLElement* i = e.FirstChildElement("inertial")) out.inertial = inertial(*i);
+    for (const XMLElement* v = e.FirstChildElement("visual"); v; v = v->NextSiblingElement("visual")) shape(*v, out.visuals);
+    for (const XMLElement* c = e.FirstChildElement("collision"); c; c = c->NextSiblingElement("collision")) shape(*c, out.collisions);
+    model_.links.push_back(std::move(out));
+  }
+
+  std::optional<Inertial> inertial(const XMLElement& e) {
+    Inertial out;
+    const Pose frame = origin(e);
+    out.center = frame.position;
+    out.mass = number(e.FirstChildElement("mass"), "value").value_or(0);
+    if (out.mass < 0) {
+      error(e, "bad-mass", "the mass " + format_number(out.mass) + " is negative");
+      return std::nullopt;
+    }
+    if (const XMLElement* t = e.FirstChildElement("inertia")) {
+      std::size_t k = 0;
+      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) out.inertia[k++] = number(t, name).value_or(0);
+      out.inertia = turned(out.inertia, frame.rotation);
+    }
+    return out.mass > 0 ? std::optional(out) : std::nullopt;
+  }
+
+  /// R I R^T: from the inertial frame's axes into the link's.
+  static std::array<double, 6> turned(const std::array<double, 6>& i, const Quaternion& q) {
+    if (q == Quaternion{}) return i;
+    const double m[3][3] = {{i[0], i[1], i[2]}, {i[1], i[3], i[4]}, {i[2], i[4], i[5]}};
+    const Vec3 columns[3] = {q * Vec3{1, 0, 0}, q * Vec3{0, 1, 0}, q * Vec3{0, 0, 1}};
+    const auto r = [&](int row, int column) {
+      const Vec3& c = columns[column];
+      return row == 0 ? c.x : row == 1 ? c.y : c.z;
+    };
+    const auto entry = [&](int a, int b) {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) sum += r(a, k) * m[k][l] * r(b, l);
+      return sum;
+    };
+    return {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+  }
+
+  void shape(const XMLElement& e, std::vector<Shape>& out) {
+    const XMLElement* geometry = e.FirstChildElement("geometry");
+    const XMLElement* g = geometry ? geometry->FirstChildElement() : nullptr;
+    if (!g) {
+      error(e, "no-geometry", std::string("<") + e.Name() + "> has no geometry");
+      return;
+    }
+    Shape s;
+    s.pose = origin(e);
+    const std::string kind = g->Name();
+    if (kind == "box") {
+      s.kind = ShapeKind::box;
+      s.size = vector(*g, "size", {});
+    } else if (kind == "cylinder" || kind == "capsule") {
+      s.kind = kind == "box" ? ShapeKind::box : kind == "cylinder" ? ShapeKind::cylinder : ShapeKind::capsule;
+      s.radius = number(g, "radius").value_or(0);
+      s.length = number(g, "length").value_or(0);
+    } else if (kind == "sphere") {
+      s.kind = ShapeKind::sphere;
+      s.radius = number(g, "radius").value_or(0);
+    } else if (kind == "mesh") {
+      s.kind = ShapeKind::mesh;
+      s.mesh = attribute(*g, "filename");
+      s.scale = vector(*g, "scale", {1, 1, 1});
+      s.mesh_path = resolve_mesh(s.mesh);
+    } else {
+      warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is passed over");
+      return;
+    }
+    out.push_back(std::move(s));
+  }
+
+  std::string resolve_mesh(const std::string& uri) const {
+    std::vector<std::filesystem::path> candidates;
+    if (uri.starts_with("package://")) {
+      for (const auto& folder : options_.package_folders) candidates.push_back(folder / uri.substr(10));
+    } else if (uri.starts_with("file://")) {
+      candidates.emplace_back(uri.substr(7));
+    } else {
+      candidates.push_back(std::filesystem::path(file_).parent_path() / uri);
+    }
+    std::error_code error;
+    for (const auto& candidate : candidates)
+      if (std::filesystem::is_regular_file(candidate, error)) return candidate.string();
+    return {};
+  }
+
+  JointType joint_type(const XMLElement& e) {
+    const std::string text = attribute(e, "type");
+    std::vector<std::string> names;
+    for (const JointType type : {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic,
+                                 JointType::planar, JointType::floating}) {
+      if (text == name(type)) return type;
+      names.emplace_back(name(type));
+    }
+    if (!text.empty()) error(e, "bad-type", "'" + text + "' is no joint type" + did_you_mean(text, names));
+    return JointType::fixed;
+  }
+
+  void joint(const XMLElement& e) {
+    NamedJoint out;
+    out.where = at(e);
+    out.joint.name = attribute(e, "name");
+    out.joint.type = joint_type(e);
+    for (const auto& [tag, name] : {std::pair{"parent", &out.parent}, {"child", &out.child}}) {
+      const XMLElement* end = e.FirstChildElement(tag);
+      if (end) *name = attribute(*end, "link");
+      else error(e, "missing-tag", "the joint '" + out.joint.name + "' has no <" + tag + ">");
+    }
+    out.joint.origin = origin(e);
+    axis(e, out.joint);
+    limits(e, out.joint);
+    if (const XMLElement* d = e.FirstChildElement("dynamics")) {
+      out.joint.damping = number(d, "damping").value_or(0);
+      out.joint.friction = number(d, "friction").value_or(0);
+    }
+    if (const XMLElement* m = e.FirstChildElement("mimic")) {
+      out.mimics = attribute(*m, "joint");
+      out.joint.mimic = Mimic{-1, number(m, "multiplier").value_or(1), number(m, "offset").value_or(0)};
+    }
+    joints_.push_back(std::move(out));
+  }
+
+  void axis(const XMLElement& e, Joint& joint) {
+    const XMLElement* a = e.FirstChildElement("axis");
+    if (!a || !joint.moves()) return;
+    const Vec3 given = vector(*a, "xyz", {1, 0, 0});
+    const double length = norm(given);
+    if (!(length > 1e-9)) return error(*a, "zero-axis", "the axis of the joint '" + joint.name + "' has no direction");
+    joint.axis = std::abs(length - 1) < 1e-12 ? given : (1 / length) * given;
+  }
+
+  void limits(const XMLElement& e, Joint& joint) {
+    const XMLElement* l = e.FirstChildElement("limit");
+    const bool ranged = joint.type == JointType::revolute || joint.type == JointType::prismatic;
+    if (!l && ranged)
+      warnings_.warning("no-limit", at(e), "the joint '" + joint.name + "' has no <limit>", "it is taken as unlimited");
+    if (!l) return;
+    if (ranged) {
+      joint.limits.lower = number(l, "lower").value_or(0);
+      joint.limits.upper = number(l, "upper").value_or(0);
+      if (*joint.limits.lower > *joint.limits.upper)
+        error(*l, "bad-limit", "the lower limit " + format_number(*joint.limits.lower) + " of '" + joint.name +
+              "' is above its upper limit " + format_number(*joint.limits.upper));
+      if (*joint.limits.lower == *joint.limits.upper) {
+        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing", "it is taken as unlimited");
+        joint.limits.lower.reset();
+        joint.limits.upper.reset();
+      }
+    }
+    for (const auto& [name, value] : {std::pair{"velocity", &joint.limits.velocity}, {"effort", &joint.limits.effort},
+                                      {"acceleration", &joint.limits.acceleration}, {"jerk", &joint.limits.jerk}})
+      if (const auto stated = number(l, name); stated && *stated > 0) *value = *stated;
+  }
+
+  // --- <ros2_control> -----------------------------------------------------------------------------------------
+
+  static void parameters(const XMLElement& e, std::map<std::string, std::string>& out) {
+    for (const XMLElement* p = e.FirstChildElement("param"); p; p = p->NextSiblingElement("param"))
+      if (const char* name = p->Attribute("name")) out[name] = std::string(trim(p->GetText() ? p->GetText() : ""));
+  }
+
+  void hardware(const XMLElement& e) {
+    HardwareInfo out;
+    out.where = at(e);
+    out.name = attribute(e, "name");
+    out.type = attribute(e, "type");
+    if (const XMLElement* h = e.FirstChildElement("hardware")) {
+      const XMLElement* plugin = h->FirstChildElement("plugin");
+      out.plugin = std::string(trim(plugin && plugin->GetText() ? plugin->GetText() : ""));
+      const XMLElement* group = h->FirstChildElement("group");
+      out.group = std::string(trim(group && group->GetText() ? group->GetText() : ""));
+      parameters(*h, out.parameters);
+    }
+    for (const char* kind : {"joint", "sensor", "gpio"})
+      for (const XMLElement* c = e.FirstChildElement(kind); c; c = c->NextSiblingElement(kind)) {
+        ComponentInfo component;
+        component.name = attribute(*c, "name");
+        component.kind = kind;
+        parameters(*c, component.parameters);
+        interfaces(*c, "command_interface", component.command_interfaces);
+        interfaces(*c, "state_interface", component.state_interfaces);
+        out.components.push_back(std::move(component));
+      }
+    model_.hardware.push_back(std::move(out));
+  }
+
+  void interfaces(const XMLElement& e, const char* tag, std::vector<InterfaceInfo>& out) {
+    for (const XMLElement* i = e.FirstChildElement(tag); i; i = i->NextSiblingElement(tag)) {
+      InterfaceInfo info;
+      info.name = attribute(*i, "name");
+      if (const char* type = i->Attribute("data_type")) info.data_type = type;
+      parameters(*i, info.parameters);
+      if (const char* initial = i->Attribute("initial_value")) info.parameters["initial_value"] = initial;
+      for (const auto& [name, value] : {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
+        if (const auto text = info.parameters.find(name); text != info.parameters.end()) *value = parse_number(text->second);
+      out.push_back(std::move(info));
+    }
+  }
+
+  void check_hardware(const HardwareInfo& hardware) {
+    std::vector<std::string> names;
+    for (const Joint& joint : model_.joints) names.push_back(joint.name);
+    for (const ComponentInfo& component : hardware.components)
+      if (component.kind == "joint" && model_.find_joint(component.name) < 0)
+        problems_.error("unknown-joint", hardware.where, "<ros2_control> '" + hardware.name + "' names the joint '" +
+                        component.name + "', which the robot does not have" + did_you_mean(component.name, names));
+  }
+
+  std::string file_;
+  Problems& warnings_;
+  const UrdfOptions& options_;
+  RobotModel model_;
+  std::vector<NamedJoint> joints_;
+  Problems problems_;
+  std::set<std::string> passed_over_;
+};
+
+}  // namespace
+
+RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings, const UrdfOptions& options) {
+  return UrdfReader(file, warnings, options).read(text);
+}
+
+}  // namespace polyarm::description

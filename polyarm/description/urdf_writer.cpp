@@ -1,0 +1,161 @@
+#include <tinyxml2.h>
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/urdf.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+std::string text_of(const Vec3& v) { return format_number(v.x) + " " + format_number(v.y) + " " + format_number(v.z); }
+
+class UrdfWriter {
+ public:
+  std::string write(const RobotModel& model) {
+    xml_.PushHeader(false, true);
+    open("robot", {{"name", model.name}});
+    for (const Link& link : model.links) write_link(link);
+    for (const Joint& joint : model.joints) write_joint(model, joint);
+    for (const HardwareInfo& hardware : model.hardware) write_hardware(hardware);
+    xml_.CloseElement();
+    return xml_.CStr();
+  }
+
+ private:
+  using Attributes = std::vector<std::pair<const char*, std::string>>;
+  void open(const char* tag, const Attributes& attributes = {}) {
+    xml_.OpenElement(tag);
+    for (const auto& [name, value] : attributes) xml_.PushAttribute(name, value.c_str());
+  }
+  void leaf(const char* tag, const Attributes& attributes) {
+    open(tag, attributes);
+    xml_.CloseElement();
+  }
+  void origin(const Pose& pose) {
+    if (pose == Pose{}) return;
+    leaf("origin", {{"xyz", text_of(pose.position)}, {"rpy", text_of(to_rpy(pose.rotation))}});
+  }
+  void write_shape(const char* tag, const Shape& s) {
+    open(tag);
+    origin(s.pose);
+    open("geometry");
+    switch (s.kind) {
+      case ShapeKind::box: leaf("box", {{"size", text_of(s.size)}}); break;
+      case ShapeKind::sphere: leaf("sphere", {{"radius", format_number(s.radius)}}); break;
+      case ShapeKind::mesh: leaf("mesh", {{"filename", s.mesh}, {"scale", text_of(s.scale)}}); break;
+      case ShapeKind::cylinder:
+      case ShapeKind::capsule:
+        leaf(s.kind == ShapeKind::cylinder ? "cylinder" : "capsule",
+             {{"radius", format_number(s.radius)}, {"length", format_number(s.length)}});
+    }
+    xml_.CloseElement();
+    xml_.CloseElement();
+  }
+  void write_link(const Link& link) {
+    open("link", {{"name", link.name}});
+    if (link.inertial) {
+      const Inertial& i = *link.inertial;
+      open("inertial");
+      origin({i.center, {}});
+      leaf("mass", {{"value", format_number(i.mass)}});
+      Attributes tensor;
+      std::size_t k = 0;
+      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) tensor.emplace_back(name, format_number(i.inertia[k++]));
+      leaf("inertia", tensor);
+      xml_.CloseElement();
+    }
+    for (const Shape& shape : link.visuals) write_shape("visual", shape);
+    for (const Shape& shape : link.collisions) write_shape("collision", shape);
+    xml_.CloseElement();
+  }
+  void write_joint(const RobotModel& model, const Joint& joint) {
+    open("joint", {{"name", joint.name}, {"type", name(joint.type)}});
+    leaf("parent", {{"link", model.links[static_cast<std::size_t>(joint.parent_link)].name}});
+    leaf("child", {{"link", model.links[static_cast<std::size_t>(joint.child_link)].name}});
+    origin(joint.origin);
+    if (joint.moves()) leaf("axis", {{"xyz", text_of(joint.axis)}});
+    Attributes limit;
+    const JointLimits& l = joint.limits;
+    for (const auto& [name, value] : {std::pair{"lower", l.lower}, {"upper", l.upper}, {"velocity", l.velocity},
+                                      {"effort", l.effort}, {"acceleration", l.acceleration}, {"jerk", l.jerk}})
+      if (value) limit.emplace_back(name, format_number(*value));
+    if (!limit.empty()) leaf("limit", limit);
+    if (joint.damping != 0 || joint.friction != 0)
+      leaf("dynamics", {{"damping", format_number(joint.damping)}, {"friction", format_number(joint.friction)}});
+    if (joint.mimic)
+      leaf("mimic", {{"joint", model.joints[static_cast<std::size_t>(joint.mimic->joint)].name},
+                     {"multiplier", format_number(joint.mimic->multiplier)}, {"offset", format_number(joint.mimic->offset)}});
+    xml_.CloseElement();
+  }
+  void write_parameters(const std::map<std::string, std::string>& parameters) {
+    for (const auto& [name, value] : parameters) {
+      open("param", {{"name", name}});
+      xml_.PushText(value.c_str());
+      xml_.CloseElement();
+    }
+  }
+  void write_text(const char* tag, const std::string& text) {
+    if (text.empty()) return;
+    open(tag);
+    xml_.PushText(text.c_str());
+    xml_.CloseElement();
+  }
+  void write_interfaces(const char* tag, const std::vector<InterfaceInfo>& interfaces) {
+    for (const InterfaceInfo& i : interfaces) {
+      open(tag, {{"name", i.name}, {"data_type", i.data_type}});
+      write_parameters(i.parameters);
+      xml_.CloseElement();
+    }
+  }
+  void write_hardware(const HardwareInfo& hardware) {
+    open("ros2_control", {{"name", hardware.name}, {"type", hardware.type}});
+    open("hardware");
+    write_text("plugin", hardware.plugin);
+    write_text("group", hardware.group);
+    write_parameters(hardware.parameters);
+    xml_.CloseElement();
+    for (const ComponentInfo& component : hardware.components) {
+      open(component.kind.c_str(), {{"name", component.name}});
+      write_parameters(component.parameters);
+      write_interfaces("command_interface", component.command_interfaces);
+      write_interfaces("state_interface", component.state_interfaces);
+      xml_.CloseElement();
+    }
+    xml_.CloseElement();
+  }
+
+  tinyxml2::XMLPrinter xml_;
+};
+
+}  // namespace
+
+std::string write_urdf(const RobotModel& model) { return UrdfWriter().write(model); }
+
+bool is_launch_file(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return name.ends_with(".launch") || name.ends_with(".launch.py") || name.ends_with(".launch.xml") ||
+         name.ends_with(".launch.yaml");
+}
+
+LaunchHints find_in_launch_file(std::string_view text) {
+  LaunchHints out;
+  const auto add = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  };
+  for (std::string word : split_words(text, " \t\r\n\"'<>=,()[]{}")) {
+    if (const auto close = word.rfind(')'); close != std::string::npos) word.erase(0, close + 1);
+    if (word.ends_with(".urdf") || word.ends_with(".xacro")) add(out.descriptions, word);
+    if (word.ends_with(".yaml") || word.ends_with(".yml")) add(out.controllers, word);
+  }
+  return out;
+}
+
+std::string LaunchHints::line() const {
+  std::string out = "polyarm run --description " + (descriptions.empty() ? std::string("FILE.urdf") : descriptions.front());
+  if (!controllers.empty()) out += " --controllers " + controllers.front();
+  return out;
+}
+
+}  // namespace polyarm::description
