@@ -105,24 +105,6 @@ bool keeps_as_joint_name(const std::string& joint) {
   return !joint.empty() && joint.find_first_of(" \t\r\n,#") == std::string::npos;
 }
 
-void check_can_keep(const std::string& name, const Value& value, const std::string& file) {
-  const auto refuse = [&](const std::string& why) {
-    throw Error(Problem{"cannot-keep", {file}, quote(name) + " cannot be kept in this file: " + why, {}});
-  };
-  if (name.empty() || trim(name) != name || name.find_first_of("\r\n") != std::string::npos)
-    refuse("a name here is one line without blanks around it");
-  if (value.as_list()) refuse("it has no form for lists");
-  if (const Number* number = value.as_number(); number && !std::isfinite(number->value))
-    refuse("it is no finite number");
-  if (const std::string* text = value.as_text(); text && (text->find_first_of("\r\n") != std::string::npos ||
-                                                          trim(*text) != *text || why_not_text(*text)))
-    refuse("a text here is one line without blanks around it");
-  if (const JointState* joints = value.as_joints();
-      joints && (joints->names.empty() || joints->names.size() != joints->positions.size() ||
-                 !std::all_of(joints->names.begin(), joints->names.end(), keeps_as_joint_name)))
-    refuse("its joints do not all have a name and a position");
-}
-
 std::string plain_line(const Value& value) {
   if (value.as_boolean()) return "Bool: " + value.text();
   if (value.as_number()) return "Num: " + value.text();
@@ -148,6 +130,24 @@ std::optional<std::string> why_not_text(std::string_view content) {
     return "this text is in UTF-16; save it as UTF-8";
   if (content.find('\0') != std::string_view::npos) return "this is a binary file, a text file was expected";
   return std::nullopt;
+}
+
+void check_can_keep(const std::string& name, const Value& value, const std::string& file) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Problem{"cannot-keep", {file}, quote(name) + " cannot be kept in this file: " + why, {}});
+  };
+  if (name.empty() || trim(name) != name || name.find_first_of("\r\n") != std::string::npos)
+    refuse("a name here is one line without blanks around it");
+  if (value.as_list()) refuse("it has no form for lists");
+  if (const Number* number = value.as_number(); number && !std::isfinite(number->value))
+    refuse("it is no finite number");
+  if (const std::string* text = value.as_text(); text && (text->find_first_of("\r\n") != std::string::npos ||
+                                                          trim(*text) != *text || why_not_text(*text)))
+    refuse("a text here is one line without blanks around it");
+  if (const JointState* joints = value.as_joints();
+      joints && (joints->names.empty() || joints->names.size() != joints->positions.size() ||
+                 !std::all_of(joints->names.begin(), joints->names.end(), keeps_as_joint_name)))
+    refuse("its joints do not all have a name and a position");
 }
 
 /// Reads line by line, with the name and the point format that hold at each.

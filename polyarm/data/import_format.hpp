@@ -68,6 +68,9 @@ class ImportFile {
   DataSet values_;
 };
 
+/// Throws Error("cannot-keep") where the form has no place for this name or value.
+void check_can_keep(const std::string& name, const Value& value, const std::string& file);
+
 /// A sentence why `content` is no text file (a pickle, NUL bytes), or nothing.
 std::optional<std::string> why_not_text(std::string_view content);
 

@@ -1,0 +1,451 @@
+#include "polyarm/signals/file_mailbox.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+#include "polyarm/signals/file_watch.hpp"
+#include "polyarm/signals/mailbox_merge.hpp"
+
+namespace polyarm::signals {
+
+namespace {
+namespace fs = std::filesystem;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_{fd} {}
+  Descriptor(Descriptor&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+/// What tells one state of a file from another without reading it.
+struct Identity {
+  dev_t device = 0;
+  ino_t inode = 0;
+  std::int64_t modified = 0;
+  off_t size = -1;
+  friend bool operator==(const Identity&, const Identity&) = default;
+};
+
+Identity identity(const struct stat& s) {
+  return {s.st_dev, s.st_ino, s.st_mtim.tv_sec * 1'000'000'000 + s.st_mtim.tv_nsec, s.st_size};
+}
+
+std::optional<Identity> identity_of(int fd) {
+  struct stat s {};
+  if (::fstat(fd, &s) != 0) return std::nullopt;
+  return identity(s);
+}
+
+std::optional<std::string> content_of(int fd) {
+  std::string out;
+  char buffer[16384];
+  for (off_t at = 0;;) {
+    const ssize_t n = ::pread(fd, buffer, sizeof buffer, at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return std::nullopt;
+    if (n == 0) return out;
+    out.append(buffer, static_cast<std::size_t>(n));
+    at += n;
+  }
+}
+
+Values values_of(const data::ImportFile& file) {
+  Values out;
+  for (const data::Entry& entry : file.values().entries()) out.emplace(entry.name, entry.value);
+  return out;
+}
+
+/// A file that our write displaced; somebody may still be writing into it.
+struct Displaced {
+  Descriptor file;
+  std::string content;          ///< that was looked at last
+  std::set<std::string> names;  ///< that it held
+  bool settled = true;          ///< that content was taken or is ours
+  int looks_left = 0;
+};
+
+/// How long a displaced file is watched, in looks.
+constexpr int kLooksAtDisplaced = 500;
+constexpr std::size_t kMostDisplaced = 64;
+/// A file changed so recently may change again within the same tick of its time stamp.
+constexpr std::int64_t kStampResolution = 50'000'000;
+}  // namespace
+
+class FileMailbox::Io {
+ public:
+  Io(const data::ImportFile& start, const MailboxOptions& options)
+      : options_{options},
+        path_{fs::weakly_canonical(start.file()).string()},
+        image_{start},
+        merge_{values_of(start), options.versions_kept},
+        watch_{path_, merge_.current()},
+        known_text_{start.text()},
+        names_in_file_{names_of(start)} {
+    if (options_.thread) thread_ = std::thread([this] { run(); });
+  }
+
+  ~Io() {
+    if (thread_.joinable()) {
+      {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+      }
+      wake_.notify_all();
+      thread_.join();
+    }
+    for (int i = 0; i < 3 * options_.looks_until_settled && (i == 0 || written() < posted()); ++i) look();
+  }
+
+  const std::string& path() const { return path_; }
+
+  void post(const std::string& name, const data::Value& value) {
+    data::check_can_keep(name, value, path_);
+    const std::lock_guard lock(mutex_);
+    posts_.emplace_back(name, value);
+    last_post_[name] = ++posted_;
+  }
+
+  std::vector<MailboxEvent> take_events() {
+    std::vector<MailboxEvent> out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [event, applied] : events_) {
+      const std::uint64_t known = applied;
+      std::erase_if(event.values, [&](const auto& value) {
+        const auto at = last_post_.find(value.first);
+        return at != last_post_.end() && at->second > known;
+      });
+      if (event.kind != MailboxEvent::Kind::changed || !event.values.empty()) out.push_back(std::move(event));
+    }
+    events_.clear();
+    return out;
+  }
+
+  std::uint64_t posted() const { return locked(posted_); }
+  std::uint64_t written() const { return locked(written_); }
+  std::uint64_t look_from_now() const { return locked(looks_started_) + 1; }
+  std::uint64_t looks() const { return locked(looks_ended_); }
+
+  /// One round: posts, displaced files, the file, and writing where it is behind.
+  void look() {
+    begin_look();
+    look_at_displaced();
+    look_at_file();
+    const bool behind = needs_write_ || merge_.differs_from_file();
+    if (behind && !held_) write();
+    const std::lock_guard lock(mutex_);
+    if (!needs_write_ && !merge_.differs_from_file()) written_ = applied_;
+    ++looks_ended_;
+  }
+
+ private:
+  static std::set<std::string> names_of(const data::ImportFile& file) {
+    const auto names = file.values().names();
+    return {names.begin(), names.end()};
+  }
+
+  template <class T>
+  T locked(const T& value) const {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
+
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      lock.unlock();
+      look();
+      lock.lock();
+      wake_.wait_for(lock, std::chrono::nanoseconds(options_.period), [this] { return ending_; });
+    }
+  }
+
+  void begin_look() {
+    std::vector<std::pair<std::string, data::Value>> posts;
+    {
+      const std::lock_guard lock(mutex_);
+      ++looks_started_;
+      posts.swap(posts_);
+      applied_ += posts.size();
+    }
+    for (const auto& [name, value] : posts) {
+      image_.set(name, value);
+      merge_.set(name, *image_.values().value(name));  // as a reader of the text gets it
+    }
+  }
+
+  void report(MailboxEvent event) {
+    const std::lock_guard lock(mutex_);
+    events_.emplace_back(std::move(event), applied_);
+  }
+
+  void complain(Problem problem) {
+    if (complained_) return;
+    complained_ = true;
+    report({MailboxEvent::Kind::problem, {}, {std::move(problem)}});
+  }
+
+  void all_is_well() {
+    if (std::exchange(complained_, false)) report({MailboxEvent::Kind::recovered, {}, {}});
+  }
+
+  // --- what others wrote ---
+
+  void look_at_file() {
+    watch_.collect();
+    const bool told = watch_.take_rewritten();
+    struct stat now {};
+    if (::stat(path_.c_str(), &now) != 0) return missing();
+    const Identity found = identity(now);
+    if (!told && !held_ && found == known_ && !may_be_stale(found)) return;
+    const auto content = read_path();
+    if (!content) return missing();
+    if (*content != known_text_) return consider(*content, found);
+    watch_.take_base();
+    watch_.resolve(file_version_, true);
+    settle(found);
+  }
+
+  std::optional<std::string> read_path() {
+    watch_.expect_own_read();
+    const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+    auto content = file ? content_of(file.get()) : std::nullopt;
+    watch_.collect();
+    return content;
+  }
+
+  bool may_be_stale(const Identity& found) const {
+    timespec now{};
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    return now.tv_sec * 1'000'000'000 + now.tv_nsec - found.modified < kStampResolution;
+  }
+
+  void settle(const Identity& found) {
+    known_ = found;
+    held_ = false;
+    same_looks_ = 0;
+    all_is_well();
+  }
+
+  /// The file is gone: somebody may be replacing it; after a while it is written again.
+  void missing() {
+    held_ = ++same_looks_ < options_.looks_until_settled;
+    if (!held_) needs_write_ = true;
+  }
+
+  void consider(const std::string& content, const Identity& found) {
+    Problems problems;
+    data::ImportFile file = data::ImportFile::parse(content, path_, problems);
+    same_looks_ = content == last_seen_ ? same_looks_ + 1 : 0;
+    last_seen_ = content;
+    const bool settled = same_looks_ >= options_.looks_until_settled;
+    if (problems.has_errors() || (!settled && !plausible(content, file, names_in_file_))) {
+      held_ = true;
+      if (settled) complain(problems.list().front());
+      return;
+    }
+    known_text_ = content;
+    settle(found);
+    names_in_file_ = names_of(file);
+    file_version_ = absorb(std::move(file));
+    watch_.resolve(file_version_, true);
+  }
+
+  /// Whether `content` is whole: every name is there, and the last line ends or has stood for a second look.
+  bool plausible(const std::string& content, const data::ImportFile& file,
+                 const std::set<std::string>& names) const {
+    const bool ended = !content.empty() && (content.back() == '\n' || same_looks_ >= 2);
+    return ended && std::all_of(names.begin(), names.end(),
+                                [&](const std::string& name) { return file.values().find(name) != nullptr; });
+  }
+
+  /// Merges a rewrite and gives the number of its version.
+  std::uint64_t absorb(data::ImportFile file) {
+    const auto read = watch_.take_base();
+    const auto result =
+        merge_.outside(values_of(file), read ? std::span(&*read, 1) : std::span<const std::uint64_t>{});
+    image_ = std::move(file);
+    for (const auto& [name, value] : merge_.present()) image_.set(name, value);
+    if (!result.changes.empty()) report({MailboxEvent::Kind::changed, result.changes, {}});
+    return merge_.current();
+  }
+
+  void look_at_displaced() {
+    for (Displaced& old : displaced_) look_at(old);
+    std::erase_if(displaced_, [](Displaced& old) { return --old.looks_left <= 0; });
+    if (displaced_.size() > kMostDisplaced) displaced_.erase(displaced_.begin());
+  }
+
+  void look_at(Displaced& old) {
+    auto content = content_of(old.file.get());
+    if (!content || (*content == old.content && old.settled)) return;
+    const bool stands = *content == old.content && old.looks_left < kLooksAtDisplaced / 2;
+    old.content = *content;
+    Problems problems;
+    data::ImportFile file = data::ImportFile::parse(*content, path_, problems);
+    const bool whole = plausible(*content, file, old.names) || (stands && !file.values().empty());
+    old.settled = whole && !problems.has_errors();
+    if (!old.settled) return;
+    watch_.resolve(absorb(std::move(file)), false);
+    needs_write_ = true;
+  }
+
+  // --- what we write ---
+
+  void write() {
+    const std::string text = image_.text();
+    const std::string temporary = temporary_path();
+    const Descriptor file = written_file(temporary, text);
+    if (!file) return complain(unwritable());
+    Descriptor before;
+    watch_.collect();
+    if (!exchange(temporary, before)) {
+      const Problem problem = unwritable();
+      ::unlink(temporary.c_str());
+      return complain(problem);
+    }
+    file_version_ = merge_.wrote();
+    watch_.collect_replaced(file_version_);
+    known_ = identity_of(file.get()).value_or(Identity{});
+    needs_write_ = false;
+    all_is_well();
+    std::set<std::string> names = std::exchange(names_in_file_, names_of(image_));
+    Displaced old{std::move(before), std::exchange(known_text_, text), std::move(names), true,
+                  kLooksAtDisplaced};
+    if (!old.file) return;
+    look_at(old);
+    displaced_.push_back(std::move(old));
+  }
+
+  std::string temporary_path() {
+    const fs::path path(path_);
+    const std::string name = "." + path.filename().string() + ".tmp" + std::to_string(::getpid()) + "." +
+                             std::to_string(++temporaries_);
+    return (path.parent_path() / name).string();
+  }
+
+  Descriptor written_file(const std::string& temporary, const std::string& text) const {
+    struct stat old {};
+    const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
+    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    bool good = static_cast<bool>(file) && ::fchmod(file.get(), mode) == 0;
+    for (std::size_t at = 0; good && at < text.size();) {
+      const ssize_t n = ::write(file.get(), text.data() + at, text.size() - at);
+      if (n < 0 && errno == EINTR) continue;
+      good = n > 0;
+      if (good) at += static_cast<std::size_t>(n);
+    }
+    if (good && ::fdatasync(file.get()) == 0) return file;
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    errno = error;
+    return Descriptor{};
+  }
+
+  /// Puts the new file in the place of the old one, and gives in `before` the file that was there.
+  bool exchange(const std::string& temporary, Descriptor& before) {
+    if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
+      before = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+      ::unlink(temporary.c_str());
+      return true;
+    }
+    if (errno != ENOENT) {  // a file system without exchange
+      watch_.expect_own_read();
+      before = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+      watch_.collect();
+    }
+    return ::rename(temporary.c_str(), path_.c_str()) == 0;
+  }
+
+  Problem unwritable() const {
+    return {"unwritable",
+            {path_},
+            std::string("cannot be written: ") + std::strerror(errno),
+            "it is tried again; check permissions and free space"};
+  }
+
+  const MailboxOptions options_;
+  const std::string path_;
+
+  // I/O thread, or whoever steps.
+  data::ImportFile image_;  ///< the present values as text, with the comments and order of the file
+  MailboxMerge merge_;
+  FileWatch watch_;
+  std::string known_text_;  ///< that stands in the file as far as we know
+  std::set<std::string> names_in_file_;
+  Identity known_;
+  std::uint64_t file_version_ = 0;
+  std::vector<Displaced> displaced_;
+  std::string last_seen_;
+  int same_looks_ = 0;
+  bool held_ = false;  ///< the file looks half written: we do not write now
+  bool needs_write_ = false;
+  bool complained_ = false;
+  unsigned temporaries_ = 0;
+
+  // Both threads, under the mutex.
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::vector<std::pair<std::string, data::Value>> posts_;
+  std::vector<std::pair<MailboxEvent, std::uint64_t>> events_;
+  std::unordered_map<std::string, std::uint64_t> last_post_;
+  std::uint64_t posted_ = 0, applied_ = 0, written_ = 0, looks_started_ = 0, looks_ended_ = 0;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+FileMailbox::FileMailbox(const data::ImportFile& start, MailboxOptions options)
+    : io_{std::make_unique<Io>(start, options)} {}
+FileMailbox::~FileMailbox() = default;
+const std::string& FileMailbox::path() const {
+  return io_->path();
+}
+void FileMailbox::post(const std::string& name, const data::Value& value) {
+  io_->post(name, value);
+}
+std::vector<MailboxEvent> FileMailbox::take_events() {
+  return io_->take_events();
+}
+std::uint64_t FileMailbox::posted() const {
+  return io_->posted();
+}
+std::uint64_t FileMailbox::written() const {
+  return io_->written();
+}
+std::uint64_t FileMailbox::look_from_now() const {
+  return io_->look_from_now();
+}
+std::uint64_t FileMailbox::looks() const {
+  return io_->looks();
+}
+void FileMailbox::step() {
+  io_->look();
+}
+
+}  // namespace polyarm::signals

@@ -1,0 +1,309 @@
+#include "polyarm/signals/file_mailbox.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::signals {
+namespace {
+
+using data::ImportFile;
+using data::Value;
+
+/// A folder of its own with one data file.
+class Mailbox : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("polyarm_mailbox_" + std::to_string(::getpid()) + "_" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    path_ = (folder_ / "cycledata.data").string();
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  /// As an editor or a script does it: not atomically.
+  void rewrite(const std::string& text) { std::ofstream(path_, std::ios::binary | std::ios::trunc) << text; }
+  std::string content() const { return read_file(path_); }
+
+  static Value value_of(const std::vector<MailboxEvent>& events, const std::string& name) {
+    Value out("nothing");
+    for (const MailboxEvent& event : events)
+      for (const auto& [changed, value] : event.values)
+        if (changed == name) out = value;
+    return out;
+  }
+
+  MailboxOptions inline_options() {
+    MailboxOptions options;
+    options.thread = false;
+    return options;
+  }
+
+  std::filesystem::path folder_;
+  std::string path_;
+};
+
+constexpr const char* kTwo = "# why\nName: A\nBool: False\n\nName: B\nBool: False\n";
+
+TEST_F(Mailbox, WritesOnlyTheLineOfAPostedValue) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.post("B", true);
+  EXPECT_LT(mailbox.written(), mailbox.posted());
+  mailbox.step();
+  EXPECT_EQ(content(), "# why\nName: A\nBool: False\n\nName: B\nBool: True\n");
+  EXPECT_EQ(mailbox.written(), mailbox.posted());
+  EXPECT_TRUE(mailbox.take_events().empty());
+}
+
+TEST_F(Mailbox, TellsWhatWasChangedFromOutside) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  rewrite("# other\nName: A\nBool: False\nName: B\nBool: True\nName: C\nNum: 3\n");
+  mailbox.step();
+  const auto events = mailbox.take_events();
+  EXPECT_EQ(value_of(events, "B"), Value(true));
+  EXPECT_EQ(value_of(events, "C"), Value(3));
+  EXPECT_EQ(value_of(events, "A"), Value("nothing"));
+}
+
+TEST_F(Mailbox, ARewriteThatHadNotSeenOurWriteKeepsBoth) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  const std::string read = content();
+  mailbox.post("A", true);
+  mailbox.step();
+  rewrite("Name: A\nBool: False\nName: B\nBool: True\n");
+  mailbox.step();
+  EXPECT_EQ(value_of(mailbox.take_events(), "B"), Value(true));
+  EXPECT_EQ(content(), "Name: A\nBool: True\nName: B\nBool: True\n");
+}
+
+TEST_F(Mailbox, AnOutsiderThatOnlyResetsWhatItSawIsUnderstood) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  for (int i = 0; i < 5; ++i) {
+    mailbox.post("A", true);
+    mailbox.step();
+    ASSERT_NE(content().find("Name: A\nBool: True"), std::string::npos);
+    rewrite(kTwo);
+    mailbox.step();
+    ASSERT_EQ(value_of(mailbox.take_events(), "A"), Value(false)) << "round " << i;
+    ASSERT_EQ(content(), kTwo);
+  }
+}
+
+TEST_F(Mailbox, AnEditorThatReplacesTheFileIsSeen) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  write_file_atomically(path_, "Name: A\nBool: True\nName: B\nBool: False\n");
+  mailbox.step();
+  EXPECT_EQ(value_of(mailbox.take_events(), "A"), Value(true));
+}
+
+TEST_F(Mailbox, AHalfWrittenFileIsNeitherTakenNorOverwritten) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  for (const std::string half :
+       {"", "Name: A\nBool: Tr", "Name: A\nBool: True\n", "Name: A\nBool: True\nName: B\nBo"}) {
+    rewrite(half);
+    mailbox.post("A", true);
+    mailbox.step();
+    EXPECT_EQ(content(), half);
+    EXPECT_TRUE(mailbox.take_events().empty());
+  }
+  rewrite("Name: A\nBool: False\nName: B\nBool: True\n");
+  mailbox.step();
+  EXPECT_EQ(value_of(mailbox.take_events(), "B"), Value(true));
+  EXPECT_NE(content().find("Name: A\nBool: True"), std::string::npos);
+}
+
+TEST_F(Mailbox, AFileThatStaysBrokenIsReportedOnceAndItsRepairToo) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  rewrite("Name: A\nBool: perhaps\n");
+  for (int i = 0; i < 50; ++i) mailbox.step();
+  auto events = mailbox.take_events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, MailboxEvent::Kind::problem);
+  EXPECT_EQ(events[0].problems.at(0).where.line, 2);
+  rewrite(kTwo);
+  mailbox.step();
+  events = mailbox.take_events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, MailboxEvent::Kind::recovered);
+}
+
+TEST_F(Mailbox, AFileThatIsDeletedComesBack) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  std::filesystem::remove(path_);
+  for (int i = 0; i < 50; ++i) mailbox.step();
+  EXPECT_EQ(content(), kTwo);
+}
+
+TEST_F(Mailbox, AWriterThatHoldsTheDisplacedFileIsHeard) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  std::fstream slow(path_, std::ios::in | std::ios::out | std::ios::binary);
+  mailbox.post("A", true);
+  mailbox.step();
+  slow << "# WHY\nName: A\nBool: False\n\nName: B\nBool: True \n" << std::flush;
+  mailbox.step();
+  EXPECT_EQ(value_of(mailbox.take_events(), "B"), Value(true));
+  EXPECT_NE(content().find("Name: A\nBool: True"), std::string::npos);
+  EXPECT_NE(content().find("Name: B\nBool: True"), std::string::npos);
+}
+
+TEST_F(Mailbox, APostThatIsNewerThanTheMergeWins) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  rewrite("Name: A\nBool: True\nName: B\nBool: False\n");
+  mailbox.step();
+  mailbox.post("A", false);
+  EXPECT_TRUE(mailbox.take_events().empty());
+  mailbox.step();
+  EXPECT_NE(content().find("Name: A\nBool: False"), std::string::npos);
+}
+
+TEST_F(Mailbox, RefusesAtOnceWhatTheFileCannotHold) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  EXPECT_THROW(mailbox.post("A", Value(data::List{1})), Error);
+  EXPECT_THROW(mailbox.post("A", Value("two\nlines")), Error);
+}
+
+TEST_F(Mailbox, WritesWhatIsPostedBeforeItEnds) {
+  rewrite(kTwo);
+  { FileMailbox(ImportFile::load(path_), {}).post("A", true); }
+  EXPECT_NE(content().find("Name: A\nBool: True"), std::string::npos);
+}
+
+TEST_F(Mailbox, LeavesNoTemporaryFiles) {
+  rewrite(kTwo);
+  {
+    FileMailbox mailbox(ImportFile::load(path_), inline_options());
+    for (int i = 0; i < 20; ++i) mailbox.post("A", i % 2 == 0), mailbox.step();
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+// --- a real program outside ---
+
+constexpr int kRounds = 250, kCounters = 4;
+
+double number(const data::DataSet& set, const std::string& name) {
+  return set.value(name)->as_number()->value;
+}
+bool truth(const data::DataSet& set, const std::string& name) {
+  return *set.value(name)->as_boolean();
+}
+
+/// Reads the whole file, thinks, rewrites the whole file, again and again until told to stop. Every request
+/// it sees it answers by resetting it and counting up its own numbers. Ends with 0 if it never saw a number
+/// of the runtime go back.
+int outsider(const std::string& path) {
+  std::map<std::string, double> seen;
+  double count = 0;
+  volatile unsigned thought = 0;
+  for (int round = 0; round < 4'000'000; ++round) {
+    Problems problems;
+    ImportFile file = ImportFile::parse(read_file(path), path, problems);
+    for (int i = 0; i < kCounters; ++i) {
+      const double now = number(file.values(), "mine" + std::to_string(i));
+      double& before = seen["mine" + std::to_string(i)];
+      if (now < before) return 1;
+      before = now;
+    }
+    if (truth(file.values(), "Stop")) return 0;
+    for (unsigned i = 0; i < 100'000u * (static_cast<unsigned>(round) % 4); ++i) thought = thought + i;
+    if (truth(file.values(), "Ask")) {
+      ++count;
+      for (int i = 0; i < kCounters; ++i) file.set("theirs" + std::to_string(i), count);
+      file.set("Ask", false);
+    }
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << file.text();
+  }
+  return 2;
+}
+
+/// What the runtime knows of the file.
+struct Runtime {
+  FileMailbox& mailbox;
+  std::map<std::string, Value> values;
+  bool went_back = false;
+
+  void set(const std::string& name, const Value& value) {
+    values[name] = value;
+    mailbox.post(name, value);
+  }
+  void take() {
+    for (const MailboxEvent& event : mailbox.take_events())
+      for (const auto& [name, value] : event.values) {
+        const auto& before = values[name];
+        if (value.as_number() && before.as_number())
+          went_back |= value.as_number()->value < before.as_number()->value;
+        values[name] = value;
+      }
+  }
+  template <class Until>
+  bool wait(Until until) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!until() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::yield();
+      take();
+    }
+    return until();
+  }
+};
+
+TEST_F(Mailbox, AThousandSetsInEachDirectionAllArrive) {
+  std::string text = "Name: Ask\nBool: False\nName: Stop\nBool: False\n";
+  for (const char* side : {"mine", "theirs"})
+    for (int i = 0; i < kCounters; ++i) text += "Name: " + (side + std::to_string(i)) + "\nNum: 0\n";
+  rewrite(text);
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(outsider(path_));
+  MailboxOptions options;
+  options.period = 1'000'000;
+  {
+    FileMailbox mailbox(ImportFile::load(path_), options);
+    Runtime runtime{mailbox, {{"Ask", Value(false)}}};
+    for (int round = 1; round <= kRounds && !runtime.went_back; ++round) {
+      for (int i = 0; i < kCounters; ++i) runtime.set("mine" + std::to_string(i), round);
+      runtime.set("Ask", true);
+      ASSERT_TRUE(runtime.wait([&] { return runtime.values["Ask"] == Value(false); })) << "round " << round;
+      for (int i = 0; i < kCounters; ++i)
+        ASSERT_EQ(runtime.values["theirs" + std::to_string(i)], Value(round))
+            << "an answer was lost, or given twice";
+    }
+    runtime.set("Stop", true);
+    int status = -1;
+    EXPECT_TRUE(runtime.wait([&] { return ::waitpid(child, &status, WNOHANG) == child; }));
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    EXPECT_FALSE(runtime.went_back);
+  }
+  const ImportFile last = ImportFile::load(path_);
+  for (int i = 0; i < kCounters; ++i) {
+    EXPECT_EQ(number(last.values(), "mine" + std::to_string(i)), kRounds);
+    EXPECT_EQ(number(last.values(), "theirs" + std::to_string(i)), kRounds);
+  }
+}
+
+}  // namespace
+}  // namespace polyarm::signals
