@@ -16,7 +16,7 @@ constexpr const char* kOptions =
     "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp";
 
 void print_bash() {
-  fmt::print(R"(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc
+  fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc
 _polyarm() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
   if [[ $COMP_CWORD == 1 ]]; then COMPREPLY=($(compgen -W "{0}" -- "$word")); return; fi
@@ -27,7 +27,7 @@ _polyarm() {{
   COMPREPLY=($(compgen -f -- "$word"))
 }}
 complete -o filenames -F _polyarm polyarm
-)",
+)bash",
              verb_names(), kOptions);
 }
 void print_zsh() {

@@ -64,9 +64,9 @@ void Cell::build_tags(Problems& problems) {
   for (const auto& robot : robots_)
     tcp_states_.push_back({states_.add(robot->entry.name + "/tcp/x"), states_.add(robot->entry.name + "/tcp/y"),
                            states_.add(robot->entry.name + "/tcp/z")});
-  signals::SignalsFile signals;
+  signals::Signals signals;
   collect(problems, [&] {
-    if (!file_.signals.empty()) signals = signals::read_signals((file_.folder / file_.signals).string());
+    if (!file_.signals.empty()) signals = signals::load_signals((file_.folder / file_.signals).string());
   });
   std::set<std::string> live(signals.live.begin(), signals.live.end());
   files_ = std::make_unique<DataFiles>(store_, StateFolder(file_.folder, live, options_.keep), *worker_,

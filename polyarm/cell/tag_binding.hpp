@@ -1,5 +1,7 @@
 #pragma once
 /// Tags tied to interfaces: states come in, commands go out.
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,16 +46,14 @@ class TagBinding {
 
  private:
   struct In {
-    std::string tag;
-    bool own = false;
+    signals::Tag tag;
+    bool own = false;  ///< a state of the cell, not of the table
     std::size_t index = 0;
-    bool boolean = true;
-    double scale = 1;
-    double last;
+    double last = std::numeric_limits<double>::quiet_NaN();
   };
   struct Out {
-    std::string tag;
-    double scale = 1;
+    signals::Tag tag;
+    std::size_t index = 0;  ///< into command_names
   };
   data::DataStore& store_;
   std::vector<In> in_;

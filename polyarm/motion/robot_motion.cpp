@@ -13,22 +13,26 @@ std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::sp
   const kinematics::IkResult result =
       kinematics::solve_nearest(robot.chain, tcp, current, robot.home, kinematics::IkOptions{});
   if (result.status == kinematics::IkStatus::solved) return result.q;
-  throw Error(result.status == kinematics::IkStatus::limits ? "limit" : "unreachable",
-              fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, result.reason),
-              "move the point, the robot's base, or choose a robot that reaches it");
+  throw Error(
+      result.status == kinematics::IkStatus::limits ? "limit" : "unreachable",
+      fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, result.reason),
+      "move the point, the robot's base, or choose a robot that reaches it");
 }
 
 void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const double lower = robot.chain.lower()[j], upper = robot.chain.upper()[j];
     if (joints[j] >= lower - 1e-9 && joints[j] <= upper + 1e-9) continue;
-    throw Error("limit", fmt::format("{} puts {} at {:.4f}, its limits are {:.4f} to {:.4f}", what,
-                                     robot.model->joint_names()[j], joints[j], lower, upper),
-                std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians" : "choose a value inside");
+    throw Error("limit",
+                fmt::format("{} puts {} at {:.4f}, its limits are {:.4f} to {:.4f}", what,
+                            robot.model->joint_names()[j], joints[j], lower, upper),
+                std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians"
+                                        : "choose a value inside");
   }
 }
 
-std::uint64_t RobotMotion::move_to_joints(std::span<const double> target, const Pace& pace, const std::string& what) {
+std::uint64_t RobotMotion::move_to_joints(std::span<const double> target, const Pace& pace,
+                                          const std::string& what) {
   check_joints(robot_, target, what);
   trajectory::JointMoveOptions options;
   options.speed_scale = pace.speed;
@@ -39,7 +43,8 @@ std::uint64_t RobotMotion::move_to_joints(std::span<const double> target, const 
   goal->trajectory = trajectory::plan_joint_move(planned_, target, robot_.limits, options);
   last_duration_ = goal->trajectory.duration();
   if (!controller_.follow(goal))
-    throw Error("busy", "the controller of " + robot_.name + " has not taken its last moves yet", "is the loop running?");
+    throw Error("busy", "the controller of " + robot_.name + " has not taken its last moves yet",
+                "is the loop running?");
   planned_.assign(target.begin(), target.end());
   return next_id_++;
 }

@@ -27,16 +27,16 @@ struct RobotFacts {
 
 /// How fast a move goes.
 struct Pace {
-  double speed = 1;                     ///< share of the limits
-  std::optional<double> seconds;        ///< at least this long
-  std::optional<double> thesis_scale;   ///< duration = scale × joint-space distance, limits permitting
+  double speed = 1;                    ///< share of the limits
+  std::optional<double> seconds;       ///< at least this long
+  std::optional<double> thesis_scale;  ///< duration = scale × joint-space distance, limits permitting
 };
 
-/// Where a pose puts the joints, coming from `current`: within limits, in the configuration nearest to the present
-/// one, ranked from home. Throws Error("unreachable" | "limit") that says which distance, angle or joint is at fault;
-/// `what` names the point.
-std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world, std::span<const double> current,
-                               const std::string& what);
+/// Where a pose puts the joints, coming from `current`: within limits, in the configuration nearest to the
+/// present one, ranked from home. Throws Error("unreachable" | "limit") that says which distance, angle or
+/// joint is at fault; `what` names the point.
+std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world,
+                               std::span<const double> current, const std::string& what);
 /// Checks a joint state against the limits. Throws Error("limit") naming joint, value and limit.
 void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what);
 
@@ -48,8 +48,8 @@ class RobotMotion {
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller)
       : robot_(robot), controller_(controller) {}
 
-  /// Starts a move from where the robot was last sent. Returns its id. Throws Error when the target cannot be had or
-  /// the controller's inbox is full.
+  /// Starts a move from where the robot was last sent. Returns its id. Throws Error when the target cannot be
+  /// had or the controller's inbox is full.
   std::uint64_t move_to_joints(std::span<const double> target, const Pace& pace, const std::string& what);
   std::uint64_t move_to_pose(const Pose& tcp_in_world, const Pace& pace, const std::string& what);
   MoveState state_of(std::uint64_t id) const;

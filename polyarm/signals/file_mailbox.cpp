@@ -31,7 +31,7 @@ class Descriptor {
   explicit Descriptor(int fd = -1) : fd_{fd} {}
   Descriptor(Descriptor&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
   Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
+    Descriptor old(std::exchange(fd_, std::exchange(other.fd_, -1)));
     return *this;
   }
   ~Descriptor() {
@@ -70,8 +70,8 @@ std::optional<std::string> content_of(int fd) {
     const ssize_t n = ::pread(fd, buffer, sizeof buffer, at);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
-    if (n == 0) return out;
     out.append(buffer, static_cast<std::size_t>(n));
+    if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // one reading: it cannot mix two versions
     at += n;
   }
 }
@@ -87,6 +87,8 @@ struct Displaced {
   Descriptor file;
   std::string content;          ///< that was looked at last
   std::set<std::string> names;  ///< that it held
+  FileWatch::Label label = 0;
+  std::optional<std::uint64_t> base;  ///< the version from which whoever writes into it started
   bool settled = true;          ///< that content was taken or is ours
   int looks_left = 0;
 };
@@ -220,23 +222,28 @@ class FileMailbox::Io {
   void look_at_file() {
     watch_.collect();
     const bool told = watch_.take_rewritten();
+    const FileWatch::Label label = watch_.standing();
     struct stat now {};
     if (::stat(path_.c_str(), &now) != 0) return missing();
     const Identity found = identity(now);
     if (!told && !held_ && found == known_ && !may_be_stale(found)) return;
-    const auto content = read_path();
+    const auto content = read_path(found);
     if (!content) return missing();
-    if (*content != known_text_) return consider(*content, found);
-    watch_.take_base();
-    watch_.resolve(file_version_, true);
+    if (*content != known_text_) return consider(*content, found, label);
+    watch_.take_base(label);
+    watch_.resolve(label, file_version_);
     settle(found);
   }
 
-  std::optional<std::string> read_path() {
-    watch_.expect_own_read();
-    const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-    auto content = file ? content_of(file.get()) : std::nullopt;
+  /// Reads without opening where the file is the one that we hold open: opening is news to the watch.
+  std::optional<std::string> read_path(const Identity& found) {
+    const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
+    const bool same = held && held->inode == found.inode && held->device == found.device;
+    watch_.expect_own_read(!same);
+    if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+    auto content = standing_ ? content_of(standing_.get()) : std::nullopt;
     watch_.collect();
+    watch_.expect_no_own_read();
     return content;
   }
 
@@ -259,7 +266,7 @@ class FileMailbox::Io {
     if (!held_) needs_write_ = true;
   }
 
-  void consider(const std::string& content, const Identity& found) {
+  void consider(const std::string& content, const Identity& found, FileWatch::Label label) {
     Problems problems;
     data::ImportFile file = data::ImportFile::parse(content, path_, problems);
     same_looks_ = content == last_seen_ ? same_looks_ + 1 : 0;
@@ -273,8 +280,8 @@ class FileMailbox::Io {
     known_text_ = content;
     settle(found);
     names_in_file_ = names_of(file);
-    file_version_ = absorb(std::move(file));
-    watch_.resolve(file_version_, true);
+    file_version_ = absorb(std::move(file), watch_.take_base(label));
+    watch_.resolve(label, file_version_);
   }
 
   /// Whether `content` is whole: every name is there, and the last line ends or has stood for a second look.
@@ -286,8 +293,7 @@ class FileMailbox::Io {
   }
 
   /// Merges a rewrite and gives the number of its version.
-  std::uint64_t absorb(data::ImportFile file) {
-    const auto read = watch_.take_base();
+  std::uint64_t absorb(data::ImportFile file, std::optional<std::uint64_t> read) {
     const auto result =
         merge_.outside(values_of(file), read ? std::span(&*read, 1) : std::span<const std::uint64_t>{});
     image_ = std::move(file);
@@ -312,7 +318,8 @@ class FileMailbox::Io {
     const bool whole = plausible(*content, file, old.names) || (stands && !file.values().empty());
     old.settled = whole && !problems.has_errors();
     if (!old.settled) return;
-    watch_.resolve(absorb(std::move(file)), false);
+    old.base = absorb(std::move(file), old.base);
+    watch_.resolve(old.label, *old.base);
     needs_write_ = true;
   }
 
@@ -321,23 +328,23 @@ class FileMailbox::Io {
   void write() {
     const std::string text = image_.text();
     const std::string temporary = temporary_path();
-    const Descriptor file = written_file(temporary, text);
-    if (!file) return complain(unwritable());
-    Descriptor before;
+    Descriptor made = written_file(temporary, text);
+    if (!made) return complain(unwritable());
     watch_.collect();
-    if (!exchange(temporary, before)) {
+    if (!exchange(temporary)) {
       const Problem problem = unwritable();
       ::unlink(temporary.c_str());
       return complain(problem);
     }
     file_version_ = merge_.wrote();
-    watch_.collect_replaced(file_version_);
-    known_ = identity_of(file.get()).value_or(Identity{});
+    const FileWatch::Label displaced = watch_.collect_replaced(file_version_);
+    const auto base = watch_.take_base(displaced);
     needs_write_ = false;
     all_is_well();
+    known_ = identity_of(made.get()).value_or(Identity{});
     std::set<std::string> names = std::exchange(names_in_file_, names_of(image_));
-    Displaced old{std::move(before), std::exchange(known_text_, text), std::move(names), true,
-                  kLooksAtDisplaced};
+    Displaced old{std::exchange(standing_, std::move(made)), std::exchange(known_text_, text), std::move(names), displaced, base,
+                  true, kLooksAtDisplaced};
     if (!old.file) return;
     look_at(old);
     displaced_.push_back(std::move(old));
@@ -350,6 +357,7 @@ class FileMailbox::Io {
     return (path.parent_path() / name).string();
   }
 
+  /// The new file, open for reading. It is closed for writing before it takes its name: that would be news.
   Descriptor written_file(const std::string& temporary, const std::string& text) const {
     struct stat old {};
     const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
@@ -361,26 +369,21 @@ class FileMailbox::Io {
       good = n > 0;
       if (good) at += static_cast<std::size_t>(n);
     }
-    if (good && ::fdatasync(file.get()) == 0) return file;
+    if (good && ::fdatasync(file.get()) == 0) return Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
     const int error = errno;
     ::unlink(temporary.c_str());
     errno = error;
     return Descriptor{};
   }
 
-  /// Puts the new file in the place of the old one, and gives in `before` the file that was there.
-  bool exchange(const std::string& temporary, Descriptor& before) {
+  /// Puts the new file in the place of the old one; standing_ then is the file that was there.
+  bool exchange(const std::string& temporary) {
     if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
-      before = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+      standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
       ::unlink(temporary.c_str());
       return true;
     }
-    if (errno != ENOENT) {  // a file system without exchange
-      watch_.expect_own_read();
-      before = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-      watch_.collect();
-    }
-    return ::rename(temporary.c_str(), path_.c_str()) == 0;
+    return ::rename(temporary.c_str(), path_.c_str()) == 0;  // a file system without exchange, or no file
   }
 
   Problem unwritable() const {
@@ -400,6 +403,7 @@ class FileMailbox::Io {
   std::string known_text_;  ///< that stands in the file as far as we know
   std::set<std::string> names_in_file_;
   Identity known_;
+  Descriptor standing_;      ///< the file itself, to read it again
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
   std::string last_seen_;

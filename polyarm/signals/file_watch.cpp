@@ -5,7 +5,7 @@
 
 #include <array>
 #include <cstring>
-#include <limits>
+#include <algorithm>
 #include <utility>
 
 namespace polyarm::signals {
@@ -13,12 +13,14 @@ namespace polyarm::signals {
 namespace {
 constexpr std::uint32_t kRewrites = IN_MODIFY | IN_CLOSE_WRITE;
 constexpr std::uint32_t kReplaces = IN_MOVED_TO | IN_CREATE;
-/// Stands for what somebody wrote until it has been looked at.
-constexpr std::uint64_t kUnseen = std::numeric_limits<std::uint64_t>::max();
+/// Labels of what somebody wrote and nobody has looked at begin here; version numbers stay below.
+constexpr std::uint64_t kFirstUnseen = std::uint64_t{1} << 63;
+constexpr std::size_t kMostRewrites = 10000;
+bool is_unseen(std::uint64_t label) { return label >= kFirstUnseen; }
 }  // namespace
 
 FileWatch::FileWatch(const std::filesystem::path& path, std::uint64_t version)
-    : name_{path.filename().string()}, standing_{version} {
+    : name_{path.filename().string()}, standing_{version}, next_label_{kFirstUnseen} {
   const auto folder = path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
   fd_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (fd_ >= 0 && ::inotify_add_watch(fd_, folder.c_str(), IN_OPEN | IN_ACCESS | kRewrites | kReplaces) < 0) {
@@ -41,11 +43,17 @@ void FileWatch::drain(Each each) {
       inotify_event event;
       std::memcpy(&event, buffer.data() + at, sizeof event);
       const char* name = buffer.data() + at + sizeof event;
-      if (event.mask & IN_Q_OVERFLOW) rewritten_ = true;
+      if (event.mask & IN_Q_OVERFLOW) lose_track();
       if (event.len > 0 && name_ == name) each(event.mask);
       at += static_cast<ssize_t>(sizeof event + event.len);
     }
   }
+}
+
+void FileWatch::lose_track() {
+  rewritten_ = true;
+  last_read_ = read_before_ = std::nullopt;
+  rewrites_.clear();
 }
 
 void FileWatch::take(std::uint32_t mask) {
@@ -68,41 +76,46 @@ void FileWatch::take_rewrite() {
   if (opened_ && !accessed_) last_read_ = read_before_;  // it was opened to be written, not read
   opened_ = false;
   rewritten_ = true;
-  if (standing_ != kUnseen && !base_) base_ = last_read_;
-  standing_ = kUnseen;
-  last_read_ = kUnseen;  // who wrote it knows it
+  standing_ = next_label_++;
+  if (rewrites_.size() < kMostRewrites) rewrites_.push_back({standing_, last_read_});
+  last_read_ = standing_;  // who wrote it knows it
 }
 
 void FileWatch::collect() {
   drain([&](std::uint32_t mask) { take(mask); });
 }
 
-void FileWatch::collect_replaced(std::uint64_t version) {
-  bool replaced = false;
-  drain([&](std::uint32_t mask) {
-    if (replaced || !(mask & IN_MOVED_TO)) return take(mask);
-    replaced = true;
-    standing_ = version;
-    opened_ = false;
-  });
-  if (!replaced) standing_ = version;
+FileWatch::Label FileWatch::collect_replaced(std::uint64_t version) {
+  std::optional<Label> displaced;
+  const auto replace = [&] { displaced = std::exchange(standing_, version); };
+  drain([&](std::uint32_t mask) { !displaced && (mask & IN_MOVED_TO) ? replace() : take(mask); });
+  if (!displaced) replace();
+  return *displaced;
 }
 
-void FileWatch::expect_own_read() {
-  own_opens_ = 1;
+void FileWatch::expect_own_read(bool opens) {
+  own_opens_ = opens ? 1 : 0;
   own_accesses_ = 1;
 }
 
-void FileWatch::resolve(std::uint64_t version, bool stands) {
-  if (stands || standing_ == kUnseen) standing_ = version;
-  for (auto* read : {&last_read_, &read_before_, &base_})
-    if (*read == kUnseen) *read = version;
+void FileWatch::resolve(Label label, std::uint64_t version) {
+  const auto settle = [&](Label& known) {
+    if (is_unseen(known) && known <= label) known = version;
+  };
+  settle(standing_);
+  if (last_read_) settle(*last_read_);
+  if (read_before_) settle(*read_before_);
+  for (Rewrite& rewrite : rewrites_)
+    if (rewrite.base) settle(*rewrite.base);
 }
 
-std::optional<std::uint64_t> FileWatch::take_base() {
-  const auto base = std::exchange(base_, std::nullopt);
-  if (base || last_read_ == kUnseen) return base;
-  return last_read_;
+std::optional<std::uint64_t> FileWatch::take_base(Label label) {
+  const bool writing = opened_ && !accessed_;  // its content may be seen before the news of its writing
+  std::optional<Label> base = writing ? read_before_ : last_read_;
+  const auto later = std::find_if(rewrites_.begin(), rewrites_.end(), [&](const Rewrite& r) { return r.label > label; });
+  if (later != rewrites_.begin()) base = rewrites_.front().base;
+  rewrites_.erase(rewrites_.begin(), later);
+  return base && is_unseen(*base) ? std::nullopt : base;
 }
 
 bool FileWatch::take_rewritten() {

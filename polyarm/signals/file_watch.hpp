@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace polyarm::signals {
 
@@ -20,29 +21,41 @@ class FileWatch {
 
   /// Takes the news so far.
   void collect();
-  /// The same right after we have replaced the file by `version`.
-  void collect_replaced(std::uint64_t version);
-  /// The next opening and reading of the file is our own.
-  void expect_own_read();
-  /// What somebody wrote and was not looked at yet is `version`; `stands`: it is what stands in the file.
-  void resolve(std::uint64_t version, bool stands);
+  /// What a version of the file is called here: its number, or while nobody has looked at it a label.
+  using Label = std::uint64_t;
+  /// Of what stands in the file, by the news taken so far.
+  Label standing() const { return standing_; }
+  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was displaced.
+  Label collect_replaced(std::uint64_t version);
+  /// What comes next is a reading of our own, of a file that we open for it or hold open.
+  void expect_own_read(bool opens);
+  void expect_no_own_read() { own_opens_ = own_accesses_ = 0; }
 
-  /// The version from which the latest rewrite was made; forgotten with this call.
-  std::optional<std::uint64_t> take_base();
+  /// The version from which the rewrites up to `label` were made, as far as it is known; forgotten with this call.
+  std::optional<std::uint64_t> take_base(Label label);
+  /// What was written up to `label` has been looked at and is `version`.
+  void resolve(Label label, std::uint64_t version);
   /// Whether somebody rewrote the file since the last call.
   bool take_rewritten();
 
  private:
+  struct Rewrite {
+    Label label;
+    std::optional<Label> base;
+  };
   void take(std::uint32_t mask);
   void take_rewrite();
+  void lose_track();
   /// Gives each piece of news about the file to `each`.
   template <class Each>
   void drain(Each each);
 
   std::string name_;
   int fd_ = -1;
-  std::uint64_t standing_;
-  std::optional<std::uint64_t> last_read_, read_before_, base_;
+  Label standing_;
+  Label next_label_;
+  std::optional<Label> last_read_, read_before_;
+  std::vector<Rewrite> rewrites_;
   bool opened_ = false, accessed_ = false;  ///< the latest opening may turn out to be for writing
   int own_opens_ = 0, own_accesses_ = 0;
   bool rewritten_ = false;

@@ -1,10 +1,12 @@
 #include "polyarm/signals/file_mailbox.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <map>
 #include <thread>
@@ -263,12 +265,13 @@ struct Runtime {
   }
   template <class Until>
   bool wait(Until until) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (!until() && std::chrono::steady_clock::now() < end) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      if (until()) return true;
       std::this_thread::yield();
       take();
     }
-    return until();
+    return false;
   }
 };
 
@@ -278,7 +281,10 @@ TEST_F(Mailbox, AThousandSetsInEachDirectionAllArrive) {
     for (int i = 0; i < kCounters; ++i) text += "Name: " + (side + std::to_string(i)) + "\nNum: 0\n";
   rewrite(text);
   const pid_t child = ::fork();
-  if (child == 0) ::_exit(outsider(path_));
+  if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::_exit(outsider(path_));
+  }
   MailboxOptions options;
   options.period = 1'000'000;
   {

@@ -1,0 +1,221 @@
+#include "drivers/mujoco/component.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::drivers {
+
+using hardware::CallbackReturn;
+using hardware::ReturnType;
+
+CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& context) {
+  context_ = context;
+  constexpr Nanoseconds kLongestStep = 1'000'000;
+  substeps_ = static_cast<int>(std::max<Nanoseconds>(1, (context.period + kLongestStep - 1) / kLongestStep));
+  timestep_ = seconds(context.period) / substeps_;
+  for (const hardware::RobotInstance& facts : context_.robots) {
+    Robot robot;
+    robot.facts = facts;
+    robot.servo = std::make_unique<Servo>(facts);
+    robot.gripper = std::make_unique<Gripper>(facts.tool, robots_.size());
+    robot.first_state = states_.size();
+    robot.first_command = commands_.size();
+    const std::vector<std::string> joints = facts.model->joint_names();
+    robot.joints = joints.size();
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      for (const char* quantity : {"position", "velocity", "effort"}) {
+        const std::string name = facts.name + "/" + joints[j] + "/" + quantity;
+        const bool position = quantity[0] == 'p';
+        states_.push_back({name, position && j < facts.initial_positions.size() ? facts.initial_positions[j] : 0.0});
+        commands_.push_back({name});
+      }
+    for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
+    if (robot.gripper->suction() || robot.gripper->parallel()) {
+      const std::string tool = facts.name + "/tool/";
+      robot.tool_command = static_cast<int>(commands_.size());
+      commands_.push_back({tool + (robot.gripper->suction() ? "vacuum" : "grip")});
+      robot.tool_state = static_cast<int>(states_.size());
+      states_.push_back({tool + (robot.gripper->suction() ? "vacuum" : "width"), 0.0});
+      states_.push_back({tool + "part_present", 0.0});
+    }
+    robots_.push_back(std::move(robot));
+  }
+  machines_ = std::make_unique<Machines>(context_.scene, states_, commands_);
+  parts_ = std::make_unique<Parts>(context_.scene);
+  contacts_ = std::make_unique<ContactReader>(robots_.size(), parts_->size());
+  models_ = std::make_unique<ModelSet>(context_, timestep_);
+  return CallbackReturn::success;
+}
+
+CallbackReturn MujocoComponent::on_configure() {
+  int largest = 0;
+  for (std::size_t i = 0; i < models_->size(); ++i) largest = std::max(largest, models_->view(i).m()->nv);
+  acceleration_.assign(static_cast<std::size_t>(largest), 0);
+  inertial_force_.assign(static_cast<std::size_t>(largest), 0);
+  active_ = models_->index_for(parts_->awake());
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    const std::vector<double>& start = robots_[r].facts.initial_positions;
+    for (std::size_t j = 0; j < robots_[r].joints; ++j)
+      view().d()->qpos[view().robots[r].qpos[j]] = j < start.size() ? start[j] : 0;
+    std::vector<double> at(robots_[r].joints, 0.0);
+    std::copy_n(start.begin(), std::min(start.size(), at.size()), at.begin());
+    robots_[r].servo->start_at(at);
+  }
+  world_.parts.resize(parts_->size());
+  parts_->lay_out(*models_, view());
+  machines_->lay_out(view());
+  mj_forward(view().m(), view().d());
+  publish();
+  return CallbackReturn::success;
+}
+
+MujocoComponent::Robot* MujocoComponent::robot_of(const std::string& interface, std::size_t& joint, JointMode& mode) {
+  for (Robot& robot : robots_)
+    for (std::size_t j = 0; j < robot.joints; ++j)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (commands_[robot.first_command + 3 * j + k].name == interface) {
+          joint = j;
+          mode = static_cast<JointMode>(k);
+          return &robot;
+        }
+  return nullptr;
+}
+
+ReturnType MujocoComponent::prepare_command_mode_switch(std::span<const std::string>, std::span<const std::string>) {
+  return ReturnType::ok;
+}
+
+ReturnType MujocoComponent::perform_command_mode_switch(std::span<const std::string> start,
+                                                        std::span<const std::string>) noexcept {
+  // Of several interfaces of one joint, position leads velocity, and velocity leads effort.
+  for (const JointMode wanted : {JointMode::effort, JointMode::velocity, JointMode::position})
+    for (const std::string& name : start) {
+      std::size_t joint = 0;
+      JointMode mode = JointMode::position;
+      Robot* robot = robot_of(name, joint, mode);
+      if (robot && mode == wanted) robot->servo->set_mode(joint, mode);
+    }
+  return ReturnType::ok;
+}
+
+void MujocoComponent::take_commands(std::span<const double> commands) noexcept {
+  for (Robot& robot : robots_) {
+    for (std::size_t j = 0; j < robot.joints; ++j) {
+      robot.position[j] = commands[robot.first_command + 3 * j];
+      robot.velocity[j] = commands[robot.first_command + 3 * j + 1];
+      robot.effort[j] = commands[robot.first_command + 3 * j + 2];
+    }
+    robot.servo->command(robot.position, robot.velocity, robot.effort, timestep_ * substeps_);
+    if (robot.tool_command >= 0)
+      if (const double value = commands[static_cast<std::size_t>(robot.tool_command)]; std::isfinite(value))
+        robot.gripper->command(value);
+  }
+  machines_->command(commands);
+}
+
+void MujocoComponent::step() noexcept {
+  mjModel* m = view().m();
+  mjData* d = view().d();
+  mj_step1(m, d);
+  contacts_->read(view(), *parts_, now_, world_);
+  std::fill_n(acceleration_.begin(), m->nv, 0.0);
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    robots_[r].servo->accelerations(view(), r, acceleration_.data(), timestep_);
+    tracking_error_ = std::max(tracking_error_, robots_[r].servo->tracking_error());
+  }
+  mj_mulM(m, d, inertial_force_.data(), acceleration_.data());
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    robots_[r].servo->torques(view(), r, inertial_force_.data());
+    robots_[r].gripper->push(view());
+  }
+  mj_step2(m, d);
+  parts_->pull(view(), timestep_);
+  mj_kinematics(m, d);
+  for (Robot& robot : robots_) robot.gripper->update(view(), *parts_, *contacts_, vec3(m->opt.gravity), timestep_);
+  machines_->step(view(), *parts_, timestep_);
+  if (parts_->changed()) change_model();
+  failed_ |= d->warning[mjWARN_BADQACC].number > 0 || d->warning[mjWARN_BADQPOS].number > 0 ||
+             d->warning[mjWARN_BADQVEL].number > 0;
+  now_ += nanoseconds(timestep_);
+}
+
+void MujocoComponent::copy_robots(const ModelView& from, ModelView& to) noexcept {
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    const auto copy = [&](int qpos_from, int qpos_to, int dof_from, int dof_to) {
+      to.d()->qpos[qpos_to] = from.d()->qpos[qpos_from];
+      to.d()->qvel[dof_to] = from.d()->qvel[dof_from];
+      to.d()->qacc_warmstart[dof_to] = from.d()->qacc_warmstart[dof_from];
+    };
+    for (std::size_t j = 0; j < robots_[r].joints; ++j)
+      copy(from.robots[r].qpos[j], to.robots[r].qpos[j], from.robots[r].dof[j], to.robots[r].dof[j]);
+    for (std::size_t side = 0; side < 2; ++side)
+      if (from.robots[r].finger_dof[side] >= 0)
+        copy(from.robots[r].finger_qpos[side], to.robots[r].finger_qpos[side], from.robots[r].finger_dof[side],
+             to.robots[r].finger_dof[side]);
+  }
+}
+
+void MujocoComponent::change_model() noexcept {
+  const std::size_t wanted = models_->index_for(parts_->awake());
+  if (wanted != active_) {
+    copy_robots(models_->view(active_), models_->view(wanted));
+    active_ = wanted;
+  }
+  parts_->lay_out(*models_, view());
+  machines_->lay_out(view());
+  mj_kinematics(view().m(), view().d());
+}
+
+void MujocoComponent::publish() noexcept {
+  world_.at_rest = parts_->awake() == 0 && !machines_->moving();
+  for (const Robot& robot : robots_) world_.at_rest = world_.at_rest && !robot.gripper->moving(view());
+  for (std::size_t i = 0; i < parts_->size(); ++i) {
+    const Parts::Part& part = (*parts_)[i];
+    hardware::PartState& out = world_.parts[i];
+    out.pose = part.pose;
+    out.linear_velocity = {part.velocity[0], part.velocity[1], part.velocity[2]};
+    out.speed = part.speed;
+    out.entered = part.entered;
+    out.in_world = parts_->in_world(i);
+    out.asleep = part.mode == Parts::Mode::asleep;
+    out.held_by = part.robot;
+  }
+  world_.tracking_error = tracking_error_;
+  tracking_error_ = 0;
+}
+
+ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  for (std::size_t r = 0; r < robots_.size(); ++r) {
+    const Robot& robot = robots_[r];
+    const ModelView::Robot& at = view().robots[r];
+    for (std::size_t j = 0; j < robot.joints; ++j) {
+      states[robot.first_state + 3 * j] = view().d()->qpos[at.qpos[j]];
+      states[robot.first_state + 3 * j + 1] = view().d()->qvel[at.dof[j]];
+      states[robot.first_state + 3 * j + 2] = robot.servo->torque(j);
+    }
+    if (robot.tool_state < 0) continue;
+    states[static_cast<std::size_t>(robot.tool_state)] =
+        robot.gripper->suction() ? robot.gripper->level() : robot.gripper->width(view());
+    states[static_cast<std::size_t>(robot.tool_state) + 1] = robot.gripper->held() >= 0 ? 1 : 0;
+  }
+  machines_->read(*parts_, states);
+  publish();
+  return failed_ ? ReturnType::error : ReturnType::ok;
+}
+
+ReturnType MujocoComponent::write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept {
+  now_ = cycle.time;
+  take_commands(commands);
+  for (int k = 0; k < substeps_; ++k) step();
+  return failed_ ? ReturnType::error : ReturnType::ok;
+}
+
+std::string MujocoComponent::summary() const {
+  return fmt::format("MuJoCo {}, physics step {:.3g} ms", mj_versionString(), timestep_ * 1e3);
+}
+
+}  // namespace polyarm::drivers

@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "drivers/mujoco/parts.hpp"
+#include "polyarm/hardware/world_state.hpp"
+
+namespace polyarm::drivers {
+
+/// Reads the contacts of each step: what is a finding, what wakes, what rests on what, what fingers touch.
+///
+/// A finding is a contact of a robot link or tool body (not of its gripping surfaces) with anything, or of a held part
+/// with something that it is not being placed on: it may rest on what supports it from below (normal within 45 degrees
+/// of vertical, less than 2 mm deep), and may touch what it touched when it was gripped until it has once been clear.
+class ContactReader {
+ public:
+  ContactReader(std::size_t robots, std::size_t parts);
+
+  void read(const ModelView& view, Parts& parts, Nanoseconds now, hardware::WorldState& out) noexcept;
+  /// From now on robot `r` holds another part (or none): what that touches now is allowed.
+  void forgive(std::size_t robot) noexcept;
+  /// Part that both fingers of robot `r` touched in the last step, or -1.
+  int between_fingers(std::size_t robot) const noexcept { return gripped_[robot]; }
+  /// Sum of the contact forces on the part that the cup of robot `r` holds, in the world, N.
+  const Vec3& force_on_held(std::size_t robot) const noexcept { return held_force_[robot]; }
+
+ private:
+  static constexpr int kPairs = 256, kForgiven = 16, kClearSteps = 20, kForgiveSteps = 3;
+  static constexpr double kPlacingDepth = 2e-3, kPlacingNormal = 0.7071, kWakeSpeed = 2e-3, kWakeDepth = 5e-4;
+  struct Pair {
+    int a = -1, b = -1;
+    std::uint64_t last = 0;
+    int finding = -1;
+  };
+  struct Forgiven {
+    int name = -1;
+    std::uint64_t last = 0;
+  };
+  struct Robot {
+    std::array<Forgiven, kForgiven> list;
+    std::uint64_t since = 0;
+  };
+  bool is_finding(const Owner& a, const Owner& b, const mjContact& c, const Parts& parts) noexcept;
+  bool held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept;
+  void note(const Owner& a, const Owner& b, double depth, Nanoseconds now, hardware::WorldState& out) noexcept;
+  void wake(const Owner& sleeper, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
+  void rest(const Owner& part, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
+  int name_of(const Owner& owner, const Parts& parts) const noexcept;
+
+  std::array<Pair, kPairs> pairs_;
+  std::vector<Robot> robots_;
+  std::vector<int> gripped_;
+  std::vector<std::array<int, 2>> touched_;   // per robot: part at each finger
+  std::vector<Vec3> held_force_;
+  std::vector<int> part_name_;
+  std::uint64_t step_ = 0;
+};
+
+}  // namespace polyarm::drivers

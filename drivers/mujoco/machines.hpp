@@ -1,0 +1,53 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/mujoco/parts.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::drivers {
+
+/// Feeders, outfeeds, presence sensors and movers of the scene, with their interfaces.
+class Machines {
+ public:
+  Machines(const description::Scene* scene, std::vector<hardware::InterfaceDescription>& states,
+           std::vector<hardware::InterfaceDescription>& commands);
+
+  void command(std::span<const double> commands) noexcept;
+  /// One physics step: movers advance and carry what rests on them, feeders and outfeeds act.
+  void step(ModelView& view, Parts& parts, double timestep) noexcept;
+  /// Puts the movers of another model where they are.
+  void lay_out(ModelView& view) const noexcept;
+  void read(const Parts& parts, std::span<double> states) const noexcept;
+  bool moving() const noexcept;
+
+ private:
+  struct Feeder {
+    int command, presented_state, remaining_state, present_state, kind_state;
+    std::vector<int> parts;
+    int asked = 0, presented = 0;
+    Pose pose;
+  };
+  struct Region {
+    int command = -1, present_state = -1, taken_state = -1;
+    Bounds bounds;
+    int asked = 0, taken = 0;
+    bool needs_rest = false;
+  };
+  struct Mover {
+    int command, state;
+    double at = 0, velocity = 0, target = 0;
+    const description::Mover* fact = nullptr;
+    std::vector<const description::Fixture*> fixtures;
+    bool moves() const noexcept { return velocity != 0 || at != target; }
+  };
+  void advance(std::size_t index, Mover& mover, ModelView& view, Parts& parts, double dt) noexcept;
+
+  const description::Scene* scene_;
+  std::vector<Feeder> feeders_;
+  std::vector<Region> regions_;
+  std::vector<Mover> movers_;
+};
+
+}  // namespace polyarm::drivers

@@ -1,0 +1,288 @@
+#include "drivers/mujoco/mjcf.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "polyarm/description/model_builder.hpp"
+
+namespace polyarm::drivers {
+
+using description::Shape;
+using description::ShapeKind;
+
+namespace {
+
+constexpr double kArmature = 0.08;        // kg m², of a motor and its gear seen from the joint; makes the servo stiff
+constexpr double kSmallestMass = 0.01;    // kg, of a moving link that states none
+
+std::string text(const Vec3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z); }
+std::string text(const Quaternion& q) { return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w, q.x, q.y, q.z); }
+std::string place(const Pose& p) { return fmt::format("pos=\"{}\" quat=\"{}\"", text(p.position), text(p.rotation)); }
+
+/// type, size and place; empty for shapes that are not simulated (meshes).
+std::string geometry(const Shape& s, const Pose& at) {
+  switch (s.kind) {
+    case ShapeKind::box: return fmt::format("type=\"box\" size=\"{}\" {}", text(0.5 * s.size), place(at));
+    case ShapeKind::sphere: return fmt::format("type=\"sphere\" size=\"{:.17g}\" {}", s.radius, place(at));
+    case ShapeKind::cylinder:
+      return fmt::format("type=\"cylinder\" size=\"{:.17g} {:.17g}\" {}", s.radius, s.length / 2, place(at));
+    case ShapeKind::capsule:
+      if (s.length < 1e-6) return fmt::format("type=\"sphere\" size=\"{:.17g}\" {}", s.radius, place(at));
+      return fmt::format("type=\"capsule\" size=\"{:.17g} {:.17g}\" {}", s.radius, s.length / 2, place(at));
+    case ShapeKind::mesh: break;
+  }
+  return {};
+}
+
+class Writer {
+ public:
+  Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots)
+      : context_(context), timestep_(timestep), slots_(slots) {}
+
+  std::string write() {
+    const description::Scene empty;
+    const description::Scene& scene = context_.scene ? *context_.scene : empty;
+    out_ = fmt::format(
+        "<mujoco model=\"cell\">\n<compiler angle=\"radian\" boundmass=\"1e-5\" boundinertia=\"1e-8\" "
+        "balanceinertia=\"true\"/>\n<option timestep=\"{:.17g}\" gravity=\"{}\" integrator=\"Euler\" cone=\"elliptic\" "
+        "impratio=\"5\" solver=\"Newton\" iterations=\"30\" tolerance=\"1e-10\" jacobian=\"sparse\"/>\n"
+        "<size njmax=\"{}\" nconmax=\"{}\"/>\n"
+        "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 0.0005\"/>"
+        "</default>\n<worldbody>\n",
+        timestep_, text(scene.gravity), 600 + 60 * scene.parts.size(), 120 + 12 * scene.parts.size());
+    if (scene.floor) line("<geom name=\"floor\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:.17g}\"/>", scene.floor_height);
+    for (std::size_t r = 0; r < context_.robots.size(); ++r) robot(r);
+    for (std::size_t i = 0; i < slots_; ++i) slot(i, scene.parts[i]);
+    fixtures(scene);
+    for (std::size_t i = 0; i < scene.parts.size(); ++i) twin(i, scene.parts[i]);
+    out_ += "</worldbody>\n<contact>\n";
+    for (std::size_t r = 0; r < context_.robots.size(); ++r) excludes(r);
+    out_ += "</contact>\n</mujoco>\n";
+    return std::move(out_);
+  }
+
+ private:
+  template <typename... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    out_ += fmt::format(format, std::forward<Args>(args)...) + "\n";
+  }
+
+  void geom(const std::string& name, const Shape& shape, const Pose& at, double friction) {
+    const std::string what = geometry(shape, at);
+    if (!what.empty()) line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"/>", name, what, friction);
+  }
+
+  void inertial(const description::Inertial& i) {
+    const auto& [xx, xy, xz, yy, yz, zz] = i.inertia;
+    line("<inertial pos=\"{}\" mass=\"{:.17g}\" fullinertia=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\"/>",
+         text(i.center), i.mass, xx, yy, zz, xy, xz, yz);
+  }
+
+  // --- robots -------------------------------------------------------------------------------------------------
+
+  void robot(std::size_t r) {
+    const hardware::RobotInstance& robot = context_.robots[r];
+    line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(robot.base));
+    link(r, robot.model->root);
+    line("</body>");
+  }
+
+  void link(std::size_t r, int index) {
+    const description::RobotModel& model = *context_.robots[r].model;
+    const description::Link& link = model.links[static_cast<std::size_t>(index)];
+    if (link.inertial && description::plausible(*link.inertial)) {
+      inertial(*link.inertial);
+    } else if (link.parent_joint >= 0 && model.joints[static_cast<std::size_t>(link.parent_joint)].moves()) {
+      line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"1e-4 1e-4 1e-4\"/>", kSmallestMass);
+    }
+    for (std::size_t s = 0; s < link.collisions.size(); ++s)
+      geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose, 0.5);
+    if (index == model.tool_link()) tool(r);
+    for (std::size_t j = 0; j < model.joints.size(); ++j)
+      if (model.joints[j].parent_link == index) child(r, static_cast<int>(j));
+  }
+
+  void child(std::size_t r, int index) {
+    const description::RobotModel& model = *context_.robots[r].model;
+    const description::Joint& joint = model.joints[static_cast<std::size_t>(index)];
+    line("<body name=\"{}\" {}>", link_name(r, joint.child_link), place(joint.origin));
+    using description::JointType;
+    const bool hinge = joint.type == JointType::revolute || joint.type == JointType::continuous;
+    if ((hinge || joint.type == JointType::prismatic) && !joint.mimic)
+      line("<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{:.17g}\" damping=\"{:.17g}\" frictionloss=\"{:.17g}\"/>",
+           joint_name(r, index), hinge ? "hinge" : "slide", text(joint.axis), hinge ? kArmature : 1.0, joint.damping,
+           joint.friction);
+    link(r, joint.child_link);
+    line("</body>");
+  }
+
+  void tool(std::size_t r) {
+    const description::Tool* tool = context_.robots[r].tool;
+    if (!tool) return;
+    line("<body name=\"{}\">", tool_name(r));
+    if (tool->mass > 0) {
+      const double small = tool->mass * 4e-4;
+      line("<inertial pos=\"{}\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", text(tool->center), tool->mass,
+           small, small, small);
+    }
+    for (std::size_t s = 0; s < tool->body.size(); ++s)
+      geom(tool_name(r) + "_" + std::to_string(s), tool->body[s], tool->body[s].pose, 0.5);
+    if (tool->gripper == description::GripperKind::suction) {
+      // What the cup holds becomes part of the arm: shape and mass are filled in when it takes hold.
+      line("<body name=\"{}\"><inertial pos=\"0 0 0\" mass=\"1e-5\" diaginertia=\"1e-8 1e-8 1e-8\"/>"
+           "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/></body>",
+           held_name(r), held_name(r));
+    }
+    if (tool->gripper == description::GripperKind::parallel)
+      for (int side = 0; side < 2; ++side) finger(r, *tool, side);
+    line("</body>");
+  }
+
+  void finger(std::size_t r, const description::Tool& tool, int side) {
+    constexpr double kThickness = 0.008;
+    const double sign = side == 0 ? 1 : -1;
+    Pose at = tool.tcp;
+    at = at * Pose{{0, sign * tool.stroke / 2, 0}, {}};
+    const std::string name = finger_name(r, side);
+    line("<body name=\"{}\" {}>", name, place(at));
+    line("<inertial pos=\"0 0 {:.17g}\" mass=\"0.05\" diaginertia=\"2e-5 2e-5 2e-5\"/>", -tool.finger_length / 2);
+    line("<joint name=\"{}\" type=\"slide\" axis=\"0 {} 0\" limited=\"true\" range=\"0 {:.17g}\" armature=\"0.1\" damping=\"2\"/>",
+         name, side == 0 ? -1 : 1, tool.stroke / 2);
+    line("<geom name=\"{}\" type=\"box\" size=\"{:.17g} {:.17g} {:.17g}\" pos=\"0 {:.17g} {:.17g}\" condim=\"4\" "
+         "friction=\"1.5 0.05 0.001\" solref=\"0.004 1\"/>",
+         name, tool.finger_width / 2, kThickness / 2, tool.finger_length / 2, sign * kThickness / 2, -tool.finger_length / 2);
+    line("</body>");
+  }
+
+  // --- the scene ------------------------------------------------------------------------------------------------
+
+  void fixtures(const description::Scene& scene) {
+    for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
+      if (scene.fixtures[f].mover.empty()) fixture(f, scene.fixtures[f], scene.fixtures[f].pose);
+    for (std::size_t m = 0; m < scene.movers.size(); ++m) {
+      line("<body name=\"{}\" mocap=\"true\">", mover_name(m));
+      bool any = false;
+      for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
+        if (scene.fixtures[f].mover == scene.movers[m].name) {
+          fixture(f, scene.fixtures[f], scene.fixtures[f].pose);
+          any = true;
+        }
+      if (!any) line("<geom type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>");
+      line("</body>");
+    }
+  }
+
+  void fixture(std::size_t f, const description::Fixture& fixture, const Pose& at) {
+    for (std::size_t s = 0; s < fixture.shapes.size(); ++s)
+      geom(fixture_name(f, s), fixture.shapes[s], at * fixture.shapes[s].pose, fixture.friction);
+  }
+
+  void slot(std::size_t i, const description::Part& part) {
+    line("<body name=\"{}\" pos=\"0 0 {:.17g}\"><freejoint/>", slot_name(i), 50.0 + static_cast<double>(i));
+    description::Inertial body = description::inertial_of({part.shape}, 1);
+    const double scale = body.mass > 0 ? part.mass / body.mass : 0;
+    body.mass = part.mass;
+    for (double& x : body.inertia) x = std::max(x * scale, 0.0);
+    inertial(body);
+    geom(slot_name(i), part.shape, {}, part.friction);
+    line("</body>");
+  }
+
+  void twin(std::size_t i, const description::Part& part) {
+    line("<body name=\"{}\" mocap=\"true\" pos=\"0 0 {:.17g}\">", twin_name(i), -50.0 - static_cast<double>(i));
+    geom(twin_name(i), part.shape, {}, part.friction);
+    line("</body>");
+  }
+
+  // --- pairs that are never compared -------------------------------------------------------------------------
+
+  void excludes(std::size_t r) {
+    const description::RobotModel& model = *context_.robots[r].model;
+    const Rigid rigid = rigid_links(model);
+    std::set<std::pair<int, int>> pairs;
+    const auto add = [&](int a, int b) {
+      if (a != b) pairs.insert({std::min(a, b), std::max(a, b)});
+    };
+    // Links that one joint joins always touch; bodies that a rigid group is made of are named one by one.
+    for (std::size_t a = 0; a < model.links.size(); ++a)
+      for (std::size_t b = a + 1; b < model.links.size(); ++b) {
+        const int ga = rigid.body_of_link[a], gb = rigid.body_of_link[b];
+        const auto parent_group = [&](int g) {
+          const int joint = model.links[static_cast<std::size_t>(g)].parent_joint;
+          return joint < 0 ? -1 : rigid.body_of_link[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)];
+        };
+        if (ga == gb || parent_group(ga) == gb || parent_group(gb) == ga) add(static_cast<int>(a), static_cast<int>(b));
+      }
+    for (const auto& [a, b] : model.allowed_collisions) add(a, b);
+    for (const auto& [a, b] : pairs) line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
+    world_excludes(r, rigid);
+    tool_excludes(r, rigid);
+  }
+
+  /// The first moving link turns where the robot is bolted down, its loose capsule may reach into the table.
+  void world_excludes(std::size_t r, const Rigid& rigid) {
+    const description::RobotModel& model = *context_.robots[r].model;
+    const int root = rigid.body_of_link[static_cast<std::size_t>(model.root)];
+    for (std::size_t i = 0; i < model.links.size(); ++i) {
+      const int joint = model.links[static_cast<std::size_t>(rigid.body_of_link[i])].parent_joint;
+      if (joint < 0) continue;
+      const int parent = model.joints[static_cast<std::size_t>(joint)].parent_link;
+      if (rigid.body_of_link[static_cast<std::size_t>(parent)] == root)
+        line("<exclude body1=\"{}\" body2=\"world\"/>", link_name(r, static_cast<int>(i)));
+    }
+  }
+
+  void tool_excludes(std::size_t r, const Rigid& rigid) {
+    const hardware::RobotInstance& robot = context_.robots[r];
+    if (!robot.tool) return;
+    const int mount = rigid.body_of_link[static_cast<std::size_t>(robot.model->tool_link())];
+    const int joint = robot.model->links[static_cast<std::size_t>(mount)].parent_joint;
+    const int before = joint < 0 ? mount
+                                 : rigid.body_of_link[static_cast<std::size_t>(
+                                       robot.model->joints[static_cast<std::size_t>(joint)].parent_link)];
+    std::vector<std::string> own = {tool_name(r)};
+    if (robot.tool->gripper == description::GripperKind::suction) own.push_back(held_name(r));
+    if (robot.tool->gripper == description::GripperKind::parallel)
+      for (int side = 0; side < 2; ++side) own.push_back(finger_name(r, side));
+    for (std::size_t i = 0; i < robot.model->links.size(); ++i) {
+      const int group = rigid.body_of_link[i];
+      if (group != mount && group != before) continue;
+      for (const std::string& name : own) line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), name);
+    }
+    for (std::size_t a = 0; a < own.size(); ++a)
+      for (std::size_t b = a + 1; b < own.size(); ++b) line("<exclude body1=\"{}\" body2=\"{}\"/>", own[a], own[b]);
+  }
+
+  const hardware::ComponentContext& context_;
+  double timestep_;
+  std::size_t slots_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string joint_name(std::size_t robot, int joint) { return fmt::format("r{}j{}", robot, joint); }
+std::string link_name(std::size_t robot, int link) { return fmt::format("r{}l{}", robot, link); }
+std::string finger_name(std::size_t robot, int side) { return fmt::format("finger{}_{}", robot, side); }
+
+Rigid rigid_links(const description::RobotModel& model) {
+  Rigid out;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    int link = static_cast<int>(i);
+    for (int joint = model.links[i].parent_joint;
+         joint >= 0 && !model.joints[static_cast<std::size_t>(joint)].moves();
+         joint = model.links[static_cast<std::size_t>(link)].parent_joint)
+      link = model.joints[static_cast<std::size_t>(joint)].parent_link;
+    out.body_of_link.push_back(link);
+  }
+  return out;
+}
+
+std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
+  return Writer(context, timestep, slots).write();
+}
+
+}  // namespace polyarm::drivers

@@ -1,0 +1,197 @@
+#include "drivers/mujoco/model_set.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "drivers/mujoco/mjcf.hpp"
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::drivers {
+
+namespace {
+
+/// MuJoCo's own errors and warnings must not end the process or print from the control thread; a warning is seen in
+/// mjData::warning, an error would be a defect of the text written here and is turned into the message of compile().
+void keep_quiet(const char*) {}
+
+mjModel* load(const std::string& text, std::string& reason) {
+  auto vfs = std::make_unique<mjVFS>();
+  mj_defaultVFS(vfs.get());
+  char message[1000] = "";
+#if mjVERSION_HEADER >= 300
+  mj_addBufferVFS(vfs.get(), "cell.xml", text.data(), static_cast<int>(text.size()));
+#else
+  if (mj_makeEmptyFileVFS(vfs.get(), "cell.xml", static_cast<int>(text.size())) != 0) {
+    reason = "no room for the model's text";
+    return nullptr;
+  }
+  std::memcpy(vfs->filedata[0], text.data(), text.size());
+#endif
+  mjModel* model = mj_loadXML("cell.xml", vfs.get(), message, sizeof message);
+  mj_deleteVFS(vfs.get());
+  if (!model) reason = message;
+  return model;
+}
+
+int find(const mjModel* m, int type, const std::string& name) { return mj_name2id(m, type, name.c_str()); }
+
+template <typename T>
+void copy_rows(T* to, int to_row, const T* from, int from_row, int width) {
+  std::copy_n(from + from_row * width, width, to + to_row * width);
+}
+
+}  // namespace
+
+ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
+  mju_user_warning = keep_quiet;
+  const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
+  for (std::size_t slots = 0; slots < parts; slots = slots == 0 ? 1 : 2 * slots) compile(context, timestep, slots);
+  compile(context, timestep, parts);
+}
+
+int ModelSet::name(const std::string& text) {
+  const auto found = std::find(names_.begin(), names_.end(), text);
+  if (found != names_.end()) return static_cast<int>(found - names_.begin());
+  names_.push_back(text);
+  return static_cast<int>(names_.size()) - 1;
+}
+
+void ModelSet::compile(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
+  ModelView view;
+  std::string reason;
+  view.model.reset(load(write_mjcf(context, timestep, slots), reason));
+  if (!view.model)
+    throw Error("physics-model", "MuJoCo does not accept this cell: " + reason,
+                "check masses, inertias and sizes of the robot's links and of the parts");
+  view.data.reset(mj_makeData(view.model.get()));
+  view.slots = slots;
+  find_places(context, view);
+  find_owners(context, view);
+  views_.push_back(std::move(view));
+}
+
+void ModelSet::find_places(const hardware::ComponentContext& context, ModelView& view) {
+  const mjModel* m = view.m();
+  for (std::size_t r = 0; r < context.robots.size(); ++r) {
+    ModelView::Robot robot;
+    for (const int joint : context.robots[r].model->actuated) {
+      const int id = find(m, mjOBJ_JOINT, joint_name(r, joint));
+      robot.qpos.push_back(m->jnt_qposadr[id]);
+      robot.dof.push_back(m->jnt_dofadr[id]);
+    }
+    robot.tool_body = find(m, mjOBJ_BODY, tool_name(r));
+    robot.held_body = find(m, mjOBJ_BODY, held_name(r));
+    robot.held_geom = find(m, mjOBJ_GEOM, held_name(r));
+    for (int side = 0; side < 2; ++side)
+      if (const int id = find(m, mjOBJ_JOINT, finger_name(r, side)); id >= 0) {
+        robot.finger_qpos[static_cast<std::size_t>(side)] = m->jnt_qposadr[id];
+        robot.finger_dof[static_cast<std::size_t>(side)] = m->jnt_dofadr[id];
+      }
+    view.robots.push_back(std::move(robot));
+  }
+  for (std::size_t s = 0; s < view.slots; ++s) {
+    ModelView::Slot slot;
+    slot.body = find(m, mjOBJ_BODY, slot_name(s));
+    slot.geom = find(m, mjOBJ_GEOM, slot_name(s));
+    slot.qpos = m->jnt_qposadr[m->body_jntadr[slot.body]];
+    slot.dof = m->body_dofadr[slot.body];
+    view.slot.push_back(slot);
+  }
+  const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
+  for (std::size_t i = 0; i < parts; ++i) {
+    view.twin_geom.push_back(find(m, mjOBJ_GEOM, twin_name(i)));
+    view.twin_mocap.push_back(m->body_mocapid[find(m, mjOBJ_BODY, twin_name(i))]);
+  }
+  for (std::size_t k = 0; context.scene && k < context.scene->movers.size(); ++k)
+    view.mover_mocap.push_back(m->body_mocapid[find(m, mjOBJ_BODY, mover_name(k))]);
+}
+
+void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView& view) {
+  const mjModel* m = view.m();
+  view.owner.assign(static_cast<std::size_t>(m->ngeom), {});
+  const auto own = [&](int geom, Owner::Kind kind, int index, const std::string& called) {
+    if (geom >= 0) view.owner[static_cast<std::size_t>(geom)] = {kind, index, name(called)};
+  };
+  own(find(m, mjOBJ_GEOM, "floor"), Owner::Kind::floor, 0, "floor");
+  for (std::size_t r = 0; r < context.robots.size(); ++r) {
+    const hardware::RobotInstance& robot = context.robots[r];
+    const int index = static_cast<int>(r);
+    for (std::size_t l = 0; l < robot.model->links.size(); ++l)
+      for (std::size_t s = 0; s < robot.model->links[l].collisions.size(); ++s)
+        own(find(m, mjOBJ_GEOM, link_name(r, static_cast<int>(l)) + "_" + std::to_string(s)), Owner::Kind::link, index,
+            robot.name + "/" + robot.model->links[l].name);
+    for (std::size_t s = 0; robot.tool && s < robot.tool->body.size(); ++s)
+      own(find(m, mjOBJ_GEOM, tool_name(r) + "_" + std::to_string(s)), Owner::Kind::tool, index, robot.name + "/tool");
+    own(view.robots[r].held_geom, Owner::Kind::held, index, "the part held by " + robot.name);
+    for (int side = 0; side < 2; ++side)
+      own(find(m, mjOBJ_GEOM, finger_name(r, side)), Owner::Kind::finger, index, robot.name + "/finger");
+  }
+  if (!context.scene) return;
+  const description::Scene& scene = *context.scene;
+  for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
+    for (std::size_t s = 0; s < scene.fixtures[f].shapes.size(); ++s) {
+      const auto mover = std::find_if(scene.movers.begin(), scene.movers.end(),
+                                      [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });
+      const bool moves = mover != scene.movers.end();
+      own(find(m, mjOBJ_GEOM, fixture_name(f, s)), moves ? Owner::Kind::mover : Owner::Kind::fixture,
+          static_cast<int>(moves ? mover - scene.movers.begin() : static_cast<std::ptrdiff_t>(f)),
+          "fixture " + scene.fixtures[f].name);
+    }
+  for (std::size_t i = 0; i < scene.parts.size(); ++i)
+    own(view.twin_geom[i], Owner::Kind::part, static_cast<int>(i), "part " + scene.parts[i].name);
+}
+
+std::size_t ModelSet::index_for(std::size_t slots) const noexcept {
+  for (std::size_t i = 0; i < views_.size(); ++i)
+    if (views_[i].slots >= slots) return i;
+  return views_.size() - 1;
+}
+
+void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) const noexcept {
+  const ModelView& from = reference();
+  const ModelView::Slot& a = view.slot[s];
+  const ModelView::Slot& b = from.slot[part];
+  mjModel* m = view.m();
+  const mjModel* n = from.m();
+  copy_rows(m->body_mass, a.body, n->body_mass, b.body, 1);
+  copy_rows(m->body_subtreemass, a.body, n->body_subtreemass, b.body, 1);
+  copy_rows(m->body_inertia, a.body, n->body_inertia, b.body, 3);
+  copy_rows(m->body_ipos, a.body, n->body_ipos, b.body, 3);
+  copy_rows(m->body_iquat, a.body, n->body_iquat, b.body, 4);
+  copy_rows(m->body_invweight0, a.body, n->body_invweight0, b.body, 2);
+  copy_rows(m->dof_M0, a.dof, n->dof_M0, b.dof, 1);
+  for (int k = 0; k < 6; ++k) {
+    copy_rows(m->dof_M0, a.dof + k, n->dof_M0, b.dof + k, 1);
+    copy_rows(m->dof_invweight0, a.dof + k, n->dof_invweight0, b.dof + k, 1);
+  }
+  copy_rows(m->geom_type, a.geom, n->geom_type, b.geom, 1);
+  copy_rows(m->geom_size, a.geom, n->geom_size, b.geom, 3);
+  copy_rows(m->geom_rbound, a.geom, n->geom_rbound, b.geom, 1);
+  copy_rows(m->geom_friction, a.geom, n->geom_friction, b.geom, 3);
+  view.owner[static_cast<std::size_t>(a.geom)] = view.owner[static_cast<std::size_t>(view.twin_geom[part])];
+}
+
+void ModelSet::shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept {
+  const ModelView::Robot& robot = view.robots[r];
+  if (robot.held_body < 0) return;
+  mjModel* m = view.m();
+  const bool solid = part >= 0;
+  m->geom_contype[robot.held_geom] = m->geom_conaffinity[robot.held_geom] = solid ? 1 : 0;
+  if (!solid) {
+    m->body_mass[robot.held_body] = 1e-5;
+    for (int k = 0; k < 3; ++k) m->body_inertia[3 * robot.held_body + k] = 1e-8;
+    return;
+  }
+  const ModelView::Slot& b = reference().slot[static_cast<std::size_t>(part)];
+  const mjModel* n = reference().m();
+  copy_rows(m->body_mass, robot.held_body, n->body_mass, b.body, 1);
+  copy_rows(m->body_inertia, robot.held_body, n->body_inertia, b.body, 3);
+  copy_rows(m->geom_type, robot.held_geom, n->geom_type, b.geom, 1);
+  copy_rows(m->geom_size, robot.held_geom, n->geom_size, b.geom, 3);
+  copy_rows(m->geom_rbound, robot.held_geom, n->geom_rbound, b.geom, 1);
+  copy_rows(m->geom_friction, robot.held_geom, n->geom_friction, b.geom, 3);
+  put(m->body_pos + 3 * robot.held_body, pose.position);
+  put(m->body_quat + 4 * robot.held_body, pose.rotation);
+}
+
+}  // namespace polyarm::drivers

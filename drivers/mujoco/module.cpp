@@ -1,0 +1,3 @@
+#include "drivers/mujoco/component.hpp"
+
+POLYARM_DRIVER(polyarm::drivers::MujocoComponent)
