@@ -2,6 +2,8 @@
 
 namespace polyarm::apps {
 
-int run_check(int argc, char** argv) { return kOk; }
+int run_check(int argc, char** argv) {
+  return kOk;
+}
 
 }  // namespace polyarm::apps

@@ -31,16 +31,19 @@ complete -o filenames -F _polyarm polyarm
              verb_names(), kOptions);
 }
 void print_zsh() {
-  fmt::print("# polyarm completion for zsh: put `source <(polyarm completion zsh)` into ~/.zshrc\n"
-             "autoload -U +X bashcompinit && bashcompinit\n");
+  fmt::print(
+      "# polyarm completion for zsh: put `source <(polyarm completion zsh)` into ~/.zshrc\n"
+      "autoload -U +X bashcompinit && bashcompinit\n");
   print_bash();
 }
 void print_fish() {
-  fmt::print("# polyarm completion for fish: polyarm completion fish > ~/.config/fish/completions/polyarm.fish\n");
+  fmt::print(
+      "# polyarm completion for fish: polyarm completion fish > ~/.config/fish/completions/polyarm.fish\n");
   for (const Verb& verb : verbs())
     fmt::print("complete -c polyarm -n __fish_use_subcommand -f -a {} -d '{}'\n", verb.name, verb.summary);
-  fmt::print("complete -c polyarm -l robot -x -a '(polyarm robots --names)'\n"
-             "complete -c polyarm -l hardware -x -a 'declared mock mujoco'\n");
+  fmt::print(
+      "complete -c polyarm -l robot -x -a '(polyarm robots --names)'\n"
+      "complete -c polyarm -l hardware -x -a 'declared mock mujoco'\n");
 }
 }  // namespace
 
@@ -50,9 +53,12 @@ int run_completion(int argc, char** argv) {
   app.add_option("shell", shell, "bash, zsh or fish")->check(CLI::IsMember({"bash", "zsh", "fish"}));
   app.footer(examples({"source <(polyarm completion bash)"}));
   if (const auto code = parse(app, argc, argv)) return *code;
-  if (shell == "fish") print_fish();
-  else if (shell == "zsh") print_zsh();
-  else print_bash();
+  if (shell == "fish")
+    print_fish();
+  else if (shell == "zsh")
+    print_zsh();
+  else
+    print_bash();
   return kOk;
 }
 

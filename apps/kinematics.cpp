@@ -21,8 +21,10 @@ struct Common {
 
   void add_to(CLI::App& app) {
     app.add_option("robot", robot, "catalogue name, or a URDF file")->required();
-    app.add_option("--tool", tool, "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
-    app.add_option("--tcp", tcp, "TCP in tool0 instead: x y z, or x y z roll pitch yaw (m, rad)")->expected(3, 6);
+    app.add_option("--tool", tool,
+                   "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
+    app.add_option("--tcp", tcp, "TCP in tool0 instead: x y z, or x y z roll pitch yaw (m, rad)")
+        ->expected(3, 6);
     app.add_flag("--json", as_json, "one JSON object");
   }
   Pose tcp_pose() const {
@@ -43,21 +45,26 @@ Loaded load(const Common& common) {
   Problems warnings;
   Loaded out;
   out.model = description::load_robot(common.robot, open_catalogue(), warnings);
-  out.chain = std::make_unique<kinematics::Chain>(out.model, out.model.tool_link(), Pose{}, common.tcp_pose());
+  out.chain =
+      std::make_unique<kinematics::Chain>(out.model, out.model.tool_link(), Pose{}, common.tcp_pose());
   const auto home = out.model.named_states.find("home");
-  out.home = home != out.model.named_states.end() ? home->second : std::vector<double>(out.chain->joints(), 0.0);
+  out.home =
+      home != out.model.named_states.end() ? home->second : std::vector<double>(out.chain->joints(), 0.0);
   return out;
 }
 
 void check_size(const std::vector<double>& values, const kinematics::Chain& chain, const char* option) {
   if (values.size() != chain.joints())
-    throw Error("bad-value", fmt::format("{} takes {} numbers for this robot ({}), here are {}", option, chain.joints(),
-                                         join(chain.names(), " "), values.size()), {});
+    throw Error("bad-value",
+                fmt::format("{} takes {} numbers for this robot ({}), here are {}", option, chain.joints(),
+                            join(chain.names(), " "), values.size()),
+                {});
 }
 
 json json_of(const Pose& pose) {
   const Vec3 rpy = to_rpy(pose.rotation);
-  return {{"xyz", {pose.position.x, pose.position.y, pose.position.z}}, {"rpy", {rpy.x, rpy.y, rpy.z}},
+  return {{"xyz", {pose.position.x, pose.position.y, pose.position.z}},
+          {"rpy", {rpy.x, rpy.y, rpy.z}},
           {"quaternion", {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}}};
 }
 
@@ -70,7 +77,8 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
 }  // namespace
 
 int run_fk(int argc, char** argv) {
-  CLI::App app("Forward kinematics: where the TCP is for given joint values, in the base frame", "polyarm fk");
+  CLI::App app("Forward kinematics: where the TCP is for given joint values, in the base frame",
+               "polyarm fk");
   Common common;
   std::vector<double> joints;
   common.add_to(app);
@@ -90,8 +98,10 @@ int run_fk(int argc, char** argv) {
   }
   const Vec3 rpy = to_rpy(pose.rotation);
   const Quaternion& q = pose.rotation;
-  fmt::print("xyz         {:.6f} {:.6f} {:.6f}\nrpy         {:.6f} {:.6f} {:.6f}\nquaternion  {:.6f} {:.6f} {:.6f} {:.6f}\n",
-             pose.position.x, pose.position.y, pose.position.z, rpy.x, rpy.y, rpy.z, q.x, q.y, q.z, q.w);
+  fmt::print(
+      "xyz         {:.6f} {:.6f} {:.6f}\nrpy         {:.6f} {:.6f} {:.6f}\nquaternion  {:.6f} {:.6f} {:.6f} "
+      "{:.6f}\n",
+      pose.position.x, pose.position.y, pose.position.z, rpy.x, rpy.y, rpy.z, q.x, q.y, q.z, q.w);
   return kOk;
 }
 
@@ -106,9 +116,10 @@ int run_ik(int argc, char** argv) {
   app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
   app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
   app.add_flag("--all", all, "every solution found, nearest to the seed first");
-  app.footer(examples({"polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --rpy 3.1416 0 0",
-                       "polyarm ik fanuc/lr_mate_200id --tool suction_cup --xyz 0.3 0.15 0.04 --rpy 3.1416 0 0 --json",
-                       "polyarm ik universal_robots/ur3 --xyz 0.3 0 0.3 --quaternion 1 0 0 0 --all"}));
+  app.footer(examples(
+      {"polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --rpy 3.1416 0 0",
+       "polyarm ik fanuc/lr_mate_200id --tool suction_cup --xyz 0.3 0.15 0.04 --rpy 3.1416 0 0 --json",
+       "polyarm ik universal_robots/ur3 --xyz 0.3 0 0.3 --quaternion 1 0 0 0 --all"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   const Loaded robot = load(common);
   if (seed.empty()) seed = robot.home;
@@ -117,11 +128,14 @@ int run_ik(int argc, char** argv) {
   if (rpy.size() == 3) target.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
   if (quaternion.size() == 4) {
     target.rotation = normalized(Quaternion{quaternion[0], quaternion[1], quaternion[2], quaternion[3]});
-    if (std::abs(quaternion[0]) + std::abs(quaternion[1]) + std::abs(quaternion[2]) + std::abs(quaternion[3]) < 1e-9)
+    if (std::abs(quaternion[0]) + std::abs(quaternion[1]) + std::abs(quaternion[2]) +
+            std::abs(quaternion[3]) <
+        1e-9)
       throw Error("bad-value", "--quaternion 0 0 0 0 is no rotation", "write a unit quaternion x y z w");
   }
   const kinematics::IkResult result = kinematics::solve_nearest(*robot.chain, target, seed, robot.home);
-  json out = {{"status", kinematics::name(result.status)}, {"position_error_m", result.position_error},
+  json out = {{"status", kinematics::name(result.status)},
+              {"position_error_m", result.position_error},
               {"orientation_error_rad", result.orientation_error}};
   out["q"] = result.q;
   out["joints"] = joints_json(*robot.chain, result.q);

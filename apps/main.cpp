@@ -53,8 +53,8 @@ int unknown_verb(const std::string& wrong) {
 
 int main(int argc, char** argv) {
   using namespace polyarm;
-  hardware::register_driver(
-      "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   if (argc < 2) {
     apps::print_help();
     return apps::kUsage;

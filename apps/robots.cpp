@@ -8,7 +8,8 @@ namespace polyarm::apps {
 
 namespace {
 nlohmann::json json_of(const description::CatalogueEntry& robot) {
-  nlohmann::json out = {{"name", robot.name}, {"maker", robot.maker}, {"model", robot.model}, {"axes", robot.axes}};
+  nlohmann::json out = {
+      {"name", robot.name}, {"maker", robot.maker}, {"model", robot.model}, {"axes", robot.axes}};
   out["reach_m"] = robot.reach_m ? nlohmann::json(*robot.reach_m) : nlohmann::json();
   out["payload_kg"] = robot.payload_kg ? nlohmann::json(*robot.payload_kg) : nlohmann::json();
   return out;
@@ -38,12 +39,16 @@ int run_robots(int argc, char** argv) {
   for (const description::CatalogueEntry& robot : catalogue.entries()) {
     if (robot.name.find(filter) == std::string::npos) continue;
     ++count;
-    if (json) list.push_back(json_of(robot));
-    else fmt::print("{:<40} {:<24} {} axes  reach {:>9}  payload {:>8}\n", robot.name, robot.model, robot.axes,
-                    number(robot.reach_m, "m"), number(robot.payload_kg, "kg"));
+    if (json)
+      list.push_back(json_of(robot));
+    else
+      fmt::print("{:<40} {:<24} {} axes  reach {:>9}  payload {:>8}\n", robot.name, robot.model, robot.axes,
+                 number(robot.reach_m, "m"), number(robot.payload_kg, "kg"));
   }
-  if (json) fmt::print("{}\n", list.dump(1));
-  else fmt::print("{} robots\n", count);
+  if (json)
+    fmt::print("{}\n", list.dump(1));
+  else
+    fmt::print("{} robots\n", count);
   return kOk;
 }
 

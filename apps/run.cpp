@@ -1,3 +1,5 @@
+#include "polyarm/cell/run.hpp"
+
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -8,7 +10,6 @@
 #include "apps/run_output.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/run.hpp"
 #include "polyarm/description/urdf.hpp"
 
 namespace polyarm::apps {
@@ -34,22 +35,27 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--hardware", a.overrides.hardware, "declared, mock or mujoco, for every robot")
       ->check(CLI::IsMember({"declared", "mock", "mujoco"}));
   app.add_flag("--fast", a.run.fast, "in lock-step, as fast as the machine allows; repeatable");
-  app.add_option("--cycles", a.cell_options.cycles, "end after this many passes of the program's outermost while");
+  app.add_option("--cycles", a.cell_options.cycles,
+                 "end after this many passes of the program's outermost while");
   app.add_option("--seconds", a.run.seconds, "end after this much cell time")->check(CLI::NonNegativeNumber);
   app.add_flag("--json", a.json, "one JSON object per line on stdout, the result last");
   app.add_flag("--quiet,-q", a.quiet, "only the result");
-  app.add_option("--fault", a.faults, "force an interface: NAME=VALUE (a number, on or off); may be repeated");
+  app.add_option("--fault", a.faults,
+                 "force an interface: NAME=VALUE (a number, on or off); may be repeated");
   app.add_flag("--allow-contact", a.cell_options.allow_contact, "contacts are reported, the run goes on");
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
-  app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")->check(CLI::Range(0, 99));
+  app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")
+      ->check(CLI::Range(0, 99));
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");
-  app.footer(examples({"polyarm run examples/pick_and_place", "polyarm run examples/sorting --robot abb/irb_120 --fast",
-                       "polyarm run examples/bin_picking --fast --cycles 4 --json",
-                       "polyarm run examples/pick_and_place --fault arm/tool/vacuum=off --fast",
-                       "polyarm run --description my_robot.urdf --controllers controllers.yaml --seconds 5"}) +
-             "\nWhile it runs: Ctrl-C stops on the path, a second one at once; type hold, resume, discard or stop.\n"
-             "Exit codes: 0 completed, 1 failed, 2 wrong command line, 3 stopped by a person\n");
+  app.footer(
+      examples({"polyarm run examples/pick_and_place",
+                "polyarm run examples/sorting --robot abb/irb_120 --fast",
+                "polyarm run examples/bin_picking --fast --cycles 4 --json",
+                "polyarm run examples/pick_and_place --fault arm/tool/vacuum=off --fast",
+                "polyarm run --description my_robot.urdf --controllers controllers.yaml --seconds 5"}) +
+      "\nWhile it runs: Ctrl-C stops on the path, a second one at once; type hold, resume, discard or stop.\n"
+      "Exit codes: 0 completed, 1 failed, 2 wrong command line, 3 stopped by a person\n");
 }
 
 void read_faults(RunArguments& a) {
@@ -59,7 +65,9 @@ void read_faults(RunArguments& a) {
     std::optional<double> number = parse_number(value);
     if (value == "on" || value == "true") number = 1;
     if (value == "off" || value == "false") number = 0;
-    if (!number) throw Error("bad-value", "--fault " + fault + " is not NAME=VALUE", "for example --fault arm/tool/vacuum=off");
+    if (!number)
+      throw Error("bad-value", "--fault " + fault + " is not NAME=VALUE",
+                  "for example --fault arm/tool/vacuum=off");
     a.cell_options.faults[fault.substr(0, equals)] = *number;
   }
 }
@@ -74,7 +82,9 @@ int explain_launch_file(const std::string& path) {
   return kUsage;
 }
 
-void on_signal(int) { cell::request_stop(); }
+void on_signal(int) {
+  cell::request_stop();
+}
 
 /// Everything that is needed to run a failed run again, in one folder.
 std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, const std::string& command,
@@ -82,20 +92,24 @@ std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, 
   try {
     const fs::path base = cell.file().folder / ".state" / "failures";
     fs::path folder;
-    for (int n = 1; n < 100000 && (folder.empty() || fs::exists(folder)); ++n) folder = base / fmt::format("{:04}", n);
+    for (int n = 1; n < 100000 && (folder.empty() || fs::exists(folder)); ++n)
+      folder = base / fmt::format("{:04}", n);
     fs::create_directories(folder);
     write_file_atomically(cell.file().folder / ".state" / ".gitignore", "*\n");
     for (const auto& entry : fs::directory_iterator(cell.file().folder))
-      if (entry.is_regular_file() && entry.file_size() < 10'000'000) fs::copy_file(entry.path(), folder / entry.path().filename());
+      if (entry.is_regular_file() && entry.file_size() < 10'000'000)
+        fs::copy_file(entry.path(), folder / entry.path().filename());
     for (const auto& robot : cell.robots())
       write_file_atomically(folder / (robot->entry.name + ".urdf"), description::write_urdf(robot->model));
     write_file_atomically(folder / "command.txt", command + "\n");
     write_file_atomically(folder / "result.json", result_json(result, folder.string()) + "\n");
     std::ofstream cycles(folder / "last_cycles.csv");
-    cycles << join(loop.table().state_names(), ",") << ",command:" << join(loop.table().command_names(), ",command:") << "\n";
+    cycles << join(loop.table().state_names(), ",")
+           << ",command:" << join(loop.table().command_names(), ",command:") << "\n";
     for (std::size_t i = 0; i < loop.black_box().rows(); ++i) {
       std::string row;
-      for (const double value : loop.black_box().row(i)) row += (row.empty() ? "" : ",") + format_number(value);
+      for (const double value : loop.black_box().row(i))
+        row += (row.empty() ? "" : ",") + format_number(value);
       cycles << row << "\n";
     }
     return folder.string();
@@ -110,10 +124,14 @@ cell::CellFile open_cell(const RunArguments& a) {
 }
 
 int report(const cell::RunResult& result, const std::string& folder, bool json) {
-  if (json) fmt::print("{}\n", result_json(result, folder));
-  else print_result(result, folder);
+  if (json)
+    fmt::print("{}\n", result_json(result, folder));
+  else
+    print_result(result, folder);
   std::fflush(stdout);
-  return result.outcome == cell::Outcome::completed ? kOk : result.outcome == cell::Outcome::stopped ? kStopped : kFailed;
+  return result.outcome == cell::Outcome::completed ? kOk
+         : result.outcome == cell::Outcome::stopped ? kStopped
+                                                    : kFailed;
 }
 
 int execute(RunArguments& a, const std::string& command) {
@@ -121,7 +139,8 @@ int execute(RunArguments& a, const std::string& command) {
   a.cell_options.lock_step = a.run.fast;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
-  const std::unique_ptr<cell::Observer> observer = a.json ? make_json_observer() : make_text_observer(a.quiet);
+  const std::unique_ptr<cell::Observer> observer =
+      a.json ? make_json_observer() : make_text_observer(a.quiet);
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
@@ -152,7 +171,8 @@ int run_run(int argc, char** argv) {
   if (const auto code = parse(app, argc, argv)) return *code;
   const std::string named = arguments.cell.empty() ? arguments.description : arguments.cell;
   if (arguments.cell.empty() == arguments.description.empty()) {
-    fmt::print(stderr, "polyarm run: name a cell, or a robot with --description FILE.urdf; see polyarm run --help\n");
+    fmt::print(stderr,
+               "polyarm run: name a cell, or a robot with --description FILE.urdf; see polyarm run --help\n");
     return kUsage;
   }
   if (description::is_launch_file(named)) return explain_launch_file(named);

@@ -18,11 +18,13 @@ class TextObserver : public cell::Observer {
   ~TextObserver() override { clear(); }
 
   void on_note(const std::string& text) override { line("         " + text); }
-  void on_line(Nanoseconds time, const std::string& task, const Location& where, const std::string& source) override {
+  void on_line(Nanoseconds time, const std::string& task, const Location& where,
+               const std::string& source) override {
     if (quiet_ || task != "program") return;
     line(fmt::format("{:8.3f} {:>4} │ {}", seconds(time), where.line, source));
   }
-  void on_tag(Nanoseconds time, const std::string& name, const std::string& value, const std::string& who) override {
+  void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
+              const std::string& who) override {
     if (!quiet_) line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, value, who));
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
@@ -37,8 +39,8 @@ class TextObserver : public cell::Observer {
   void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override {
     if (!terminal_ || quiet_) return;
     const Vec3 rpy = to_rpy(tcp.rotation);
-    fmt::print("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}", seconds(time), robot,
-               tcp.position.x, tcp.position.y, tcp.position.z, rpy.x, rpy.y, rpy.z);
+    fmt::print("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
+               seconds(time), robot, tcp.position.x, tcp.position.y, tcp.position.z, rpy.x, rpy.y, rpy.z);
     std::fflush(stdout);
     status_ = true;
   }
@@ -59,10 +61,17 @@ class TextObserver : public cell::Observer {
 class JsonObserver : public cell::Observer {
  public:
   void on_note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
-  void on_line(Nanoseconds t, const std::string& task, const Location& where, const std::string& source) override {
-    put({{"event", "line"}, {"time_s", seconds(t)}, {"task", task}, {"file", where.file}, {"line", where.line}, {"source", source}});
+  void on_line(Nanoseconds t, const std::string& task, const Location& where,
+               const std::string& source) override {
+    put({{"event", "line"},
+         {"time_s", seconds(t)},
+         {"task", task},
+         {"file", where.file},
+         {"line", where.line},
+         {"source", source}});
   }
-  void on_tag(Nanoseconds t, const std::string& name, const std::string& value, const std::string& who) override {
+  void on_tag(Nanoseconds t, const std::string& name, const std::string& value,
+              const std::string& who) override {
     put({{"event", "tag"}, {"time_s", seconds(t)}, {"name", name}, {"value", value}, {"by", who}});
   }
   void on_log(Nanoseconds t, const std::string& task, const std::string& text) override {
@@ -73,13 +82,19 @@ class JsonObserver : public cell::Observer {
   }
   void on_question(const std::string& text) override { put({{"event", "question"}, {"text", text}}); }
   void on_problem(Nanoseconds t, const Problem& p) override {
-    put({{"event", "problem"}, {"time_s", seconds(t)}, {"code", p.code}, {"where", p.where.text()}, {"text", p.what},
+    put({{"event", "problem"},
+         {"time_s", seconds(t)},
+         {"code", p.code},
+         {"where", p.where.text()},
+         {"text", p.what},
          {"severity", p.severity == Severity::error ? "error" : "warning"}});
   }
   void on_pose(Nanoseconds t, const std::string& robot, const Pose& tcp) override {
     if (t - last_ < 1'000'000'000) return;
     last_ = t;
-    put({{"event", "pose"}, {"time_s", seconds(t)}, {"robot", robot},
+    put({{"event", "pose"},
+         {"time_s", seconds(t)},
+         {"robot", robot},
          {"xyz", {tcp.position.x, tcp.position.y, tcp.position.z}},
          {"quaternion", {tcp.rotation.x, tcp.rotation.y, tcp.rotation.z, tcp.rotation.w}}});
   }
@@ -93,23 +108,36 @@ class JsonObserver : public cell::Observer {
   Nanoseconds last_ = -1'000'000'000;
 };
 
-json vector(const Vec3& v) { return {v.x, v.y, v.z}; }
+json vector(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
 
 }  // namespace
 
-std::unique_ptr<cell::Observer> make_text_observer(bool quiet) { return std::make_unique<TextObserver>(quiet); }
-std::unique_ptr<cell::Observer> make_json_observer() { return std::make_unique<JsonObserver>(); }
+std::unique_ptr<cell::Observer> make_text_observer(bool quiet) {
+  return std::make_unique<TextObserver>(quiet);
+}
+std::unique_ptr<cell::Observer> make_json_observer() {
+  return std::make_unique<JsonObserver>();
+}
 
 std::string result_json(const cell::RunResult& r, const std::string& failure_folder) {
   json parts = json::array();
   for (const cell::PartReport& part : r.parts)
-    parts.push_back({{"name", part.name}, {"kind", part.kind}, {"at", vector(part.at)},
+    parts.push_back({{"name", part.name},
+                     {"kind", part.kind},
+                     {"at", vector(part.at)},
                      {"goal", part.goal ? vector(part.goal->at) : json()},
-                     {"error_m", part.error_m ? json(*part.error_m) : json()}, {"bin", part.bin},
-                     {"state", cell::name(part.fate)}, {"taken", part.taken}});
+                     {"error_m", part.error_m ? json(*part.error_m) : json()},
+                     {"bin", part.bin},
+                     {"state", cell::name(part.fate)},
+                     {"taken", part.taken}});
   json problems = json::array();
   for (const Problem& problem : r.problems)
-    problems.push_back({{"code", problem.code}, {"where", problem.where.text()}, {"text", problem.what}, {"advice", problem.advice}});
+    problems.push_back({{"code", problem.code},
+                        {"where", problem.where.text()},
+                        {"text", problem.what},
+                        {"advice", problem.advice}});
   const json out = {
       {"result", cell::name(r.outcome)},
       {"error", r.problems.empty() ? json() : json(r.problems.front().text())},
@@ -136,8 +164,9 @@ std::string result_json(const cell::RunResult& r, const std::string& failure_fol
 }
 
 void print_result(const cell::RunResult& r, const std::string& failure_folder) {
-  fmt::print("\n{} after {:.2f} s of cell time ({:.2f} s of wall time, {:.1f} x), {} program cycles\n", cell::name(r.outcome),
-             r.sim_time_s, r.wall_time_s, r.wall_time_s > 0 ? r.sim_time_s / r.wall_time_s : 0, r.program_cycles);
+  fmt::print("\n{} after {:.2f} s of cell time ({:.2f} s of wall time, {:.1f} x), {} program cycles\n",
+             cell::name(r.outcome), r.sim_time_s, r.wall_time_s,
+             r.wall_time_s > 0 ? r.sim_time_s / r.wall_time_s : 0, r.program_cycles);
   if (r.program_cycles > 0)
     fmt::print("cycle time      {:.2f} s a pass\n", r.sim_time_s / static_cast<double>(r.program_cycles));
   for (const cell::PartReport& part : r.parts)
@@ -145,12 +174,16 @@ void print_result(const cell::RunResult& r, const std::string& failure_folder) {
                part.error_m ? fmt::format(", {:.2f} mm from its goal", 1e3 * *part.error_m) : "",
                part.bin.empty() ? "" : ", in " + part.bin);
   const cell::LoopHealth& h = r.health;
-  fmt::print("control loop    {} cycles, {} late (an empty loop beside it: {})\n", h.cycles, h.late, h.late_empty);
-  fmt::print("cycle cost      p50 {:.1f} us, p99 {:.1f} us, max {:.1f} us\n", h.cost_p50 / 1e3, h.cost_p99 / 1e3, h.cost_max / 1e3);
+  fmt::print("control loop    {} cycles, {} late (an empty loop beside it: {})\n", h.cycles, h.late,
+             h.late_empty);
+  fmt::print("cycle cost      p50 {:.1f} us, p99 {:.1f} us, max {:.1f} us\n", h.cost_p50 / 1e3,
+             h.cost_p99 / 1e3, h.cost_max / 1e3);
   if (h.wake_max > 0)
-    fmt::print("wake-up         p50 {:.1f} us, p99 {:.1f} us, max {:.1f} us late\n", h.wake_p50 / 1e3, h.wake_p99 / 1e3, h.wake_max / 1e3);
+    fmt::print("wake-up         p50 {:.1f} us, p99 {:.1f} us, max {:.1f} us late\n", h.wake_p50 / 1e3,
+               h.wake_p99 / 1e3, h.wake_max / 1e3);
   if (r.first_motion_s) fmt::print("first motion    {:.2f} s after the command\n", *r.first_motion_s);
-  fmt::print("tracking        at most {:.3f} mrad (or mm) behind the set point\n", 1e3 * r.tracking_error_max);
+  fmt::print("tracking        at most {:.3f} mrad (or mm) behind the set point\n",
+             1e3 * r.tracking_error_max);
   if (r.repeatable) fmt::print("trace           {}\n", r.trace_hash);
   for (const Problem& problem : r.problems) fmt::print("{}\n", problem.text());
   if (!failure_folder.empty()) fmt::print("to run it again: {}\n", failure_folder);

@@ -1,8 +1,9 @@
-// What one control cycle costs: read, judge, a joint trajectory controller that follows a running trajectory of
-// position and velocity, a joint state broadcaster, limits (limits:1), write, and the snapshot with its ring of cycle
-// records (publish:1), against the mock. Back to back on a warm cache: it cannot show what wake-up, cold caches or a
-// real bus cost. A name reads cycle/joints:6/limits:0/publish:1. Each iteration is one cycle; the counters p50_ns,
-// p99_ns and max_ns are of 20,000 further cycles timed one by one, with the cost of reading the clock in them (about 25 ns).
+// What one control cycle costs: read, judge, a joint trajectory controller that follows a running trajectory
+// of position and velocity, a joint state broadcaster, limits (limits:1), write, and the snapshot with its
+// ring of cycle records (publish:1), against the mock. Back to back on a warm cache: it cannot show what
+// wake-up, cold caches or a real bus cost. A name reads cycle/joints:6/limits:0/publish:1. Each iteration is
+// one cycle; the counters p50_ns, p99_ns and max_ns are of 20,000 further cycles timed one by one, with the
+// cost of reading the clock in them (about 25 ns).
 #include <benchmark/benchmark.h>
 
 #include "drivers/mock/mock.hpp"
@@ -48,7 +49,8 @@ void cycle(benchmark::State& state) {
 
   hardware::ComponentContext hardware;
   hardware.name = "mock";
-  hardware.robots.push_back({"arm", &model, nullptr, {}, std::vector<double>(static_cast<std::size_t>(n), 0.0), {}});
+  hardware.robots.push_back(
+      {"arm", &model, nullptr, {}, std::vector<double>(static_cast<std::size_t>(n), 0.0), {}});
   loop.hardware().add(std::make_unique<drivers::MockComponent>(), hardware);
   loop.start_hardware();
 
@@ -65,7 +67,8 @@ void cycle(benchmark::State& state) {
   controllers::JointTrajectoryController* jtc = made.get();
   loop.controllers().add(std::move(made), context);
   context.name = "joint_state_broadcaster";
-  loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()), context);
+  loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()),
+                         context);
   loop.controllers().activate("joint_trajectory_controller", loop.cycle());
   loop.controllers().activate("joint_state_broadcaster", loop.cycle());
   loop.prepare(context.joints);

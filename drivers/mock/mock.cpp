@@ -25,7 +25,9 @@ double number(const std::map<std::string, std::string>& parameters, const char* 
   const auto found = parameters.find(name);
   if (found == parameters.end()) return 0;
   if (const auto value = parse_number(found->second)) return *value;
-  throw Error("bad-value", std::string("the hardware parameter ") + name + " = '" + found->second + "' is not a number", {});
+  throw Error("bad-value",
+              std::string("the hardware parameter ") + name + " = '" + found->second + "' is not a number",
+              {});
 }
 }  // namespace
 
@@ -59,13 +61,15 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   const std::vector<std::string> actuated = robot.model->joint_names();
   Part part;
   const auto at = std::find(actuated.begin(), actuated.end(), info.name);
-  if (joint && at != actuated.end() && static_cast<std::size_t>(at - actuated.begin()) < robot.initial_positions.size())
+  if (joint && at != actuated.end() &&
+      static_cast<std::size_t>(at - actuated.begin()) < robot.initial_positions.size())
     part.position = robot.initial_positions[static_cast<std::size_t>(at - actuated.begin())];
   const auto place = [&](const std::string& interface, bool is_command) -> int* {
     if (!joint) return nullptr;
     if (interface == "position") return is_command ? &part.position_command : &part.position_state;
     if (interface == "velocity") return is_command ? &part.velocity_command : &part.velocity_state;
-    if (interface == "acceleration") return is_command ? &part.acceleration_command : &part.acceleration_state;
+    if (interface == "acceleration")
+      return is_command ? &part.acceleration_command : &part.acceleration_state;
     if (interface == "effort") return is_command ? &part.effort_command : &part.effort_state;
     return nullptr;
   };
@@ -74,8 +78,10 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
                                                          : s.initial_value.value_or(joint ? 0.0 : kNone);
     if (joint && s.name == "position") part.position = initial;
     const int index = state(name + "/" + s.name, initial);
-    if (int* own = place(s.name, false)) *own = index;
-    else mirrors_.push_back({-1, index, initial});
+    if (int* own = place(s.name, false))
+      *own = index;
+    else
+      mirrors_.push_back({-1, index, initial});
   }
   const auto mirror_of = [&](const std::string& interface) -> Mirror* {
     for (Mirror& m : mirrors_)
@@ -84,8 +90,10 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   };
   for (const InterfaceInfo& c : info.command_interfaces) {
     const int index = command(name + "/" + c.name);
-    if (int* own = place(c.name, true)) *own = index;
-    else if (Mirror* m = mirror_of(c.name)) m->command = index;
+    if (int* own = place(c.name, true))
+      *own = index;
+    else if (Mirror* m = mirror_of(c.name))
+      m->command = index;
   }
   const bool mirrored = (info.kind == "sensor" && mirror_sensors_) || (info.kind == "gpio" && mirror_gpios_);
   if (mirrored)
@@ -95,7 +103,8 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   if (joint) parts_.push_back(part);
 }
 
-void MockComponent::add_declared(const hardware::RobotInstance& robot, const description::HardwareInfo& info) {
+void MockComponent::add_declared(const hardware::RobotInstance& robot,
+                                 const description::HardwareInfo& info) {
   const std::size_t first = parts_.size();
   std::vector<std::string> names;
   for (const ComponentInfo& component : info.components) {
@@ -131,12 +140,17 @@ CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context)
   return CallbackReturn::success;
 }
 
-std::vector<hardware::InterfaceDescription> MockComponent::state_interfaces() const { return states_; }
-std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() const { return commands_; }
+std::vector<hardware::InterfaceDescription> MockComponent::state_interfaces() const {
+  return states_;
+}
+std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() const {
+  return commands_;
+}
 
 void MockComponent::move(Part& part, double dt) noexcept {
   const auto asked = [&](int index) { return index < 0 ? kNone : asked_[static_cast<std::size_t>(index)]; };
-  const double q = asked(part.position_command), v = asked(part.velocity_command), a = asked(part.acceleration_command);
+  const double q = asked(part.position_command), v = asked(part.velocity_command),
+               a = asked(part.acceleration_command);
   const double before = part.position;
   if (std::isfinite(q)) {
     part.position = q + following_offset_;

@@ -7,18 +7,20 @@
 
 namespace polyarm::drivers {
 
-/// Hardware that does what it is told at once, without physics: the behaviour of mock_components/GenericSystem of
-/// ros2_control. Parameters: `calculate_dynamics`, `disable_commands`, `position_state_following_offset`,
-/// `mock_sensor_commands`, `mock_gpio_commands`. A robot without <ros2_control> gets a position command, and position
-/// and velocity states, for each actuated joint; there the velocity state is the difference quotient of positions.
-/// Tools, feeders, outfeeds, movers and parts are played by MockWorld.
+/// Hardware that does what it is told at once, without physics: the behaviour of
+/// mock_components/GenericSystem of ros2_control. Parameters: `calculate_dynamics`, `disable_commands`,
+/// `position_state_following_offset`, `mock_sensor_commands`, `mock_gpio_commands`. A robot without
+/// <ros2_control> gets a position command, and position and velocity states, for each actuated joint; there
+/// the velocity state is the difference quotient of positions. Tools, feeders, outfeeds, movers and parts are
+/// played by MockWorld.
 class MockComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
-  hardware::ReturnType write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle,
+                             std::span<const double> commands) noexcept override;
   const hardware::WorldState* world() const noexcept override { return world_ ? &world_->state() : nullptr; }
   std::vector<std::string> world_names() const override { return {}; }
   std::string summary() const override { return "mock hardware: states follow commands at once, no physics"; }

@@ -16,19 +16,25 @@ int count(std::span<const double> asked, int index) {
   return std::isfinite(value) ? static_cast<int>(std::clamp(value, 0.0, 1e6)) : 0;
 }
 bool inside(const Vec3& p, const Vec3& lower, const Vec3& upper) {
-  return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z && p.z <= upper.z;
+  return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z &&
+         p.z <= upper.z;
 }
 double top_of(const description::Shape& shape) {
   switch (shape.kind) {
-    case description::ShapeKind::box: return shape.size.z / 2;
-    case description::ShapeKind::cylinder: return shape.length / 2;
-    case description::ShapeKind::capsule: return shape.length / 2 + shape.radius;
-    default: return shape.radius;
+    case description::ShapeKind::box:
+      return shape.size.z / 2;
+    case description::ShapeKind::cylinder:
+      return shape.length / 2;
+    case description::ShapeKind::capsule:
+      return shape.length / 2 + shape.radius;
+    default:
+      return shape.radius;
   }
 }
 }  // namespace
 
-MockWorld::MockWorld(const hardware::ComponentContext& context, std::vector<hardware::InterfaceDescription>& states,
+MockWorld::MockWorld(const hardware::ComponentContext& context,
+                     std::vector<hardware::InterfaceDescription>& states,
                      std::vector<hardware::InterfaceDescription>& commands) {
   const auto state = [&](const std::string& name, double initial) {
     states.push_back({name, initial});
@@ -48,9 +54,10 @@ MockWorld::MockWorld(const hardware::ComponentContext& context, std::vector<hard
     Arm arm;
     arm.base = robot.base;
     arm.last = robot.tool->tcp;
-    for (int link = robot.model->tool_link(); robot.model->links[static_cast<std::size_t>(link)].parent_joint >= 0;) {
-      const description::Joint& joint =
-          robot.model->joints[static_cast<std::size_t>(robot.model->links[static_cast<std::size_t>(link)].parent_joint)];
+    for (int link = robot.model->tool_link();
+         robot.model->links[static_cast<std::size_t>(link)].parent_joint >= 0;) {
+      const description::Joint& joint = robot.model->joints[static_cast<std::size_t>(
+          robot.model->links[static_cast<std::size_t>(link)].parent_joint)];
       Step step{joint.origin, joint.axis, find_state(robot.name + "/" + joint.name + "/position"),
                 joint.type == description::JointType::prismatic};
       arm.chain.push_back(step);
@@ -75,8 +82,14 @@ MockWorld::MockWorld(const hardware::ComponentContext& context, std::vector<hard
   }
   for (const description::Feeder& f : scene_->feeders) {
     const std::string name = "scene/" + f.name + "/";
-    Feeder feeder{command(name + "feed"), state(name + "presented", 0), state(name + "remaining", 0),
-                  state(name + "present", 0), state(name + "kind", 0), {}, 0, f.pose};
+    Feeder feeder{command(name + "feed"),
+                  state(name + "presented", 0),
+                  state(name + "remaining", 0),
+                  state(name + "present", 0),
+                  state(name + "kind", 0),
+                  {},
+                  0,
+                  f.pose};
     for (std::size_t i = 0; i < scene_->parts.size(); ++i)
       if (scene_->parts[i].feeder == f.name) feeder.parts.push_back(static_cast<int>(i));
     feeders_.push_back(std::move(feeder));
@@ -87,8 +100,8 @@ MockWorld::MockWorld(const hardware::ComponentContext& context, std::vector<hard
   for (const description::PresenceSensor& s : scene_->sensors)
     regions_.push_back({-1, state("scene/" + s.name + "/present", 0), -1, s.lower, s.upper});
   for (const description::Mover& m : scene_->movers)
-    movers_.push_back({command("scene/" + m.name + "/position"), state("scene/" + m.name + "/position", 0), 0, m.speed,
-                       m.lower, m.upper});
+    movers_.push_back({command("scene/" + m.name + "/position"), state("scene/" + m.name + "/position", 0), 0,
+                       m.speed, m.lower, m.upper});
 }
 
 Pose MockWorld::tcp(const Arm& arm, std::span<const double> states) const noexcept {
@@ -133,8 +146,10 @@ void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::sp
 }
 
 void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<double> states) noexcept {
-  if (count(asked, feeder.command) > feeder.presented && feeder.presented < static_cast<int>(feeder.parts.size())) {
-    hardware::PartState& part = state_.parts[static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented++)])];
+  if (count(asked, feeder.command) > feeder.presented &&
+      feeder.presented < static_cast<int>(feeder.parts.size())) {
+    hardware::PartState& part =
+        state_.parts[static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented++)])];
     part.pose = feeder.pose;
     part.entered = part.in_world = true;
   }
@@ -148,7 +163,8 @@ void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<do
     present |= part.in_world && part.held_by < 0 && norm(part.pose.position - feeder.pose.position) < 0.03;
   }
   states[static_cast<std::size_t>(feeder.presented_state)] = feeder.presented;
-  states[static_cast<std::size_t>(feeder.remaining_state)] = static_cast<double>(feeder.parts.size()) - feeder.presented;
+  states[static_cast<std::size_t>(feeder.remaining_state)] =
+      static_cast<double>(feeder.parts.size()) - feeder.presented;
   states[static_cast<std::size_t>(feeder.present_state)] = present ? 1 : 0;
   states[static_cast<std::size_t>(feeder.kind_state)] = kind;
 }
@@ -156,7 +172,8 @@ void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<do
 void MockWorld::watch(Region& region, std::span<const double> asked, std::span<double> states) noexcept {
   bool present = false;
   for (hardware::PartState& part : state_.parts) {
-    if (!part.in_world || part.held_by >= 0 || !inside(part.pose.position, region.lower, region.upper)) continue;
+    if (!part.in_world || part.held_by >= 0 || !inside(part.pose.position, region.lower, region.upper))
+      continue;
     if (region.command >= 0 && count(asked, region.command) > region.taken) {
       ++region.taken;
       part.in_world = false;
@@ -168,7 +185,8 @@ void MockWorld::watch(Region& region, std::span<const double> asked, std::span<d
   if (region.taken_state >= 0) states[static_cast<std::size_t>(region.taken_state)] = region.taken;
 }
 
-void MockWorld::step(const hardware::Cycle& cycle, std::span<const double> asked, std::span<double> states) noexcept {
+void MockWorld::step(const hardware::Cycle& cycle, std::span<const double> asked,
+                     std::span<double> states) noexcept {
   const double dt = seconds(cycle.period);
   state_.at_rest = true;
   for (Mover& mover : movers_) {

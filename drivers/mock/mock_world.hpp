@@ -7,15 +7,17 @@
 
 namespace polyarm::drivers {
 
-/// Tools, feeders, outfeeds, movers and parts without physics, so that programs run on mock hardware. A gripper that is
-/// switched on holds the nearest part within 15 mm of the TCP after 0.1 s; what it lets go of sinks to where its goal or
-/// its start stood; movers follow their set points at their speed and carry nothing.
+/// Tools, feeders, outfeeds, movers and parts without physics, so that programs run on mock hardware. A
+/// gripper that is switched on holds the nearest part within 15 mm of the TCP after 0.1 s; what it lets go of
+/// sinks to where its goal or its start stood; movers follow their set points at their speed and carry
+/// nothing.
 class MockWorld {
  public:
   MockWorld(const hardware::ComponentContext& context, std::vector<hardware::InterfaceDescription>& states,
             std::vector<hardware::InterfaceDescription>& commands);
 
-  /// Advances by a cycle. `asked` has the last finite command of each interface, `states` the joint positions.
+  /// Advances by a cycle. `asked` has the last finite command of each interface, `states` the joint
+  /// positions.
   void step(const hardware::Cycle& cycle, std::span<const double> asked, std::span<double> states) noexcept;
   const hardware::WorldState& state() const { return state_; }
 

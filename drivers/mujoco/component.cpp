@@ -30,7 +30,8 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
       for (const char* quantity : {"position", "velocity", "effort"}) {
         const std::string name = facts.name + "/" + joints[j] + "/" + quantity;
         const bool position = quantity[0] == 'p';
-        states_.push_back({name, position && j < facts.initial_positions.size() ? facts.initial_positions[j] : 0.0});
+        states_.push_back(
+            {name, position && j < facts.initial_positions.size() ? facts.initial_positions[j] : 0.0});
         commands_.push_back({name});
       }
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
@@ -73,7 +74,8 @@ CallbackReturn MujocoComponent::on_configure() {
   return CallbackReturn::success;
 }
 
-MujocoComponent::Robot* MujocoComponent::robot_of(const std::string& interface, std::size_t& joint, JointMode& mode) {
+MujocoComponent::Robot* MujocoComponent::robot_of(const std::string& interface, std::size_t& joint,
+                                                  JointMode& mode) {
   for (Robot& robot : robots_)
     for (std::size_t j = 0; j < robot.joints; ++j)
       for (std::size_t k = 0; k < 3; ++k)
@@ -85,7 +87,8 @@ MujocoComponent::Robot* MujocoComponent::robot_of(const std::string& interface, 
   return nullptr;
 }
 
-ReturnType MujocoComponent::prepare_command_mode_switch(std::span<const std::string>, std::span<const std::string>) {
+ReturnType MujocoComponent::prepare_command_mode_switch(std::span<const std::string>,
+                                                        std::span<const std::string>) {
   return ReturnType::ok;
 }
 
@@ -135,7 +138,8 @@ void MujocoComponent::step() noexcept {
   mj_step2(m, d);
   parts_->pull(view(), timestep_);
   mj_kinematics(m, d);
-  for (Robot& robot : robots_) robot.gripper->update(view(), *parts_, *contacts_, vec3(m->opt.gravity), timestep_);
+  for (Robot& robot : robots_)
+    robot.gripper->update(view(), *parts_, *contacts_, vec3(m->opt.gravity), timestep_);
   machines_->step(view(), *parts_, timestep_);
   if (parts_->changed()) change_model();
   failed_ |= d->warning[mjWARN_BADQACC].number > 0 || d->warning[mjWARN_BADQPOS].number > 0 ||
@@ -154,8 +158,8 @@ void MujocoComponent::copy_robots(const ModelView& from, ModelView& to) noexcept
       copy(from.robots[r].qpos[j], to.robots[r].qpos[j], from.robots[r].dof[j], to.robots[r].dof[j]);
     for (std::size_t side = 0; side < 2; ++side)
       if (from.robots[r].finger_dof[side] >= 0)
-        copy(from.robots[r].finger_qpos[side], to.robots[r].finger_qpos[side], from.robots[r].finger_dof[side],
-             to.robots[r].finger_dof[side]);
+        copy(from.robots[r].finger_qpos[side], to.robots[r].finger_qpos[side],
+             from.robots[r].finger_dof[side], to.robots[r].finger_dof[side]);
   }
 }
 

@@ -13,9 +13,10 @@
 
 namespace polyarm::drivers {
 
-/// Robots, tools, parts and machines of a cell in the physics of MuJoCo. Offers position, velocity and effort for each
-/// actuated joint to command and to read, and the interfaces of tools and scene (scene.hpp). A control period is filled
-/// with steps of at most 1 ms. Deterministic: one thread, no clock, the same inputs give the same bits.
+/// Robots, tools, parts and machines of a cell in the physics of MuJoCo. Offers position, velocity and effort
+/// for each actuated joint to command and to read, and the interfaces of tools and scene (scene.hpp). A
+/// control period is filled with steps of at most 1 ms. Deterministic: one thread, no clock, the same inputs
+/// give the same bits.
 class MujocoComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
@@ -27,9 +28,12 @@ class MujocoComponent : public hardware::Component {
   hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
                                                    std::span<const std::string> stop) noexcept override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
-  hardware::ReturnType write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle,
+                             std::span<const double> commands) noexcept override;
   const hardware::WorldState* world() const noexcept override { return &world_; }
-  std::vector<std::string> world_names() const override { return models_ ? models_->names() : std::vector<std::string>{}; }
+  std::vector<std::string> world_names() const override {
+    return models_ ? models_->names() : std::vector<std::string>{};
+  }
   std::string summary() const override;
 
  private:

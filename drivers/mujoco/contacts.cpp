@@ -7,11 +7,17 @@ namespace polyarm::drivers {
 
 namespace {
 using Kind = Owner::Kind;
-bool stiff(Kind kind) { return kind == Kind::link || kind == Kind::tool; }
+bool stiff(Kind kind) {
+  return kind == Kind::link || kind == Kind::tool;
+}
 }  // namespace
 
 ContactReader::ContactReader(std::size_t robots, std::size_t parts)
-    : robots_(robots), gripped_(robots, -1), touched_(robots, {-1, -1}), held_force_(robots), part_name_(parts, -1) {}
+    : robots_(robots),
+      gripped_(robots, -1),
+      touched_(robots, {-1, -1}),
+      held_force_(robots),
+      part_name_(parts, -1) {}
 
 void ContactReader::forgive(std::size_t robot) noexcept {
   robots_[robot].since = step_;
@@ -21,11 +27,13 @@ void ContactReader::forgive(std::size_t robot) noexcept {
 int ContactReader::name_of(const Owner& owner, const Parts& parts) const noexcept {
   if (owner.kind != Kind::held) return owner.name;
   for (std::size_t i = 0; i < parts.size(); ++i)
-    if (parts[i].mode == Parts::Mode::held && parts[i].robot == owner.index) return part_name_[i] >= 0 ? part_name_[i] : owner.name;
+    if (parts[i].mode == Parts::Mode::held && parts[i].robot == owner.index)
+      return part_name_[i] >= 0 ? part_name_[i] : owner.name;
   return owner.name;
 }
 
-bool ContactReader::held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept {
+bool ContactReader::held_may_touch(std::size_t robot, const Owner& other, const mjContact& c,
+                                   bool other_second) noexcept {
   Robot& r = robots_[robot];
   Forgiven* free = nullptr;
   for (Forgiven& f : r.list) {
@@ -47,20 +55,25 @@ bool ContactReader::held_may_touch(std::size_t robot, const Owner& other, const 
   return up > kPlacingNormal && -c.dist < kPlacingDepth;
 }
 
-bool ContactReader::is_finding(const Owner& a, const Owner& b, const mjContact& c, const Parts& parts) noexcept {
+bool ContactReader::is_finding(const Owner& a, const Owner& b, const mjContact& c,
+                               const Parts& parts) noexcept {
   if (stiff(a.kind) || stiff(b.kind)) return true;
   for (const bool swapped : {false, true}) {
     const Owner& one = swapped ? b : a;
     const Owner& other = swapped ? a : b;
-    if (one.kind == Kind::held) return !held_may_touch(static_cast<std::size_t>(one.index), other, c, !swapped);
+    if (one.kind == Kind::held)
+      return !held_may_touch(static_cast<std::size_t>(one.index), other, c, !swapped);
     if (one.kind == Kind::finger && other.kind != Kind::part && other.kind != Kind::finger) return true;
-    if (one.kind == Kind::part && parts[static_cast<std::size_t>(one.index)].robot >= 0 && other.kind != Kind::finger)
-      return !held_may_touch(static_cast<std::size_t>(parts[static_cast<std::size_t>(one.index)].robot), other, c, !swapped);
+    if (one.kind == Kind::part && parts[static_cast<std::size_t>(one.index)].robot >= 0 &&
+        other.kind != Kind::finger)
+      return !held_may_touch(static_cast<std::size_t>(parts[static_cast<std::size_t>(one.index)].robot),
+                             other, c, !swapped);
   }
   return false;
 }
 
-void ContactReader::note(const Owner& a, const Owner& b, double depth, Nanoseconds now, hardware::WorldState& out) noexcept {
+void ContactReader::note(const Owner& a, const Owner& b, double depth, Nanoseconds now,
+                         hardware::WorldState& out) noexcept {
   Pair* free = nullptr;
   for (Pair& pair : pairs_) {
     if (pair.a == a.name && pair.b == b.name && step_ - pair.last <= kClearSteps) {
@@ -74,11 +87,13 @@ void ContactReader::note(const Owner& a, const Owner& b, double depth, Nanosecon
     if (!free && (pair.a < 0 || step_ - pair.last > kClearSteps)) free = &pair;
   }
   const int index = out.finding_count++;
-  if (index < hardware::WorldState::kMaxFindings) out.findings[static_cast<std::size_t>(index)] = {now, a.name, b.name, depth};
+  if (index < hardware::WorldState::kMaxFindings)
+    out.findings[static_cast<std::size_t>(index)] = {now, a.name, b.name, depth};
   if (free) *free = {a.name, b.name, step_, index};
 }
 
-void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjContact& c, Parts& parts) const noexcept {
+void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjContact& c,
+                         Parts& parts) const noexcept {
   if (sleeper.kind != Kind::part) return;
   Parts::Part& part = parts[static_cast<std::size_t>(sleeper.index)];
   if (part.mode != Parts::Mode::asleep) return;
@@ -90,12 +105,14 @@ void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjConta
   part.wake_asked |= moves;
 }
 
-void ContactReader::rest(const Owner& owner, const Owner& other, const mjContact& c, Parts& parts) const noexcept {
+void ContactReader::rest(const Owner& owner, const Owner& other, const mjContact& c,
+                         Parts& parts) const noexcept {
   if (owner.kind != Kind::part || other.kind != Kind::mover || std::abs(c.frame[2]) < kPlacingNormal) return;
   parts[static_cast<std::size_t>(owner.index)].mover = other.index;
 }
 
-void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now, hardware::WorldState& out) noexcept {
+void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
+                         hardware::WorldState& out) noexcept {
   ++step_;
   const mjModel* m = view.m();
   const mjData* d = view.d();
@@ -125,7 +142,9 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now, h
       if (one.kind == Kind::finger && other.kind == Kind::part) {
         auto& touched = touched_[static_cast<std::size_t>(one.index)];
         // The two fingers are two bodies of the tool: the one with the lower number is the first.
-        const bool first = m->geom_bodyid[geom] == m->jnt_bodyid[m->dof_jntid[view.robots[static_cast<std::size_t>(one.index)].finger_dof[0]]];
+        const bool first =
+            m->geom_bodyid[geom] ==
+            m->jnt_bodyid[m->dof_jntid[view.robots[static_cast<std::size_t>(one.index)].finger_dof[0]]];
         touched[first ? 0 : 1] = other.index;
       }
       if (one.kind == Kind::held) {

@@ -9,9 +9,10 @@ namespace polyarm::drivers {
 
 /// Reads the contacts of each step: what is a finding, what wakes, what rests on what, what fingers touch.
 ///
-/// A finding is a contact of a robot link or tool body (not of its gripping surfaces) with anything, or of a held part
-/// with something that it is not being placed on: it may rest on what supports it from below (normal within 45 degrees
-/// of vertical, less than 2 mm deep), and may touch what it touched when it was gripped until it has once been clear.
+/// A finding is a contact of a robot link or tool body (not of its gripping surfaces) with anything, or of a
+/// held part with something that it is not being placed on: it may rest on what supports it from below
+/// (normal within 45 degrees of vertical, less than 2 mm deep), and may touch what it touched when it was
+/// gripped until it has once been clear.
 class ContactReader {
  public:
   ContactReader(std::size_t robots, std::size_t parts);
@@ -42,7 +43,8 @@ class ContactReader {
   };
   bool is_finding(const Owner& a, const Owner& b, const mjContact& c, const Parts& parts) noexcept;
   bool held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept;
-  void note(const Owner& a, const Owner& b, double depth, Nanoseconds now, hardware::WorldState& out) noexcept;
+  void note(const Owner& a, const Owner& b, double depth, Nanoseconds now,
+            hardware::WorldState& out) noexcept;
   void wake(const Owner& sleeper, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
   void rest(const Owner& part, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
   int name_of(const Owner& owner, const Parts& parts) const noexcept;
@@ -50,7 +52,7 @@ class ContactReader {
   std::array<Pair, kPairs> pairs_;
   std::vector<Robot> robots_;
   std::vector<int> gripped_;
-  std::vector<std::array<int, 2>> touched_;   // per robot: part at each finger
+  std::vector<std::array<int, 2>> touched_;  // per robot: part at each finger
   std::vector<Vec3> held_force_;
   std::vector<int> part_name_;
   std::uint64_t step_ = 0;

@@ -13,7 +13,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFacing = 0.9397;  // cosine of 20 degrees
 
-/// The cup on a flat face: `n` outward normal, `height` of the face along it, `inside` whether a point is on the face.
+/// The cup on a flat face: `n` outward normal, `height` of the face along it, `inside` whether a point is on
+/// the face.
 template <typename Inside>
 double on_face(const Vec3& lip, const Vec3& axis, const Vec3& n, double height, Inside inside) {
   if (-dot(axis, n) < kFacing) return kInfinity;
@@ -23,7 +24,8 @@ double on_face(const Vec3& lip, const Vec3& axis, const Vec3& n, double height, 
 }
 }  // namespace
 
-double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world, const Vec3& axis_world) noexcept {
+double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
+                    const Vec3& axis_world) noexcept {
   const Pose at = inverse(pose * shape.pose);
   const Vec3 lip = at * lip_world, axis = at.rotation * axis_world;
   double best = kInfinity;
@@ -36,7 +38,8 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
       for (const double sign : {1.0, -1.0}) {
         const Vec3 n{k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0};
         better(on_face(lip, axis, n, half[k], [&](const Vec3& p) {
-          return std::abs(p.x) <= half[0] + 1e-9 && std::abs(p.y) <= half[1] + 1e-9 && std::abs(p.z) <= half[2] + 1e-9;
+          return std::abs(p.x) <= half[0] + 1e-9 && std::abs(p.y) <= half[1] + 1e-9 &&
+                 std::abs(p.z) <= half[2] + 1e-9;
         }));
       }
     return best;
@@ -48,7 +51,8 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
   }
   for (const double sign : {1.0, -1.0})
     if (shape.kind == ShapeKind::cylinder)
-      better(on_face(lip, axis, {0, 0, sign}, shape.length / 2, [&](const Vec3& p) { return std::hypot(p.x, p.y) <= shape.radius; }));
+      better(on_face(lip, axis, {0, 0, sign}, shape.length / 2,
+                     [&](const Vec3& p) { return std::hypot(p.x, p.y) <= shape.radius; }));
   const double r = std::hypot(lip.x, lip.y);
   if (r > 1e-9 && std::abs(lip.z) <= shape.length / 2 && -(axis.x * lip.x + axis.y * lip.y) / r >= kFacing)
     better(r - shape.radius);
@@ -70,7 +74,8 @@ void Gripper::take_hold(const Pose& tool, Parts& parts, ContactReader& contacts)
   }
 }
 
-void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const Vec3& contact_force, double timestep) noexcept {
+void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const Vec3& contact_force,
+                    double timestep) noexcept {
   Parts::Part& part = parts[static_cast<std::size_t>(held_)];
   part.pose = tool * part.grasp;
   if (fresh_) {
@@ -96,7 +101,8 @@ void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const V
   held_ = -1;
 }
 
-void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, const Vec3& gravity, double timestep) noexcept {
+void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, const Vec3& gravity,
+                     double timestep) noexcept {
   if (!tool_) return;
   if (parallel()) {
     const int gripped = on_ ? contacts.between_fingers(robot_) : -1;
@@ -128,10 +134,12 @@ void Gripper::push(const ModelView& view) const noexcept {
   if (!parallel()) return;
   const ModelView::Robot& r = view.robots[robot_];
   mjData* d = view.d();
-  constexpr double kDamping = 400;  // N s/m: reaches its speed at once, pushes with the full force against a part
+  constexpr double kDamping =
+      400;  // N s/m: reaches its speed at once, pushes with the full force against a part
   for (std::size_t side = 0; side < 2; ++side) {
     const double wanted = (on_ ? 1 : -1) * tool_->closing_speed;
-    const double force = std::clamp(kDamping * (wanted - d->qvel[r.finger_dof[side]]), -tool_->grip_force, tool_->grip_force);
+    const double force =
+        std::clamp(kDamping * (wanted - d->qvel[r.finger_dof[side]]), -tool_->grip_force, tool_->grip_force);
     d->qfrc_applied[r.finger_dof[side]] = force + d->qfrc_bias[r.finger_dof[side]];
   }
 }

@@ -4,13 +4,14 @@
 
 namespace polyarm::drivers {
 
-/// Distance along the cup's axis from the lip's centre to the surface of the shape, m (negative inside), if the cup
-/// sits on that surface: within the face, and its axis within 20 degrees of the face's normal. `axis` points out of
-/// the cup. Infinity where it does not sit.
-double cup_distance(const description::Shape& shape, const Pose& pose, const Vec3& lip, const Vec3& axis) noexcept;
+/// Distance along the cup's axis from the lip's centre to the surface of the shape, m (negative inside), if
+/// the cup sits on that surface: within the face, and its axis within 20 degrees of the face's normal. `axis`
+/// points out of the cup. Infinity where it does not sit.
+double cup_distance(const description::Shape& shape, const Pose& pose, const Vec3& lip,
+                    const Vec3& axis) noexcept;
 
-/// The gripper of one robot: a cup that holds what it touches while the vacuum is on, or two fingers that hold by
-/// friction.
+/// The gripper of one robot: a cup that holds what it touches while the vacuum is on, or two fingers that
+/// hold by friction.
 class Gripper {
  public:
   Gripper(const description::Tool* tool, std::size_t robot) : tool_(tool), robot_(robot) {}
@@ -19,7 +20,8 @@ class Gripper {
 
   void command(double value) noexcept { on_ = value >= 0.5; }
   /// After each step: takes hold, lets go, pulls off.
-  void update(ModelView& view, Parts& parts, ContactReader& contacts, const Vec3& gravity, double timestep) noexcept;
+  void update(ModelView& view, Parts& parts, ContactReader& contacts, const Vec3& gravity,
+              double timestep) noexcept;
   /// Before each step: the force of the fingers into qfrc_applied.
   void push(const ModelView& view) const noexcept;
 
@@ -31,7 +33,8 @@ class Gripper {
  private:
   static constexpr double kLag = 0.05;  // s, of the vacuum
   void take_hold(const Pose& tool, Parts& parts, ContactReader& contacts) noexcept;
-  void carry(const Pose& tool, Parts& parts, const Vec3& gravity, const Vec3& contact_force, double timestep) noexcept;
+  void carry(const Pose& tool, Parts& parts, const Vec3& gravity, const Vec3& contact_force,
+             double timestep) noexcept;
 
   const description::Tool* tool_;
   std::size_t robot_;

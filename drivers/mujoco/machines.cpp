@@ -6,7 +6,9 @@
 namespace polyarm::drivers {
 
 namespace {
-int count(double value) { return std::isfinite(value) ? static_cast<int>(std::clamp(value, 0.0, 1e6)) : 0; }
+int count(double value) {
+  return std::isfinite(value) ? static_cast<int>(std::clamp(value, 0.0, 1e6)) : 0;
+}
 
 int kind_number(const description::Scene& scene, std::size_t part) {
   const auto found = std::find(scene.kinds.begin(), scene.kinds.end(), scene.parts[part].kind);
@@ -27,15 +29,27 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
     return static_cast<int>(commands.size()) - 1;
   };
   for (const description::Feeder& f : scene->feeders) {
-    Feeder feeder{command(f.name + "/feed"), state(f.name + "/presented"), state(f.name + "/remaining"),
-                  state(f.name + "/present"), state(f.name + "/kind"), {}, 0, 0, f.pose};
+    Feeder feeder{command(f.name + "/feed"),
+                  state(f.name + "/presented"),
+                  state(f.name + "/remaining"),
+                  state(f.name + "/present"),
+                  state(f.name + "/kind"),
+                  {},
+                  0,
+                  0,
+                  f.pose};
     for (std::size_t i = 0; i < scene->parts.size(); ++i)
       if (scene->parts[i].feeder == f.name) feeder.parts.push_back(static_cast<int>(i));
     feeders_.push_back(std::move(feeder));
   }
   for (const description::Outfeed& o : scene->outfeeds)
-    regions_.push_back({command(o.name + "/take"), state(o.name + "/present"), state(o.name + "/taken"), {o.lower, o.upper},
-                        0, 0, true});
+    regions_.push_back({command(o.name + "/take"),
+                        state(o.name + "/present"),
+                        state(o.name + "/taken"),
+                        {o.lower, o.upper},
+                        0,
+                        0,
+                        true});
   for (const description::PresenceSensor& s : scene->sensors)
     regions_.push_back({-1, state(s.name + "/present"), -1, {s.lower, s.upper}});
   for (const description::Mover& m : scene->movers) {
@@ -47,7 +61,8 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
 }
 
 void Machines::command(std::span<const double> commands) noexcept {
-  for (Feeder& f : feeders_) f.asked = std::max(f.asked, count(commands[static_cast<std::size_t>(f.command)]));
+  for (Feeder& f : feeders_)
+    f.asked = std::max(f.asked, count(commands[static_cast<std::size_t>(f.command)]));
   for (Region& r : regions_)
     if (r.command >= 0) r.asked = std::max(r.asked, count(commands[static_cast<std::size_t>(r.command)]));
   for (Mover& m : movers_)
@@ -74,14 +89,18 @@ void Machines::advance(std::size_t index, Mover& mover, ModelView& view, Parts& 
     if (!parts.in_world(i) || part.mode == Parts::Mode::held) continue;
     if (part.mover == static_cast<int>(index)) {
       part.pose.position = part.pose.position + shift;
-      if (part.mode == Parts::Mode::asleep) parts.place_twin(view, i);
-      else if (part.slot >= 0) put(view.d()->qpos + view.slot[static_cast<std::size_t>(part.slot)].qpos, part.pose.position);
+      if (part.mode == Parts::Mode::asleep)
+        parts.place_twin(view, i);
+      else if (part.slot >= 0)
+        put(view.d()->qpos + view.slot[static_cast<std::size_t>(part.slot)].qpos, part.pose.position);
       continue;
     }
     if (part.mode != Parts::Mode::asleep) continue;
     for (const description::Fixture* fixture : mover.fixtures)
       for (const description::Shape& shape : fixture->shapes)
-        if (bounds_of(shape, Pose{mover.at * mover.fact->axis, {}} * fixture->pose).near(parts.bounds(i), 1e-3)) parts.wake(i);
+        if (bounds_of(shape, Pose{mover.at * mover.fact->axis, {}} * fixture->pose)
+                .near(parts.bounds(i), 1e-3))
+          parts.wake(i);
   }
 }
 
@@ -112,12 +131,16 @@ void Machines::read(const Parts& parts, std::span<double> states) const noexcept
     bool present = false;
     for (int k = 0; k < f.presented; ++k) {
       const auto i = static_cast<std::size_t>(f.parts[static_cast<std::size_t>(k)]);
-      present |= parts.in_world(i) && parts[i].robot < 0 && norm(parts[i].pose.position - f.pose.position) < 0.02;
+      present |=
+          parts.in_world(i) && parts[i].robot < 0 && norm(parts[i].pose.position - f.pose.position) < 0.02;
     }
     set(f.presented_state, f.presented);
     set(f.remaining_state, static_cast<double>(f.parts.size()) - f.presented);
     set(f.present_state, present ? 1 : 0);
-    set(f.kind_state, f.presented > 0 ? kind_number(*scene_, static_cast<std::size_t>(f.parts[static_cast<std::size_t>(f.presented - 1)])) : 0);
+    set(f.kind_state, f.presented > 0
+                          ? kind_number(*scene_, static_cast<std::size_t>(
+                                                     f.parts[static_cast<std::size_t>(f.presented - 1)]))
+                          : 0);
   }
   for (const Region& r : regions_) {
     bool present = false;

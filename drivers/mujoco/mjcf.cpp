@@ -15,51 +15,66 @@ using description::ShapeKind;
 
 namespace {
 
-constexpr double kArmature = 0.08;        // kg m², of a motor and its gear seen from the joint; makes the servo stiff
-constexpr double kSmallestMass = 0.01;    // kg, of a moving link that states none
+constexpr double kArmature =
+    0.08;  // kg m², of a motor and its gear seen from the joint; makes the servo stiff
+constexpr double kSmallestMass = 0.01;  // kg, of a moving link that states none
 
-std::string text(const Vec3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z); }
-std::string text(const Quaternion& q) { return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w, q.x, q.y, q.z); }
-std::string place(const Pose& p) { return fmt::format("pos=\"{}\" quat=\"{}\"", text(p.position), text(p.rotation)); }
+std::string text(const Vec3& v) {
+  return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z);
+}
+std::string text(const Quaternion& q) {
+  return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w, q.x, q.y, q.z);
+}
+std::string place(const Pose& p) {
+  return fmt::format("pos=\"{}\" quat=\"{}\"", text(p.position), text(p.rotation));
+}
 
 /// type, size and place; empty for shapes that are not simulated (meshes).
 std::string geometry(const Shape& s, const Pose& at) {
   switch (s.kind) {
-    case ShapeKind::box: return fmt::format("type=\"box\" size=\"{}\" {}", text(0.5 * s.size), place(at));
-    case ShapeKind::sphere: return fmt::format("type=\"sphere\" size=\"{:.17g}\" {}", s.radius, place(at));
+    case ShapeKind::box:
+      return fmt::format("type=\"box\" size=\"{}\" {}", text(0.5 * s.size), place(at));
+    case ShapeKind::sphere:
+      return fmt::format("type=\"sphere\" size=\"{:.17g}\" {}", s.radius, place(at));
     case ShapeKind::cylinder:
       return fmt::format("type=\"cylinder\" size=\"{:.17g} {:.17g}\" {}", s.radius, s.length / 2, place(at));
     case ShapeKind::capsule:
       if (s.length < 1e-6) return fmt::format("type=\"sphere\" size=\"{:.17g}\" {}", s.radius, place(at));
       return fmt::format("type=\"capsule\" size=\"{:.17g} {:.17g}\" {}", s.radius, s.length / 2, place(at));
-    case ShapeKind::mesh: break;
+    case ShapeKind::mesh:
+      break;
   }
   return {};
 }
 
 class Writer {
  public:
-  Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots)
-      : context_(context), timestep_(timestep), slots_(slots) {}
+  Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots,
+         const BodyPairs& excluded)
+      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded) {}
 
   std::string write() {
     const description::Scene empty;
     const description::Scene& scene = context_.scene ? *context_.scene : empty;
     out_ = fmt::format(
         "<mujoco model=\"cell\">\n<compiler angle=\"radian\" boundmass=\"1e-5\" boundinertia=\"1e-8\" "
-        "balanceinertia=\"true\"/>\n<option timestep=\"{:.17g}\" gravity=\"{}\" integrator=\"Euler\" cone=\"elliptic\" "
+        "balanceinertia=\"true\"/>\n<option timestep=\"{:.17g}\" gravity=\"{}\" integrator=\"Euler\" "
+        "cone=\"elliptic\" "
         "impratio=\"5\" solver=\"Newton\" iterations=\"30\" tolerance=\"1e-10\" jacobian=\"sparse\"/>\n"
         "<size njmax=\"{}\" nconmax=\"{}\"/>\n"
-        "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 0.0005\"/>"
+        "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 "
+        "0.0005\"/>"
         "</default>\n<worldbody>\n",
         timestep_, text(scene.gravity), 600 + 60 * scene.parts.size(), 120 + 12 * scene.parts.size());
-    if (scene.floor) line("<geom name=\"floor\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:.17g}\"/>", scene.floor_height);
+    if (scene.floor)
+      line("<geom name=\"floor\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:.17g}\"/>", scene.floor_height);
     for (std::size_t r = 0; r < context_.robots.size(); ++r) robot(r);
     for (std::size_t i = 0; i < slots_; ++i) slot(i, scene.parts[i]);
     fixtures(scene);
     for (std::size_t i = 0; i < scene.parts.size(); ++i) twin(i, scene.parts[i]);
     out_ += "</worldbody>\n<contact>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) excludes(r);
+    for (const auto& [a, b] : excluded_) line("<exclude body1=\"{}\" body2=\"{}\"/>", a, b);
     out_ += "</contact>\n</mujoco>\n";
     return std::move(out_);
   }
@@ -77,11 +92,14 @@ class Writer {
 
   void inertial(const description::Inertial& i) {
     const auto& [xx, xy, xz, yy, yz, zz] = i.inertia;
-    line("<inertial pos=\"{}\" mass=\"{:.17g}\" fullinertia=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\"/>",
-         text(i.center), i.mass, xx, yy, zz, xy, xz, yz);
+    line(
+        "<inertial pos=\"{}\" mass=\"{:.17g}\" fullinertia=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} "
+        "{:.17g}\"/>",
+        text(i.center), i.mass, xx, yy, zz, xy, xz, yz);
   }
 
-  // --- robots -------------------------------------------------------------------------------------------------
+  // --- robots
+  // -------------------------------------------------------------------------------------------------
 
   void robot(std::size_t r) {
     const hardware::RobotInstance& robot = context_.robots[r];
@@ -112,9 +130,11 @@ class Writer {
     using description::JointType;
     const bool hinge = joint.type == JointType::revolute || joint.type == JointType::continuous;
     if ((hinge || joint.type == JointType::prismatic) && !joint.mimic)
-      line("<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{:.17g}\" damping=\"{:.17g}\" frictionloss=\"{:.17g}\"/>",
-           joint_name(r, index), hinge ? "hinge" : "slide", text(joint.axis), hinge ? kArmature : 1.0, joint.damping,
-           joint.friction);
+      line(
+          "<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{:.17g}\" damping=\"{:.17g}\" "
+          "frictionloss=\"{:.17g}\"/>",
+          joint_name(r, index), hinge ? "hinge" : "slide", text(joint.axis), hinge ? kArmature : 1.0,
+          joint.damping, joint.friction);
     link(r, joint.child_link);
     line("</body>");
   }
@@ -125,16 +145,17 @@ class Writer {
     line("<body name=\"{}\">", tool_name(r));
     if (tool->mass > 0) {
       const double small = tool->mass * 4e-4;
-      line("<inertial pos=\"{}\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", text(tool->center), tool->mass,
-           small, small, small);
+      line("<inertial pos=\"{}\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>",
+           text(tool->center), tool->mass, small, small, small);
     }
     for (std::size_t s = 0; s < tool->body.size(); ++s)
       geom(tool_name(r) + "_" + std::to_string(s), tool->body[s], tool->body[s].pose, 0.5);
     if (tool->gripper == description::GripperKind::suction) {
       // What the cup holds becomes part of the arm: shape and mass are filled in when it takes hold.
-      line("<body name=\"{}\"><inertial pos=\"0 0 0\" mass=\"1e-5\" diaginertia=\"1e-8 1e-8 1e-8\"/>"
-           "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/></body>",
-           held_name(r), held_name(r));
+      line(
+          "<body name=\"{}\"><inertial pos=\"0 0 0\" mass=\"1e-5\" diaginertia=\"1e-8 1e-8 1e-8\"/>"
+          "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/></body>",
+          held_name(r), held_name(r));
     }
     if (tool->gripper == description::GripperKind::parallel)
       for (int side = 0; side < 2; ++side) finger(r, *tool, side);
@@ -148,16 +169,23 @@ class Writer {
     at = at * Pose{{0, sign * tool.stroke / 2, 0}, {}};
     const std::string name = finger_name(r, side);
     line("<body name=\"{}\" {}>", name, place(at));
-    line("<inertial pos=\"0 0 {:.17g}\" mass=\"0.05\" diaginertia=\"2e-5 2e-5 2e-5\"/>", -tool.finger_length / 2);
-    line("<joint name=\"{}\" type=\"slide\" axis=\"0 {} 0\" limited=\"true\" range=\"0 {:.17g}\" armature=\"0.1\" damping=\"2\"/>",
-         name, side == 0 ? -1 : 1, tool.stroke / 2);
-    line("<geom name=\"{}\" type=\"box\" size=\"{:.17g} {:.17g} {:.17g}\" pos=\"0 {:.17g} {:.17g}\" condim=\"4\" "
-         "friction=\"1.5 0.05 0.001\" solref=\"0.004 1\"/>",
-         name, tool.finger_width / 2, kThickness / 2, tool.finger_length / 2, sign * kThickness / 2, -tool.finger_length / 2);
+    line("<inertial pos=\"0 0 {:.17g}\" mass=\"0.05\" diaginertia=\"2e-5 2e-5 2e-5\"/>",
+         -tool.finger_length / 2);
+    line(
+        "<joint name=\"{}\" type=\"slide\" axis=\"0 {} 0\" limited=\"true\" range=\"0 {:.17g}\" "
+        "armature=\"0.1\" damping=\"2\"/>",
+        name, side == 0 ? -1 : 1, tool.stroke / 2);
+    line(
+        "<geom name=\"{}\" type=\"box\" size=\"{:.17g} {:.17g} {:.17g}\" pos=\"0 {:.17g} {:.17g}\" "
+        "condim=\"4\" "
+        "friction=\"1.5 0.05 0.001\" solref=\"0.004 1\"/>",
+        name, tool.finger_width / 2, kThickness / 2, tool.finger_length / 2, sign * kThickness / 2,
+        -tool.finger_length / 2);
     line("</body>");
   }
 
-  // --- the scene ------------------------------------------------------------------------------------------------
+  // --- the scene
+  // ------------------------------------------------------------------------------------------------
 
   void fixtures(const description::Scene& scene) {
     for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
@@ -192,12 +220,14 @@ class Writer {
   }
 
   void twin(std::size_t i, const description::Part& part) {
-    line("<body name=\"{}\" mocap=\"true\" pos=\"0 0 {:.17g}\">", twin_name(i), -50.0 - static_cast<double>(i));
+    line("<body name=\"{}\" mocap=\"true\" pos=\"0 0 {:.17g}\">", twin_name(i),
+         -50.0 - static_cast<double>(i));
     geom(twin_name(i), part.shape, {}, part.friction);
     line("</body>");
   }
 
-  // --- pairs that are never compared -------------------------------------------------------------------------
+  // --- pairs that are never compared
+  // -------------------------------------------------------------------------
 
   void excludes(std::size_t r) {
     const description::RobotModel& model = *context_.robots[r].model;
@@ -212,12 +242,16 @@ class Writer {
         const int ga = rigid.body_of_link[a], gb = rigid.body_of_link[b];
         const auto parent_group = [&](int g) {
           const int joint = model.links[static_cast<std::size_t>(g)].parent_joint;
-          return joint < 0 ? -1 : rigid.body_of_link[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)];
+          return joint < 0 ? -1
+                           : rigid.body_of_link[static_cast<std::size_t>(
+                                 model.joints[static_cast<std::size_t>(joint)].parent_link)];
         };
-        if (ga == gb || parent_group(ga) == gb || parent_group(gb) == ga) add(static_cast<int>(a), static_cast<int>(b));
+        if (ga == gb || parent_group(ga) == gb || parent_group(gb) == ga)
+          add(static_cast<int>(a), static_cast<int>(b));
       }
     for (const auto& [a, b] : model.allowed_collisions) add(a, b);
-    for (const auto& [a, b] : pairs) line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
+    for (const auto& [a, b] : pairs)
+      line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
     world_excludes(r, rigid);
     tool_excludes(r, rigid);
   }
@@ -250,23 +284,32 @@ class Writer {
     for (std::size_t i = 0; i < robot.model->links.size(); ++i) {
       const int group = rigid.body_of_link[i];
       if (group != mount && group != before) continue;
-      for (const std::string& name : own) line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), name);
+      for (const std::string& name : own)
+        line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), name);
     }
     for (std::size_t a = 0; a < own.size(); ++a)
-      for (std::size_t b = a + 1; b < own.size(); ++b) line("<exclude body1=\"{}\" body2=\"{}\"/>", own[a], own[b]);
+      for (std::size_t b = a + 1; b < own.size(); ++b)
+        line("<exclude body1=\"{}\" body2=\"{}\"/>", own[a], own[b]);
   }
 
   const hardware::ComponentContext& context_;
   double timestep_;
   std::size_t slots_;
+  const BodyPairs& excluded_;
   std::string out_;
 };
 
 }  // namespace
 
-std::string joint_name(std::size_t robot, int joint) { return fmt::format("r{}j{}", robot, joint); }
-std::string link_name(std::size_t robot, int link) { return fmt::format("r{}l{}", robot, link); }
-std::string finger_name(std::size_t robot, int side) { return fmt::format("finger{}_{}", robot, side); }
+std::string joint_name(std::size_t robot, int joint) {
+  return fmt::format("r{}j{}", robot, joint);
+}
+std::string link_name(std::size_t robot, int link) {
+  return fmt::format("r{}l{}", robot, link);
+}
+std::string finger_name(std::size_t robot, int side) {
+  return fmt::format("finger{}_{}", robot, side);
+}
 
 Rigid rigid_links(const description::RobotModel& model) {
   Rigid out;
@@ -281,8 +324,9 @@ Rigid rigid_links(const description::RobotModel& model) {
   return out;
 }
 
-std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
-  return Writer(context, timestep, slots).write();
+std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
+                       const BodyPairs& excluded) {
+  return Writer(context, timestep, slots, excluded).write();
 }
 
 }  // namespace polyarm::drivers

@@ -1,6 +1,7 @@
 #pragma once
 /// The world of a cell as MJCF text, the model language of MuJoCo.
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/hardware/component.hpp"
@@ -11,11 +12,21 @@ namespace polyarm::drivers {
 std::string joint_name(std::size_t robot, int joint);
 std::string link_name(std::size_t robot, int link);
 std::string finger_name(std::size_t robot, int side);
-inline std::string tool_name(std::size_t robot) { return "tool" + std::to_string(robot); }
-inline std::string held_name(std::size_t robot) { return "held" + std::to_string(robot); }
-inline std::string twin_name(std::size_t part) { return "twin" + std::to_string(part); }
-inline std::string slot_name(std::size_t slot) { return "slot" + std::to_string(slot); }
-inline std::string mover_name(std::size_t mover) { return "mover" + std::to_string(mover); }
+inline std::string tool_name(std::size_t robot) {
+  return "tool" + std::to_string(robot);
+}
+inline std::string held_name(std::size_t robot) {
+  return "held" + std::to_string(robot);
+}
+inline std::string twin_name(std::size_t part) {
+  return "twin" + std::to_string(part);
+}
+inline std::string slot_name(std::size_t slot) {
+  return "slot" + std::to_string(slot);
+}
+inline std::string mover_name(std::size_t mover) {
+  return "mover" + std::to_string(mover);
+}
 inline std::string fixture_name(std::size_t fixture, std::size_t shape) {
   return "fixture" + std::to_string(fixture) + "_" + std::to_string(shape);
 }
@@ -26,8 +37,12 @@ struct Rigid {
 };
 Rigid rigid_links(const description::RobotModel& model);
 
-/// The whole model with `slots` free bodies for parts that move. Parts at rest are mocap twins without degrees of
-/// freedom. In the model with one slot for each part, slot i has the shape and mass of part i.
-std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots);
+/// The whole model with `slots` free bodies for parts that move. Parts at rest are mocap twins without
+/// degrees of freedom. In the model with one slot for each part, slot i has the shape and mass of part i.
+/// `excluded`: pairs of bodies of a robot that overlap where it starts, because their enclosing shapes are
+/// loose.
+using BodyPairs = std::vector<std::pair<std::string, std::string>>;
+std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
+                       const BodyPairs& excluded = {});
 
 }  // namespace polyarm::drivers

@@ -10,8 +10,9 @@ namespace polyarm::drivers {
 
 namespace {
 
-/// MuJoCo's own errors and warnings must not end the process or print from the control thread; a warning is seen in
-/// mjData::warning, an error would be a defect of the text written here and is turned into the message of compile().
+/// MuJoCo's own errors and warnings must not end the process or print from the control thread; a warning is
+/// seen in mjData::warning, an error would be a defect of the text written here and is turned into the
+/// message of compile().
 void keep_quiet(const char*) {}
 
 mjModel* load(const std::string& text, std::string& reason) {
@@ -33,7 +34,9 @@ mjModel* load(const std::string& text, std::string& reason) {
   return model;
 }
 
-int find(const mjModel* m, int type, const std::string& name) { return mj_name2id(m, type, name.c_str()); }
+int find(const mjModel* m, int type, const std::string& name) {
+  return mj_name2id(m, type, name.c_str());
+}
 
 template <typename T>
 void copy_rows(T* to, int to_row, const T* from, int from_row, int width) {
@@ -45,7 +48,11 @@ void copy_rows(T* to, int to_row, const T* from, int from_row, int width) {
 ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   mju_user_warning = keep_quiet;
   const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
-  for (std::size_t slots = 0; slots < parts; slots = slots == 0 ? 1 : 2 * slots) compile(context, timestep, slots);
+  compile(context, timestep, 0);
+  find_overlaps(context);
+  views_.clear();
+  for (std::size_t slots = 0; slots < parts; slots = slots == 0 ? 1 : 2 * slots)
+    compile(context, timestep, slots);
   compile(context, timestep, parts);
 }
 
@@ -59,7 +66,7 @@ int ModelSet::name(const std::string& text) {
 void ModelSet::compile(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
   ModelView view;
   std::string reason;
-  view.model.reset(load(write_mjcf(context, timestep, slots), reason));
+  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_), reason));
   if (!view.model)
     throw Error("physics-model", "MuJoCo does not accept this cell: " + reason,
                 "check masses, inertias and sizes of the robot's links and of the parts");
@@ -68,6 +75,31 @@ void ModelSet::compile(const hardware::ComponentContext& context, double timeste
   find_places(context, view);
   find_owners(context, view);
   views_.push_back(std::move(view));
+}
+
+void ModelSet::find_overlaps(const hardware::ComponentContext& context) {
+  ModelView& view = views_.front();
+  mjData* d = view.d();
+  for (std::size_t r = 0; r < context.robots.size(); ++r) {
+    const std::vector<double>& start = context.robots[r].initial_positions;
+    for (std::size_t j = 0; j < view.robots[r].qpos.size() && j < start.size(); ++j)
+      d->qpos[view.robots[r].qpos[j]] = start[j];
+  }
+  mj_forward(view.m(), d);
+  for (int i = 0; i < d->ncon; ++i) {
+    const int a = d->contact[i].geom1, b = d->contact[i].geom2;
+    const Owner& first = view.owner[static_cast<std::size_t>(a)];
+    const Owner& second = view.owner[static_cast<std::size_t>(b)];
+    const auto own = [](const Owner& o) {
+      return o.kind == Owner::Kind::link || o.kind == Owner::Kind::tool;
+    };
+    if (!own(first) || !own(second) || first.index != second.index) continue;
+    const auto body = [&](int geom) {
+      return std::string(mj_id2name(view.m(), mjOBJ_BODY, view.m()->geom_bodyid[geom]));
+    };
+    const std::pair<std::string, std::string> pair{body(a), body(b)};
+    if (std::find(overlaps_.begin(), overlaps_.end(), pair) == overlaps_.end()) overlaps_.push_back(pair);
+  }
 }
 
 void ModelSet::find_places(const hardware::ComponentContext& context, ModelView& view) {
@@ -118,10 +150,11 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
     const int index = static_cast<int>(r);
     for (std::size_t l = 0; l < robot.model->links.size(); ++l)
       for (std::size_t s = 0; s < robot.model->links[l].collisions.size(); ++s)
-        own(find(m, mjOBJ_GEOM, link_name(r, static_cast<int>(l)) + "_" + std::to_string(s)), Owner::Kind::link, index,
-            robot.name + "/" + robot.model->links[l].name);
+        own(find(m, mjOBJ_GEOM, link_name(r, static_cast<int>(l)) + "_" + std::to_string(s)),
+            Owner::Kind::link, index, robot.name + "/" + robot.model->links[l].name);
     for (std::size_t s = 0; robot.tool && s < robot.tool->body.size(); ++s)
-      own(find(m, mjOBJ_GEOM, tool_name(r) + "_" + std::to_string(s)), Owner::Kind::tool, index, robot.name + "/tool");
+      own(find(m, mjOBJ_GEOM, tool_name(r) + "_" + std::to_string(s)), Owner::Kind::tool, index,
+          robot.name + "/tool");
     own(view.robots[r].held_geom, Owner::Kind::held, index, "the part held by " + robot.name);
     for (int side = 0; side < 2; ++side)
       own(find(m, mjOBJ_GEOM, finger_name(r, side)), Owner::Kind::finger, index, robot.name + "/finger");
@@ -130,8 +163,9 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
   const description::Scene& scene = *context.scene;
   for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
     for (std::size_t s = 0; s < scene.fixtures[f].shapes.size(); ++s) {
-      const auto mover = std::find_if(scene.movers.begin(), scene.movers.end(),
-                                      [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });
+      const auto mover =
+          std::find_if(scene.movers.begin(), scene.movers.end(),
+                       [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });
       const bool moves = mover != scene.movers.end();
       own(find(m, mjOBJ_GEOM, fixture_name(f, s)), moves ? Owner::Kind::mover : Owner::Kind::fixture,
           static_cast<int>(moves ? mover - scene.movers.begin() : static_cast<std::ptrdiff_t>(f)),

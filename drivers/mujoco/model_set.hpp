@@ -56,21 +56,28 @@ class ModelSet {
 
   /// Gives slot `s` of `view` the shape and mass of `part`. No allocation.
   void shape_slot(ModelView& view, std::size_t s, std::size_t part) const noexcept;
-  /// Gives robot `r`'s held body the shape and mass of `part` at `pose` in the tool; nullptr-like part -1 empties it.
+  /// Gives robot `r`'s held body the shape and mass of `part` at `pose` in the tool; nullptr-like part -1
+  /// empties it.
   void shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept;
 
  private:
   void compile(const hardware::ComponentContext& context, double timestep, std::size_t slots);
+  void find_overlaps(const hardware::ComponentContext& context);
   void find_places(const hardware::ComponentContext& context, ModelView& view);
   void find_owners(const hardware::ComponentContext& context, ModelView& view);
   int name(const std::string& text);
 
   std::vector<ModelView> views_;
   std::vector<std::string> names_;
+  std::vector<std::pair<std::string, std::string>> overlaps_;
 };
 
-inline Vec3 vec3(const mjtNum* p) { return {p[0], p[1], p[2]}; }
-inline Quaternion quaternion(const mjtNum* q) { return {q[1], q[2], q[3], q[0]}; }
+inline Vec3 vec3(const mjtNum* p) {
+  return {p[0], p[1], p[2]};
+}
+inline Quaternion quaternion(const mjtNum* q) {
+  return {q[1], q[2], q[3], q[0]};
+}
 inline void put(mjtNum* p, const Vec3& v) {
   p[0] = v.x;
   p[1] = v.y;
@@ -82,6 +89,8 @@ inline void put(mjtNum* q, const Quaternion& r) {
   q[2] = r.y;
   q[3] = r.z;
 }
-inline Pose body_pose(const mjData* d, int body) { return {vec3(d->xpos + 3 * body), quaternion(d->xquat + 4 * body)}; }
+inline Pose body_pose(const mjData* d, int body) {
+  return {vec3(d->xpos + 3 * body), quaternion(d->xquat + 4 * body)};
+}
 
 }  // namespace polyarm::drivers

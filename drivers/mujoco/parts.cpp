@@ -11,10 +11,14 @@ using description::ShapeKind;
 namespace {
 double radius_of(const Shape& s) {
   switch (s.kind) {
-    case ShapeKind::box: return norm(s.size) / 2;
-    case ShapeKind::cylinder: return std::hypot(s.radius, s.length / 2);
-    case ShapeKind::capsule: return s.radius + s.length / 2;
-    default: return s.radius;
+    case ShapeKind::box:
+      return norm(s.size) / 2;
+    case ShapeKind::cylinder:
+      return std::hypot(s.radius, s.length / 2);
+    case ShapeKind::capsule:
+      return s.radius + s.length / 2;
+    default:
+      return s.radius;
   }
 }
 
@@ -22,30 +26,35 @@ Vec3 half_extents(const Shape& s, const Quaternion& q) {
   const Vec3 z = q * Vec3{0, 0, 1};
   switch (s.kind) {
     case ShapeKind::box: {
-      const Vec3 a = 0.5 * s.size.x * (q * Vec3{1, 0, 0}), b = 0.5 * s.size.y * (q * Vec3{0, 1, 0}), c = 0.5 * s.size.z * z;
+      const Vec3 a = 0.5 * s.size.x * (q * Vec3{1, 0, 0}), b = 0.5 * s.size.y * (q * Vec3{0, 1, 0}),
+                 c = 0.5 * s.size.z * z;
       return {std::abs(a.x) + std::abs(b.x) + std::abs(c.x), std::abs(a.y) + std::abs(b.y) + std::abs(c.y),
               std::abs(a.z) + std::abs(b.z) + std::abs(c.z)};
     }
     case ShapeKind::cylinder: {
-      const auto along = [&](double n) { return std::abs(n) * s.length / 2 + s.radius * std::sqrt(std::max(0.0, 1 - n * n)); };
+      const auto along = [&](double n) {
+        return std::abs(n) * s.length / 2 + s.radius * std::sqrt(std::max(0.0, 1 - n * n));
+      };
       return {along(z.x), along(z.y), along(z.z)};
     }
     case ShapeKind::capsule: {
       const auto along = [&](double n) { return std::abs(n) * s.length / 2 + s.radius; };
       return {along(z.x), along(z.y), along(z.z)};
     }
-    default: return {s.radius, s.radius, s.radius};
+    default:
+      return {s.radius, s.radius, s.radius};
   }
 }
 }  // namespace
 
 bool Bounds::near(const Bounds& o, double m) const noexcept {
-  return lower.x <= o.upper.x + m && o.lower.x <= upper.x + m && lower.y <= o.upper.y + m && o.lower.y <= upper.y + m &&
-         lower.z <= o.upper.z + m && o.lower.z <= upper.z + m;
+  return lower.x <= o.upper.x + m && o.lower.x <= upper.x + m && lower.y <= o.upper.y + m &&
+         o.lower.y <= upper.y + m && lower.z <= o.upper.z + m && o.lower.z <= upper.z + m;
 }
 
 bool Bounds::contains(const Vec3& p) const noexcept {
-  return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z && p.z <= upper.z;
+  return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y && p.z >= lower.z &&
+         p.z <= upper.z;
 }
 
 Bounds bounds_of(const Shape& shape, const Pose& pose) noexcept {
@@ -141,7 +150,8 @@ void Parts::pull(const ModelView& view, double timestep) noexcept {
     Part& part = parts_[i];
     if (part.wake_asked) wake(i);
     part.wake_asked = false;
-    if (part.mode != Mode::awake || part.slot < 0 || static_cast<std::size_t>(part.slot) >= view.slots) continue;
+    if (part.mode != Mode::awake || part.slot < 0 || static_cast<std::size_t>(part.slot) >= view.slots)
+      continue;
     const ModelView::Slot& slot = view.slot[static_cast<std::size_t>(part.slot)];
     part.pose = {vec3(d->qpos + slot.qpos), normalized(quaternion(d->qpos + slot.qpos + 3))};
     std::copy_n(d->qvel + slot.dof, 6, part.velocity.begin());
@@ -155,7 +165,8 @@ void Parts::pull(const ModelView& view, double timestep) noexcept {
 void Parts::place_twin(const ModelView& view, std::size_t i) const noexcept {
   mjData* d = view.d();
   const bool here = parts_[i].mode == Mode::asleep;
-  put(d->mocap_pos + 3 * view.twin_mocap[i], here ? parts_[i].pose.position : Vec3{0, 0, -50.0 - static_cast<double>(i)});
+  put(d->mocap_pos + 3 * view.twin_mocap[i],
+      here ? parts_[i].pose.position : Vec3{0, 0, -50.0 - static_cast<double>(i)});
   put(d->mocap_quat + 4 * view.twin_mocap[i], here ? parts_[i].pose.rotation : Quaternion{});
 }
 
@@ -170,7 +181,8 @@ void Parts::lay_out(const ModelSet& models, ModelView& view) noexcept {
     m->geom_contype[view.twin_geom[i]] = m->geom_conaffinity[view.twin_geom[i]] = asleep ? 1 : 0;
     place_twin(view, i);
     part.slot = -1;
-    if (part.mode == Mode::held) models.shape_held(view, static_cast<std::size_t>(part.robot), static_cast<int>(i), part.grasp);
+    if (part.mode == Mode::held)
+      models.shape_held(view, static_cast<std::size_t>(part.robot), static_cast<int>(i), part.grasp);
     if (part.mode != Mode::awake || next >= view.slots) continue;
     const ModelView::Slot& slot = view.slot[next];
     models.shape_slot(view, next, i);

@@ -14,21 +14,23 @@ struct Bounds {
 };
 Bounds bounds_of(const description::Shape& shape, const Pose& pose) noexcept;
 
-/// The parts of the world and what each of them is now: waiting in a feeder, asleep (a fixed twin), awake (a free
-/// body), held by a cup (part of the arm), or taken away. Control thread; nothing allocates after construction.
+/// The parts of the world and what each of them is now: waiting in a feeder, asleep (a fixed twin), awake (a
+/// free body), held by a cup (part of the arm), or taken away. Control thread; nothing allocates after
+/// construction.
 class Parts {
  public:
   enum class Mode { magazine, asleep, awake, held, taken };
   struct Part {
     Mode mode = Mode::magazine;
     Pose pose;
-    std::array<double, 6> velocity{};  ///< of the free joint: linear in the world, angular in the part, m/s and rad/s
-    double speed = 0;                  ///< of its fastest point, about
-    double still_for = 0;              ///< s
-    double radius = 0;                 ///< of the sphere around it
-    int robot = -1;                    ///< that holds it
-    Pose grasp;                        ///< T_tool_part while held by a cup
-    int mover = -1;                    ///< that it rests on
+    std::array<double, 6>
+        velocity{};        ///< of the free joint: linear in the world, angular in the part, m/s and rad/s
+    double speed = 0;      ///< of its fastest point, about
+    double still_for = 0;  ///< s
+    double radius = 0;     ///< of the sphere around it
+    int robot = -1;        ///< that holds it
+    Pose grasp;            ///< T_tool_part while held by a cup
+    int mover = -1;        ///< that it rests on
     int slot = -1;
     bool entered = false;
     bool wake_asked = false;
@@ -57,7 +59,8 @@ class Parts {
 
   /// Reads the free bodies of `view` back after a step; counts how long each has been still.
   void pull(const ModelView& view, double timestep) noexcept;
-  /// Sets slots, twins and held bodies of the model to what the parts are now. Does nothing unless something changed.
+  /// Sets slots, twins and held bodies of the model to what the parts are now. Does nothing unless something
+  /// changed.
   bool changed() const noexcept { return changed_; }
   void lay_out(const ModelSet& models, ModelView& view) noexcept;
   void place_twin(const ModelView& view, std::size_t i) const noexcept;

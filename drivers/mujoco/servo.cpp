@@ -45,7 +45,8 @@ void Servo::command(std::span<const double> position, std::span<const double> ve
   }
 }
 
-void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acceleration, double timestep) noexcept {
+void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acceleration,
+                          double timestep) noexcept {
   const ModelView::Robot& r = view.robots[robot];
   const mjData* d = view.d();
   tracking_error_ = 0;

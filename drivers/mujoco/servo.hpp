@@ -7,18 +7,20 @@ namespace polyarm::drivers {
 
 enum class JointMode { position, velocity, effort };
 
-/// The drives of one robot. In position and velocity mode: computed torque, that is the acceleration of the set point
-/// plus a critically damped correction of 100 rad/s, multiplied by the inertia of the arm, plus gravity and Coriolis
-/// forces; limited to the joint's effort. In effort mode: what was commanded and nothing else.
+/// The drives of one robot. In position and velocity mode: computed torque, that is the acceleration of the
+/// set point plus a critically damped correction of 100 rad/s, multiplied by the inertia of the arm, plus
+/// gravity and Coriolis forces; limited to the joint's effort. In effort mode: what was commanded and nothing
+/// else.
 class Servo {
  public:
   explicit Servo(const hardware::RobotInstance& robot);
 
   /// Takes the set points of the coming control period, NaN for none.
-  void command(std::span<const double> position, std::span<const double> velocity, std::span<const double> effort,
-               double period) noexcept;
+  void command(std::span<const double> position, std::span<const double> velocity,
+               std::span<const double> effort, double period) noexcept;
   /// Acceleration asked of each joint in this step, into `acceleration` (by dof of the model).
-  void accelerations(const ModelView& view, std::size_t robot, mjtNum* acceleration, double timestep) noexcept;
+  void accelerations(const ModelView& view, std::size_t robot, mjtNum* acceleration,
+                     double timestep) noexcept;
   /// Torques, given inertia times acceleration of all dofs; writes qfrc_applied.
   void torques(const ModelView& view, std::size_t robot, const mjtNum* inertial_force) noexcept;
 
@@ -33,7 +35,7 @@ class Servo {
   struct Joint {
     JointMode mode = JointMode::position;
     double reference = 0, velocity = 0, acceleration = 0;  // set point at this physics step
-    double target = 0;       // of the control period
+    double target = 0;                                     // of the control period
     double effort = 0, limit = 0;
     double torque = 0;
   };

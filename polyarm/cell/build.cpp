@@ -37,11 +37,14 @@ ControllerKind kind_of(const std::string& type) {
 
 std::unique_ptr<controllers::Controller> make(ControllerKind kind, control::ControlLoop& loop) {
   switch (kind) {
-    case ControllerKind::trajectory: return std::make_unique<controllers::JointTrajectoryController>();
+    case ControllerKind::trajectory:
+      return std::make_unique<controllers::JointTrajectoryController>();
     case ControllerKind::broadcaster:
       return std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names());
-    case ControllerKind::forward: return std::make_unique<controllers::ForwardCommandController>();
-    case ControllerKind::unknown: break;
+    case ControllerKind::forward:
+      return std::make_unique<controllers::ForwardCommandController>();
+    case ControllerKind::unknown:
+      break;
   }
   return nullptr;
 }
@@ -65,7 +68,8 @@ class Planner {
   ControllerPlan plan(const std::vector<std::string>& io_commands) {
     if (!file_.controllers.empty()) from_file();
     if (!has(ControllerKind::trajectory) && !has(ControllerKind::forward)) defaults();
-    if (!has(ControllerKind::broadcaster)) add(ControllerKind::broadcaster, "joint_state_broadcaster", base_.robot, {});
+    if (!has(ControllerKind::broadcaster))
+      add(ControllerKind::broadcaster, "joint_state_broadcaster", base_.robot, {});
     if (!io_commands.empty()) {
       controllers::Parameters parameters;
       parameters.entries["interfaces"].values = io_commands;
@@ -77,7 +81,8 @@ class Planner {
  private:
   bool has(ControllerKind kind) const { return std::count(kinds_.begin(), kinds_.end(), kind) > 0; }
 
-  void add(ControllerKind kind, const std::string& name, const std::string& robot, controllers::Parameters parameters) {
+  void add(ControllerKind kind, const std::string& name, const std::string& robot,
+           controllers::Parameters parameters) {
     PlannedController planned{make(kind, loop_), base_};
     planned.context.name = name;
     planned.context.robot = robot;
@@ -99,7 +104,8 @@ class Planner {
     const ControllerKind kind = kind_of(entry.type);
     if (kind == ControllerKind::unknown) {
       problems_.warning("unknown-controller", entry.where,
-                        "the controller '" + entry.name + "' is of type " + entry.type + ", which is not available; it is left out");
+                        "the controller '" + entry.name + "' is of type " + entry.type +
+                            ", which is not available; it is left out");
       return;
     }
     controllers::Parameters parameters = entry.parameters;
@@ -118,10 +124,12 @@ class Planner {
       for (const std::string& interface : parameters.list(key)) {
         const std::string name = base_.robot + "/" + joints.front() + "/" + interface;
         const bool command = std::string_view(key) == "command_interfaces";
-        if (command ? loop_.table().find_command(name).has_value() : loop_.table().find_state(name).has_value())
+        if (command ? loop_.table().find_command(name).has_value()
+                    : loop_.table().find_state(name).has_value())
           kept.push_back(interface);
         else
-          observer_.on_note(entry.name + ": the hardware offers no " + interface + " to " + (command ? "command" : "read") + "; left out");
+          observer_.on_note(entry.name + ": the hardware offers no " + interface + " to " +
+                            (command ? "command" : "read") + "; left out");
       }
       if (parameters.has(key)) parameters.entries[key].values = kept;
     }
@@ -135,7 +143,8 @@ class Planner {
           parameters.entries["joints"].values.push_back(joint.name);
       if (!parameters.has("joints")) continue;
       const std::string prefix = robots_.size() == 1 ? "" : robot->entry.name + "_";
-      add(ControllerKind::trajectory, prefix + "joint_trajectory_controller", robot->entry.name, std::move(parameters));
+      add(ControllerKind::trajectory, prefix + "joint_trajectory_controller", robot->entry.name,
+          std::move(parameters));
     }
   }
 
@@ -150,12 +159,15 @@ class Planner {
 };
 
 /// Is this file a script, or a script-information file?
-bool is_script(const std::filesystem::path& path) { return path.extension() == ".script"; }
+bool is_script(const std::filesystem::path& path) {
+  return path.extension() == ".script";
+}
 
 }  // namespace
 
 double rate_of(const CellFile& file, Problems& problems) {
-  const bool from_description = file.path.filename() != "cell.yaml" && file.robots.front().hardware == "declared";
+  const bool from_description =
+      file.path.filename() != "cell.yaml" && file.robots.front().hardware == "declared";
   if (!from_description || file.controllers.empty()) return file.rate;
   double rate = file.rate;
   collect(problems, [&] {
@@ -167,7 +179,8 @@ double rate_of(const CellFile& file, Problems& problems) {
 }
 
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, Observer& observer, Problems& problems) {
+                                const std::vector<std::string>& io_commands, Observer& observer,
+                                Problems& problems) {
   return Planner(file, robots, loop, observer, problems).plan(io_commands);
 }
 
@@ -192,8 +205,9 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
   if (!file.program.empty())
     collect(problems, [&] {
       std::filesystem::path path = data::find_file(file.program, file.folder, file.program_where);
-      if (!is_script(path)) path = files.load_now(path.stem().string() == file.program ? file.program : path.filename().string(),
-                                                  file.program_where);
+      if (!is_script(path))
+        path = files.load_now(path.stem().string() == file.program ? file.program : path.filename().string(),
+                              file.program_where);
       if (path.empty())
         throw Error(Problem{"no-script", file.program_where, "'" + file.program + "' names no ScriptFile",
                             "add 'Name: ScriptFile' and 'Text: <script>' to it"});

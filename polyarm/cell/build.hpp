@@ -39,12 +39,14 @@ struct ControllerPlan {
   std::vector<PlannedController> controllers;
 };
 
-/// The controllers of the cell's file, or a sensible set where it has none: a trajectory controller for each robot, a
-/// joint state broadcaster, and one that carries the tags in `io_commands` out.
+/// The controllers of the cell's file, or a sensible set where it has none: a trajectory controller for each
+/// robot, a joint state broadcaster, and one that carries the tags in `io_commands` out.
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, Observer& observer, Problems& problems);
+                                const std::vector<std::string>& io_commands, Observer& observer,
+                                Problems& problems);
 
-/// The active controller that follows trajectories of all joints of the robot in the model's order; null if none.
+/// The active controller that follows trajectories of all joints of the robot in the model's order; null if
+/// none.
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
                                                                  const control::ControllerManager& manager);
 
@@ -52,8 +54,8 @@ struct Programs {
   std::optional<program::Program> program, plc;
 };
 
-/// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC, and checks
-/// them against the names of the store.
+/// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
+/// and checks them against the names of the store.
 Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems);
 
 }  // namespace polyarm::cell

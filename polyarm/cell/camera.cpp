@@ -11,12 +11,15 @@ using description::ShapeKind;
 double height_above_origin(const description::Shape& shape, const Quaternion& rotation) {
   const Vec3 z = inverse(rotation) * Vec3{0, 0, 1};  // the world's up in the part's axes
   switch (shape.kind) {
-    case ShapeKind::sphere: return shape.radius;
-    case ShapeKind::capsule: return shape.radius + std::abs(z.z) * shape.length / 2;
+    case ShapeKind::sphere:
+      return shape.radius;
+    case ShapeKind::capsule:
+      return shape.radius + std::abs(z.z) * shape.length / 2;
     case ShapeKind::cylinder:
       return std::abs(z.z) * shape.length / 2 + std::hypot(z.x, z.y) * shape.radius;
     case ShapeKind::box:
-    case ShapeKind::mesh: break;
+    case ShapeKind::mesh:
+      break;
   }
   return (std::abs(z.x) * shape.size.x + std::abs(z.y) * shape.size.y + std::abs(z.z) * shape.size.z) / 2;
 }
@@ -47,7 +50,9 @@ Pose Camera::grasp_of(const description::Part& part, const Pose& at) {
   Pose out{at.position, from_rpy(std::numbers::pi, 0, 0)};
   out.position.z += height_above_origin(part.shape, at.rotation);
   if (!setup_.noise) return out;
-  const auto within = [&](double most) { return most * (2 * (static_cast<double>(random_() >> 11) * 0x1p-53) - 1); };
+  const auto within = [&](double most) {
+    return most * (2 * (static_cast<double>(random_() >> 11) * 0x1p-53) - 1);
+  };
   constexpr double kMillimetres = 2e-3, kRadians = 2 * std::numbers::pi / 180;
   out.position = out.position + Vec3{within(kMillimetres), within(kMillimetres), within(kMillimetres)};
   out.rotation = out.rotation * from_rpy(within(kRadians), within(kRadians), within(kRadians));

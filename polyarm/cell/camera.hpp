@@ -9,16 +9,16 @@
 
 namespace polyarm::cell {
 
-/// A stand-in for a camera with its vision program: when its request tag turns true it writes the pose of the nearest
-/// part in its view into a point (top of the part, tool axis down), sets the done tag and takes back the request.
-/// Cell thread.
+/// A stand-in for a camera with its vision program: when its request tag turns true it writes the pose of the
+/// nearest part in its view into a point (top of the part, tool axis down), sets the done tag and takes back
+/// the request. Cell thread.
 class Camera {
  public:
   struct Setup {
-    std::string name;       ///< of the scene's camera
-    std::string point;      ///< name of the point that it writes
+    std::string name;   ///< of the scene's camera
+    std::string point;  ///< name of the point that it writes
     std::string request, done;
-    bool noise = false;     ///< up to 2 mm and 2 degrees, evenly
+    bool noise = false;  ///< up to 2 mm and 2 degrees, evenly
     std::uint64_t seed = 1;
   };
   Camera(Setup setup, const description::Scene& scene);

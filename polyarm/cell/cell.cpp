@@ -13,13 +13,15 @@
 namespace polyarm::cell {
 
 namespace {
-/// A run in which nothing can happen any more is given this long, in cell time, before it is called a deadlock.
+/// A run in which nothing can happen any more is given this long, in cell time, before it is called a
+/// deadlock.
 constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
 /// Parts that were let go of are given this long to come to rest after the program has ended.
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
 }  // namespace
 
-Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options, Observer& observer)
+Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
+           Observer& observer)
     : file_(file), options_(std::move(options)), observer_(observer) {
   Problems problems;
   std::vector<std::string> notes;
@@ -62,7 +64,8 @@ void Cell::build_tags(Problems& problems) {
   pass_state_ = states_.add("program/pass");
   running_state_ = states_.add("program/running");
   for (const auto& robot : robots_)
-    tcp_states_.push_back({states_.add(robot->entry.name + "/tcp/x"), states_.add(robot->entry.name + "/tcp/y"),
+    tcp_states_.push_back({states_.add(robot->entry.name + "/tcp/x"),
+                           states_.add(robot->entry.name + "/tcp/y"),
                            states_.add(robot->entry.name + "/tcp/z")});
   signals::Signals signals;
   collect(problems, [&] {
@@ -73,8 +76,8 @@ void Cell::build_tags(Problems& problems) {
                                        options_.lock_step);
   tags_ = std::make_unique<TagBinding>(signals.tags, loop_->table(), states_, store_, problems);
   for (const signals::CameraLink& link : signals.cameras)
-    cameras_.emplace_back(Camera::Setup{link.camera, link.point, link.request, link.done, link.noise, link.seed},
-                          scene_);
+    cameras_.emplace_back(
+        Camera::Setup{link.camera, link.point, link.request, link.done, link.noise, link.seed}, scene_);
 }
 
 void Cell::build_controllers(Problems& problems) {
@@ -93,13 +96,15 @@ void Cell::build_controllers(Problems& problems) {
     if (motions_.back()) motions_.back()->set_planned(robot->start);
     std::vector<std::size_t> commands;
     for (const controllers::JointFacts& joint : robot->joints)
-      if (const auto index = loop_->table().find_command(joint.name + "/position")) commands.push_back(*index);
+      if (const auto index = loop_->table().find_command(joint.name + "/position"))
+        commands.push_back(*index);
     joint_commands_.push_back(std::move(commands));
   }
 }
 
 void Cell::build_programs(Problems& problems) {
-  ProgramHost::Context context{"program", &store_, files_.get(), nullptr, file_.motion, &answers_, &observer_, &now_};
+  ProgramHost::Context context{"program",    &store_,   files_.get(), nullptr,
+                               file_.motion, &answers_, &observer_,   &now_};
   Programs programs = load_programs(file_, *files_, store_, problems);
   if (programs.plc) {
     context.task = "plc";
@@ -107,8 +112,10 @@ void Cell::build_programs(Problems& problems) {
   }
   if (!programs.program) return;
   if (motions_.size() != 1 || !motions_.front())
-    problems.error("no-motion", file_.program_where, "the program needs one robot whose joints a trajectory controller moves",
-                   "give the cell one robot, and leave 'controllers' out or name a joint_trajectory_controller for all joints");
+    problems.error("no-motion", file_.program_where,
+                   "the program needs one robot whose joints a trajectory controller moves",
+                   "give the cell one robot, and leave 'controllers' out or name a "
+                   "joint_trajectory_controller for all joints");
   context.task = "program";
   context.motion = motions_.empty() ? nullptr : motions_.front().get();
   program_ = std::make_unique<Task>("program", std::move(*programs.program), context);
@@ -163,7 +170,8 @@ void Cell::tick(Nanoseconds now) {
 void Cell::tell_changes(Nanoseconds now) {
   if (store_.version() == told_version_) return;
   for (const data::Change& change : store_.changes_since(told_version_))
-    if (change.now && change.old && change.who != "state") observer_.on_tag(now, change.name, change.now->text(), change.who);
+    if (change.now && change.old && change.who != "state")
+      observer_.on_tag(now, change.name, change.now->text(), change.who);
   told_version_ = store_.version();
 }
 
@@ -181,11 +189,12 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     if (findings_seen_ >= hardware::WorldState::kMaxFindings) continue;
     const hardware::Contact& contact = world.findings[static_cast<std::size_t>(findings_seen_)];
     const auto called = [&](int id) {
-      return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)] : "something";
+      return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)]
+                                                            : "something";
     };
     Problem problem{"contact", program_ ? program_->status().where : Location{},
-                    fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", called(contact.a), called(contact.b),
-                                seconds(contact.time), 1e3 * contact.depth),
+                    fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", called(contact.a),
+                                called(contact.b), seconds(contact.time), 1e3 * contact.depth),
                     "move the points or the obstacle, or run with --allow-contact"};
     if (options_.allow_contact) {
       problem.severity = Severity::warning;
@@ -195,10 +204,14 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     }
   }
   if (snapshot.state == control::RunState::fault) {
-    const std::string who = snapshot.cause == control::StopCause::component && snapshot.culprit >= 0
-                                ? " (" + loop_->hardware().component_name(static_cast<std::size_t>(snapshot.culprit)) + ")"
-                                : "";
-    fail(now, {"fault", {}, std::string(control::name(snapshot.cause)) + who, "see the recorded cycles of this run"});
+    const std::string who =
+        snapshot.cause == control::StopCause::component && snapshot.culprit >= 0
+            ? " (" + loop_->hardware().component_name(static_cast<std::size_t>(snapshot.culprit)) + ")"
+            : "";
+    fail(now, {"fault",
+               {},
+               std::string(control::name(snapshot.cause)) + who,
+               "see the recorded cycles of this run"});
   }
 }
 
@@ -224,7 +237,8 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
 void Cell::watch_end(Nanoseconds now) {
   for (Task* task : {program_.get(), plc_.get()})
     if (task && task->failed())
-      fail(now, task->status().problem.value_or(Problem{"failed", task->status().where, task->name() + " failed", {}}));
+      fail(now, task->status().problem.value_or(
+                    Problem{"failed", task->status().where, task->name() + " failed", {}}));
   if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
   if (failure_ || !program_ || !program_->ended()) return;
   if (ended_at_ < 0) ended_at_ = now;
@@ -234,7 +248,8 @@ void Cell::watch_end(Nanoseconds now) {
 
 std::optional<std::uint64_t> Cell::first_motion_cycle() const {
   for (const controllers::JointTrajectoryController* follower : trajectory_controllers_)
-    if (follower && follower->status().started_cycle.load() > 0) return follower->status().started_cycle.load() - 1;
+    if (follower && follower->status().started_cycle.load() > 0)
+      return follower->status().started_cycle.load() - 1;
   return std::nullopt;
 }
 

@@ -21,12 +21,12 @@
 namespace polyarm::cell {
 
 struct CellOptions {
-  bool lock_step = false;               ///< one thread, files inline, the cell cannot fall silent
-  bool keep = false;                    ///< go on from what the last run left in .state/
-  bool allow_contact = false;           ///< contacts are reported and do not end the run
-  std::uint64_t cycles = 0;             ///< passes of the program's outermost while; 0: as many as it likes
-  std::map<std::string, double> faults; ///< interface name → value forced upon it
-  std::vector<std::string> answers;     ///< to `wait user`, in order
+  bool lock_step = false;                ///< one thread, files inline, the cell cannot fall silent
+  bool keep = false;                     ///< go on from what the last run left in .state/
+  bool allow_contact = false;            ///< contacts are reported and do not end the run
+  std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
+  std::map<std::string, double> faults;  ///< interface name → value forced upon it
+  std::vector<std::string> answers;      ///< to `wait user`, in order
 };
 
 /// Why a cell cannot go on by itself.
@@ -35,15 +35,16 @@ struct Failure {
   Nanoseconds time = 0;
 };
 
-/// Everything a cell owns. Building: any one thread. tick(): the cell thread; the loop's step: the control thread (the
-/// same one in lock-step). Addresses are stable: it is neither copied nor moved.
+/// Everything a cell owns. Building: any one thread. tick(): the cell thread; the loop's step: the control
+/// thread (the same one in lock-step). Addresses are stable: it is neither copied nor moved.
 class Cell {
  public:
   /// Nanoseconds of cell time between ticks.
   static constexpr Nanoseconds kTick = 2'000'000;
 
   /// Throws Error with everything that is wrong in any file.
-  Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options, Observer& observer);
+  Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
+       Observer& observer);
   ~Cell();
   Cell(const Cell&) = delete;
   Cell& operator=(const Cell&) = delete;

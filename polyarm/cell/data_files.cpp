@@ -10,7 +10,9 @@ namespace {
 /// In lock-step, files are brought up to date at most this often, in cell time.
 constexpr Nanoseconds kLockStepWrites = 1'000'000'000;
 
-std::string set_name(const data::ImportFile& file) { return std::filesystem::path(file.file()).stem().string(); }
+std::string set_name(const data::ImportFile& file) {
+  return std::filesystem::path(file.file()).stem().string();
+}
 }  // namespace
 
 DataFiles::DataFiles(data::DataStore& store, StateFolder folder, Worker& worker, bool lock_step)

@@ -14,8 +14,8 @@
 
 namespace polyarm::cell {
 
-/// The data files of a running cell: loads them for programs and writes through what programs, PLC and cameras set.
-/// Owned by the cell thread, which never waits here: disk is touched by the worker.
+/// The data files of a running cell: loads them for programs and writes through what programs, PLC and
+/// cameras set. Owned by the cell thread, which never waits here: disk is touched by the worker.
 class DataFiles {
  public:
   DataFiles(data::DataStore& store, StateFolder folder, Worker& worker, bool lock_step);

@@ -10,8 +10,9 @@ struct HardwareChoice {
   std::string note;    ///< one sentence when something was replaced, else empty
 };
 
-/// The driver for a plugin name of a description: the table of the names that ROS users have, a driver of that very
-/// name, else physics where it is installed and mock where it is not. Empty names mean no plugin was declared.
+/// The driver for a plugin name of a description: the table of the names that ROS users have, a driver of
+/// that very name, else physics where it is installed and mock where it is not. Empty names mean no plugin
+/// was declared.
 HardwareChoice choose_hardware(const std::string& plugin, const std::string& component);
 
 /// A row of the alias table, for the reference page.

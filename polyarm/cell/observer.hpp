@@ -12,8 +12,10 @@ class Observer {
  public:
   virtual ~Observer() = default;
   virtual void on_note(const std::string& text) {}
-  virtual void on_line(Nanoseconds time, const std::string& task, const Location& where, const std::string& source) {}
-  virtual void on_tag(Nanoseconds time, const std::string& name, const std::string& value, const std::string& who) {}
+  virtual void on_line(Nanoseconds time, const std::string& task, const Location& where,
+                       const std::string& source) {}
+  virtual void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
+                      const std::string& who) {}
   virtual void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {}
   virtual void on_log(Nanoseconds time, const std::string& task, const std::string& text) {}
   virtual void on_state(Nanoseconds time, const std::string& state, const std::string& cause) {}

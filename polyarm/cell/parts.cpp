@@ -21,10 +21,14 @@ const char* name(PartFate fate) {
 std::string PartReport::sentence() const {
   const std::string place = fmt::format("({:.3f}, {:.3f}, {:.3f})", at.x, at.y, at.z);
   switch (fate) {
-    case PartFate::waiting: return fmt::format("{} still waits at {}", name, place);
-    case PartFate::held: return fmt::format("{} is still held by the gripper, at {}", name, place);
-    case PartFate::moving: return fmt::format("{} had not come to rest, last seen at {}", name, place);
-    case PartFate::placed: return fmt::format("{} was placed at {}", name, place);
+    case PartFate::waiting:
+      return fmt::format("{} still waits at {}", name, place);
+    case PartFate::held:
+      return fmt::format("{} is still held by the gripper, at {}", name, place);
+    case PartFate::moving:
+      return fmt::format("{} had not come to rest, last seen at {}", name, place);
+    case PartFate::placed:
+      return fmt::format("{} was placed at {}", name, place);
     case PartFate::off_goal:
       return fmt::format("{} lies at {}, {:.1f} mm from its goal; {:.1f} mm are allowed", name, place,
                          1000 * error_m.value_or(0), 1000 * (goal ? goal->tolerance : 0));
@@ -57,9 +61,8 @@ void PartTracker::update(Nanoseconds now, const hardware::WorldState& world) {
 }
 
 bool PartTracker::anything_moving() const {
-  return std::any_of(tracks_.begin(), tracks_.end(), [](const Track& t) {
-    return t.touched && !t.held && !t.at_rest && !t.taken;
-  });
+  return std::any_of(tracks_.begin(), tracks_.end(),
+                     [](const Track& t) { return t.touched && !t.held && !t.at_rest && !t.taken; });
 }
 
 PartReport PartTracker::judge(std::size_t i) const {
@@ -81,8 +84,10 @@ PartReport PartTracker::judge(std::size_t i) const {
   const auto bin = std::find_if(scene_->bins.begin(), scene_->bins.end(),
                                 [&](const description::Bin& b) { return b.name == part.goal->bin; });
   if (bin != scene_->bins.end()) {
-    if (inside(*bin, track.at)) out.bin = bin->name;
-    else out.fate = PartFate::wrong_bin;
+    if (inside(*bin, track.at))
+      out.bin = bin->name;
+    else
+      out.fate = PartFate::wrong_bin;
   }
   return out;
 }

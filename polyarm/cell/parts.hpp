@@ -11,26 +11,27 @@
 namespace polyarm::cell {
 
 enum class PartFate {
-  waiting,   ///< where it began; nobody has touched it
-  held,      ///< in a gripper
-  moving,    ///< let go of, not yet at rest
-  placed,    ///< at rest within tolerance of its goal, in its bin; or it has no goal
-  off_goal,  ///< at rest too far from its goal
-  wrong_bin, ///< at rest outside the bin it belongs in
+  waiting,    ///< where it began; nobody has touched it
+  held,       ///< in a gripper
+  moving,     ///< let go of, not yet at rest
+  placed,     ///< at rest within tolerance of its goal, in its bin; or it has no goal
+  off_goal,   ///< at rest too far from its goal
+  wrong_bin,  ///< at rest outside the bin it belongs in
 };
 const char* name(PartFate fate);
 
 struct PartReport {
-  std::string name, kind, bin;      ///< bin: the one it lies in, "" for none
-  Vec3 at;                          ///< of its origin, in the world; where it last came to rest if it was taken away
+  std::string name, kind, bin;  ///< bin: the one it lies in, "" for none
+  Vec3 at;  ///< of its origin, in the world; where it last came to rest if it was taken away
   std::optional<description::Goal> goal;
-  std::optional<double> error_m;    ///< 3D distance to the goal at rest; empty while it has not been let go of
+  std::optional<double> error_m;  ///< 3D distance to the goal at rest; empty while it has not been let go of
   PartFate fate = PartFate::waiting;
-  bool taken = false;               ///< an outfeed has taken it away
+  bool taken = false;  ///< an outfeed has taken it away
   std::string sentence() const;
 };
 
-/// Follows the parts of a scene. A part has come to rest when, let go of, it was slower than 1 mm/s for 0.5 s.
+/// Follows the parts of a scene. A part has come to rest when, let go of, it was slower than 1 mm/s for 0.5
+/// s.
 class PartTracker {
  public:
   static constexpr double kRestSpeed = 1e-3;
@@ -42,8 +43,8 @@ class PartTracker {
   bool anything_moving() const;
   /// Every part that ever entered the cell, once.
   std::vector<PartReport> report() const;
-  /// What makes the run a failure; empty when all is well. `cut_short`: the run was ended before the program ended by
-  /// itself, so parts that nobody has touched yet are no failure.
+  /// What makes the run a failure; empty when all is well. `cut_short`: the run was ended before the program
+  /// ended by itself, so parts that nobody has touched yet are no failure.
   std::vector<std::string> failures(bool cut_short) const;
 
  private:

@@ -11,14 +11,16 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
   const std::vector<std::string> names = model.joint_names();
   for (const std::string& joint : joints.names)
     if (std::find(names.begin(), names.end(), joint) == names.end())
-      throw Error("unknown-joint", fmt::format("{} names the joint '{}', which {} does not have{}", what, joint,
-                                               model.name, did_you_mean(joint, names)),
+      throw Error("unknown-joint",
+                  fmt::format("{} names the joint '{}', which {} does not have{}", what, joint, model.name,
+                              did_you_mean(joint, names)),
                   "joint states belong to one make of robot; a pose works for all");
   std::vector<double> out;
   for (const std::string& joint : names) {
     const double* position = joints.find(joint);
     if (!position)
-      throw Error("missing-joint", fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name), {});
+      throw Error("missing-joint",
+                  fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name), {});
     out.push_back(*position);
   }
   return out;
@@ -28,10 +30,11 @@ void ProgramHost::set(const std::string& name, data::Value value, const Location
   c_.store->set(name, std::move(value), c_.task);
 }
 
-program::Handle ProgramHost::start_move(const data::Value& point, const std::string& name, const Location& where,
-                                        const program::MoveOptions&) {
+program::Handle ProgramHost::start_move(const data::Value& point, const std::string& name,
+                                        const Location& where, const program::MoveOptions&) {
   if (!c_.motion)
-    throw Error(Problem{"no-robot", where, "'" + c_.task + "' moves no robot", "only the robot program can moveto"});
+    throw Error(
+        Problem{"no-robot", where, "'" + c_.task + "' moves no robot", "only the robot program can moveto"});
   motion::Pace pace;
   pace.speed = c_.pace.speed;
   pace.thesis_scale = c_.pace.thesis_scale;
@@ -41,7 +44,8 @@ program::Handle ProgramHost::start_move(const data::Value& point, const std::str
   else if (const data::Point* pose = point.as_point())
     id = c_.motion->move_to_pose(pose->pose, pace, name);
   else
-    throw Error(Problem{"not-a-point", where, "'" + name + "' is " + data::name(point.kind()) + ", not a point", {}});
+    throw Error(
+        Problem{"not-a-point", where, "'" + name + "' is " + data::name(point.kind()) + ", not a point", {}});
   target_ = name;
   moving_ = true;
   return static_cast<program::Handle>(id);
@@ -55,7 +59,10 @@ program::Progress ProgramHost::poll_move(program::Handle handle) {
   if (state == motion::MoveState::discarded)
     return program::Progress::failed({"discarded", {}, "the move to " + target_ + " was discarded", {}});
   return program::Progress::failed(
-      {"refused", {}, "the controller refused the move to " + target_ + ": it would have begun with a jump", {}});
+      {"refused",
+       {},
+       "the controller refused the move to " + target_ + ": it would have begun with a jump",
+       {}});
 }
 
 program::Handle ProgramHost::start_load(const std::string& name, program::LoadForm, const Location& where) {

@@ -53,7 +53,9 @@ class ProgramHost : public program::Host {
   program::Progress poll_ask(program::Handle handle) override;
 
   Nanoseconds now() const override { return *c_.now; }
-  void log(const std::string& text, const Location& where) override { c_.observer->on_log(now(), c_.task, text); }
+  void log(const std::string& text, const Location& where) override {
+    c_.observer->on_log(now(), c_.task, text);
+  }
 
   /// True while a move of this task is under way.
   bool moving() const { return moving_; }
@@ -64,8 +66,8 @@ class ProgramHost : public program::Host {
   bool moving_ = false;
 };
 
-/// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a joint that the
-/// robot does not have, or one that is missing.
+/// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a
+/// joint that the robot does not have, or one that is missing.
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what);
 

@@ -45,13 +45,15 @@ std::map<std::string, double> declared_start(const description::RobotModel& mode
 
 std::vector<double> start_of(const description::RobotModel& model,
                              const std::vector<controllers::JointFacts>& joints) {
-  if (const auto home = model.named_states.find("home"); home != model.named_states.end()) return home->second;
+  if (const auto home = model.named_states.find("home"); home != model.named_states.end())
+    return home->second;
   const std::map<std::string, double> declared = declared_start(model);
   const std::vector<std::string> names = model.joint_names();
   std::vector<double> out;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto value = declared.find(names[j]);
-    out.push_back(std::clamp(value == declared.end() ? 0.0 : value->second, joints[j].lower, joints[j].upper));
+    out.push_back(
+        std::clamp(value == declared.end() ? 0.0 : value->second, joints[j].lower, joints[j].upper));
   }
   return out;
 }
@@ -67,7 +69,8 @@ std::string driver_of(const CellRobot& robot, std::vector<std::string>& notes) {
   const HardwareChoice choice = choose_hardware(plugin, component);
   if (!choice.note.empty()) notes.push_back(choice.note);
   if (plugin.empty())
-    notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " + choice.driver);
+    notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " +
+                    choice.driver);
   return choice.driver;
 }
 
@@ -126,10 +129,13 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
       if (robot->entry.hardware == "declared")
         context.parameters.insert(block.parameters.begin(), block.parameters.end());
     context.robots.push_back({robot->entry.name, &robot->model, &robot->tool, robot->entry.base, robot->start,
-                              robot->entry.hardware == "declared" ? robot->model.hardware
-                                                                  : std::vector<description::HardwareInfo>{}});
+                              robot->entry.hardware == "declared"
+                                  ? robot->model.hardware
+                                  : std::vector<description::HardwareInfo>{}});
   }
-  const std::string world = contexts.contains("mujoco") ? "mujoco" : contexts.empty() ? "" : contexts.begin()->first;
+  const std::string world = contexts.contains("mujoco") ? "mujoco"
+                            : contexts.empty()          ? ""
+                                                        : contexts.begin()->first;
   if (!world.empty()) contexts[world].scene = &scene;
   for (const auto& [driver, context] : contexts) hardware.add(hardware::make_driver(driver), context);
 }

@@ -16,8 +16,8 @@ namespace {
 std::atomic<control::Supervisor*> running_supervisor{nullptr};
 std::atomic<int> stops_asked{0};
 
-/// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a sleeping laptop.
-/// Ordinary lateness on a busy machine stays below it.
+/// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a sleeping
+/// laptop. Ordinary lateness on a busy machine stays below it.
 constexpr Nanoseconds kGap = 250'000'000;
 /// A stopped robot must stand within this time, or the run ends all the same.
 constexpr double kStopPatience = 3;
@@ -25,13 +25,14 @@ constexpr double kStopPatience = 3;
 /// A loop that does nothing, beside the real one: what the machine itself is late.
 class EmptyLoop {
  public:
-  explicit EmptyLoop(Nanoseconds period) : thread_([this, period] {
-    realtime::Periodic clock(period);
-    for (clock.start(); !done_.load(std::memory_order_relaxed);) {
-      const realtime::WakeUp wake = clock.wait();
-      late_ += (wake.latency > period / 2 ? 1 : 0) + wake.skipped;
-    }
-  }) {}
+  explicit EmptyLoop(Nanoseconds period)
+      : thread_([this, period] {
+          realtime::Periodic clock(period);
+          for (clock.start(); !done_.load(std::memory_order_relaxed);) {
+            const realtime::WakeUp wake = clock.wait();
+            late_ += (wake.latency > period / 2 ? 1 : 0) + wake.skipped;
+          }
+        }) {}
   std::uint64_t finish() {
     done_ = true;
     thread_.join();
@@ -52,8 +53,10 @@ class Console {
     for (pollfd waiting{STDIN_FILENO, POLLIN, 0}; on_ && ::poll(&waiting, 1, 0) > 0;) {
       char text[256];
       const ssize_t n = ::read(STDIN_FILENO, text, sizeof text);
-      if (n <= 0) on_ = false;
-      else buffer_.append(text, static_cast<std::size_t>(n));
+      if (n <= 0)
+        on_ = false;
+      else
+        buffer_.append(text, static_cast<std::size_t>(n));
     }
     const auto end = buffer_.find('\n');
     if (end == std::string::npos) return std::nullopt;
@@ -79,8 +82,10 @@ class Runner {
 
   RunResult run() {
     running_supervisor = &cell_.loop().supervisor();
-    if (options_.fast) lock_step();
-    else wall_clock();
+    if (options_.fast)
+      lock_step();
+    else
+      wall_clock();
     running_supervisor = nullptr;
     return result();
   }
@@ -214,8 +219,15 @@ class Runner {
 
   void health(LoopHealth& out) {
     const control::Health& h = cell_.loop().health();
-    out = {h.cycles, h.late, late_empty_, h.cost.percentile(0.5), h.cost.percentile(0.99), h.cost.max(),
-           h.wake_up.percentile(0.5), h.wake_up.percentile(0.99), h.wake_up.max()};
+    out = {h.cycles,
+           h.late,
+           late_empty_,
+           h.cost.percentile(0.5),
+           h.cost.percentile(0.99),
+           h.cost.max(),
+           h.wake_up.percentile(0.5),
+           h.wake_up.percentile(0.99),
+           h.wake_up.max()};
   }
 
   void verdict(RunResult& out) {

@@ -12,12 +12,12 @@ enum class Outcome { completed, stopped, failed };
 const char* name(Outcome outcome);
 
 struct RunOptions {
-  bool fast = false;             ///< lock-step, as fast as the machine allows
-  double seconds = 0;            ///< of cell time after which the run ends; 0: no limit
-  int priority = 0;              ///< SCHED_FIFO priority of the control thread
-  int cpu = -1;                  ///< processor of the control thread
-  bool console = true;           ///< typed lines (resume, discard, stop, answers) are read
-  Nanoseconds started = 0;       ///< wall time at which the user gave the command; 0: unknown
+  bool fast = false;        ///< lock-step, as fast as the machine allows
+  double seconds = 0;       ///< of cell time after which the run ends; 0: no limit
+  int priority = 0;         ///< SCHED_FIFO priority of the control thread
+  int cpu = -1;             ///< processor of the control thread
+  bool console = true;      ///< typed lines (resume, discard, stop, answers) are read
+  Nanoseconds started = 0;  ///< wall time at which the user gave the command; 0: unknown
 };
 
 struct LoopHealth {
@@ -28,13 +28,13 @@ struct LoopHealth {
 
 struct RunResult {
   Outcome outcome = Outcome::completed;
-  std::vector<Problem> problems;         ///< why it failed
+  std::vector<Problem> problems;  ///< why it failed
   double sim_time_s = 0, wall_time_s = 0;
   std::optional<double> physics_step_s;  ///< empty without physics
   std::uint64_t program_cycles = 0;
   LoopHealth health;
   int contacts_max = 0;
-  double tracking_error_max = 0;         ///< rad or m
+  double tracking_error_max = 0;  ///< rad or m
   std::uint64_t clamps = 0;
   std::vector<PartReport> parts;
   bool repeatable = false;

@@ -12,7 +12,9 @@ StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool 
   if (!keep) fs::remove_all(state_, error);
 }
 
-fs::path StateFolder::folder_of(const std::string& name) const { return live_.contains(name) ? folder_ : state_; }
+fs::path StateFolder::folder_of(const std::string& name) const {
+  return live_.contains(name) ? folder_ : state_;
+}
 
 void StateFolder::bring(const fs::path& original) const {
   std::error_code error;

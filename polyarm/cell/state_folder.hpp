@@ -8,9 +8,9 @@
 
 namespace polyarm::cell {
 
-/// Where a run keeps what it writes to its data files: copies in `DIR/.state/`, so that every run starts from the files
-/// as the user wrote them and git sees no change. A data set that is live is bound to its own file instead.
-/// Reads and writes disk: not for the cell thread, except in lock-step.
+/// Where a run keeps what it writes to its data files: copies in `DIR/.state/`, so that every run starts from
+/// the files as the user wrote them and git sees no change. A data set that is live is bound to its own file
+/// instead. Reads and writes disk: not for the cell thread, except in lock-step.
 class StateFolder {
  public:
   /// Empties the folder unless `keep`.

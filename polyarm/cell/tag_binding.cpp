@@ -30,15 +30,20 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
       const auto from_table = table.find_state(tag.interface);
       std::vector<std::string> known = table.state_names();
       known.insert(known.end(), own.names().begin(), own.names().end());
-      if (from_cell) in_.push_back({tag, true, *from_cell});
-      else if (from_table) in_.push_back({tag, false, *from_table});
-      else problems.error("unknown-interface", tag.where, "the tag '" + tag.name + "' reads '" + tag.interface +
-                          "', which nothing offers" + did_you_mean(tag.interface, known));
+      if (from_cell)
+        in_.push_back({tag, true, *from_cell});
+      else if (from_table)
+        in_.push_back({tag, false, *from_table});
+      else
+        problems.error("unknown-interface", tag.where,
+                       "the tag '" + tag.name + "' reads '" + tag.interface + "', which nothing offers" +
+                           did_you_mean(tag.interface, known));
     }
     if (tag.role == data::TagRole::command) {
       if (!table.find_command(tag.interface)) {
-        problems.error("unknown-interface", tag.where, "the tag '" + tag.name + "' drives '" + tag.interface +
-                       "', which nothing offers" + did_you_mean(tag.interface, table.command_names()));
+        problems.error("unknown-interface", tag.where,
+                       "the tag '" + tag.name + "' drives '" + tag.interface + "', which nothing offers" +
+                           did_you_mean(tag.interface, table.command_names()));
         continue;
       }
       const auto at = std::find(command_names_.begin(), command_names_.end(), tag.interface);

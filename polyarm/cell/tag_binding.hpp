@@ -14,7 +14,8 @@
 
 namespace polyarm::cell {
 
-/// States that the cell itself offers beside those of the hardware: `program/pass`, `arm/tcp/x`, … Cell thread.
+/// States that the cell itself offers beside those of the hardware: `program/pass`, `arm/tcp/x`, … Cell
+/// thread.
 class CellStates {
  public:
   std::size_t add(std::string name);
@@ -32,8 +33,8 @@ class CellStates {
 class TagBinding {
  public:
   /// Declares the tags in the store. Problems: interfaces that do not exist, with the nearest name.
-  TagBinding(const std::vector<signals::Tag>& tags, const hardware::InterfaceTable& table, const CellStates& own,
-             data::DataStore& store, Problems& problems);
+  TagBinding(const std::vector<signals::Tag>& tags, const hardware::InterfaceTable& table,
+             const CellStates& own, data::DataStore& store, Problems& problems);
 
   /// Command interfaces that tags drive, in the order of the values given to `io`.
   const std::vector<std::string>& command_names() const { return command_names_; }

@@ -40,12 +40,23 @@ bool Task::ended() const {
 std::string Task::sentence() const {
   std::string out = fmt::format("{}: {}", status_.where.text(), status_.source);
   switch (status_.waiting.kind) {
-    case program::WaitKind::condition: out += ", waits for " + join(status_.waiting.names, ", "); break;
-    case program::WaitKind::move: out += ", moves to " + status_.waiting.text; break;
-    case program::WaitKind::user: out += ", waits for a person"; break;
-    case program::WaitKind::load: out += ", loads " + status_.waiting.text; break;
-    case program::WaitKind::time: out += ", waits for time to pass"; break;
-    case program::WaitKind::none: break;
+    case program::WaitKind::condition:
+      out += ", waits for " + join(status_.waiting.names, ", ");
+      break;
+    case program::WaitKind::move:
+      out += ", moves to " + status_.waiting.text;
+      break;
+    case program::WaitKind::user:
+      out += ", waits for a person";
+      break;
+    case program::WaitKind::load:
+      out += ", loads " + status_.waiting.text;
+      break;
+    case program::WaitKind::time:
+      out += ", waits for time to pass";
+      break;
+    case program::WaitKind::none:
+      break;
   }
   return out;
 }

@@ -18,9 +18,11 @@ namespace {
 
 JointType type_of(const Yaml& yaml) {
   const std::string text = yaml.text();
-  for (const JointType type : {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic})
+  for (const JointType type :
+       {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic})
     if (text == name(type)) return type;
-  throw Error(Problem{"bad-value", yaml.where(), "'" + text + "' is no joint type", "fixed, revolute, continuous or prismatic"});
+  throw Error(Problem{"bad-value", yaml.where(), "'" + text + "' is no joint type",
+                      "fixed, revolute, continuous or prismatic"});
 }
 
 std::optional<double> optional_number(const Yaml& yaml, Dimension dimension) {
@@ -29,8 +31,9 @@ std::optional<double> optional_number(const Yaml& yaml, Dimension dimension) {
 }
 
 NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
-  yaml.check_keys({"name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper", "velocity", "effort",
-                   "acceleration", "jerk", "damping", "friction"}, problems);
+  yaml.check_keys({"name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper", "velocity",
+                   "effort", "acceleration", "jerk", "damping", "friction"},
+                  problems);
   NamedJoint out;
   out.where = yaml.where();
   out.joint.name = yaml.required("name").text();
@@ -43,10 +46,11 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   const Dimension place = slides ? Dimension::length : Dimension::angle;
   out.joint.limits.lower = optional_number(yaml["lower"], place);
   out.joint.limits.upper = optional_number(yaml["upper"], place);
-  out.joint.limits.velocity = optional_number(yaml["velocity"], slides ? Dimension::speed : Dimension::angular_speed);
+  out.joint.limits.velocity =
+      optional_number(yaml["velocity"], slides ? Dimension::speed : Dimension::angular_speed);
   out.joint.limits.effort = optional_number(yaml["effort"], slides ? Dimension::force : Dimension::torque);
-  out.joint.limits.acceleration =
-      optional_number(yaml["acceleration"], slides ? Dimension::acceleration : Dimension::angular_acceleration);
+  out.joint.limits.acceleration = optional_number(
+      yaml["acceleration"], slides ? Dimension::acceleration : Dimension::angular_acceleration);
   out.joint.limits.jerk = optional_number(yaml["jerk"], Dimension::none);
   out.joint.damping = yaml["damping"].number(Dimension::none, 0);
   out.joint.friction = yaml["friction"].number(Dimension::none, 0);
@@ -102,7 +106,8 @@ void read_named_states(const Yaml& yaml, RobotModel& model, Problems& problems) 
     for (const std::string& joint : yaml[state].keys()) {
       const auto found = std::find(names.begin(), names.end(), joint);
       if (found == names.end())
-        problems.error("unknown-joint", yaml[state].key_location(joint), "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+        problems.error("unknown-joint", yaml[state].key_location(joint),
+                       "there is no joint '" + joint + "'" + did_you_mean(joint, names));
       else
         values[static_cast<std::size_t>(found - names.begin())] = yaml[state][joint].number(Dimension::angle);
     }
@@ -143,7 +148,8 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
     for (const fs::path& file : here)
       if (seen.insert(name_of(file)).second) out.push_back(file);
   }
-  std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return name_of(a) < name_of(b); });
+  std::sort(out.begin(), out.end(),
+            [](const fs::path& a, const fs::path& b) { return name_of(a) < name_of(b); });
   return out;
 }
 
@@ -154,10 +160,14 @@ RobotModel read_robot_file(const fs::path& path) {
   Problems problems;
   const std::string kind = yaml["polyarm"].text("");
   if (kind != "robot/1")
-    throw Error(Problem{"wrong-kind", yaml.where(), kind.empty() ? "this is not a robot file: it does not say 'polyarm: robot/1'"
-                                                                 : "this is a '" + kind + "' file, a robot/1 was expected", {}});
-  yaml.check_keys({"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints", "links",
-                   "named_states", "allowed_collisions"}, problems);
+    throw Error(Problem{"wrong-kind",
+                        yaml.where(),
+                        kind.empty() ? "this is not a robot file: it does not say 'polyarm: robot/1'"
+                                     : "this is a '" + kind + "' file, a robot/1 was expected",
+                        {}});
+  yaml.check_keys({"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints",
+                   "links", "named_states", "allowed_collisions"},
+                  problems);
   RobotModel model;
   model.name = path.stem().string();
   std::vector<NamedJoint> joints;
@@ -169,8 +179,10 @@ RobotModel read_robot_file(const fs::path& path) {
     }
   };
   attempt([&] { read_provenance(yaml, model); });
-  for (const Yaml& link : yaml["links"].items()) attempt([&] { model.links.push_back(read_link(link, problems)); });
-  for (const Yaml& joint : yaml["joints"].items()) attempt([&] { joints.push_back(read_joint(joint, problems)); });
+  for (const Yaml& link : yaml["links"].items())
+    attempt([&] { model.links.push_back(read_link(link, problems)); });
+  for (const Yaml& joint : yaml["joints"].items())
+    attempt([&] { joints.push_back(read_joint(joint, problems)); });
   if (!problems.has_errors() && tie_together(model, std::move(joints), {path.string()}, problems)) {
     attempt([&] { read_named_states(yaml["named_states"], model, problems); });
     attempt([&] { read_allowed(yaml["allowed_collisions"], model, problems); });
@@ -184,8 +196,9 @@ std::vector<CatalogueEntry> Catalogue::entries() const {
   std::vector<CatalogueEntry> out;
   for (const fs::path& file : robot_files(folders_)) {
     const RobotModel model = read_robot_file(file);
-    out.push_back({name_of(file), model.provenance.maker, model.provenance.model, static_cast<int>(model.actuated.size()),
-                   model.provenance.reach_m, model.provenance.payload_kg, file});
+    out.push_back({name_of(file), model.provenance.maker, model.provenance.model,
+                   static_cast<int>(model.actuated.size()), model.provenance.reach_m,
+                   model.provenance.payload_kg, file});
   }
   return out;
 }
@@ -207,7 +220,8 @@ RobotModel Catalogue::load(const std::string& wanted) const {
   }
   if (matches.size() == 1) return read_robot_file(matches.front());
   if (all.empty())
-    throw Error("no-catalogue", "the catalogue of robots was not found", "set POLYARM_ROBOTS to the folder robots/ of Polyarm");
+    throw Error("no-catalogue", "the catalogue of robots was not found",
+                "set POLYARM_ROBOTS to the folder robots/ of Polyarm");
   throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, all),
               "`polyarm robots` lists them; a path to a .urdf file works too");
 }
@@ -229,7 +243,8 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
   std::error_code error;
   const std::string extension = path.extension().string();
   if (extension == ".yaml" && fs::exists(path, error)) return read_robot_file(path);
-  if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" || extension == ".xml")
+  if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
+      extension == ".xml")
     return read_urdf(read_file(path), path.string(), warnings);
   return catalogue.load(name_or_path);
 }

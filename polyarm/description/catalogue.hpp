@@ -19,13 +19,15 @@ struct CatalogueEntry {
 
 class Catalogue {
  public:
-  /// Robots of earlier folders hide those of the same name in later ones. Folders that do not exist are passed over.
+  /// Robots of earlier folders hide those of the same name in later ones. Folders that do not exist are
+  /// passed over.
   explicit Catalogue(std::vector<std::filesystem::path> folders) : folders_(std::move(folders)) {}
 
   /// Every robot, by name. Reads every file; throws Error for one that cannot be read.
   std::vector<CatalogueEntry> entries() const;
   std::vector<std::string> names() const;
-  /// The robot called `maker/model`, or `model` alone where that is clear. Throws Error("unknown-robot") with near names.
+  /// The robot called `maker/model`, or `model` alone where that is clear. Throws Error("unknown-robot") with
+  /// near names.
   RobotModel load(const std::string& name) const;
 
  private:

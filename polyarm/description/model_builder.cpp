@@ -17,7 +17,8 @@ Index index_links(const RobotModel& model, const Location& file, Problems& probl
   Index out;
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (!out.emplace(model.links[i].name, static_cast<int>(i)).second)
-      problems.error("duplicate-name", file, "two links are called '" + model.links[i].name + "'", "rename one of them");
+      problems.error("duplicate-name", file, "two links are called '" + model.links[i].name + "'",
+                     "rename one of them");
   return out;
 }
 
@@ -28,20 +29,24 @@ std::vector<std::string> names_of(const Index& index) {
 }
 
 /// Fills the link indices of the joints; false where a name is unknown.
-bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Index& links, Problems& problems) {
+bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Index& links,
+             Problems& problems) {
   bool good = true;
   std::map<std::string, int> seen;
   std::vector<int> parents(model.links.size(), 0);
   for (NamedJoint& j : joints) {
     if (seen[j.joint.name]++ > 0) {
-      problems.error("duplicate-name", j.where, "two joints are called '" + j.joint.name + "'", "rename one of them");
+      problems.error("duplicate-name", j.where, "two joints are called '" + j.joint.name + "'",
+                     "rename one of them");
       good = false;
     }
-    for (const auto& [link, target] : {std::pair{&j.parent, &j.joint.parent_link}, {&j.child, &j.joint.child_link}}) {
+    for (const auto& [link, target] :
+         {std::pair{&j.parent, &j.joint.parent_link}, {&j.child, &j.joint.child_link}}) {
       const auto found = links.find(*link);
       if (found == links.end()) {
-        problems.error("unknown-link", j.where, "the joint '" + j.joint.name + "' names the link '" + *link +
-                       "', which is not there" + did_you_mean(*link, names_of(links)));
+        problems.error("unknown-link", j.where,
+                       "the joint '" + j.joint.name + "' names the link '" + *link + "', which is not there" +
+                           did_you_mean(*link, names_of(links)));
         good = false;
       } else {
         *target = found->second;
@@ -57,7 +62,8 @@ bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Ind
 }
 
 /// Parents before children, otherwise in the order given.
-bool sort_joints(RobotModel& model, std::vector<NamedJoint>& joints, const Location& file, Problems& problems) {
+bool sort_joints(RobotModel& model, std::vector<NamedJoint>& joints, const Location& file,
+                 Problems& problems) {
   std::vector<std::string> roots;
   std::vector<char> placed(model.links.size(), 1);
   for (const NamedJoint& j : joints) placed[static_cast<std::size_t>(j.joint.child_link)] = 0;
@@ -67,7 +73,8 @@ bool sort_joints(RobotModel& model, std::vector<NamedJoint>& joints, const Locat
       model.root = static_cast<int>(i);
     }
   if (roots.size() > 1) {
-    problems.error("several-roots", file, "the links " + join(roots, ", ") + " have no parent; a robot has one root",
+    problems.error("several-roots", file,
+                   "the links " + join(roots, ", ") + " have no parent; a robot has one root",
                    "join them with fixed joints, or remove what does not belong to the robot");
     return false;
   }
@@ -97,12 +104,13 @@ bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Proble
     if (joints[i].mimics.empty()) continue;
     const int source = model.find_joint(joints[i].mimics);
     if (source < 0) {
-      problems.error("unknown-joint", joints[i].where, "the joint '" + joints[i].joint.name + "' mimics '" +
-                     joints[i].mimics + "', which is not there" + did_you_mean(joints[i].mimics, [&] {
-                       std::vector<std::string> names;
-                       for (const Joint& j : model.joints) names.push_back(j.name);
-                       return names;
-                     }()));
+      problems.error("unknown-joint", joints[i].where,
+                     "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics +
+                         "', which is not there" + did_you_mean(joints[i].mimics, [&] {
+                           std::vector<std::string> names;
+                           for (const Joint& j : model.joints) names.push_back(j.name);
+                           return names;
+                         }()));
       good = false;
       continue;
     }
@@ -112,13 +120,16 @@ bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Proble
   // Followers of followers are tied to the first in the row.
   for (std::size_t i = 0; i < joints.size(); ++i) {
     auto& mimic = model.joints[i].mimic;
-    for (std::size_t steps = 0; mimic && model.joints[static_cast<std::size_t>(mimic->joint)].mimic; ++steps) {
+    for (std::size_t steps = 0; mimic && model.joints[static_cast<std::size_t>(mimic->joint)].mimic;
+         ++steps) {
       if (steps > joints.size()) {
-        problems.error("circle", joints[i].where, "the joint '" + model.joints[i].name + "' mimics itself in the end");
+        problems.error("circle", joints[i].where,
+                       "the joint '" + model.joints[i].name + "' mimics itself in the end");
         return false;
       }
       const Mimic next = *model.joints[static_cast<std::size_t>(mimic->joint)].mimic;
-      *mimic = {next.joint, mimic->multiplier * next.multiplier, mimic->multiplier * next.offset + mimic->offset};
+      *mimic = {next.joint, mimic->multiplier * next.multiplier,
+                mimic->multiplier * next.offset + mimic->offset};
     }
   }
   return true;
@@ -127,11 +138,16 @@ bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Proble
 double volume(const Shape& s) {
   constexpr double pi = std::numbers::pi;
   switch (s.kind) {
-    case ShapeKind::box: return s.size.x * s.size.y * s.size.z;
-    case ShapeKind::cylinder: return pi * s.radius * s.radius * s.length;
-    case ShapeKind::sphere: return 4.0 / 3 * pi * s.radius * s.radius * s.radius;
-    case ShapeKind::capsule: return pi * s.radius * s.radius * (s.length + 4.0 / 3 * s.radius);
-    case ShapeKind::mesh: return 0;
+    case ShapeKind::box:
+      return s.size.x * s.size.y * s.size.z;
+    case ShapeKind::cylinder:
+      return pi * s.radius * s.radius * s.length;
+    case ShapeKind::sphere:
+      return 4.0 / 3 * pi * s.radius * s.radius * s.radius;
+    case ShapeKind::capsule:
+      return pi * s.radius * s.radius * (s.length + 4.0 / 3 * s.radius);
+    case ShapeKind::mesh:
+      return 0;
   }
   return 0;
 }
@@ -140,9 +156,11 @@ double volume(const Shape& s) {
 Vec3 unit_inertia(const Shape& s) {
   switch (s.kind) {
     case ShapeKind::box:
-      return {(s.size.y * s.size.y + s.size.z * s.size.z) / 12, (s.size.x * s.size.x + s.size.z * s.size.z) / 12,
+      return {(s.size.y * s.size.y + s.size.z * s.size.z) / 12,
+              (s.size.x * s.size.x + s.size.z * s.size.z) / 12,
               (s.size.x * s.size.x + s.size.y * s.size.y) / 12};
-    case ShapeKind::sphere: return {0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius};
+    case ShapeKind::sphere:
+      return {0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius};
     default: {  // a capsule is taken as a cylinder of its whole length
       const double l = s.length + (s.kind == ShapeKind::capsule ? 4.0 / 3 * s.radius : 0);
       const double across = (3 * s.radius * s.radius + l * l) / 12;
@@ -164,7 +182,8 @@ std::array<double, 6> rotated(const Quaternion& q, const Vec3& d) {
 
 }  // namespace
 
-bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems) {
+bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file,
+                  Problems& problems) {
   if (model.links.empty()) {
     problems.error("no-links", file, "the description has no links", "is this a robot description?");
     return false;
@@ -179,7 +198,8 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
   if (!tie_mimics(model, joints, problems)) return false;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const JointType type = model.joints[i].type;
-    const bool one_value = type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
+    const bool one_value =
+        type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
     if (one_value && !model.joints[i].mimic) model.actuated.push_back(static_cast<int>(i));
   }
   return true;
@@ -223,7 +243,7 @@ void complete_inertials(RobotModel& model, Problems& warnings) {
   for (Link& link : model.links) {
     if (link.parent_joint < 0 && !link.inertial) continue;  // the base does not move
     const bool has_mass = link.inertial && link.inertial->mass > 0;
-    if (!has_mass && link.collisions.empty()) continue;     // a frame
+    if (!has_mass && link.collisions.empty()) continue;  // a frame
     if (has_mass && plausible(*link.inertial)) continue;
     Inertial guess = inertial_of(link.collisions, kDensity);
     if (has_mass && guess.mass > 0) {
@@ -242,10 +262,14 @@ void complete_inertials(RobotModel& model, Problems& warnings) {
     link.inertial = guess;
   }
   if (!estimated.empty())
-    model.provenance.notes.push_back("mass and inertia estimated from the shapes of " + join(estimated, ", "));
+    model.provenance.notes.push_back("mass and inertia estimated from the shapes of " +
+                                     join(estimated, ", "));
   if (!repaired.empty()) {
-    model.provenance.notes.push_back("inertia estimated (the stated one belongs to no body) of " + join(repaired, ", "));
-    warnings.warning("inertia", {}, "the inertia of " + join(repaired, ", ") + " belongs to no body; estimated from shape and mass");
+    model.provenance.notes.push_back("inertia estimated (the stated one belongs to no body) of " +
+                                     join(repaired, ", "));
+    warnings.warning(
+        "inertia", {},
+        "the inertia of " + join(repaired, ", ") + " belongs to no body; estimated from shape and mass");
   }
 }
 

@@ -12,13 +12,15 @@ struct NamedJoint {
   Location where;
 };
 
-/// Ties joints to links: checks names, finds the root, sorts parents before children (otherwise the file's order),
-/// fills parent_joint, mimic and actuated. Adds what is wrong: unknown or duplicated names (nearest name), a link with
-/// two parents, several roots, circles, mimic circles. Returns false if the model cannot be used.
-bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems);
+/// Ties joints to links: checks names, finds the root, sorts parents before children (otherwise the file's
+/// order), fills parent_joint, mimic and actuated. Adds what is wrong: unknown or duplicated names (nearest
+/// name), a link with two parents, several roots, circles, mimic circles. Returns false if the model cannot
+/// be used.
+bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file,
+                  Problems& problems);
 
-/// Gives links without mass an estimate from their collision shapes (or a small body where they have none and move),
-/// repairs tensors that no body has, and notes both in the provenance.
+/// Gives links without mass an estimate from their collision shapes (or a small body where they have none and
+/// move), repairs tensors that no body has, and notes both in the provenance.
 void complete_inertials(RobotModel& model, Problems& warnings);
 
 /// Mass properties of the shapes at a density, kg/m³.

@@ -35,7 +35,8 @@ int RobotModel::tool_link() const {
   for (std::size_t i = 0; i < links.size(); ++i) {
     std::size_t depth = 0;
     for (int joint = links[i].parent_joint; joint >= 0;
-         joint = links[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].parent_link)].parent_joint)
+         joint = links[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].parent_link)]
+                     .parent_joint)
       depth += joints[static_cast<std::size_t>(joint)].moves() ? 1000 : 1;
     if (depth > best_depth) {
       best_depth = depth;

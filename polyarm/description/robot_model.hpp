@@ -50,7 +50,8 @@ const char* name(JointType type);
 struct JointLimits {
   std::optional<double> lower, upper;
   std::optional<double> velocity, effort;
-  std::optional<double> acceleration, jerk;  ///< not part of URDF; from catalogue, joint_limits.yaml or ros2_control
+  std::optional<double> acceleration,
+      jerk;  ///< not part of URDF; from catalogue, joint_limits.yaml or ros2_control
 };
 
 struct Mimic {
@@ -121,7 +122,8 @@ struct RobotModel {
   int find_joint(std::string_view joint) const;  ///< -1 if there is none
   /// The names of the actuated joints, in order.
   std::vector<std::string> joint_names() const;
-  /// The link where a tool is bolted on, z out of it: `tool0`, else `flange`, else the last link of the longest chain.
+  /// The link where a tool is bolted on, z out of it: `tool0`, else `flange`, else the last link of the
+  /// longest chain.
   int tool_link() const;
 };
 

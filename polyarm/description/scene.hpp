@@ -1,6 +1,6 @@
 #pragma once
-/// What stands around the robot: tools, parts, fixtures, feeders. Plain facts, fixed while the cell runs; where
-/// the parts are now is the world state (hardware/world_state.hpp). Metres, kg; poses in the world.
+/// What stands around the robot: tools, parts, fixtures, feeders. Plain facts, fixed while the cell runs;
+/// where the parts are now is the world state (hardware/world_state.hpp). Metres, kg; poses in the world.
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,10 +14,10 @@ enum class GripperKind { none, suction, parallel };
 /// A tool bolted to a robot's `tool0`.
 struct Tool {
   std::string name = "none";
-  Pose tcp;                     ///< T_tool0_tcp, z out of the tool
-  double mass = 0;              ///< kg
-  Vec3 center;                  ///< centre of mass in tool0
-  std::vector<Shape> body;      ///< in tool0; touching anything with these is a contact finding
+  Pose tcp;                 ///< T_tool0_tcp, z out of the tool
+  double mass = 0;          ///< kg
+  Vec3 center;              ///< centre of mass in tool0
+  std::vector<Shape> body;  ///< in tool0; touching anything with these is a contact finding
   GripperKind gripper = GripperKind::none;
   double cup_radius = 0.01;     ///< suction: radius of the lip, whose centre is the TCP
   double holding_force = 60;    ///< suction: pulls off beyond this, N
@@ -26,25 +26,25 @@ struct Tool {
   double grip_force = 40;       ///< parallel: force of each finger, N
   double finger_length = 0.04;  ///< parallel: length of the pads along z, ending at the TCP
   double finger_width = 0.02;
-  double closing_speed = 0.1;   ///< parallel: m/s of each finger
+  double closing_speed = 0.1;  ///< parallel: m/s of each finger
 };
 
 /// Where a part has to end up.
 struct Goal {
-  Vec3 at;             ///< of the part's origin (the centre of its shape)
-  std::string bin;     ///< name of the bin it must lie in; empty: none
+  Vec3 at;          ///< of the part's origin (the centre of its shape)
+  std::string bin;  ///< name of the bin it must lie in; empty: none
   double tolerance = 0.005;
 };
 
 struct Part {
   std::string name;
   std::string kind;
-  Shape shape;          ///< its pose is the identity; the part's origin is the shape's centre
+  Shape shape;  ///< its pose is the identity; the part's origin is the shape's centre
   double mass = 0.05;
   double friction = 0.8;
-  Pose start;           ///< in the world; unused while the part waits in a feeder
+  Pose start;  ///< in the world; unused while the part waits in a feeder
   std::optional<Goal> goal;
-  std::string feeder;   ///< name of the feeder that brings it; empty: it is there from the start
+  std::string feeder;  ///< name of the feeder that brings it; empty: it is there from the start
 };
 
 /// A thing that does not move unless it belongs to a mover.
@@ -71,16 +71,17 @@ struct Mover {
   double speed = 0.1, acceleration = 0.5;
 };
 
-/// Brings the parts that name it, one for each increase of its command `scene/<name>/feed` (a count), to `pose`.
-/// States: `scene/<name>/presented` (count so far), `scene/<name>/remaining`, `scene/<name>/present` (1 while a
-/// part is within its region), `scene/<name>/kind` (index into Scene::kinds of the part last presented, from 1).
+/// Brings the parts that name it, one for each increase of its command `scene/<name>/feed` (a count), to
+/// `pose`. States: `scene/<name>/presented` (count so far), `scene/<name>/remaining`, `scene/<name>/present`
+/// (1 while a part is within its region), `scene/<name>/kind` (index into Scene::kinds of the part last
+/// presented, from 1).
 struct Feeder {
   std::string name;
   Pose pose;
 };
 
-/// Takes the part that rests within its region away for each increase of its command `scene/<name>/take` (a count).
-/// States: `scene/<name>/present` (1 while a part rests in its region), `scene/<name>/taken` (count).
+/// Takes the part that rests within its region away for each increase of its command `scene/<name>/take` (a
+/// count). States: `scene/<name>/present` (1 while a part rests in its region), `scene/<name>/taken` (count).
 struct Outfeed {
   std::string name;
   Vec3 lower, upper;

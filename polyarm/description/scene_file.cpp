@@ -62,7 +62,8 @@ class SceneReader {
   void each(const char* section, Read read) {
     const Yaml all = yaml_[section];
     if (all.defined() && !all.is_map()) {
-      problems_.error("bad-value", all.where(), std::string("'") + section + "' must be a map of names", "write 'NAME: {…}' below it");
+      problems_.error("bad-value", all.where(), std::string("'") + section + "' must be a map of names",
+                      "write 'NAME: {…}' below it");
       return;
     }
     for (const std::string& name : all.keys()) {
@@ -80,8 +81,9 @@ class SceneReader {
       problems_.error("wrong-kind", yaml_.where(),
                       kind.empty() ? "this is not a scene file: it does not say 'polyarm: scene/1'"
                                    : "this is a '" + kind + "' file, a scene/1 was expected");
-    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "feeders", "outfeeds", "sensors",
-                      "cameras", "parts"}, problems_);
+    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "feeders", "outfeeds",
+                      "sensors", "cameras", "parts"},
+                     problems_);
     const Yaml floor = yaml_["floor"];
     if (floor.is_map()) {
       scene_.floor_height = floor["height"].number(Dimension::length, 0);
@@ -96,14 +98,16 @@ class SceneReader {
     Mover out;
     out.name = name;
     const Vec3 axis = y.required("axis").vec3(Dimension::none);
-    if (!(norm(axis) > 0)) throw Error(Problem{"bad-value", y["axis"].where(), "the axis has no direction", {}});
+    if (!(norm(axis) > 0))
+      throw Error(Problem{"bad-value", y["axis"].where(), "the axis has no direction", {}});
     out.axis = normalized(axis);
     out.lower = y["lower"].number(Dimension::length, out.lower);
     out.upper = y["upper"].number(Dimension::length, out.upper);
     out.speed = y["speed"].number(Dimension::speed, out.speed);
     out.acceleration = y["acceleration"].number(Dimension::acceleration, out.acceleration);
     if (!(out.lower < out.upper && out.speed > 0 && out.acceleration > 0))
-      throw Error(Problem{"bad-value", y.where(), "a mover needs lower < upper, and speed and acceleration above zero", {}});
+      throw Error(Problem{
+          "bad-value", y.where(), "a mover needs lower < upper, and speed and acceleration above zero", {}});
     scene_.movers.push_back(out);
   }
 
@@ -129,7 +133,8 @@ class SceneReader {
     }
     const Vec3 at = y.required("at").vec3(), inner = y.required("inner").vec3();
     const double wall = y["wall"].number(Dimension::length, 0.005);
-    scene_.bins.push_back({name, {at.x - inner.x / 2, at.y - inner.y / 2, at.z - 0.005},
+    scene_.bins.push_back({name,
+                           {at.x - inner.x / 2, at.y - inner.y / 2, at.z - 0.005},
                            {at.x + inner.x / 2, at.y + inner.y / 2, at.z + std::max(inner.z, 0.06)}});
     if (!y["walls"].boolean(true)) return;
     Fixture out;
@@ -162,12 +167,15 @@ class SceneReader {
       upper = at + 0.5 * size;
     }
     if (!(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
-      throw Error(Problem{"bad-value", y.where(), "the region is empty: lower must be below upper in x, y and z", {}});
+      throw Error(Problem{
+          "bad-value", y.where(), "the region is empty: lower must be below upper in x, y and z", {}});
     return {lower, upper};
   }
 
   void parts(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal", "feeder"}), problems_);
+    y.check_keys(with_shapes({"count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal",
+                              "feeder"}),
+                 problems_);
     Part part;
     part.kind = y["kind"].text(name);
     part.shape = read_shape(y);
@@ -175,16 +183,19 @@ class SceneReader {
     part.friction = y["friction"].number(Dimension::none, part.friction);
     part.start = y.pose();
     part.feeder = y["feeder"].text("");
-    if (!(part.mass > 0)) throw Error(Problem{"bad-value", y["mass"].where(), "a part's mass must be above zero", {}});
+    if (!(part.mass > 0))
+      throw Error(Problem{"bad-value", y["mass"].where(), "a part's mass must be above zero", {}});
     known(part.feeder, names_of(scene_.feeders), y["feeder"], "feeder");
     if (part.feeder.empty() && !y.has("at") && !y.has("xyz"))
       problems_.error("missing-key", y.where(), "the part '" + name + "' has neither 'at' nor a 'feeder'");
     if (const Yaml goal = y["goal"]; goal.defined()) part.goal = read_goal(goal);
     const double count = y["count"].number(Dimension::none, 1);
     if (!(count >= 1 && count <= 1000 && count == std::floor(count)))
-      throw Error(Problem{"bad-value", y["count"].where(), "count must be a whole number from 1 to 1000", {}});
+      throw Error(
+          Problem{"bad-value", y["count"].where(), "count must be a whole number from 1 to 1000", {}});
     if (count > 1 && part.feeder.empty())
-      throw Error(Problem{"bad-value", y["count"].where(), "several parts cannot stand in one place", "give them a feeder, or a place each"});
+      throw Error(Problem{"bad-value", y["count"].where(), "several parts cannot stand in one place",
+                          "give them a feeder, or a place each"});
     if (std::find(scene_.kinds.begin(), scene_.kinds.end(), part.kind) == scene_.kinds.end())
       scene_.kinds.push_back(part.kind);
     for (int i = 1; i <= static_cast<int>(count); ++i) {
@@ -203,10 +214,13 @@ class SceneReader {
     return out;
   }
 
-  void known(const std::string& name, const std::vector<std::string>& names, const Yaml& where, const char* what) {
+  void known(const std::string& name, const std::vector<std::string>& names, const Yaml& where,
+             const char* what) {
     if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return;
-    problems_.error("unknown-name", where.where(), std::string("there is no ") + what + " '" + name + "'" + did_you_mean(name, names),
-                    names.empty() ? std::string("the scene has no ") + what + "s" : "known are: " + join(names, ", "));
+    problems_.error(
+        "unknown-name", where.where(),
+        std::string("there is no ") + what + " '" + name + "'" + did_you_mean(name, names),
+        names.empty() ? std::string("the scene has no ") + what + "s" : "known are: " + join(names, ", "));
   }
 
   const Yaml& yaml_;
@@ -216,8 +230,12 @@ class SceneReader {
 
 }  // namespace
 
-Scene read_scene(const Yaml& yaml) { return SceneReader(yaml).read(); }
+Scene read_scene(const Yaml& yaml) {
+  return SceneReader(yaml).read();
+}
 
-Scene read_scene(const std::string& path) { return read_scene(Yaml::load(path)); }
+Scene read_scene(const std::string& path) {
+  return read_scene(Yaml::load(path));
+}
 
 }  // namespace polyarm::description

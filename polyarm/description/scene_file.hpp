@@ -6,7 +6,8 @@
 
 namespace polyarm::description {
 
-/// Reads `polyarm: scene/1`. Throws Error with everything that is wrong in it, names checked against each other.
+/// Reads `polyarm: scene/1`. Throws Error with everything that is wrong in it, names checked against each
+/// other.
 Scene read_scene(const std::string& path);
 Scene read_scene(const Yaml& yaml);
 

@@ -13,7 +13,8 @@ namespace {
 double positive(const Yaml& yaml) {
   const double value = yaml.number(Dimension::length);
   if (!(value > 0))
-    throw Error(Problem{"bad-value", yaml.where(), "'" + yaml.text() + "' is no size: it must be above zero", {}});
+    throw Error(
+        Problem{"bad-value", yaml.where(), "'" + yaml.text() + "' is no size: it must be above zero", {}});
   return value;
 }
 }  // namespace
@@ -23,9 +24,10 @@ Shape read_shape(const Yaml& yaml) {
   for (const std::string& key : shape_keys())
     if (yaml.has(key)) said.push_back(key);
   if (said.size() != 1)
-    throw Error(Problem{"missing-key", yaml.where(),
-                        said.empty() ? "no shape is given here" : "more than one shape is given here: " + join(said, ", "),
-                        "give one of: " + join(shape_keys(), ", ")});
+    throw Error(Problem{
+        "missing-key", yaml.where(),
+        said.empty() ? "no shape is given here" : "more than one shape is given here: " + join(said, ", "),
+        "give one of: " + join(shape_keys(), ", ")});
   Shape out;
   const Yaml value = yaml[said.front()];
   if (said.front() == "box") {

@@ -52,7 +52,8 @@ GripperKind gripper_of(const Yaml& yaml) {
   if (kind == "none") return GripperKind::none;
   if (kind == "suction") return GripperKind::suction;
   if (kind == "parallel") return GripperKind::parallel;
-  throw Error(Problem{"bad-value", yaml.where(), "'" + kind + "' is no gripper", "none, suction or parallel"});
+  throw Error(
+      Problem{"bad-value", yaml.where(), "'" + kind + "' is no gripper", "none, suction or parallel"});
 }
 
 }  // namespace
@@ -64,8 +65,9 @@ const std::vector<std::string>& built_in_tools() {
 
 Tool read_tool(const Yaml& yaml, const std::string& name) {
   Problems problems;
-  yaml.check_keys({"polyarm", "tcp", "mass", "center", "body", "gripper", "cup_radius", "holding_force", "reach",
-                   "stroke", "grip_force", "finger_length", "finger_width", "closing_speed"}, problems);
+  yaml.check_keys({"polyarm", "tcp", "mass", "center", "body", "gripper", "cup_radius", "holding_force",
+                   "reach", "stroke", "grip_force", "finger_length", "finger_width", "closing_speed"},
+                  problems);
   problems.throw_if_errors();
   Tool tool;
   tool.name = name;

@@ -9,7 +9,8 @@ namespace polyarm::description {
 
 /// The tools that come with Polyarm: none, suction_cup, parallel_gripper.
 const std::vector<std::string>& built_in_tools();
-/// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with near names.
+/// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with
+/// near names.
 Tool find_tool(const std::string& name, const std::string& folder);
 /// Reads a tool file's content.
 Tool read_tool(const Yaml& yaml, const std::string& name);

@@ -14,9 +14,10 @@ struct UrdfOptions {
   std::vector<std::filesystem::path> package_folders;
 };
 
-/// Reads URDF with its <ros2_control> blocks. Odd but legal files are accepted: axes that are not unit, missing inertials
-/// and limits, any order. Warnings are added; throws Error with line and reason for what cannot be a robot: syntax,
-/// several roots, unknown or duplicated names, circles, numbers that are none, xacro that has not been expanded.
+/// Reads URDF with its <ros2_control> blocks. Odd but legal files are accepted: axes that are not unit,
+/// missing inertials and limits, any order. Warnings are added; throws Error with line and reason for what
+/// cannot be a robot: syntax, several roots, unknown or duplicated names, circles, numbers that are none,
+/// xacro that has not been expanded.
 RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
                      const UrdfOptions& options = {});
 

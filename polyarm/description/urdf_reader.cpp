@@ -23,11 +23,15 @@ class UrdfReader {
 
   RobotModel read(std::string_view text) {
     if (text.find("<xacro:") != std::string_view::npos)
-      throw Error(Problem{"xacro", {file_, line_of(text, "<xacro:")}, "this file is xacro: it has to be expanded to URDF first",
+      throw Error(Problem{"xacro",
+                          {file_, line_of(text, "<xacro:")},
+                          "this file is xacro: it has to be expanded to URDF first",
                           "run `xacro FILE > robot.urdf` and name that file"});
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
-      throw Error(Problem{"xml-syntax", {file_, document.ErrorLineNum()}, "not valid XML: " + std::string(document.ErrorName()),
+      throw Error(Problem{"xml-syntax",
+                          {file_, document.ErrorLineNum()},
+                          "not valid XML: " + std::string(document.ErrorName()),
                           "check that every element is closed and every quote has its partner"});
     const XMLElement* robot = document.FirstChildElement("robot");
     if (!robot)
@@ -50,14 +54,18 @@ class UrdfReader {
   }
 
   static int line_of(std::string_view text, std::string_view what) {
-    return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(what)), '\n'));
+    return 1 + static_cast<int>(std::count(
+                   text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(what)), '\n'));
   }
 
   void element(const XMLElement& e) {
     const std::string tag = e.Name();
-    if (tag == "link") link(e);
-    else if (tag == "joint") joint(e);
-    else if (tag == "ros2_control") hardware(e);
+    if (tag == "link")
+      link(e);
+    else if (tag == "joint")
+      joint(e);
+    else if (tag == "ros2_control")
+      hardware(e);
     else if (tag != "material" && tag != "gazebo" && tag != "transmission" && passed_over_.insert(tag).second)
       warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
   }
@@ -65,7 +73,8 @@ class UrdfReader {
   std::string attribute(const XMLElement& e, const char* name) {
     const char* value = e.Attribute(name);
     const std::string text(value ? trim(value) : "");
-    if (text.empty()) error(e, "missing-attribute", std::string("<") + e.Name() + "> has no attribute '" + name + "'");
+    if (text.empty())
+      error(e, "missing-attribute", std::string("<") + e.Name() + "> has no attribute '" + name + "'");
     return text;
   }
 
@@ -100,8 +109,10 @@ class UrdfReader {
     Link out;
     out.name = attribute(e, "name");
     if (const XMLElement* i = e.FirstChildElement("inertial")) out.inertial = inertial(*i);
-    for (const XMLElement* v = e.FirstChildElement("visual"); v; v = v->NextSiblingElement("visual")) shape(*v, out.visuals);
-    for (const XMLElement* c = e.FirstChildElement("collision"); c; c = c->NextSiblingElement("collision")) shape(*c, out.collisions);
+    for (const XMLElement* v = e.FirstChildElement("visual"); v; v = v->NextSiblingElement("visual"))
+      shape(*v, out.visuals);
+    for (const XMLElement* c = e.FirstChildElement("collision"); c; c = c->NextSiblingElement("collision"))
+      shape(*c, out.collisions);
     model_.links.push_back(std::move(out));
   }
 
@@ -116,7 +127,8 @@ class UrdfReader {
     }
     if (const XMLElement* t = e.FirstChildElement("inertia")) {
       std::size_t k = 0;
-      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) out.inertia[k++] = number(t, name).value_or(0);
+      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+        out.inertia[k++] = number(t, name).value_or(0);
       out.inertia = turned(out.inertia, frame.rotation);
     }
     return out.mass > 0 ? std::optional(out) : std::nullopt;
@@ -190,8 +202,8 @@ class UrdfReader {
   JointType joint_type(const XMLElement& e) {
     const std::string text = attribute(e, "type");
     std::vector<std::string> names;
-    for (const JointType type : {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic,
-                                 JointType::planar, JointType::floating}) {
+    for (const JointType type : {JointType::fixed, JointType::revolute, JointType::continuous,
+                                 JointType::prismatic, JointType::planar, JointType::floating}) {
       if (text == name(type)) return type;
       names.emplace_back(name(type));
     }
@@ -206,8 +218,10 @@ class UrdfReader {
     out.joint.type = joint_type(e);
     for (const auto& [tag, name] : {std::pair{"parent", &out.parent}, {"child", &out.child}}) {
       const XMLElement* end = e.FirstChildElement(tag);
-      if (end) *name = attribute(*end, "link");
-      else error(e, "missing-tag", "the joint '" + out.joint.name + "' has no <" + tag + ">");
+      if (end)
+        *name = attribute(*end, "link");
+      else
+        error(e, "missing-tag", "the joint '" + out.joint.name + "' has no <" + tag + ">");
     }
     out.joint.origin = origin(e);
     axis(e, out.joint);
@@ -228,7 +242,8 @@ class UrdfReader {
     if (!a || !joint.moves()) return;
     const Vec3 given = vector(*a, "xyz", {1, 0, 0});
     const double length = norm(given);
-    if (!(length > 1e-9)) return error(*a, "zero-axis", "the axis of the joint '" + joint.name + "' has no direction");
+    if (!(length > 1e-9))
+      return error(*a, "zero-axis", "the axis of the joint '" + joint.name + "' has no direction");
     joint.axis = std::abs(length - 1) < 1e-12 ? given : (1 / length) * given;
   }
 
@@ -236,30 +251,37 @@ class UrdfReader {
     const XMLElement* l = e.FirstChildElement("limit");
     const bool ranged = joint.type == JointType::revolute || joint.type == JointType::prismatic;
     if (!l && ranged)
-      warnings_.warning("no-limit", at(e), "the joint '" + joint.name + "' has no <limit>", "it is taken as unlimited");
+      warnings_.warning("no-limit", at(e), "the joint '" + joint.name + "' has no <limit>",
+                        "it is taken as unlimited");
     if (!l) return;
     if (ranged) {
       joint.limits.lower = number(l, "lower").value_or(0);
       joint.limits.upper = number(l, "upper").value_or(0);
       if (*joint.limits.lower > *joint.limits.upper)
-        error(*l, "bad-limit", "the lower limit " + format_number(*joint.limits.lower) + " of '" + joint.name +
-              "' is above its upper limit " + format_number(*joint.limits.upper));
+        error(*l, "bad-limit",
+              "the lower limit " + format_number(*joint.limits.lower) + " of '" + joint.name +
+                  "' is above its upper limit " + format_number(*joint.limits.upper));
       if (*joint.limits.lower == *joint.limits.upper) {
-        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing", "it is taken as unlimited");
+        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing",
+                          "it is taken as unlimited");
         joint.limits.lower.reset();
         joint.limits.upper.reset();
       }
     }
-    for (const auto& [name, value] : {std::pair{"velocity", &joint.limits.velocity}, {"effort", &joint.limits.effort},
-                                      {"acceleration", &joint.limits.acceleration}, {"jerk", &joint.limits.jerk}})
+    for (const auto& [name, value] : {std::pair{"velocity", &joint.limits.velocity},
+                                      {"effort", &joint.limits.effort},
+                                      {"acceleration", &joint.limits.acceleration},
+                                      {"jerk", &joint.limits.jerk}})
       if (const auto stated = number(l, name); stated && *stated > 0) *value = *stated;
   }
 
-  // --- <ros2_control> -----------------------------------------------------------------------------------------
+  // --- <ros2_control>
+  // -----------------------------------------------------------------------------------------
 
   static void parameters(const XMLElement& e, std::map<std::string, std::string>& out) {
     for (const XMLElement* p = e.FirstChildElement("param"); p; p = p->NextSiblingElement("param"))
-      if (const char* name = p->Attribute("name")) out[name] = std::string(trim(p->GetText() ? p->GetText() : ""));
+      if (const char* name = p->Attribute("name"))
+        out[name] = std::string(trim(p->GetText() ? p->GetText() : ""));
   }
 
   void hardware(const XMLElement& e) {
@@ -294,8 +316,10 @@ class UrdfReader {
       if (const char* type = i->Attribute("data_type")) info.data_type = type;
       parameters(*i, info.parameters);
       if (const char* initial = i->Attribute("initial_value")) info.parameters["initial_value"] = initial;
-      for (const auto& [name, value] : {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
-        if (const auto text = info.parameters.find(name); text != info.parameters.end()) *value = parse_number(text->second);
+      for (const auto& [name, value] :
+           {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
+        if (const auto text = info.parameters.find(name); text != info.parameters.end())
+          *value = parse_number(text->second);
       out.push_back(std::move(info));
     }
   }
@@ -305,8 +329,9 @@ class UrdfReader {
     for (const Joint& joint : model_.joints) names.push_back(joint.name);
     for (const ComponentInfo& component : hardware.components)
       if (component.kind == "joint" && model_.find_joint(component.name) < 0)
-        problems_.error("unknown-joint", hardware.where, "<ros2_control> '" + hardware.name + "' names the joint '" +
-                        component.name + "', which the robot does not have" + did_you_mean(component.name, names));
+        problems_.error("unknown-joint", hardware.where,
+                        "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
+                            "', which the robot does not have" + did_you_mean(component.name, names));
   }
 
   std::string file_;
@@ -320,7 +345,8 @@ class UrdfReader {
 
 }  // namespace
 
-RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings, const UrdfOptions& options) {
+RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
+                     const UrdfOptions& options) {
   return UrdfReader(file, warnings, options).read(text);
 }
 

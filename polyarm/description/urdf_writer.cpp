@@ -9,7 +9,9 @@ namespace polyarm::description {
 
 namespace {
 
-std::string text_of(const Vec3& v) { return format_number(v.x) + " " + format_number(v.y) + " " + format_number(v.z); }
+std::string text_of(const Vec3& v) {
+  return format_number(v.x) + " " + format_number(v.y) + " " + format_number(v.z);
+}
 
 class UrdfWriter {
  public:
@@ -42,9 +44,15 @@ class UrdfWriter {
     origin(s.pose);
     open("geometry");
     switch (s.kind) {
-      case ShapeKind::box: leaf("box", {{"size", text_of(s.size)}}); break;
-      case ShapeKind::sphere: leaf("sphere", {{"radius", format_number(s.radius)}}); break;
-      case ShapeKind::mesh: leaf("mesh", {{"filename", s.mesh}, {"scale", text_of(s.scale)}}); break;
+      case ShapeKind::box:
+        leaf("box", {{"size", text_of(s.size)}});
+        break;
+      case ShapeKind::sphere:
+        leaf("sphere", {{"radius", format_number(s.radius)}});
+        break;
+      case ShapeKind::mesh:
+        leaf("mesh", {{"filename", s.mesh}, {"scale", text_of(s.scale)}});
+        break;
       case ShapeKind::cylinder:
       case ShapeKind::capsule:
         leaf(s.kind == ShapeKind::cylinder ? "cylinder" : "capsule",
@@ -62,7 +70,8 @@ class UrdfWriter {
       leaf("mass", {{"value", format_number(i.mass)}});
       Attributes tensor;
       std::size_t k = 0;
-      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) tensor.emplace_back(name, format_number(i.inertia[k++]));
+      for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+        tensor.emplace_back(name, format_number(i.inertia[k++]));
       leaf("inertia", tensor);
       xml_.CloseElement();
     }
@@ -78,15 +87,21 @@ class UrdfWriter {
     if (joint.moves()) leaf("axis", {{"xyz", text_of(joint.axis)}});
     Attributes limit;
     const JointLimits& l = joint.limits;
-    for (const auto& [name, value] : {std::pair{"lower", l.lower}, {"upper", l.upper}, {"velocity", l.velocity},
-                                      {"effort", l.effort}, {"acceleration", l.acceleration}, {"jerk", l.jerk}})
+    for (const auto& [name, value] : {std::pair{"lower", l.lower},
+                                      {"upper", l.upper},
+                                      {"velocity", l.velocity},
+                                      {"effort", l.effort},
+                                      {"acceleration", l.acceleration},
+                                      {"jerk", l.jerk}})
       if (value) limit.emplace_back(name, format_number(*value));
     if (!limit.empty()) leaf("limit", limit);
     if (joint.damping != 0 || joint.friction != 0)
-      leaf("dynamics", {{"damping", format_number(joint.damping)}, {"friction", format_number(joint.friction)}});
+      leaf("dynamics",
+           {{"damping", format_number(joint.damping)}, {"friction", format_number(joint.friction)}});
     if (joint.mimic)
       leaf("mimic", {{"joint", model.joints[static_cast<std::size_t>(joint.mimic->joint)].name},
-                     {"multiplier", format_number(joint.mimic->multiplier)}, {"offset", format_number(joint.mimic->offset)}});
+                     {"multiplier", format_number(joint.mimic->multiplier)},
+                     {"offset", format_number(joint.mimic->offset)}});
     xml_.CloseElement();
   }
   void write_parameters(const std::map<std::string, std::string>& parameters) {
@@ -131,7 +146,9 @@ class UrdfWriter {
 
 }  // namespace
 
-std::string write_urdf(const RobotModel& model) { return UrdfWriter().write(model); }
+std::string write_urdf(const RobotModel& model) {
+  return UrdfWriter().write(model);
+}
 
 bool is_launch_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
@@ -153,7 +170,8 @@ LaunchHints find_in_launch_file(std::string_view text) {
 }
 
 std::string LaunchHints::line() const {
-  std::string out = "polyarm run --description " + (descriptions.empty() ? std::string("FILE.urdf") : descriptions.front());
+  std::string out =
+      "polyarm run --description " + (descriptions.empty() ? std::string("FILE.urdf") : descriptions.front());
   if (!controllers.empty()) out += " --controllers " + controllers.front();
   return out;
 }

@@ -236,7 +236,7 @@ IkResult solve_nearest(const Chain& chain, const Pose& target, std::span<const d
   if (!question.out_of_bounds() && descend(question, q, question.seed, nullptr)) {
     const std::span<const double> direct(q.data(), chain.joints());
     const double change = largest_change(direct, question.seed);
-    if (change <= kSameBranch || (change <= kNearby && smallest_singular_value(chain, direct) >= kSingular))
+    if (change <= kSameBranch || (change <= kNearby && smallest_singular_value(chain, direct) >= kVerySingular))
       return solved(question, direct);
   }
   const std::vector<std::vector<double>> found = collect(question);

@@ -57,8 +57,9 @@ std::vector<std::vector<double>> find_solutions(const Chain& chain, const Pose& 
 /// never turns into a change of branch.
 IkResult solve_nearest(const Chain& chain, const Pose& target, std::span<const double> current,
                        std::span<const double> home, const IkOptions& options = {});
-inline constexpr double kNearby = 1.0;      // rad
+inline constexpr double kNearby = 2.2;        // rad or m: the same configuration, unless it ends very near a singularity
 inline constexpr double kSameBranch = 0.2;  // rad
+inline constexpr double kVerySingular = 0.001;  // of smallest_singular_value()
 inline constexpr double kSingular = 0.01;   // of smallest_singular_value()
 
 /// How far `q` is from a singularity: the smallest singular value of the Jacobian with lengths measured in

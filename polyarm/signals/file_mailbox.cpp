@@ -222,6 +222,7 @@ class FileMailbox::Io {
   void look_at_file() {
     watch_.collect();
     const bool told = watch_.take_rewritten();
+    if (told) last_found_ = {};
     const FileWatch::Label label = watch_.standing();
     struct stat now {};
     if (::stat(path_.c_str(), &now) != 0) return missing();
@@ -269,8 +270,9 @@ class FileMailbox::Io {
   void consider(const std::string& content, const Identity& found, FileWatch::Label label) {
     Problems problems;
     data::ImportFile file = data::ImportFile::parse(content, path_, problems);
-    same_looks_ = content == last_seen_ ? same_looks_ + 1 : 0;
+    same_looks_ = content == last_seen_ && found == last_found_ ? same_looks_ + 1 : 0;
     last_seen_ = content;
+    last_found_ = found;
     const bool settled = same_looks_ >= options_.looks_until_settled;
     if (problems.has_errors() || (!settled && !plausible(content, file, names_in_file_))) {
       held_ = true;
@@ -296,6 +298,7 @@ class FileMailbox::Io {
   std::uint64_t absorb(data::ImportFile file, std::optional<std::uint64_t> read) {
     const auto result =
         merge_.outside(values_of(file), read ? std::span(&*read, 1) : std::span<const std::uint64_t>{});
+    needs_write_ = needs_write_ || result.write_back;
     image_ = std::move(file);
     for (const auto& [name, value] : merge_.present()) image_.set(name, value);
     if (!result.changes.empty()) report({MailboxEvent::Kind::changed, result.changes, {}});
@@ -406,7 +409,8 @@ class FileMailbox::Io {
   Descriptor standing_;      ///< the file itself, to read it again
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
-  std::string last_seen_;
+  std::string last_seen_;    ///< of a file that may be half written
+  Identity last_found_;
   int same_looks_ = 0;
   bool held_ = false;  ///< the file looks half written: we do not write now
   bool needs_write_ = false;

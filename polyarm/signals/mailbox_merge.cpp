@@ -66,8 +66,10 @@ MailboxMerge::Result MailboxMerge::outside(const Values& content, std::span<cons
     if (before != base.values.end() && before->second == value) continue;
     if (set(name, value)) result.changes.emplace_back(name, value);
   }
-  remember(content);
-  result.write_back = differs_from_file();
+  result.write_back = differences(present_, content) > 0;
+  Values complete = content;
+  complete.insert(base.values.begin(), base.values.end());
+  remember(std::move(complete));
   return result;
 }
 
