@@ -156,7 +156,8 @@ void Cell::tick(Nanoseconds now) {
   if (!failure_ && plc_) plc_->tick();
   if (!failure_ && program_ && snapshot.state == control::RunState::running) program_->tick();
   tags_->write();
-  files_->write_through(now);
+  files_->exchange(now);
+  for (const Problem& problem : files_->take_warnings()) observer_.on_problem(now, problem);
   parts_.update(now, snapshot.world);
   contacts_max_ = std::max(contacts_max_, snapshot.world.contacts);
   tracking_error_max_ = std::max(tracking_error_max_, snapshot.world.tracking_error);

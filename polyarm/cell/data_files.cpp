@@ -9,6 +9,8 @@ namespace polyarm::cell {
 namespace {
 /// In lock-step, files are brought up to date at most this often, in cell time.
 constexpr Nanoseconds kLockStepWrites = 1'000'000'000;
+/// In lock-step, files of live sets are looked at this often, in cell time.
+constexpr Nanoseconds kLockStepLooks = 20'000'000;
 
 std::string set_name(const data::ImportFile& file) {
   return std::filesystem::path(file.file()).stem().string();
@@ -19,27 +21,43 @@ DataFiles::DataFiles(data::DataStore& store, StateFolder folder, Worker& worker,
     : store_(store), folder_(std::move(folder)), worker_(worker), lock_step_(lock_step) {}
 
 std::int64_t DataFiles::start_load(const std::string& name, const Location& where) {
-  write_through(written_);
+  exchange(written_);
   write_dirty();  // what is read back must have what was set before
   auto load = std::make_shared<Load>();
   load->name = name;
+  load->where = where;
+  if (const auto bound = files_.find(name); bound != files_.end() && bound->second.box)
+    load->look = bound->second.box->look_from_now();
   const std::int64_t handle = next_++;
   loads_[handle] = load;
-  worker_.post([this, load, name, where] {
+  if (caught_up(*load)) post(load);
+  return handle;
+}
+
+bool DataFiles::caught_up(const Load& load) const {
+  const auto bound = files_.find(load.name);
+  if (bound == files_.end() || !bound->second.box) return true;
+  const signals::FileMailbox& box = *bound->second.box;
+  return box.written() == box.posted() && box.looks() >= load.look;
+}
+
+void DataFiles::post(const std::shared_ptr<Load>& load) {
+  load->posted = true;
+  worker_.post([this, load] {
     try {
-      load->files = folder_.load(name, where);
+      load->files = folder_.load(load->name, load->where);
     } catch (const Error& e) {
       load->error = e;
     }
     load->ready.store(true, std::memory_order_release);
   });
-  return handle;
 }
 
 bool DataFiles::poll_load(std::int64_t handle) {
   const auto found = loads_.find(handle);
   if (found == loads_.end()) return true;
   const std::shared_ptr<Load> load = found->second;
+  if (!load->posted && caught_up(*load)) post(load);
   if (!load->ready.load(std::memory_order_acquire)) return false;
   loads_.erase(found);
   if (load->error) throw *load->error;
@@ -55,24 +73,53 @@ std::filesystem::path DataFiles::load_now(const std::string& name, const Locatio
   return load.files.script;
 }
 
-void DataFiles::adopt(Load& load) {
-  const auto take = [&](const data::ImportFile& file) {
-    const std::string set = set_name(file);
-    files_[set] = std::make_shared<data::ImportFile>(file);
-    store_.load(set, file.values(), "load " + load.name);
-  };
-  take(load.files.data);
-  for (const data::ImportFile& points : load.files.points) take(points);
+void DataFiles::bind(const data::ImportFile& file, const std::string& who) {
+  const std::string set = set_name(file);
+  Bound& bound = files_[set];
+  bound.file = file;
+  const bool live = folder_.is_live(set);
+  if ((live || !lock_step_) && (!bound.box || bound.box->path() != file.file())) {
+    signals::MailboxOptions options;
+    options.thread = !lock_step_;
+    bound.box = std::make_unique<signals::FileMailbox>(file, options);
+  }
+  store_.load(set, file.values(), who);
 }
 
-void DataFiles::write_through(Nanoseconds now) {
+void DataFiles::adopt(Load& load) {
+  bind(load.files.data, "load " + load.name);
+  for (const data::ImportFile& points : load.files.points) bind(points, "load " + load.name);
+}
+
+void DataFiles::take_from(const std::string& set, signals::FileMailbox& box) {
+  for (signals::MailboxEvent& event : box.take_events()) {
+    if (event.kind == signals::MailboxEvent::Kind::changed) store_.take_outside(set, event.values, "outside");
+    for (Problem& problem : event.problems) {
+      problem.severity = Severity::warning;
+      warnings_.push_back(std::move(problem));
+    }
+  }
+}
+
+void DataFiles::exchange(Nanoseconds now) {
   for (const data::PendingWrite& write : store_.take_writes()) {
-    const auto file = files_.find(write.set);
-    if (file == files_.end()) continue;
-    file->second->set(write.name, write.value);
+    const auto bound = files_.find(write.set);
+    if (bound == files_.end()) continue;
+    if (bound->second.box) {
+      bound->second.box->post(write.name, write.value);
+      continue;
+    }
+    bound->second.file.set(write.name, write.value);
     dirty_.insert(write.set);
   }
-  if (!dirty_.empty() && (!lock_step_ || now - written_ >= kLockStepWrites)) {
+  const bool look = !lock_step_ || now - looked_ >= kLockStepLooks;
+  if (look) looked_ = now;
+  for (auto& [set, bound] : files_) {
+    if (!bound.box || !look) continue;
+    if (lock_step_) bound.box->step();
+    take_from(set, *bound.box);
+  }
+  if (!dirty_.empty() && now - written_ >= kLockStepWrites) {
     write_dirty();
     written_ = now;
   }
@@ -80,7 +127,7 @@ void DataFiles::write_through(Nanoseconds now) {
 
 void DataFiles::write_dirty() {
   for (const std::string& set : dirty_) {
-    const data::ImportFile& file = *files_.at(set);
+    const data::ImportFile& file = files_.at(set).file;
     worker_.post([this, path = std::filesystem::path(file.file()), text = file.text()] {
       try {
         write_file_atomically(path, text);
@@ -99,9 +146,10 @@ std::optional<Error> DataFiles::take_failure() {
 }
 
 void DataFiles::flush() {
-  write_through(written_);
+  exchange(written_);
   write_dirty();
   worker_.drain();
+  for (auto& [set, bound] : files_) bound.box.reset();  // writes what was posted, then ends
 }
 
 }  // namespace polyarm::cell

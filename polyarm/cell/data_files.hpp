@@ -5,12 +5,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/time.hpp"
 #include "polyarm/cell/state_folder.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/data/data_store.hpp"
+#include "polyarm/signals/file_mailbox.hpp"
 
 namespace polyarm::cell {
 
@@ -30,12 +32,14 @@ class DataFiles {
   /// True when a data set is bound to its own file, which somebody outside may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 
-  /// Puts pending writes of the store into the files: at once with a worker, now and then in lock-step.
-  void write_through(Nanoseconds now);
+  /// Puts pending writes of the store into the files (now and then in lock-step), and takes what others wrote.
+  void exchange(Nanoseconds now);
   /// Everything to disk, and waits for it.
   void flush();
   /// The first file that could not be written since the last call; empty if all is well.
   std::optional<Error> take_failure();
+  /// What the mailboxes complain of since the last call; each says a thing once and goes on trying.
+  std::vector<Problem> take_warnings() { return std::exchange(warnings_, {}); }
   const StateFolder& folder() const { return folder_; }
 
  private:
@@ -43,22 +47,35 @@ class DataFiles {
     data::LoadedFiles files;
     std::optional<Error> error;
     std::string name;
+    Location where;
+    std::uint64_t look = 0;  ///< of the set's mailbox, that must be over before the file is read
+    bool posted = false;
     std::atomic<bool> ready{false};
   };
+  /// One data file and how it is kept up to date.
+  struct Bound {
+    data::ImportFile file;                       ///< lock-step: as it is to be written
+    std::unique_ptr<signals::FileMailbox> box;   ///< else
+  };
   void adopt(Load& load);
+  void bind(const data::ImportFile& file, const std::string& who);
+  void post(const std::shared_ptr<Load>& load);
+  bool caught_up(const Load& load) const;
+  void take_from(const std::string& set, signals::FileMailbox& box);
   void write_dirty();
 
   data::DataStore& store_;
   StateFolder folder_;
   Worker& worker_;
   bool lock_step_;
-  std::map<std::string, std::shared_ptr<data::ImportFile>> files_;  ///< by set
+  std::map<std::string, Bound> files_;  ///< by set
+  std::vector<Problem> warnings_;
   std::set<std::string> dirty_;
   std::map<std::int64_t, std::shared_ptr<Load>> loads_;
   std::mutex failure_mutex_;
   std::optional<Error> failure_;
   std::int64_t next_ = 1;
-  Nanoseconds written_ = 0;
+  Nanoseconds written_ = 0, looked_ = 0;
 };
 
 }  // namespace polyarm::cell

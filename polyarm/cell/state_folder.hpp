@@ -20,6 +20,7 @@ class StateFolder {
   data::LoadedFiles load(const std::string& name, const Location& where) const;
   /// Where the set called `name` is read and written.
   std::filesystem::path folder_of(const std::string& name) const;
+  bool is_live(const std::string& set) const { return live_.contains(set); }
   bool has_live() const { return !live_.empty(); }
   const std::filesystem::path& path() const { return state_; }
 

@@ -274,6 +274,7 @@ class FileMailbox::Io {
     last_seen_ = content;
     last_found_ = found;
     const bool settled = same_looks_ >= options_.looks_until_settled;
+    if (settled && file.values().empty() && !problems.has_errors()) return missing();
     if (problems.has_errors() || (!settled && !plausible(content, file, names_in_file_))) {
       held_ = true;
       if (settled) complain(problems.list().front());

@@ -47,6 +47,7 @@ class Mailbox : public testing::Test {
   MailboxOptions inline_options() {
     MailboxOptions options;
     options.thread = false;
+    options.looks_until_settled = 10;
     return options;
   }
 
@@ -154,6 +155,15 @@ TEST_F(Mailbox, AFileThatIsDeletedComesBack) {
   FileMailbox mailbox(ImportFile::load(path_), inline_options());
   mailbox.step();
   std::filesystem::remove(path_);
+  for (int i = 0; i < 50; ++i) mailbox.step();
+  EXPECT_EQ(content(), kTwo);
+}
+
+TEST_F(Mailbox, AFileThatStaysEmptyIsWrittenAgain) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  rewrite("");
   for (int i = 0; i < 50; ++i) mailbox.step();
   EXPECT_EQ(content(), kTwo);
 }
@@ -280,6 +290,7 @@ TEST_F(Mailbox, AThousandSetsInEachDirectionAllArrive) {
   for (const char* side : {"mine", "theirs"})
     for (int i = 0; i < kCounters; ++i) text += "Name: " + (side + std::to_string(i)) + "\nNum: 0\n";
   rewrite(text);
+  const ImportFile start = ImportFile::load(path_);
   const pid_t child = ::fork();
   if (child == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -287,8 +298,9 @@ TEST_F(Mailbox, AThousandSetsInEachDirectionAllArrive) {
   }
   MailboxOptions options;
   options.period = 1'000'000;
+  options.looks_until_settled = 3000;
   {
-    FileMailbox mailbox(ImportFile::load(path_), options);
+    FileMailbox mailbox(start, options);
     Runtime runtime{mailbox, {{"Ask", Value(false)}}};
     for (int round = 1; round <= kRounds && !runtime.went_back; ++round) {
       for (int i = 0; i < kCounters; ++i) runtime.set("mine" + std::to_string(i), round);
