@@ -89,7 +89,7 @@ struct Displaced {
   std::set<std::string> names;  ///< that it held
   FileWatch::Label label = 0;
   std::optional<std::uint64_t> base;  ///< the version from which whoever writes into it started
-  bool settled = true;          ///< that content was taken or is ours
+  bool settled = true;                ///< that content was taken or is ours
   int looks_left = 0;
 };
 
@@ -347,8 +347,13 @@ class FileMailbox::Io {
     all_is_well();
     known_ = identity_of(made.get()).value_or(Identity{});
     std::set<std::string> names = std::exchange(names_in_file_, names_of(image_));
-    Displaced old{std::exchange(standing_, std::move(made)), std::exchange(known_text_, text), std::move(names), displaced, base,
-                  true, kLooksAtDisplaced};
+    Displaced old{std::exchange(standing_, std::move(made)),
+                  std::exchange(known_text_, text),
+                  std::move(names),
+                  displaced,
+                  base,
+                  true,
+                  kLooksAtDisplaced};
     if (!old.file) return;
     look_at(old);
     displaced_.push_back(std::move(old));
@@ -373,7 +378,8 @@ class FileMailbox::Io {
       good = n > 0;
       if (good) at += static_cast<std::size_t>(n);
     }
-    if (good && ::fdatasync(file.get()) == 0) return Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+    if (good && ::fdatasync(file.get()) == 0)
+      return Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
     const int error = errno;
     ::unlink(temporary.c_str());
     errno = error;
@@ -407,10 +413,10 @@ class FileMailbox::Io {
   std::string known_text_;  ///< that stands in the file as far as we know
   std::set<std::string> names_in_file_;
   Identity known_;
-  Descriptor standing_;      ///< the file itself, to read it again
+  Descriptor standing_;  ///< the file itself, to read it again
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
-  std::string last_seen_;    ///< of a file that may be half written
+  std::string last_seen_;  ///< of a file that may be half written
   Identity last_found_;
   int same_looks_ = 0;
   bool held_ = false;  ///< the file looks half written: we do not write now

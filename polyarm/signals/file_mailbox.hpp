@@ -37,7 +37,8 @@ struct MailboxOptions {
   bool thread = true;               ///< false: step() does the work
   Nanoseconds period = 10'000'000;  ///< between two looks at the file, wall time
   std::size_t versions_kept = 64;
-  int looks_until_settled = 100;        ///< in a row that find a file incomplete and untouched; then it counts as it is
+  int looks_until_settled =
+      100;  ///< in a row that find a file incomplete and untouched; then it counts as it is
 };
 
 class FileMailbox {

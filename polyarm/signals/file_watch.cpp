@@ -3,9 +3,9 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
-#include <algorithm>
 #include <utility>
 
 namespace polyarm::signals {
@@ -16,7 +16,9 @@ constexpr std::uint32_t kReplaces = IN_MOVED_TO | IN_CREATE;
 /// Labels of what somebody wrote and nobody has looked at begin here; version numbers stay below.
 constexpr std::uint64_t kFirstUnseen = std::uint64_t{1} << 63;
 constexpr std::size_t kMostRewrites = 10000;
-bool is_unseen(std::uint64_t label) { return label >= kFirstUnseen; }
+bool is_unseen(std::uint64_t label) {
+  return label >= kFirstUnseen;
+}
 }  // namespace
 
 FileWatch::FileWatch(const std::filesystem::path& path, std::uint64_t version)
@@ -112,7 +114,8 @@ void FileWatch::resolve(Label label, std::uint64_t version) {
 std::optional<std::uint64_t> FileWatch::take_base(Label label) {
   const bool writing = opened_ && !accessed_;  // its content may be seen before the news of its writing
   std::optional<Label> base = writing ? read_before_ : last_read_;
-  const auto later = std::find_if(rewrites_.begin(), rewrites_.end(), [&](const Rewrite& r) { return r.label > label; });
+  const auto later =
+      std::find_if(rewrites_.begin(), rewrites_.end(), [&](const Rewrite& r) { return r.label > label; });
   if (later != rewrites_.begin()) base = rewrites_.front().base;
   rewrites_.erase(rewrites_.begin(), later);
   return base && is_unseen(*base) ? std::nullopt : base;

@@ -25,13 +25,15 @@ class FileWatch {
   using Label = std::uint64_t;
   /// Of what stands in the file, by the news taken so far.
   Label standing() const { return standing_; }
-  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was displaced.
+  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was
+  /// displaced.
   Label collect_replaced(std::uint64_t version);
   /// What comes next is a reading of our own, of a file that we open for it or hold open.
   void expect_own_read(bool opens);
   void expect_no_own_read() { own_opens_ = own_accesses_ = 0; }
 
-  /// The version from which the rewrites up to `label` were made, as far as it is known; forgotten with this call.
+  /// The version from which the rewrites up to `label` were made, as far as it is known; forgotten with this
+  /// call.
   std::optional<std::uint64_t> take_base(Label label);
   /// What was written up to `label` has been looked at and is `version`.
   void resolve(Label label, std::uint64_t version);
