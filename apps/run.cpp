@@ -1,3 +1,4 @@
+#include "polyarm/cell/check.hpp"
 #include "polyarm/cell/run.hpp"
 
 #include <fmt/format.h>
@@ -123,6 +124,13 @@ cell::CellFile open_cell(const RunArguments& a) {
   return cell::read_cell_file(a.cell, a.overrides);
 }
 
+/// A cell that cannot be built is checked whole, so that a user sees every error at once.
+std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
+  if (a.cell.empty()) return first.problems();
+  const cell::CheckResult checked = cell::check(a.cell, a.overrides, open_catalogue(), {});
+  return checked.has_errors() ? checked.problems : first.problems();
+}
+
 int report(const cell::RunResult& result, const std::string& folder, bool json) {
   if (json)
     fmt::print("{}\n", result_json(result, folder));
@@ -151,7 +159,7 @@ int execute(RunArguments& a, const std::string& command) {
   } catch (const Error& e) {  // nothing has moved
     cell::RunResult result;
     result.outcome = cell::Outcome::failed;
-    result.problems = e.problems();
+    result.problems = all_problems(a, e);
     if (a.json) return report(result, "", true);
     for (const Problem& problem : result.problems) fmt::print(stderr, "{}\n", problem.text());
     return kFailed;

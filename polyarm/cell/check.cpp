@@ -1,0 +1,217 @@
+#include "polyarm/cell/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/build.hpp"
+#include "polyarm/cell/controllers_file.hpp"
+#include "polyarm/cell/run.hpp"
+#include "polyarm/description/scene_file.hpp"
+#include "polyarm/program/checker.hpp"
+#include "polyarm/program/parser.hpp"
+#include "polyarm/signals/tags.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+/// Problems of a dry run, and nothing else.
+class Listener : public Observer {
+ public:
+  void on_problem(Nanoseconds, const Problem& problem) override { problems.push_back(problem); }
+  std::vector<Problem> problems;
+};
+
+class Checker {
+ public:
+  Checker(const Overrides& overrides, const description::Catalogue& catalogue, const CheckOptions& options)
+      : overrides_(overrides), catalogue_(catalogue), options_(options) {}
+
+  CheckResult check(const std::filesystem::path& path) {
+    collect(problems_, [&] { file_ = read_cell_file(path, overrides_); });
+    if (!problems_.has_errors()) {
+      std::vector<std::string> notes;
+      robots_ = resolve_robots(file_, catalogue_, problems_, notes);
+      files();
+      programs();
+      points();
+    }
+    // What only shows when everything is put together: interfaces of tags and controllers.
+    if (!problems_.has_errors()) together();
+    result_.problems = problems_.list();
+    remove_repeats();
+    return std::move(result_);
+  }
+
+ private:
+  std::string beside(const std::string& name) const { return (file_.folder / name).string(); }
+
+  void files() {
+    if (!file_.scene.empty()) collect(problems_, [&] { description::read_scene(beside(file_.scene)); });
+    if (!file_.signals.empty())
+      collect(problems_, [&] {
+        Problems found;
+        signals_ = signals::parse_signals(read_file(beside(file_.signals)), beside(file_.signals), found);
+        for (const Problem& problem : found.list()) problems_.add(problem);
+      });
+    if (!file_.controllers.empty())
+      collect(problems_, [&] {
+        Problems warnings;
+        read_controllers_file(beside(file_.controllers), warnings);
+        for (const Problem& problem : warnings.list()) problems_.add(problem);
+      });
+  }
+
+  void programs() {
+    program::KnownNames known;
+    known.folder = file_.folder;
+    for (const signals::Tag& tag : signals_.tags) known.names[tag.name] = program::type_of(tag.initial);
+    collect(problems_, [&] {  // tags that are written wrong are names all the same
+      if (file_.signals.empty()) return;
+      for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys()) known.names.try_emplace(tag);
+    });
+    std::filesystem::path script;
+    if (!file_.program.empty())
+      collect(problems_, [&] {
+        script = data::find_file(file_.program, file_.folder, file_.program_where);
+        if (script.extension() == ".script") return;
+        script = data(std::exchange(script, {}), known);
+      });
+    if (!script.empty()) one_program(script, known);
+    if (!file_.plc.empty())
+      collect(problems_, [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
+  }
+
+  /// The data file and its points, each for itself, so that one that is broken does not hide the other. Returns the
+  /// script that it names.
+  std::filesystem::path data(const std::filesystem::path& path, program::KnownNames& known) {
+    const auto take = [&](const std::filesystem::path& from) {
+      Problems found;
+      const std::string text = read_file(from);
+      data::ImportFile file = data::ImportFile::parse(text, from.string(), found);
+      for (const Problem& problem : found.list()) problems_.add(problem);
+      known.add(file.values());
+      add_names(text, known);
+      sets_.push_back(file.values());
+      return file;
+    };
+    const data::ImportFile file = take(path);
+    const data::Value* points = file.values().value("PointFile");
+    if (points && points->as_text())
+      collect(problems_, [&] { take(data::find_file(*points->as_text(), file_.folder, file.values().find("PointFile")->where)); });
+    const data::Value* script = file.values().value("ScriptFile");
+    if (!script || !script->as_text())
+      throw Error(Problem{"no-script", {path.string()}, "this data file names no script",
+                          "add 'Name: ScriptFile' and 'Text: <script>' to it"});
+    return data::find_file(*script->as_text(), file_.folder, file.values().find("ScriptFile")->where);
+  }
+
+  /// Names whose values are written wrong are names all the same.
+  static void add_names(const std::string& text, program::KnownNames& known) {
+    for (const std::string& line : split_words(text, "\r\n")) {
+      const auto colon = line.find(':');
+      if (colon != std::string::npos && equal_ignoring_case(trim(line.substr(0, colon)), "name"))
+        known.names.try_emplace(std::string(trim(line.substr(colon + 1))));
+    }
+  }
+
+  void one_program(const std::filesystem::path& path, const program::KnownNames& known) {
+    collect(problems_, [&] {
+      const program::Program parsed = program::load_program(path.string());
+      program::check(parsed, known, problems_);
+    });
+  }
+
+  void points() {
+    if (robots_.size() != 1) return;
+    const motion::RobotFacts& robot = *robots_.front()->facts;
+    for (const data::DataSet& set : sets_)
+      for (const data::Entry& entry : set.entries())
+        if (entry.value.is_place()) point(robot, entry);
+  }
+
+  void point(const motion::RobotFacts& robot, const data::Entry& entry) {
+    PointReport report{entry.name, entry.where, true, "", {}};
+    try {
+      if (const data::JointState* joints = entry.value.as_joints()) {
+        report.joints = joints_by_name(*robot.model, *joints, entry.name);
+        motion::check_joints(robot, report.joints, entry.name);
+      } else {
+        pose(robot, entry, report);
+      }
+    } catch (const Error& e) {
+      Problem problem = e.problems().front();
+      problem.where = entry.where;
+      report.reachable = false;
+      report.reason = problem.what;
+      problems_.add(std::move(problem));
+    }
+    result_.points.push_back(std::move(report));
+  }
+
+  void pose(const motion::RobotFacts& robot, const data::Entry& entry, PointReport& report) {
+    const Pose& target = entry.value.as_point()->pose;
+    const double away = norm(target.position - robot.chain.base().position);
+    const double reach = robot.model->provenance.reach_m.value_or(robot.chain.reach());
+    if (away > robot.chain.reach() + 1e-6)
+      throw Error("unreachable", fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", entry.name, away, reach),
+                  away > 10 ? "this looks like millimetres; points are in metres" : "move the point or choose a robot that reaches it");
+    report.joints = motion::joints_for(robot, target, robot.home, entry.name);
+  }
+
+  void together() {
+    CellOptions options;
+    options.lock_step = true;
+    options.allow_contact = true;
+    options.cycles = options_.cycles;
+    Listener listener;
+    CellFile file = file_;
+    if (!options_.dry)
+      for (RobotEntry& robot : file.robots) robot.hardware = "mock";
+    collect(problems_, [&] {
+      Cell cell(file, catalogue_, options, listener);
+      listener.problems.clear();  // known already
+      if (!options_.dry) return;
+      RunOptions run_options;
+      run_options.fast = true;
+      run_options.seconds = 3600;
+      RunResult run = cell::run(cell, run_options, listener);
+      for (const Problem& problem : listener.problems) problems_.add(problem);
+      for (const Problem& problem : run.problems) problems_.add(problem);
+    });
+  }
+
+  void remove_repeats() {
+    std::set<std::string> seen;
+    std::erase_if(result_.problems, [&](const Problem& p) { return !seen.insert(p.text()).second; });
+  }
+
+  const Overrides& overrides_;
+  const description::Catalogue& catalogue_;
+  const CheckOptions& options_;
+  Problems problems_;
+  CellFile file_;
+  CellRobots robots_;
+  signals::Signals signals_;
+  std::vector<data::DataSet> sets_;
+  CheckResult result_;
+};
+
+}  // namespace
+
+bool CheckResult::has_errors() const {
+  return std::any_of(problems.begin(), problems.end(), [](const Problem& p) { return p.severity == Severity::error; });
+}
+
+CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
+                  const description::Catalogue& catalogue, const CheckOptions& options) {
+  return Checker(overrides, catalogue, options).check(cell);
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,35 @@
+#pragma once
+/// Finds what is wrong with a cell before anything moves.
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/description/catalogue.hpp"
+
+namespace polyarm::cell {
+
+struct PointReport {
+  std::string name;
+  Location where;
+  bool reachable = false;
+  std::string reason;          ///< why not
+  std::vector<double> joints;  ///< where it puts the joints, coming from home
+};
+
+struct CheckResult {
+  std::vector<Problem> problems;    ///< of every file, in the order of the cell
+  std::vector<PointReport> points;  ///< every point of the program's data, for the cell's robot
+  bool has_errors() const;
+};
+
+struct CheckOptions {
+  bool dry = false;  ///< run the program in lock-step and list contacts, limits and parts by line
+  std::uint64_t cycles = 0;
+};
+
+/// Reads every file of the cell and adds every error and warning; checks every point for reach and joint limits.
+/// Nothing real moves.
+CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
+                  const description::Catalogue& catalogue, const CheckOptions& options);
+
+}  // namespace polyarm::cell
