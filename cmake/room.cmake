@@ -30,5 +30,11 @@ function(polyarm_test name)
   target_precompile_headers(test_${name} PRIVATE <gtest/gtest.h>)
   target_compile_definitions(test_${name} PRIVATE POLYARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   POLYARM_COMMAND="$<TARGET_FILE:polyarm>")
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  # The live tests run on the wall clock, one after the other and with nothing beside them.
+  set(serial FALSE)
+  if(name STREQUAL "live")
+    set(serial TRUE)
+  endif()
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
+                       PROPERTIES TIMEOUT 600 RUN_SERIAL ${serial})
 endfunction()

@@ -123,8 +123,10 @@ class Checker {
 
   void one_program(const std::filesystem::path& path, const program::KnownNames& known) {
     collect(problems_, [&] {
-      const program::Program parsed = program::load_program(path.string());
-      program::check(parsed, known, problems_);
+      Problems found;
+      const program::Program parsed = program::parse(read_file(path), path.string(), found);
+      program::check(parsed, known, found);  // of what was understood
+      for (const Problem& problem : found.list()) problems_.add(problem);
     });
   }
 

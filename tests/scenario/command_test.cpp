@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "tests/support/command.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::ExampleCopy;
+using test::Finished;
+using test::run_command;
+
+TEST(Command, AnUnknownVerbIsAnErrorWithTheNearestOne) {
+  const Finished wrong = run_command({"rnu"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.output.find("did you mean 'run'"), std::string::npos);
+}
+
+TEST(Command, EveryVerbHasHelpWithExamples) {
+  for (const char* verb : {"run", "check", "robots", "describe", "fk", "ik", "completion"}) {
+    const Finished help = run_command({verb, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << verb;
+    EXPECT_NE(help.output.find("Examples:"), std::string::npos) << verb;
+  }
+}
+
+TEST(Robots, AreAnArrayOfFacts) {
+  const Finished listed = run_command({"robots", "--json"});
+  const auto robots = nlohmann::json::parse(listed.output);
+  ASSERT_TRUE(robots.is_array());
+  std::set<std::string> names;
+  for (const auto& robot : robots) {
+    names.insert(robot["name"].get<std::string>());
+    EXPECT_GE(robot["axes"].get<int>(), 4);
+    EXPECT_TRUE(robot.contains("maker") && robot.contains("reach_m") && robot.contains("payload_kg"));
+  }
+  for (const char* name : {"universal_robots/ur3", "universal_robots/ur5", "universal_robots/ur10", "universal_robots/ur3e",
+                           "universal_robots/ur5e", "universal_robots/ur10e", "fanuc/lr_mate_200id", "fanuc/lr_mate_200id_7l",
+                           "abb/irb_120", "abb/irb_1200_7_70", "demo/r6bot"})
+    EXPECT_TRUE(names.contains(name)) << name;
+}
+
+TEST(Kinematics, IkAndFkUndoEachOther) {
+  const Finished ik = run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});
+  ASSERT_EQ(ik.exit_code, 0) << ik.output;
+  std::vector<std::string> line{"fk", "universal_robots/ur5e", "--json", "--joints"};
+  for (const auto& q : nlohmann::json::parse(ik.output)["q"]) line.push_back(q.dump());
+  const auto pose = nlohmann::json::parse(run_command(line).output);
+  EXPECT_NEAR(pose["xyz"][0].get<double>(), 0.4, 1e-6);
+  EXPECT_NEAR(pose["xyz"][1].get<double>(), 0.1, 1e-6);
+  EXPECT_NEAR(pose["rpy"][0].get<double>(), 3.1, 1e-5);
+  EXPECT_NEAR(pose["rpy"][2].get<double>(), 0.2, 1e-5);
+}
+
+TEST(Kinematics, IkSaysWhyNot) {
+  const Finished ik = run_command({"ik", "universal_robots/ur3", "--xyz", "5", "3", "2"});
+  EXPECT_EQ(ik.exit_code, 1);
+  EXPECT_NE(ik.output.find("reaches"), std::string::npos) << ik.output;
+}
+
+TEST(Describe, UrdfOfARobotRunsAsADescription) {
+  const ExampleCopy copy("pick_and_place");
+  const std::string urdf = copy.file("robot.urdf");
+  write_file_atomically(urdf, run_command({"describe", "abb/irb_120", "--urdf"}).output);
+  const Finished run = run_command({"run", "--description", urdf, "--fast", "--seconds", "1", "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(run.result()["result"], "completed");
+  EXPECT_EQ(run.result()["control_cycles"], 1000);
+}
+
+TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
+  const ExampleCopy copy("pick_and_place");
+  std::string urdf = run_command({"describe", "demo/r6bot", "--urdf"}).output;
+  const auto hardware = [](const std::string& plugin) {
+    return "<ros2_control name=\"R6\" type=\"system\"><hardware><plugin>" + plugin + "</plugin></hardware>" +
+           "<joint name=\"joint_1\"><command_interface name=\"position\"/><state_interface name=\"position\"/></joint>"
+           "</ros2_control></robot>";
+  };
+  urdf.erase(urdf.rfind("</robot>"));
+  write_file_atomically(copy.file("a.urdf"), urdf + hardware("acme/Unheard"));
+  write_file_atomically(copy.file("b.urdf"), urdf + hardware("mock_components/GenericSystem"));
+  const Finished a = run_command({"run", "--description", copy.file("a.urdf"), "--fast", "--seconds", "1"});
+  EXPECT_NE(a.output.find("R6: the plugin acme/Unheard is not installed, replaced by"), std::string::npos) << a.output;
+  const Finished b = run_command({"run", "--description", copy.file("b.urdf"), "--fast", "--seconds", "1"});
+  EXPECT_NE(b.output.find("mock_components/GenericSystem is played by mock"), std::string::npos) << b.output;
+}
+
+TEST(Run, ExplainsALaunchFile) {
+  const ExampleCopy copy("pick_and_place");
+  write_file_atomically(copy.file("view.launch.py"),
+                        "urdf = PathJoinSubstitution([FindPackageShare('d'), 'urdf', 'bot.urdf.xacro'])\n"
+                        "yaml = PathJoinSubstitution([FindPackageShare('d'), 'config', 'bot_controllers.yaml'])\n");
+  const Finished run = run_command({"run", copy.file("view.launch.py")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.output.find("polyarm run --description bot.urdf.xacro --controllers bot_controllers.yaml"), std::string::npos)
+      << run.output;
+}
+
+TEST(Run, WaitUserNeedsSomebodyOrAnAnswer) {
+  const ExampleCopy copy("pick_and_place");
+  write_file_atomically(copy.file("ask.script"), "wait user \"Is the tray empty?\"\nlog \"on it goes\"\n");
+  write_file_atomically(copy.file("cell.yaml"),
+                        "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3}\nprogram: ask\n");
+  const Finished nobody = run_command({"run", copy.path(), "--fast"});
+  EXPECT_EQ(nobody.exit_code, 1);
+  EXPECT_NE(nobody.output.find("--answer"), std::string::npos) << nobody.output;
+  const Finished answered = run_command({"run", copy.path(), "--fast", "--answer", "yes"});
+  EXPECT_EQ(answered.exit_code, 0) << answered.output;
+  EXPECT_NE(answered.output.find("on it goes"), std::string::npos);
+}
+
+TEST(Run, TheThesisDurationRuleStretchesMoves) {
+  const ExampleCopy copy("pick_and_place");
+  const double fast = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"}).result()["sim_time_s"];
+  write_file_atomically(copy.file("cell.yaml"), read_file(copy.file("cell.yaml")) + "motion: {thesis_scale: 4}\n");
+  const double slow = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"}).result()["sim_time_s"];
+  EXPECT_GT(slow, fast + 5);
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,107 @@
+#pragma once
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace polyarm::test {
+
+struct Finished {
+  int exit_code = -1;  ///< 128 + signal if a signal ended it
+  std::string output;
+  /// The last line of the output as JSON.
+  nlohmann::json result() const {
+    std::string text = output;
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return nlohmann::json::parse(text.substr(text.rfind('\n') + 1), nullptr, false);
+  }
+};
+
+/// The built command, running.
+class Command {
+ public:
+  explicit Command(const std::vector<std::string>& arguments) {
+    int fds[2];
+    if (::pipe(fds) != 0) throw std::runtime_error("pipe");
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::dup2(fds[1], STDOUT_FILENO);
+      ::dup2(fds[1], STDERR_FILENO);
+      ::close(fds[0]);
+      ::close(fds[1]);
+      if (::freopen("/dev/null", "r", stdin) == nullptr) ::_exit(126);
+      std::vector<char*> argv{const_cast<char*>(POLYARM_COMMAND)};
+      for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+      argv.push_back(nullptr);
+      ::execv(POLYARM_COMMAND, argv.data());
+      ::_exit(127);
+    }
+    ::close(fds[1]);
+    out_ = ::fdopen(fds[0], "r");
+  }
+  ~Command() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      wait();
+    }
+  }
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+
+  void signal(int number) { ::kill(pid_, number); }
+  /// Reads until a line contains `text`; false at the end of the output.
+  bool wait_for(const std::string& text) {
+    char line[8192];
+    while (std::fgets(line, sizeof line, out_)) {
+      finished_.output += line;
+      if (std::string(line).find(text) != std::string::npos) return true;
+    }
+    return false;
+  }
+  const Finished& wait() {
+    if (pid_ <= 0) return finished_;
+    char line[8192];
+    while (std::fgets(line, sizeof line, out_)) finished_.output += line;
+    std::fclose(out_);
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    finished_.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return finished_;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::FILE* out_ = nullptr;
+  Finished finished_;
+};
+
+inline Finished run_command(const std::vector<std::string>& arguments) { return Command(arguments).wait(); }
+
+/// A copy of an example in a folder of its own, gone at the end.
+class ExampleCopy {
+ public:
+  explicit ExampleCopy(const std::string& example) {
+    namespace fs = std::filesystem;
+    std::string pattern = (fs::temp_directory_path() / "polyarm_XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+    for (const auto& entry : fs::directory_iterator(fs::path(POLYARM_SOURCE_DIR) / "examples" / example))
+      if (entry.is_regular_file()) fs::copy_file(entry.path(), path_ / entry.path().filename());
+  }
+  ~ExampleCopy() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string path() const { return path_.string(); }
+  std::filesystem::path file(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace polyarm::test
