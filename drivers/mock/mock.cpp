@@ -71,12 +71,17 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
     if (interface == "acceleration")
       return is_command ? &part.acceleration_command : &part.acceleration_state;
     if (interface == "effort") return is_command ? &part.effort_command : &part.effort_state;
+    if (!is_command && !custom_interface_.empty() && interface == custom_interface_)
+      return &part.custom_state;
     return nullptr;
   };
   for (const InterfaceInfo& s : info.state_interfaces) {
     const double initial = s.name == "position" && joint ? s.initial_value.value_or(part.position)
                                                          : s.initial_value.value_or(joint ? 0.0 : kNone);
     if (joint && s.name == "position") part.position = initial;
+    if (joint && s.name == "velocity") part.velocity = initial;
+    if (joint && s.name == "acceleration") part.acceleration = initial;
+    if (joint && s.name == "effort") part.effort = initial;
     const int index = state(name + "/" + s.name, initial);
     if (int* own = place(s.name, false))
       *own = index;
@@ -131,12 +136,16 @@ CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context)
   mirror_sensors_ = flag(context.parameters, "mock_sensor_commands");
   mirror_gpios_ = flag(context.parameters, "mock_gpio_commands");
   following_offset_ = number(context.parameters, "position_state_following_offset");
+  if (const auto custom = context.parameters.find("custom_interface_with_following_offset");
+      custom != context.parameters.end())
+    custom_interface_ = trim(custom->second);
   for (const hardware::RobotInstance& robot : context.robots) {
     if (robot.hardware.empty()) add_plain(robot);
     for (const description::HardwareInfo& info : robot.hardware) add_declared(robot, info);
   }
   world_ = std::make_unique<MockWorld>(context, states_, commands_);
   asked_.assign(commands_.size(), kNone);
+  stopped_.assign(commands_.size(), 0);
   return CallbackReturn::success;
 }
 
@@ -147,13 +156,48 @@ std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() 
   return commands_;
 }
 
+int MockComponent::command_named(std::string_view name) const noexcept {
+  for (std::size_t i = 0; i < commands_.size(); ++i)
+    if (commands_[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+ReturnType MockComponent::prepare_command_mode_switch(std::span<const std::string> start,
+                                                      std::span<const std::string>) {
+  if (!dynamics_) return ReturnType::ok;
+  for (const Part& part : parts_) {
+    int modes = 0;
+    for (const std::string& name : start)
+      if (const int c = command_named(name); c >= 0)
+        modes += c == part.position_command || c == part.velocity_command || c == part.acceleration_command;
+    if (modes > 1) return ReturnType::error;
+  }
+  return ReturnType::ok;
+}
+
+ReturnType MockComponent::perform_command_mode_switch(std::span<const std::string> start,
+                                                      std::span<const std::string> stop) noexcept {
+  for (Part& part : parts_)
+    for (const int c : {part.position_command, part.velocity_command, part.acceleration_command}) {
+      if (c < 0) continue;
+      const auto i = static_cast<std::size_t>(c);
+      if (std::find(stop.begin(), stop.end(), commands_[i].name) != stop.end()) {
+        stopped_[i] = 1;
+        asked_[i] = kNone;
+        part.velocity = part.acceleration = 0;
+      }
+      if (std::find(start.begin(), start.end(), commands_[i].name) != start.end()) stopped_[i] = 0;
+    }
+  return ReturnType::ok;
+}
+
 void MockComponent::move(Part& part, double dt) noexcept {
   const auto asked = [&](int index) { return index < 0 ? kNone : asked_[static_cast<std::size_t>(index)]; };
   const double q = asked(part.position_command), v = asked(part.velocity_command),
                a = asked(part.acceleration_command);
   const double before = part.position;
   if (std::isfinite(q)) {
-    part.position = q + following_offset_;
+    part.position = q + (custom_interface_.empty() ? following_offset_ : 0);
     if (dynamics_ || part.quotient) {
       const double velocity = dt > 0 ? (part.position - before) / dt : 0;
       part.acceleration = dt > 0 ? (velocity - part.velocity) / dt : 0;
@@ -196,6 +240,7 @@ ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> s
     put(part.velocity_state, part.velocity);
     put(part.acceleration_state, part.acceleration);
     put(part.effort_state, part.effort);
+    put(part.custom_state, part.position + following_offset_);
   }
   for (Mirror& mirror : mirrors_) {
     if (mirror.command >= 0 && std::isfinite(asked_[static_cast<std::size_t>(mirror.command)]) && !disabled_)
@@ -209,7 +254,7 @@ ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> s
 ReturnType MockComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (std::isinf(commands[i])) broken_ = true;
-    if (std::isfinite(commands[i])) asked_[i] = commands[i];
+    if (std::isfinite(commands[i]) && !stopped_[i]) asked_[i] = commands[i];
   }
   return broken_ ? ReturnType::error : ReturnType::ok;
 }

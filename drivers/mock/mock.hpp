@@ -9,7 +9,8 @@ namespace polyarm::drivers {
 
 /// Hardware that does what it is told at once, without physics: the behaviour of
 /// mock_components/GenericSystem of ros2_control. Parameters: `calculate_dynamics`, `disable_commands`,
-/// `position_state_following_offset`, `mock_sensor_commands`, `mock_gpio_commands`. A robot without
+/// `position_state_following_offset`, `custom_interface_with_following_offset` (a state interface that takes
+/// the offset in place of the position), `mock_sensor_commands`, `mock_gpio_commands`. A robot without
 /// <ros2_control> gets a position command, and position and velocity states, for each actuated joint; there
 /// the velocity state is the difference quotient of positions. Tools, feeders, outfeeds, movers and parts are
 /// played by MockWorld.
@@ -18,6 +19,12 @@ class MockComponent : public hardware::Component {
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
+  /// With dynamics, a joint takes one of position, velocity and acceleration at a time.
+  hardware::ReturnType prepare_command_mode_switch(std::span<const std::string> start,
+                                                   std::span<const std::string> stop) override;
+  /// A motion that stops leads its joint no longer, whatever its command says, until it is started again.
+  hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
+                                                   std::span<const std::string> stop) noexcept override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   hardware::ReturnType write(const hardware::Cycle& cycle,
                              std::span<const double> commands) noexcept override;
@@ -30,6 +37,7 @@ class MockComponent : public hardware::Component {
   struct Part {
     int position_state = -1, velocity_state = -1, acceleration_state = -1, effort_state = -1;
     int position_command = -1, velocity_command = -1, acceleration_command = -1, effort_command = -1;
+    int custom_state = -1;  ///< takes the position with the following offset
     double position = 0, velocity = 0, acceleration = 0, effort = 0;
     double last_position = 0;
     int mimicked = -1;  ///< index of the part followed
@@ -46,14 +54,17 @@ class MockComponent : public hardware::Component {
   int state(const std::string& name, double initial);
   int command(const std::string& name);
   void move(Part& part, double dt) noexcept;
+  int command_named(std::string_view name) const noexcept;
 
   std::vector<hardware::InterfaceDescription> states_, commands_;
   std::vector<Part> parts_;
   std::vector<Mirror> mirrors_;
   std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
+  std::vector<char> stopped_;  // commands that lead no longer
   std::unique_ptr<MockWorld> world_;
   bool dynamics_ = false, disabled_ = false, mirror_sensors_ = false, mirror_gpios_ = false, broken_ = false;
   double following_offset_ = 0;
+  std::string custom_interface_;
 };
 
 }  // namespace polyarm::drivers

@@ -173,7 +173,7 @@ class Writer {
          -tool.finger_length / 2);
     line(
         "<joint name=\"{}\" type=\"slide\" axis=\"0 {} 0\" limited=\"true\" range=\"0 {:.17g}\" "
-        "armature=\"0.1\" damping=\"2\"/>",
+        "armature=\"0.4\" damping=\"2\" solreflimit=\"0.004 1\" solimplimit=\"0.95 0.99 0.0005\"/>",
         name, side == 0 ? -1 : 1, tool.stroke / 2);
     line(
         "<geom name=\"{}\" type=\"box\" size=\"{:.17g} {:.17g} {:.17g}\" pos=\"0 {:.17g} {:.17g}\" "

@@ -1,0 +1,337 @@
+#include "drivers/mock/mock.hpp"
+
+#include <random>
+
+#include "tests/drivers/rig.hpp"
+#include "tests/support/realtime_guard.hpp"
+
+namespace polyarm::test {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+description::InterfaceInfo interface(const std::string& name, std::optional<double> initial = {}) {
+  description::InterfaceInfo out;
+  out.name = name;
+  out.initial_value = initial;
+  return out;
+}
+
+/// The two-link arm as a <ros2_control> block declares it: all three motions of the shoulder, position of the
+/// elbow.
+description::HardwareInfo declared() {
+  description::HardwareInfo out;
+  out.name = "system";
+  description::ComponentInfo shoulder{"shoulder", "joint"};
+  for (const char* name : {"position", "velocity", "acceleration"}) {
+    shoulder.command_interfaces.push_back(interface(name));
+    shoulder.state_interfaces.push_back(interface(name));
+  }
+  description::ComponentInfo elbow{"elbow", "joint"};
+  elbow.command_interfaces = {interface("position")};
+  elbow.state_interfaces = {interface("position", 0.7)};
+  description::ComponentInfo force{"wrist_force", "sensor"};
+  force.state_interfaces = {interface("fx"), interface("fy", 2.5)};
+  description::ComponentInfo lamp{"lamp", "gpio"};
+  lamp.command_interfaces = {interface("light")};
+  lamp.state_interfaces = {interface("light"), interface("current")};
+  out.components = {shoulder, elbow, force, lamp};
+  return out;
+}
+
+Rig mock(const Stage& stage, std::map<std::string, std::string> parameters = {}, bool with_block = false) {
+  hardware::ComponentContext context = stage.context();
+  context.parameters = std::move(parameters);
+  if (with_block) context.robots[0].hardware = {declared()};
+  return Rig(std::make_unique<drivers::MockComponent>(), context);
+}
+
+Stage arm() {
+  Stage out;
+  out.model = two_links();
+  out.start = {0.1, 0.2};
+  return out;
+}
+
+const std::map<std::string, std::string> kDynamics = {{"calculate_dynamics", "true"}};
+
+TEST(Mock, StartsWhereItIsToldTo) {
+  const Stage stage = arm();
+  const Rig rig = mock(stage);
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 0.1);
+  EXPECT_EQ(rig.state("arm/elbow/position"), 0.2);
+  EXPECT_EQ(rig.state("arm/elbow/velocity"), 0);
+}
+
+TEST(Mock, PositionFollowsTheCommandAndVelocityIsItsDifferenceQuotient) {
+  const Stage stage = arm();
+  Rig rig = mock(stage);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  double before = rig.state("arm/shoulder/position");
+  for (int k = 0; k < 100; ++k) {
+    const double wanted = rig.command("arm/shoulder/position") = draw(random);
+    rig.cycle();
+    EXPECT_EQ(rig.state("arm/shoulder/position"), wanted);
+    EXPECT_NEAR(rig.state("arm/shoulder/velocity"), (wanted - before) / 1e-3, 1e-9);
+    before = wanted;
+  }
+  EXPECT_EQ(rig.state("arm/elbow/position"), 0.2) << "was never commanded";
+}
+
+TEST(Mock, NotANumberIsNoCommand) {
+  const Stage stage = arm();
+  Rig rig = mock(stage);
+  rig.command("arm/shoulder/position") = 0.5;
+  rig.cycle();
+  rig.command("arm/shoulder/position") = kNothing;
+  EXPECT_EQ(rig.cycle(), hardware::ReturnType::ok);
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 0.5);
+}
+
+TEST(Mock, AnInfiniteCommandIsAnError) {
+  const Stage stage = arm();
+  Rig rig = mock(stage);
+  rig.command("arm/shoulder/position") = -kInfinity;
+  EXPECT_EQ(rig.cycle(), hardware::ReturnType::error);
+}
+
+TEST(Mock, DeclaredInterfacesAreAllThereIsAndTakeTheirInitialValues) {
+  const Stage stage = arm();
+  const Rig rig = mock(stage, {}, true);
+  EXPECT_EQ(rig.state("arm/elbow/position"), 0.7);
+  EXPECT_FALSE(rig.has_state("arm/elbow/velocity"));
+  EXPECT_EQ(rig.state("arm/wrist_force/fy"), 2.5);
+  EXPECT_FALSE(rig.has_command("arm/wrist_force/fy"));
+  EXPECT_TRUE(rig.has_command("arm/lamp/light"));
+}
+
+TEST(Mock, WithoutDynamicsAVelocityCommandMovesNothing) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, {}, true);
+  rig.command("arm/shoulder/velocity") = 2;
+  rig.run(0.01);
+  EXPECT_EQ(rig.state("arm/shoulder/velocity"), 2);
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 0.1);
+}
+
+TEST(Mock, DynamicsIntegrateAVelocity) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, kDynamics, true);
+  rig.command("arm/shoulder/velocity") = 2;
+  rig.cycle();
+  EXPECT_NEAR(rig.state("arm/shoulder/position"), 0.1 + 2e-3, 1e-12);
+  EXPECT_NEAR(rig.state("arm/shoulder/acceleration"), 2000, 1e-6);
+  rig.cycle();
+  EXPECT_NEAR(rig.state("arm/shoulder/position"), 0.1 + 4e-3, 1e-12);
+  EXPECT_EQ(rig.state("arm/shoulder/acceleration"), 0);
+}
+
+TEST(Mock, DynamicsIntegrateAnAccelerationWithTheNewVelocity) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, kDynamics, true);
+  rig.command("arm/shoulder/acceleration") = 10;
+  double x = 0.1, v = 0;
+  for (int k = 0; k < 50; ++k) {
+    rig.cycle();
+    v += 10 * 1e-3;
+    x += v * 1e-3;
+    EXPECT_NEAR(rig.state("arm/shoulder/velocity"), v, 1e-12);
+    EXPECT_NEAR(rig.state("arm/shoulder/position"), x, 1e-12);
+  }
+}
+
+TEST(Mock, AStateWithoutACommandKeepsItsInitialValue) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.robots[0].hardware = {declared()};
+  context.robots[0].hardware[0].components[1].state_interfaces.push_back(interface("effort", 3.5));
+  Rig rig(std::make_unique<drivers::MockComponent>(), context);
+  rig.run(0.01);
+  EXPECT_EQ(rig.state("arm/elbow/effort"), 3.5);
+  EXPECT_EQ(rig.state("arm/elbow/position"), 0.7);
+  EXPECT_EQ(rig.state("arm/wrist_force/fy"), 2.5);
+}
+
+TEST(Mock, AMimicJointFollowsWithItsFactorAndOffset) {
+  Stage stage = arm();
+  stage.model.joints[static_cast<std::size_t>(stage.model.find_joint("elbow"))].mimic =
+      description::Mimic{stage.model.find_joint("shoulder"), -2, 0.1};
+  hardware::ComponentContext context = stage.context();
+  context.parameters = kDynamics;
+  context.robots[0].hardware = {declared()};
+  auto& elbow = context.robots[0].hardware[0].components[1];
+  elbow.command_interfaces.clear();
+  elbow.state_interfaces = {interface("position"), interface("velocity")};
+  Rig rig(std::make_unique<drivers::MockComponent>(), context);
+  rig.command("arm/shoulder/velocity") = 0.5;
+  for (int k = 0; k < 50; ++k) {
+    rig.cycle();
+    EXPECT_DOUBLE_EQ(rig.state("arm/elbow/position"), -2 * rig.state("arm/shoulder/position") + 0.1);
+    EXPECT_DOUBLE_EQ(rig.state("arm/elbow/velocity"), -1);
+  }
+  EXPECT_FALSE(rig.has_command("arm/elbow/position"));
+}
+
+TEST(Mock, AnInterfaceThatStopsNoLongerLeads) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, kDynamics, true);
+  rig.command("arm/shoulder/position") = 0.3;
+  rig.cycle();
+  rig.switch_mode({"arm/shoulder/velocity"}, {"arm/shoulder/position"});
+  rig.command("arm/shoulder/velocity") = 1;  // and the old position command still stands there
+  rig.run(0.1);
+  EXPECT_NEAR(rig.state("arm/shoulder/position"), 0.4, 1e-9);
+}
+
+TEST(Mock, OneJointTakesOneModeAtATime) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, kDynamics, true);
+  const std::vector<std::string> both = {"arm/shoulder/position", "arm/shoulder/velocity"};
+  EXPECT_EQ(rig.component().prepare_command_mode_switch(both, {}), hardware::ReturnType::error);
+  const std::vector<std::string> apart = {"arm/shoulder/velocity", "arm/elbow/position"};
+  EXPECT_EQ(rig.component().prepare_command_mode_switch(apart, {}), hardware::ReturnType::ok);
+}
+
+TEST(Mock, TheFollowingOffsetIsAddedToThePosition) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, {{"position_state_following_offset", "-0.25"}}, true);
+  rig.command("arm/shoulder/position") = 1;
+  rig.cycle();
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 0.75);
+}
+
+TEST(Mock, TheOffsetGoesToACustomInterfaceWhereOneIsNamed) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.parameters = {{"position_state_following_offset", "0.5"},
+                        {"custom_interface_with_following_offset", "actual_position"}};
+  context.robots[0].hardware = {declared()};
+  context.robots[0].hardware[0].components[0].state_interfaces.push_back(interface("actual_position"));
+  Rig rig(std::make_unique<drivers::MockComponent>(), context);
+  rig.command("arm/shoulder/position") = 1;
+  rig.cycle();
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 1);
+  EXPECT_EQ(rig.state("arm/shoulder/actual_position"), 1.5);
+}
+
+TEST(Mock, DisabledCommandsMoveNothing) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, {{"disable_commands", "True"}}, true);
+  rig.command("arm/shoulder/position") = 1;
+  rig.command("arm/lamp/light") = 1;
+  rig.cycle();
+  EXPECT_EQ(rig.state("arm/shoulder/position"), 0.1);
+  EXPECT_TRUE(std::isnan(rig.state("arm/lamp/light")));
+}
+
+TEST(Mock, SensorsAndLampsAreMirroredWhereAskedFor) {
+  const Stage stage = arm();
+  Rig rig = mock(stage, {{"mock_sensor_commands", "true"}, {"mock_gpio_commands", "true"}}, true);
+  rig.command("arm/wrist_force/fy") = 9;
+  rig.command("arm/lamp/light") = 1;
+  rig.command("arm/lamp/current") = 0.2;
+  rig.cycle();
+  EXPECT_EQ(rig.state("arm/wrist_force/fy"), 9);
+  EXPECT_EQ(rig.state("arm/lamp/light"), 1);
+  EXPECT_EQ(rig.state("arm/lamp/current"), 0.2);
+}
+
+TEST(Mock, AParameterThatIsNoNumberIsRefusedByName) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.parameters = {{"position_state_following_offset", "far"}};
+  drivers::MockComponent component;
+  try {
+    component.on_init(context);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("position_state_following_offset"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("far"), std::string::npos);
+  }
+}
+
+TEST(Mock, ThePartFollowsTheToolAndStaysWhereItIsLetGo) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.parts = {cube("cube", {0, 0, 0.02})};
+  Rig rig = mock(stage);
+  rig.move({{"arm/z/position", -0.36}}, 0.2);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.05);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0) << "a vacuum takes its time";
+  rig.run(0.1);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
+  EXPECT_EQ(rig.part(0).held_by, 0);
+  rig.move({{"arm/x/position", 0.3}, {"arm/z/position", -0.2}}, 0.2);
+  EXPECT_NEAR(rig.part(0).pose.position.x, 0.3, 1e-9);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0.18, 1e-9);
+  rig.command("arm/tool/vacuum") = 0;
+  rig.run(0.01);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0);
+  EXPECT_EQ(rig.part(0).held_by, -1);
+  rig.move({{"arm/x/position", -0.3}}, 0.2);
+  EXPECT_NEAR(rig.part(0).pose.position.x, 0.3, 1e-9);
+}
+
+TEST(Mock, FeederMoverAndOutfeedCountAsTheyAreAsked) {
+  Stage stage;
+  stage.model = gantry();
+  stage.scene = table();
+  stage.scene.kinds = {"ball", "cube"};
+  stage.scene.feeders = {{"magazine", {{0.3, 0, 0.02}, {}}}};
+  stage.scene.outfeeds = {{"chute", {0.2, -0.1, 0}, {0.4, 0.1, 0.1}}};
+  stage.scene.movers = {{"door", {1, 0, 0}, 0, 0.1, 0.2, 1}};
+  stage.scene.parts = {cube("one", {}), cube("two", {})};
+  for (description::Part& part : stage.scene.parts) part.feeder = "magazine";
+  Rig rig = mock(stage);
+  EXPECT_EQ(rig.state("scene/magazine/remaining"), 2);
+  EXPECT_FALSE(rig.part(0).entered);
+  rig.command("scene/magazine/feed") = 1;
+  rig.command("scene/door/position") = 5;
+  rig.run(0.01);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 1);
+  EXPECT_EQ(rig.state("scene/magazine/remaining"), 1);
+  EXPECT_EQ(rig.state("scene/magazine/present"), 1);
+  EXPECT_EQ(rig.state("scene/magazine/kind"), 2);
+  EXPECT_EQ(rig.state("scene/chute/present"), 1);
+  EXPECT_NEAR(rig.state("scene/door/position"), 0.002, 1e-9);
+  rig.command("scene/chute/take") = 1;
+  rig.run(1);
+  EXPECT_EQ(rig.state("scene/chute/taken"), 1);
+  EXPECT_FALSE(rig.part(0).in_world);
+  EXPECT_EQ(rig.state("scene/magazine/present"), 0);
+  EXPECT_NEAR(rig.state("scene/door/position"), 0.1, 1e-9) << "not past its end";
+}
+
+TEST(Mock, CyclesAllocateNothing) {
+  if (!RealtimeGuard::watches()) GTEST_SKIP() << "a sanitizer watches the allocations";
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.parts = {cube("cube", {0, 0, 0.02})};
+  Rig rig = mock(stage);
+  rig.move({{"arm/z/position", -0.36}}, 0.1);
+  double& vacuum = rig.command("arm/tool/vacuum");
+  bool held = false;
+  std::string violations;
+  {
+    const RealtimeGuard guard;
+    for (int k = 0; k < 500; ++k) {
+      vacuum = k < 300 ? 1 : 0;
+      rig.cycle();
+      held |= rig.part(0).held_by == 0;
+    }
+    violations = guard.violations();
+  }
+  EXPECT_EQ(violations, "");
+  EXPECT_TRUE(held) << "the guard saw no grasp";
+}
+
+}  // namespace
+}  // namespace polyarm::test
