@@ -46,7 +46,8 @@ TEST(Kinematics, IkAndFkUndoEachOther) {
   const Finished ik = run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});
   ASSERT_EQ(ik.exit_code, 0) << ik.output;
   std::vector<std::string> line{"fk", "universal_robots/ur5e", "--json", "--joints"};
-  for (const auto& q : nlohmann::json::parse(ik.output)["q"]) line.push_back(q.dump());
+  const auto solution = nlohmann::json::parse(ik.output);
+  for (const auto& q : solution["q"]) line.push_back(q.dump());
   const auto pose = nlohmann::json::parse(run_command(line).output);
   EXPECT_NEAR(pose["xyz"][0].get<double>(), 0.4, 1e-6);
   EXPECT_NEAR(pose["xyz"][1].get<double>(), 0.1, 1e-6);
