@@ -341,7 +341,8 @@ class FileMailbox::Io {
       return complain(problem);
     }
     file_version_ = merge_.wrote();
-    const FileWatch::Label displaced = watch_.collect_replaced(file_version_);
+    const FileWatch::Label displaced =
+        watch_.collect_replaced(file_version_, fs::path(temporary).filename().string());
     const auto base = watch_.take_base(displaced);
     needs_write_ = false;
     all_is_well();
@@ -389,7 +390,11 @@ class FileMailbox::Io {
   /// Puts the new file in the place of the old one; standing_ then is the file that was there.
   bool exchange(const std::string& temporary) {
     if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
-      standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+      struct stat displaced {};
+      const bool there = ::stat(temporary.c_str(), &displaced) == 0;
+      const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
+      const bool same = there && held && held->inode == displaced.st_ino && held->device == displaced.st_dev;
+      if (!same) standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
       ::unlink(temporary.c_str());
       return true;
     }

@@ -46,7 +46,8 @@ void FileWatch::drain(Each each) {
       std::memcpy(&event, buffer.data() + at, sizeof event);
       const char* name = buffer.data() + at + sizeof event;
       if (event.mask & IN_Q_OVERFLOW) lose_track();
-      if (event.len > 0 && name_ == name) each(event.mask);
+      if (event.len > 0 && name_ == name) each(event.mask, false);
+      if (event.len > 0 && displaced_name_ == name) each(event.mask, true);
       at += static_cast<ssize_t>(sizeof event + event.len);
     }
   }
@@ -62,9 +63,7 @@ void FileWatch::take(std::uint32_t mask) {
   if ((mask & IN_OPEN) && own_opens_ > 0) {
     --own_opens_;
   } else if (mask & IN_OPEN) {
-    read_before_ = std::exchange(last_read_, standing_);
-    opened_ = true;
-    accessed_ = false;
+    take_open(standing_);
   }
   if ((mask & IN_ACCESS) && own_accesses_ > 0) {
     --own_accesses_;
@@ -72,6 +71,20 @@ void FileWatch::take(std::uint32_t mask) {
     accessed_ = true;
   }
   if (mask & (kRewrites | kReplaces)) take_rewrite();
+}
+
+void FileWatch::take_open(Label label) {
+  read_before_ = std::exchange(last_read_, label);
+  opened_ = true;
+  accessed_ = false;
+}
+
+/// News about the file that we have just displaced.
+void FileWatch::take_late(std::uint32_t mask) {
+  if (mask & IN_OPEN) take_open(displaced_);
+  if (!(mask & kRewrites) || !opened_ || accessed_) return;
+  last_read_ = read_before_;  // it was opened to be written
+  opened_ = false;
 }
 
 void FileWatch::take_rewrite() {
@@ -84,15 +97,22 @@ void FileWatch::take_rewrite() {
 }
 
 void FileWatch::collect() {
-  drain([&](std::uint32_t mask) { take(mask); });
+  drain([&](std::uint32_t mask, bool displaced) { displaced ? take_late(mask) : take(mask); });
 }
 
-FileWatch::Label FileWatch::collect_replaced(std::uint64_t version) {
-  std::optional<Label> displaced;
-  const auto replace = [&] { displaced = std::exchange(standing_, version); };
-  drain([&](std::uint32_t mask) { !displaced && (mask & IN_MOVED_TO) ? replace() : take(mask); });
-  if (!displaced) replace();
-  return *displaced;
+FileWatch::Label FileWatch::collect_replaced(std::uint64_t version, const std::string& displaced_name) {
+  displaced_name_ = displaced_name;
+  bool replaced = false;
+  const auto replace = [&] {
+    replaced = true;
+    displaced_ = std::exchange(standing_, version);
+  };
+  drain([&](std::uint32_t mask, bool displaced) {
+    if (displaced) return replaced ? take_late(mask) : void();  // before that we made it
+    !replaced && (mask & IN_MOVED_TO) ? replace() : take(mask);
+  });
+  if (!replaced) replace();
+  return displaced_;
 }
 
 void FileWatch::expect_own_read(bool opens) {
@@ -105,6 +125,7 @@ void FileWatch::resolve(Label label, std::uint64_t version) {
     if (is_unseen(known) && known <= label) known = version;
   };
   settle(standing_);
+  settle(displaced_);
   if (last_read_) settle(*last_read_);
   if (read_before_) settle(*read_before_);
   for (Rewrite& rewrite : rewrites_)

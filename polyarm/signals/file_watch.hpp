@@ -25,9 +25,9 @@ class FileWatch {
   using Label = std::uint64_t;
   /// Of what stands in the file, by the news taken so far.
   Label standing() const { return standing_; }
-  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was
-  /// displaced.
-  Label collect_replaced(std::uint64_t version);
+  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was displaced
+  /// and has the name `displaced_name` since: who was just opening it is reported under that name.
+  Label collect_replaced(std::uint64_t version, const std::string& displaced_name);
   /// What comes next is a reading of our own, of a file that we open for it or hold open.
   void expect_own_read(bool opens);
   void expect_no_own_read() { own_opens_ = own_accesses_ = 0; }
@@ -46,13 +46,17 @@ class FileWatch {
     std::optional<Label> base;
   };
   void take(std::uint32_t mask);
+  void take_late(std::uint32_t mask);
+  void take_open(Label label);
   void take_rewrite();
   void lose_track();
-  /// Gives each piece of news about the file to `each`.
+  /// Gives each piece of news to `each`, and whether it is about the displaced file.
   template <class Each>
   void drain(Each each);
 
   std::string name_;
+  std::string displaced_name_;  ///< of the file that we displaced last
+  Label displaced_ = 0;
   int fd_ = -1;
   Label standing_;
   Label next_label_;
