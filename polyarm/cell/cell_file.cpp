@@ -37,7 +37,9 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
 MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
   MotionEntry motion;
   if (!yaml.defined()) return motion;
-  yaml.check_keys({"speed", "thesis_scale"}, problems);
+  yaml.check_keys({"speed", "seconds", "thesis_scale"}, problems);
+  if (yaml.has("seconds"))
+    collect(problems, [&] { motion.seconds = yaml["seconds"].number(Dimension::time); });
   collect(problems, [&] { motion.speed = yaml["speed"].number(Dimension::none, 1); });
   if (yaml.has("thesis_scale"))
     collect(problems, [&] { motion.thesis_scale = yaml["thesis_scale"].number(Dimension::none); });

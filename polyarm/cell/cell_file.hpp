@@ -24,6 +24,7 @@ struct RobotEntry {
 /// How long a joint move takes: as fast as the limits allow (times `speed`), or the thesis's rule.
 struct MotionEntry {
   double speed = 1;                    ///< share of the limits, (0, 1]
+  std::optional<double> seconds;       ///< every move takes at least this long
   std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
 };
 

@@ -38,6 +38,7 @@ program::Handle ProgramHost::start_move(const data::Value& point, const std::str
   motion::Pace pace;
   pace.speed = c_.pace.speed;
   pace.thesis_scale = c_.pace.thesis_scale;
+  pace.seconds = c_.pace.seconds;
   std::uint64_t id = 0;
   if (const data::JointState* joints = point.as_joints())
     id = c_.motion->move_to_joints(joints_by_name(*c_.motion->robot().model, *joints, name), pace, name);

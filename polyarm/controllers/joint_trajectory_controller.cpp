@@ -11,6 +11,18 @@ namespace {
 /// A stop that was asked for as immediate runs down this many times faster than one on the path.
 constexpr double kImmediateFactor = 8;
 
+/// The time from full speed to a hold that keeps the joint with the least acceleration for its speed within
+/// its limit.
+double ramp_of(const ControllerContext& context, const std::vector<std::string>& joints) {
+  constexpr double kShortest = 0.1, kLongest = 2.0;  // s
+  double ramp = kShortest;
+  for (const std::string& joint : joints) {
+    const JointFacts* facts = context.find_joint(joint);
+    if (facts) ramp = std::max(ramp, trajectory::TimeScale::ramp_for(facts->velocity, facts->acceleration));
+  }
+  return std::min(ramp, kLongest);
+}
+
 std::vector<std::string> cross(const std::vector<std::string>& joints, const char* interface) {
   std::vector<std::string> out;
   for (const std::string& joint : joints) out.push_back(joint + "/" + interface);
@@ -49,7 +61,7 @@ CallbackReturn JointTrajectoryController::on_configure(const ControllerContext& 
   has_velocity_state_ = std::count(states.begin(), states.end(), "velocity") > 0;
   for (auto* values : {&position_, &velocity_, &acceleration_, &start_}) values->assign(joints_.size(), 0.0);
   period_s_ = seconds(context.period);
-  scale_ = trajectory::TimeScale();
+  scale_ = trajectory::TimeScale(ramp_of(context, joints_));
   return joints_.empty() ? CallbackReturn::failure : CallbackReturn::success;
 }
 

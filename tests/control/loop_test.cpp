@@ -129,13 +129,17 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
     straight.loop.step_next();
     path.push_back(straight.commanded(0));
   }
-  stopped.run(250);
+  stopped.run(249);
+  const double earlier = stopped.commanded(0);
+  stopped.run(1);
   stopped.loop.supervisor().latch().request(realtime::StopKind::controlled);
-  double before = stopped.commanded(0), fastest = 0;
+  double before = stopped.commanded(0), fastest = 0, speed = stopped.commanded(0) - earlier, hardest = 0;
   const auto watch = [&](int cycles) {
     for (int i = 0; i < cycles; ++i) {
       stopped.loop.step_next();
       fastest = std::max(fastest, std::abs(stopped.commanded(0) - before));
+      hardest = std::max(hardest, std::abs(stopped.commanded(0) - before - speed));
+      speed = stopped.commanded(0) - before;
       before = stopped.commanded(0);
       // On the path: all joints stand at the same share of the line as the first.
       const double share = stopped.commanded(0);
@@ -143,7 +147,7 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
         EXPECT_NEAR((stopped.commanded(j) - 0.1 * j) / (1 - 0.1 * j), share, 1e-9);
     }
   };
-  watch(1000);
+  watch(1500);
   EXPECT_EQ(stopped.loop.supervisor().state(), RunState::held);
   const double held_at = stopped.commanded(0);
   EXPECT_GT(held_at, 0.01);
@@ -154,6 +158,7 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
   stopped.loop.post(Request::resume);
   watch(4000);
   EXPECT_DOUBLE_EQ(stopped.commanded(0), 1);
+  EXPECT_LE(hardest, 8.0e-6 * 1.1) << "stop and resume stay within the acceleration limit";
   EXPECT_LE(fastest, 2.0e-3 * (1 + 1e-6)) << "never faster than the joint's velocity limit";
 }
 
@@ -162,7 +167,7 @@ TEST(ControlLoop, DiscardForgetsTheRestOfTheMove) {
   bench.move({1, 1, 1, 1, 1, 1});
   bench.run(300);
   bench.loop.supervisor().latch().request(realtime::StopKind::controlled);
-  bench.run(1000);
+  bench.run(1500);
   const double held_at = bench.commanded(0);
   bench.loop.post(Request::discard);
   bench.run(1);

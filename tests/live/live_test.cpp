@@ -51,10 +51,12 @@ TEST(Suspend, TheRobotHoldsAfterwardsAndDoesNotCatchUp) {
 TEST(Kill, LeavesEveryDataFileEitherOldOrNew) {
   const ExampleCopy copy("pick_and_place");
   // A PLC that writes as often as it can.
-  write_file_atomically(copy.file("plc.script"),
-                        "while true\n  set ActivateGripper = not ActivateGripper\n  set GripperActive = not GripperActive\n"
-                        "  wait 2ms\nend\n");
-  write_file_atomically(copy.file("PAPscript.script"), "load cycledata\nwait GripperActive and not GripperActive\n");
+  write_file_atomically(
+      copy.file("plc.script"),
+      "while true\n  set ActivateGripper = not ActivateGripper\n  set GripperActive = not GripperActive\n"
+      "  wait 2ms\nend\n");
+  write_file_atomically(copy.file("PAPscript.script"),
+                        "load cycledata\nwait GripperActive and not GripperActive\n");
   std::string text = read_file(copy.file("signals.yaml"));
   write_file_atomically(copy.file("signals.yaml"), text + "live: [cycledata]\n");
   for (int i = 0; i < 100; ++i) {
@@ -64,7 +66,8 @@ TEST(Kill, LeavesEveryDataFileEitherOldOrNew) {
     run.signal(SIGKILL);
     run.wait();
     Problems problems;
-    const data::ImportFile file = data::ImportFile::parse(read_file(copy.file("cycledata.data")), "cycledata.data", problems);
+    const data::ImportFile file =
+        data::ImportFile::parse(read_file(copy.file("cycledata.data")), "cycledata.data", problems);
     ASSERT_TRUE(problems.list().empty()) << "after kill " << i << ": " << problems.list().front().text();
     ASSERT_EQ(file.values().size(), 7u);
   }
@@ -72,9 +75,12 @@ TEST(Kill, LeavesEveryDataFileEitherOldOrNew) {
 
 TEST(LiveData, WhatAnOutsideProgramWritesReachesTheRunningProgram) {
   const ExampleCopy copy("pick_and_place");
-  write_file_atomically(copy.file("signals.yaml"), read_file(copy.file("signals.yaml")) + "live: [cycledata]\n");
-  write_file_atomically(copy.file("plc.script"), "wait ActivateGripper\nlog \"seen\"\nset GripperActive = true\n");
-  write_file_atomically(copy.file("PAPscript.script"), "load cycledata\nwait GripperActive\nlog \"through\"\n");
+  write_file_atomically(copy.file("signals.yaml"),
+                        read_file(copy.file("signals.yaml")) + "live: [cycledata]\n");
+  write_file_atomically(copy.file("plc.script"),
+                        "wait ActivateGripper\nlog \"seen\"\nset GripperActive = true\n");
+  write_file_atomically(copy.file("PAPscript.script"),
+                        "load cycledata\nwait GripperActive\nlog \"through\"\n");
   Command run({"run", copy.path(), "--json", "--hardware", "mock"});
   ASSERT_TRUE(run.wait_for("wait GripperActive"));
   std::string text = read_file(copy.file("cycledata.data"));

@@ -1,9 +1,10 @@
+#include "tests/support/command.hpp"
+
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "polyarm/base/file.hpp"
-#include "tests/support/command.hpp"
 
 namespace polyarm {
 namespace {
@@ -36,14 +37,16 @@ TEST(Robots, AreAnArrayOfFacts) {
     EXPECT_GE(robot["axes"].get<int>(), 4);
     EXPECT_TRUE(robot.contains("maker") && robot.contains("reach_m") && robot.contains("payload_kg"));
   }
-  for (const char* name : {"universal_robots/ur3", "universal_robots/ur5", "universal_robots/ur10", "universal_robots/ur3e",
-                           "universal_robots/ur5e", "universal_robots/ur10e", "fanuc/lr_mate_200id", "fanuc/lr_mate_200id_7l",
-                           "abb/irb_120", "abb/irb_1200_7_70", "demo/r6bot"})
+  for (const char* name :
+       {"universal_robots/ur3", "universal_robots/ur5", "universal_robots/ur10", "universal_robots/ur3e",
+        "universal_robots/ur5e", "universal_robots/ur10e", "fanuc/lr_mate_200id", "fanuc/lr_mate_200id_7l",
+        "abb/irb_120", "abb/irb_1200_7_70", "demo/r6bot"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
 TEST(Kinematics, IkAndFkUndoEachOther) {
-  const Finished ik = run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});
+  const Finished ik = run_command(
+      {"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});
   ASSERT_EQ(ik.exit_code, 0) << ik.output;
   std::vector<std::string> line{"fk", "universal_robots/ur5e", "--json", "--joints"};
   const auto solution = nlohmann::json::parse(ik.output);
@@ -76,26 +79,30 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
   std::string urdf = run_command({"describe", "demo/r6bot", "--urdf"}).output;
   const auto hardware = [](const std::string& plugin) {
     return "<ros2_control name=\"R6\" type=\"system\"><hardware><plugin>" + plugin + "</plugin></hardware>" +
-           "<joint name=\"joint_1\"><command_interface name=\"position\"/><state_interface name=\"position\"/></joint>"
+           "<joint name=\"joint_1\"><command_interface name=\"position\"/><state_interface "
+           "name=\"position\"/></joint>"
            "</ros2_control></robot>";
   };
   urdf.erase(urdf.rfind("</robot>"));
   write_file_atomically(copy.file("a.urdf"), urdf + hardware("acme/Unheard"));
   write_file_atomically(copy.file("b.urdf"), urdf + hardware("mock_components/GenericSystem"));
   const Finished a = run_command({"run", "--description", copy.file("a.urdf"), "--fast", "--seconds", "1"});
-  EXPECT_NE(a.output.find("R6: the plugin acme/Unheard is not installed, replaced by"), std::string::npos) << a.output;
+  EXPECT_NE(a.output.find("R6: the plugin acme/Unheard is not installed, replaced by"), std::string::npos)
+      << a.output;
   const Finished b = run_command({"run", "--description", copy.file("b.urdf"), "--fast", "--seconds", "1"});
   EXPECT_NE(b.output.find("mock_components/GenericSystem is played by mock"), std::string::npos) << b.output;
 }
 
 TEST(Run, ExplainsALaunchFile) {
   const ExampleCopy copy("pick_and_place");
-  write_file_atomically(copy.file("view.launch.py"),
-                        "urdf = PathJoinSubstitution([FindPackageShare('d'), 'urdf', 'bot.urdf.xacro'])\n"
-                        "yaml = PathJoinSubstitution([FindPackageShare('d'), 'config', 'bot_controllers.yaml'])\n");
+  write_file_atomically(
+      copy.file("view.launch.py"),
+      "urdf = PathJoinSubstitution([FindPackageShare('d'), 'urdf', 'bot.urdf.xacro'])\n"
+      "yaml = PathJoinSubstitution([FindPackageShare('d'), 'config', 'bot_controllers.yaml'])\n");
   const Finished run = run_command({"run", copy.file("view.launch.py")});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.output.find("polyarm run --description bot.urdf.xacro --controllers bot_controllers.yaml"), std::string::npos)
+  EXPECT_NE(run.output.find("polyarm run --description bot.urdf.xacro --controllers bot_controllers.yaml"),
+            std::string::npos)
       << run.output;
 }
 
@@ -114,9 +121,14 @@ TEST(Run, WaitUserNeedsSomebodyOrAnAnswer) {
 
 TEST(Run, TheThesisDurationRuleStretchesMoves) {
   const ExampleCopy copy("pick_and_place");
-  const double fast = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"}).result()["sim_time_s"];
-  write_file_atomically(copy.file("cell.yaml"), read_file(copy.file("cell.yaml")) + "motion: {thesis_scale: 4}\n");
-  const double slow = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"}).result()["sim_time_s"];
+  const double fast =
+      run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"})
+          .result()["sim_time_s"];
+  write_file_atomically(copy.file("cell.yaml"),
+                        read_file(copy.file("cell.yaml")) + "motion: {thesis_scale: 4}\n");
+  const double slow =
+      run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1", "--hardware", "mock"})
+          .result()["sim_time_s"];
   EXPECT_GT(slow, fast + 5);
 }
 

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "polyarm/base/file.hpp"
-
 #include "tests/support/command.hpp"
 
 namespace polyarm {
@@ -28,7 +27,8 @@ TEST_P(Examples, RunToTheirEndWithEveryPartInItsPlaceAndTwiceAlike) {
   const ExampleCopy copy(GetParam().example);
   const std::vector<std::string> line{"run", copy.path(), "--robot", GetParam().robot, "--fast", "--json"};
   const Finished first = run_command(line), second = run_command(line);
-  ASSERT_EQ(first.exit_code, 0) << first.output.substr(first.output.size() > 3000 ? first.output.size() - 3000 : 0);
+  ASSERT_EQ(first.exit_code, 0) << first.output.substr(first.output.size() > 3000 ? first.output.size() - 3000
+                                                                                  : 0);
   const nlohmann::json result = first.result();
   EXPECT_EQ(result["result"], "completed");
   EXPECT_GE(result["program_cycles"], 2);
@@ -44,12 +44,12 @@ TEST_P(Examples, RunToTheirEndWithEveryPartInItsPlaceAndTwiceAlike) {
 }
 
 constexpr Case kCases[] = {
-    {"pick_and_place", "universal_robots/ur3", 3},  {"pick_and_place", "universal_robots/ur5e", 3},
-    {"pick_and_place", "fanuc/lr_mate_200id", 3},   {"pick_and_place", "abb/irb_120", 3},
-    {"sorting", "universal_robots/ur3", 4},         {"sorting", "universal_robots/ur5e", 4},
-    {"sorting", "fanuc/lr_mate_200id", 4},          {"sorting", "abb/irb_120", 4},
-    {"bin_picking", "universal_robots/ur3", 6},     {"bin_picking", "universal_robots/ur5e", 6},
-    {"bin_picking", "fanuc/lr_mate_200id", 6},      {"bin_picking", "abb/irb_120", 6},
+    {"pick_and_place", "universal_robots/ur3", 3}, {"pick_and_place", "universal_robots/ur5e", 3},
+    {"pick_and_place", "fanuc/lr_mate_200id", 3},  {"pick_and_place", "abb/irb_120", 3},
+    {"sorting", "universal_robots/ur3", 4},        {"sorting", "universal_robots/ur5e", 4},
+    {"sorting", "fanuc/lr_mate_200id", 4},         {"sorting", "abb/irb_120", 4},
+    {"bin_picking", "universal_robots/ur3", 6},    {"bin_picking", "universal_robots/ur5e", 6},
+    {"bin_picking", "fanuc/lr_mate_200id", 6},     {"bin_picking", "abb/irb_120", 6},
 };
 INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(kCases), [](const auto& named) {
   std::string name = std::string(named.param.example) + "_" + named.param.robot;
@@ -89,7 +89,8 @@ TEST(BinPicking, TheCameraChangesThePickPointAndPartsAreLoadedAndUnloaded) {
 
 TEST(PickAndPlace, WithoutVacuumFailsAndSaysWhoWaitsForWhat) {
   const ExampleCopy copy("pick_and_place");
-  const Finished run = run_command({"run", copy.path(), "--fast", "--json", "--fault", "arm/tool/vacuum=off"});
+  const Finished run =
+      run_command({"run", copy.path(), "--fast", "--json", "--fault", "arm/tool/vacuum=off"});
   EXPECT_EQ(run.exit_code, 1);
   const nlohmann::json result = run.result();
   EXPECT_EQ(result["result"], "failed");
@@ -97,13 +98,15 @@ TEST(PickAndPlace, WithoutVacuumFailsAndSaysWhoWaitsForWhat) {
   EXPECT_NE(result["error"].get<std::string>().find("GripperActive"), std::string::npos);
   EXPECT_NE(result["error"].get<std::string>().find("PartHeld"), std::string::npos);
   const std::filesystem::path folder = result["failure_folder"].get<std::string>();
-  for (const char* file : {"cell.yaml", "plc.script", "command.txt", "result.json", "last_cycles.csv", "arm.urdf"})
+  for (const char* file :
+       {"cell.yaml", "plc.script", "command.txt", "result.json", "last_cycles.csv", "arm.urdf"})
     EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
 }
 
 TEST(PickAndPlace, CyclesEndTheProgramAfterThatManyPasses) {
   const ExampleCopy copy("pick_and_place");
-  const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "2"}).result();
+  const nlohmann::json result =
+      run_command({"run", copy.path(), "--fast", "--json", "--cycles", "2"}).result();
   EXPECT_EQ(result["result"], "completed");
   EXPECT_EQ(result["program_cycles"], 2);
   EXPECT_EQ(result["parts"].size(), 2u) << "only the parts that were fed";
@@ -112,7 +115,8 @@ TEST(PickAndPlace, CyclesEndTheProgramAfterThatManyPasses) {
 TEST(PickAndPlace, ARunChangesNoFileOfTheUser) {
   const ExampleCopy copy("pick_and_place");
   std::map<std::string, std::string> before;
-  for (const auto& entry : std::filesystem::directory_iterator(copy.path())) before[entry.path()] = read_file(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(copy.path()))
+    before[entry.path()] = read_file(entry.path());
   run_command({"run", copy.path(), "--fast", "-q", "--cycles", "1"});
   for (const auto& [path, content] : before) EXPECT_EQ(read_file(path), content) << path;
   EXPECT_TRUE(std::filesystem::exists(copy.file(".state/.gitignore")));
@@ -130,7 +134,8 @@ TEST(PickAndPlace, ATableInTheWayIsFound) {
   ASSERT_FALSE(result["problems"].empty());
   EXPECT_EQ(result["problems"][0]["code"], "contact");
   EXPECT_NE(result["error"].get<std::string>().find("wall"), std::string::npos);
-  EXPECT_NE(result["error"].get<std::string>().find("PAPscript.script:"), std::string::npos) << "names the program line";
+  EXPECT_NE(result["error"].get<std::string>().find("PAPscript.script:"), std::string::npos)
+      << "names the program line";
 }
 
 TEST(PickAndPlace, APlaceBesideTheTrayIsAFailure) {
@@ -139,7 +144,8 @@ TEST(PickAndPlace, APlaceBesideTheTrayIsAFailure) {
   const std::string place = "Point: 0.30, -0.15, 0.045";
   points.replace(points.find(place), place.size(), "Point: 0.31, -0.15, 0.045");
   write_file_atomically(copy.file("PAPpoints.points"), points);
-  const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1"}).result();
+  const nlohmann::json result =
+      run_command({"run", copy.path(), "--fast", "--json", "--cycles", "1"}).result();
   EXPECT_EQ(result["result"], "failed");
   EXPECT_EQ(result["parts"][0]["state"], "off_goal");
   EXPECT_NEAR(result["parts"][0]["error_m"].get<double>(), 0.01, 1e-3);
@@ -147,7 +153,8 @@ TEST(PickAndPlace, APlaceBesideTheTrayIsAFailure) {
 
 TEST(PickAndPlace, RunsOnMockHardwareToo) {
   const ExampleCopy copy("pick_and_place");
-  const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json", "--hardware", "mock"}).result();
+  const nlohmann::json result =
+      run_command({"run", copy.path(), "--fast", "--json", "--hardware", "mock"}).result();
   EXPECT_EQ(result["result"], "completed");
   EXPECT_TRUE(result["physics_step_s"].is_null());
 }
@@ -168,16 +175,17 @@ TEST(Check, ReportsEveryErrorOfEveryFileAtOnce) {
   change("cycledata.data", "Bool: False", "Bool: Flase");
   const Finished check = run_command({"check", copy.path()});
   EXPECT_EQ(check.exit_code, 1);
-  for (const char* wanted :
-       {"PAPpoints.points:8:", "6.16 m from the base, this robot reaches 0.50 m", "PAPscript.script:11:1:", "'mait'",
-        "PAPscript.script:17:", "'Pas2'", "did you mean 'Pass2'", "scene.yaml:11:", "'att'", "signals.yaml:4:", "'comand'",
-        "did you mean 'command'", "cycledata.data:10:7:", "'Flase'"})
+  for (const char* wanted : {"PAPpoints.points:8:", "6.16 m from the base, this robot reaches 0.50 m",
+                             "PAPscript.script:11:1:", "'mait'", "PAPscript.script:17:", "'Pas2'",
+                             "did you mean 'Pass2'", "scene.yaml:11:", "'att'", "signals.yaml:4:", "'comand'",
+                             "did you mean 'command'", "cycledata.data:10:7:", "'Flase'"})
     EXPECT_NE(check.output.find(wanted), std::string::npos) << wanted << "\n" << check.output;
 }
 
 TEST(Check, FindsNothingInTheExamplesOnAnyOfTheFourRobots) {
   for (const char* example : {"pick_and_place", "sorting", "bin_picking"})
-    for (const char* robot : {"universal_robots/ur3", "universal_robots/ur5e", "fanuc/lr_mate_200id", "abb/irb_120"}) {
+    for (const char* robot :
+         {"universal_robots/ur3", "universal_robots/ur5e", "fanuc/lr_mate_200id", "abb/irb_120"}) {
       const ExampleCopy copy(example);
       const Finished check = run_command({"check", copy.path(), "--robot", robot});
       EXPECT_EQ(check.exit_code, 0) << example << " " << robot << "\n" << check.output;

@@ -81,7 +81,9 @@ class Command {
   Finished finished_;
 };
 
-inline Finished run_command(const std::vector<std::string>& arguments) { return Command(arguments).wait(); }
+inline Finished run_command(const std::vector<std::string>& arguments) {
+  return Command(arguments).wait();
+}
 
 /// A copy of an example in a folder of its own, gone at the end.
 class ExampleCopy {
