@@ -1,0 +1,371 @@
+#include "polyarm/description/catalogue.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/description/urdf.hpp"
+#include "tests/description/support.hpp"
+
+namespace polyarm::description {
+namespace {
+
+namespace fs = std::filesystem;
+using test::has;
+
+const Catalogue& catalogue() {
+  static const Catalogue out({POLYARM_SOURCE_DIR "/robots"});
+  return out;
+}
+
+std::vector<Pose> at_home(const RobotModel& model) {
+  return test::walk(model, model.named_states.at("home"));
+}
+
+Pose pose_of(const RobotModel& model, const std::vector<Pose>& poses, const char* link) {
+  return poses.at(static_cast<std::size_t>(model.find_link(link)));
+}
+
+/// The lowest point of a capsule, in the frame that `pose` leads to.
+double lowest(const Shape& capsule, const Pose& pose) {
+  const Pose center = pose * capsule.pose;
+  const Vec3 half = center.rotation * Vec3{0, 0, capsule.length / 2};
+  return center.position.z - std::abs(half.z) - capsule.radius;
+}
+
+/// How many moving joints lie between the root and the link.
+int moving_joints_before(const RobotModel& model, int link) {
+  int out = 0;
+  for (int j = model.links[static_cast<std::size_t>(link)].parent_joint; j >= 0;) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+    out += joint.moves();
+    j = model.links[static_cast<std::size_t>(joint.parent_link)].parent_joint;
+  }
+  return out;
+}
+
+// --- every robot
+
+void expect_provenance(const RobotModel& model) {
+  EXPECT_FALSE(model.provenance.source.empty());
+  EXPECT_FALSE(model.provenance.licence.empty());
+  EXPECT_FALSE(model.provenance.maker.empty());
+  EXPECT_FALSE(model.provenance.model.empty());
+}
+
+/// Flange and tool0 have their z along the last axis, out of the flange.
+void expect_tool_frames(const RobotModel& model) {
+  ASSERT_GE(model.find_link("flange"), 0);
+  ASSERT_GE(model.find_link("tool0"), 0);
+  EXPECT_EQ(model.tool_link(), model.find_link("tool0"));
+  const std::vector<Pose> poses = at_home(model);
+  const Pose flange = pose_of(model, poses, "flange"), tool = pose_of(model, poses, "tool0");
+  const Joint& last = model.joints[static_cast<std::size_t>(model.actuated.back())];
+  const Pose wrist = poses[static_cast<std::size_t>(last.child_link)];
+  const Vec3 out = flange.rotation * Vec3{0, 0, 1};
+  EXPECT_NEAR(dot(out, tool.rotation * Vec3{0, 0, 1}), 1, 1e-9);
+  EXPECT_NEAR(std::abs(dot(out, wrist.rotation * last.axis)), 1, 1e-9);
+  EXPECT_GE(dot(flange.position - wrist.position, out), -1e-9);
+}
+
+void expect_home_inside_limits(const RobotModel& model) {
+  const std::vector<double>& home = model.named_states.at("home");
+  ASSERT_EQ(home.size(), model.actuated.size());
+  for (std::size_t i = 0; i < home.size(); ++i) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(model.actuated[i])];
+    SCOPED_TRACE(joint.name);
+    EXPECT_TRUE(std::isfinite(home[i]));
+    EXPECT_GT(home[i], joint.limits.lower.value_or(-1e9));
+    EXPECT_LT(home[i], joint.limits.upper.value_or(1e9));
+  }
+}
+
+/// Speed limits are there and positive. Many sources state no effort; then a note has to say so.
+void expect_dynamic_limits(const RobotModel& model) {
+  const std::vector<std::string>& notes = model.provenance.notes;
+  const bool effort_noted = std::any_of(notes.begin(), notes.end(),
+                                        [](const std::string& n) { return n.find("effort") != n.npos; });
+  for (const int j : model.actuated) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+    SCOPED_TRACE(joint.name);
+    const JointLimits& l = joint.limits;
+    for (const auto& value : {l.velocity, l.acceleration, l.jerk}) EXPECT_GT(value.value_or(0), 0);
+    EXPECT_TRUE(l.effort ? *l.effort > 0 : effort_noted);
+    EXPECT_EQ(l.lower.has_value() && l.upper.has_value(), joint.type != JointType::continuous);
+    EXPECT_NEAR(norm(joint.axis), 1, 1e-12);
+  }
+}
+
+/// The capsules beyond the first two moving links lie above the table; returns how many there are.
+int expect_clear_of_the_table(const RobotModel& model) {
+  const std::vector<Pose> poses = at_home(model);
+  int compared = 0;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    if (moving_joints_before(model, static_cast<int>(i)) <= 2) continue;
+    for (const Shape& shape : model.links[i].collisions) {
+      EXPECT_EQ(shape.kind, ShapeKind::capsule);
+      EXPECT_GT(lowest(shape, poses[i]), 0) << model.links[i].name;
+      ++compared;
+    }
+  }
+  return compared;
+}
+
+void expect_masses(const RobotModel& model) {
+  for (const Link& link : model.links) {
+    if (!link.inertial) continue;
+    SCOPED_TRACE(link.name);
+    const auto& i = link.inertial->inertia;
+    EXPECT_GT(link.inertial->mass, 0);
+    EXPECT_GT(std::min({i[0], i[3], i[5]}), 0);
+  }
+}
+
+/// Next to none of the links of these have a shape, so that collisions of theirs go unseen.
+bool barely_shaped(const std::string& robot) {
+  return robot == "elephant_robotics/mycobot_320_pi" || robot == "elephant_robotics/mycobot_pro_600";
+}
+
+class EveryRobot : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryRobot, IsWholeStandsWellAtHomeAndReadsBackEqual) {
+  const RobotModel model = catalogue().load(GetParam());
+  ASSERT_FALSE(model.actuated.empty());
+  ASSERT_TRUE(model.named_states.contains("home"));
+  expect_provenance(model);
+  expect_tool_frames(model);
+  expect_home_inside_limits(model);
+  expect_dynamic_limits(model);
+  expect_masses(model);
+  const int shaped = expect_clear_of_the_table(model);
+  EXPECT_EQ(shaped < 2, barely_shaped(GetParam())) << shaped << " shapes";
+  if (GetParam() != "demo/r6bot") {  // its tool does not point down at home
+    const Pose tool = pose_of(model, at_home(model), "tool0");
+    test::expect_near(tool.rotation * Vec3{0, 0, 1}, {0, 0, -1}, 1e-4);
+  }
+  Problems warnings;
+  test::expect_equal(model, read_urdf(write_urdf(model), "again.urdf", warnings));
+  EXPECT_TRUE(warnings.list().empty());
+}
+
+std::vector<std::string> robots_on_disk() {
+  std::vector<std::string> out;
+  for (const auto& maker : fs::directory_iterator(POLYARM_SOURCE_DIR "/robots"))
+    if (maker.is_directory())
+      for (const auto& file : fs::directory_iterator(maker.path()))
+        if (file.path().extension() == ".yaml")
+          out.push_back(maker.path().filename().string() + "/" + file.path().stem().string());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryRobot, ::testing::ValuesIn(robots_on_disk()), [](const auto& test) {
+  std::string out = test.param;
+  std::replace_if(
+      out.begin(), out.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return out;
+});
+
+// --- the four robots that run the same cells
+
+class OneOfFour : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(OneOfFour, HoldsItsToolAtTheSamePlaceAtHome) {
+  const RobotModel model = catalogue().load(GetParam());
+  const Pose tool = pose_of(model, at_home(model), "tool0");
+  test::expect_near(tool.position, {0.30, 0, 0.32}, 1e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, OneOfFour,
+                         ::testing::Values("universal_robots/ur3", "universal_robots/ur5e",
+                                           "fanuc/lr_mate_200id", "abb/irb_120"),
+                         [](const auto& test) {
+                           const std::string name = test.param;
+                           return name.substr(name.find('/') + 1);
+                         });
+
+// --- the catalogue
+
+TEST(Catalogue, ListsEveryFileOnDisk) {
+  EXPECT_EQ(catalogue().names(), robots_on_disk());
+  const std::vector<CatalogueEntry> entries = catalogue().entries();
+  ASSERT_EQ(entries.size(), robots_on_disk().size());
+  for (const CatalogueEntry& entry : entries) {
+    EXPECT_GE(entry.axes, 5) << entry.name;
+    EXPECT_LE(entry.axes, 8) << entry.name;
+  }
+}
+
+TEST(Catalogue, TakesABareModelWhereItIsClear) {
+  EXPECT_EQ(catalogue().load("UR3").provenance.model,
+            catalogue().load("universal_robots/ur3").provenance.model);
+}
+
+TEST(Catalogue, NamesTheNearestRobot) {
+  try {
+    catalogue().load("universal_robots/ur3x");
+    FAIL() << "was found";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().at(0).code, "unknown-robot");
+    EXPECT_TRUE(has(e.what(), "did you mean 'universal_robots/ur3"));
+  }
+}
+
+TEST(Catalogue, SaysWhereToLookWhenItIsNotThere) {
+  try {
+    Catalogue({"/nowhere/at/all"}).load("ur3");
+    FAIL() << "was found";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "POLYARM_ROBOTS"));
+  }
+}
+
+/// A folder that is gone after the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "polyarm_catalogue_XXXXXX").string();
+    if (!mkdtemp(name.data())) throw Error("no-folder", name);
+    path_ = name;
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string write(const std::string& name, const std::string& text) const {
+    fs::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return (path_ / name).string();
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+const char* const kSmall = R"(polyarm: robot/1
+maker: Acme
+model: "One"
+source: "drawn for this test"
+licence: "none"
+joints:
+  - {name: lift, type: prismatic, parent: base, child: tool0, axis: [0, 0, 2], lower: 0, upper: 50mm, velocity: 1}
+links:
+  - {name: base}
+  - {name: tool0}
+named_states:
+  home: {lift: 0.02}
+)";
+
+std::string small_with(const std::string& from, const std::string& to) {
+  std::string text = kSmall;
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(Catalogue, FoldersNamedFirstHideLaterOnes) {
+  const Folder mine;
+  mine.write("universal_robots/ur3.yaml", kSmall);
+  const Catalogue both({mine.path(), POLYARM_SOURCE_DIR "/robots"});
+  EXPECT_EQ(both.load("universal_robots/ur3").provenance.maker, "Acme");
+  EXPECT_EQ(both.names(), robots_on_disk());
+}
+
+TEST(Catalogue, LoadsRobotsByNameAndByPath) {
+  const Folder mine;
+  Problems warnings;
+  const std::string yaml = mine.write("one.yaml", kSmall);
+  const RobotModel model = load_robot(yaml, catalogue(), warnings);
+  EXPECT_EQ(model.provenance.maker, "Acme");
+  const std::string urdf = mine.write("one.urdf", write_urdf(model));
+  test::expect_equal(load_robot(urdf, catalogue(), warnings), model);
+  EXPECT_EQ(load_robot("abb/irb_120", catalogue(), warnings).actuated.size(), 6u);
+  EXPECT_THROW(load_robot((mine.path() / "none.urdf").string(), catalogue(), warnings), Error);
+}
+
+TEST(RobotFile, ReadsUnitsAndNormalisesAxes) {
+  const Folder mine;
+  const RobotModel model = read_robot_file(mine.write("one.yaml", kSmall));
+  EXPECT_EQ(model.joints.at(0).axis, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(model.joints[0].limits.upper.value(), 0.05, 1e-15);
+  EXPECT_EQ(model.named_states.at("home"), (std::vector<double>{0.02}));
+}
+
+struct Bad {
+  const char* name;
+  std::string from, to;
+  int line;
+  std::string piece;
+};
+
+void PrintTo(const Bad& bad, std::ostream* out) {
+  *out << bad.name;
+}
+
+class BadRobotFile : public ::testing::TestWithParam<Bad> {};
+
+TEST_P(BadRobotFile, IsRefusedWithLineAndReason) {
+  const Folder mine;
+  const std::string path = mine.write("bad.yaml", small_with(GetParam().from, GetParam().to));
+  try {
+    read_robot_file(path);
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    const Problem& first = e.problems().at(0);
+    EXPECT_EQ(first.where.file, path);
+    EXPECT_EQ(first.where.line, GetParam().line) << first.text();
+    EXPECT_TRUE(has(first.text(), GetParam().piece));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadRobotFile,
+    ::testing::Values(Bad{"OtherKind", "robot/1", "scene/1", 1, "scene/1"},
+                      Bad{"UnknownKey", "maker:", "makr:", 2, "did you mean 'maker'"},
+                      Bad{"UnknownJointKey", "velocity: 1", "velocty: 1", 7, "did you mean 'velocity'"},
+                      Bad{"UnknownType", "prismatic", "sliding", 7, "'sliding' is no joint type"},
+                      Bad{"UnknownLink", "child: tool0", "child: tol0", 7, "did you mean 'tool0'"},
+                      Bad{"WrongUnit", "50mm", "50deg", 7, "50deg"},
+                      Bad{"NoNumber", "upper: 50mm", "upper: .nan", 7, "nan"},
+                      Bad{"UnknownHomeJoint", "{lift:", "{lfit:", 12, "did you mean 'lift'"},
+                      Bad{"Syntax", "links:", "links: [", 9, "not valid YAML"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(RobotFile, ReportsEverythingThatIsWrongAtOnce) {
+  const Folder mine;
+  std::string text = small_with("prismatic", "sliding");
+  text.replace(text.find("- {name: base}"), 14, "- {nme: base}");
+  try {
+    read_robot_file(mine.write("bad.yaml", text));
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "'sliding'"));
+    EXPECT_TRUE(has(e.what(), "'nme'"));
+  }
+}
+
+TEST(RobotFileFuzz, DamagedTextEndsInAModelOrAnError) {
+  const Folder mine;
+  const std::string good = read_file(POLYARM_SOURCE_DIR "/robots/universal_robots/ur3.yaml");
+  test::Mutator mutate(7);
+  int refused = 0, accepted = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::string text = mutate(i % 2 ? good : kSmall);
+    const std::string path = mine.write("damaged.yaml", text);
+    try {
+      const RobotModel model = read_robot_file(path);
+      ++accepted;
+      EXPECT_EQ(model.joints.size() + 1, model.links.size()) << text;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 200);
+  EXPECT_GT(accepted, 20);
+}
+
+}  // namespace
+}  // namespace polyarm::description
