@@ -22,13 +22,17 @@ Quaternion from_rpy(double roll, double pitch, double yaw) {
 }
 
 Vec3 to_rpy(const Quaternion& q) {
-  const double sin_pitch = 2 * (q.w * q.y - q.z * q.x);
-  if (std::abs(sin_pitch) > 1 - 1e-12) {  // roll and yaw turn about one axis: give it all to roll
-    const double pitch = std::copysign(std::numbers::pi / 2, sin_pitch);
-    return {2 * std::atan2(q.x, q.w), pitch, 0};
-  }
-  return {std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y)), std::asin(sin_pitch),
-          std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))};
+  // Sums of components are products of half angles (of pitch with roll + yaw, and with roll - yaw), which
+  // stays exact near pitch = +-pi/2, where the arc sine of the pitch loses half of its digits.
+  const double up = std::hypot(q.w + q.y, q.x - q.z), down = std::hypot(q.w - q.y, q.x + q.z);
+  const double pitch = 2 * std::atan2(up, down) - std::numbers::pi / 2;
+  const double half_sum = std::atan2(q.x + q.z, q.w - q.y),
+               half_difference = std::atan2(q.x - q.z, q.w + q.y);
+  const auto turn = [](double angle) { return std::remainder(angle, 2 * std::numbers::pi); };
+  // At an end of pitch roll and yaw turn about one axis: give it all to roll.
+  if (down < 1e-10) return {turn(2 * half_difference), std::numbers::pi / 2, 0};
+  if (up < 1e-10) return {turn(2 * half_sum), -std::numbers::pi / 2, 0};
+  return {turn(half_sum + half_difference), pitch, turn(half_sum - half_difference)};
 }
 
 Vec3 to_rotation_vector(const Quaternion& q_in) {

@@ -1,6 +1,7 @@
 #include "polyarm/description/catalogue.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <set>
 
@@ -30,6 +31,49 @@ std::optional<double> optional_number(const Yaml& yaml, Dimension dimension) {
   return yaml.number(dimension);
 }
 
+/// The same for what makes no sense unless it is above zero.
+std::optional<double> optional_positive(const Yaml& yaml, Dimension dimension) {
+  const auto value = optional_number(yaml, dimension);
+  if (value && !(*value > 0))
+    throw Error(Problem{"bad-value", yaml.where(), "'" + yaml.text() + "' must be above zero", {}});
+  return value;
+}
+
+/// Places within a kilometre: nothing that follows overflows.
+Vec3 place(const Yaml& yaml) {
+  const Vec3 out = yaml.vec3();
+  if (!(std::max({std::abs(out.x), std::abs(out.y), std::abs(out.z)}) < 1000))
+    throw Error(Problem{"bad-value", yaml.where(), "a robot is smaller than a kilometre", "write metres"});
+  return out;
+}
+
+Vec3 read_axis(const Yaml& yaml) {
+  const Vec3 given = yaml.vec3(Dimension::none);
+  const double length = std::hypot(given.x, given.y, given.z);
+  if (!(length > 1e-9) || !std::isfinite(length))
+    throw Error(Problem{"zero-axis", yaml.where(), "the axis has no direction", "write [0, 0, 1]"});
+  return normalized(Vec3{given.x / length, given.y / length, given.z / length});
+}
+
+JointLimits read_limits(const Yaml& yaml, bool slides) {
+  const Dimension place = slides ? Dimension::length : Dimension::angle;
+  JointLimits out;
+  out.lower = optional_number(yaml["lower"], place);
+  out.upper = optional_number(yaml["upper"], place);
+  if (out.lower && out.upper && !(*out.lower < *out.upper))
+    throw Error(Problem{
+        "bad-limit",
+        yaml["lower"].where(),
+        "the lower limit " + yaml["lower"].text() + " is not below the upper limit " + yaml["upper"].text(),
+        {}});
+  out.velocity = optional_positive(yaml["velocity"], slides ? Dimension::speed : Dimension::angular_speed);
+  out.effort = optional_positive(yaml["effort"], slides ? Dimension::force : Dimension::torque);
+  out.acceleration = optional_positive(yaml["acceleration"],
+                                       slides ? Dimension::acceleration : Dimension::angular_acceleration);
+  out.jerk = optional_positive(yaml["jerk"], Dimension::none);
+  return out;
+}
+
 NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   yaml.check_keys({"name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper", "velocity",
                    "effort", "acceleration", "jerk", "damping", "friction"},
@@ -41,17 +85,9 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   out.parent = yaml.required("parent").text();
   out.child = yaml.required("child").text();
   out.joint.origin = yaml.pose();
-  if (yaml.has("axis")) out.joint.axis = normalized(yaml["axis"].vec3(Dimension::none));
-  const bool slides = out.joint.type == JointType::prismatic;
-  const Dimension place = slides ? Dimension::length : Dimension::angle;
-  out.joint.limits.lower = optional_number(yaml["lower"], place);
-  out.joint.limits.upper = optional_number(yaml["upper"], place);
-  out.joint.limits.velocity =
-      optional_number(yaml["velocity"], slides ? Dimension::speed : Dimension::angular_speed);
-  out.joint.limits.effort = optional_number(yaml["effort"], slides ? Dimension::force : Dimension::torque);
-  out.joint.limits.acceleration = optional_number(
-      yaml["acceleration"], slides ? Dimension::acceleration : Dimension::angular_acceleration);
-  out.joint.limits.jerk = optional_number(yaml["jerk"], Dimension::none);
+  if (yaml.has("xyz")) place(yaml["xyz"]);
+  if (yaml.has("axis")) out.joint.axis = read_axis(yaml["axis"]);
+  out.joint.limits = read_limits(yaml, out.joint.type == JointType::prismatic);
   out.joint.damping = yaml["damping"].number(Dimension::none, 0);
   out.joint.friction = yaml["friction"].number(Dimension::none, 0);
   return out;
@@ -67,22 +103,29 @@ Shape capsule_between(const Vec3& from, const Vec3& to, double radius) {
   return out;
 }
 
+Inertial read_inertial(const Yaml& yaml) {
+  Inertial out;
+  out.mass = *optional_positive(yaml["mass"], Dimension::mass);
+  if (yaml.has("com")) out.center = place(yaml["com"]);
+  const std::vector<double> tensor = yaml["inertia"].numbers();
+  if (!tensor.empty() && tensor.size() != out.inertia.size())
+    throw Error(Problem{"bad-value", yaml["inertia"].where(),
+                        "an inertia has six numbers, here are " + std::to_string(tensor.size()),
+                        "write [ixx, ixy, ixz, iyy, iyz, izz]"});
+  std::copy(tensor.begin(), tensor.end(), out.inertia.begin());
+  return out;
+}
+
 Link read_link(const Yaml& yaml, Problems& problems) {
   yaml.check_keys({"name", "mass", "com", "inertia", "capsule"}, problems);
   Link out;
   out.name = yaml.required("name").text();
-  if (yaml.has("mass")) {
-    Inertial inertial;
-    inertial.mass = yaml["mass"].number(Dimension::mass);
-    if (yaml.has("com")) inertial.center = yaml["com"].vec3();
-    const std::vector<double> tensor = yaml["inertia"].numbers();
-    if (tensor.size() == 6) std::copy(tensor.begin(), tensor.end(), inertial.inertia.begin());
-    out.inertial = inertial;
-  }
+  if (yaml.has("mass")) out.inertial = read_inertial(yaml);
   if (const Yaml capsule = yaml["capsule"]; capsule.defined()) {
     capsule.check_keys({"from", "to", "radius"}, problems);
-    out.collisions.push_back(capsule_between(capsule.required("from").vec3(), capsule.required("to").vec3(),
-                                             capsule.required("radius").number(Dimension::length)));
+    capsule.required("radius");
+    out.collisions.push_back(capsule_between(place(capsule.required("from")), place(capsule.required("to")),
+                                             *optional_positive(capsule["radius"], Dimension::length)));
     out.visuals = out.collisions;
   }
   return out;
@@ -99,17 +142,29 @@ void read_provenance(const Yaml& yaml, RobotModel& model) {
   p.notes = yaml["notes"].texts();
 }
 
+/// The joint's value, which has to be within its limits.
+double read_joint_value(const Yaml& yaml, const Joint& joint) {
+  const double value = yaml.number(joint.type == JointType::prismatic ? Dimension::length : Dimension::angle);
+  if (value < joint.limits.lower.value_or(value) || value > joint.limits.upper.value_or(value))
+    throw Error(Problem{
+        "beyond-limit", yaml.where(), joint.name + ": " + yaml.text() + " is beyond the joint's limits", {}});
+  return value;
+}
+
 void read_named_states(const Yaml& yaml, RobotModel& model, Problems& problems) {
+  const std::vector<std::string> names = model.joint_names();
   for (const std::string& state : yaml.keys()) {
-    std::vector<double> values(model.actuated.size(), 0.0);
-    const std::vector<std::string> names = model.joint_names();
+    std::vector<double> values(names.size(), 0.0);
     for (const std::string& joint : yaml[state].keys()) {
       const auto found = std::find(names.begin(), names.end(), joint);
-      if (found == names.end())
+      if (found == names.end()) {
         problems.error("unknown-joint", yaml[state].key_location(joint),
                        "there is no joint '" + joint + "'" + did_you_mean(joint, names));
-      else
-        values[static_cast<std::size_t>(found - names.begin())] = yaml[state][joint].number(Dimension::angle);
+        continue;
+      }
+      const auto at = static_cast<std::size_t>(found - names.begin());
+      values[at] =
+          read_joint_value(yaml[state][joint], model.joints[static_cast<std::size_t>(model.actuated[at])]);
     }
     model.named_states[state] = values;
   }
@@ -135,19 +190,23 @@ std::string name_of(const fs::path& file) {
   return file.parent_path().filename().string() + "/" + file.stem().string();
 }
 
+/// What is in a folder; nothing where it cannot be listed.
+std::vector<fs::path> content_of(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
+       it.increment(error))
+    out.push_back(it->path());
+  return out;
+}
+
 std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
   std::vector<fs::path> out;
   std::set<std::string> seen;
-  std::error_code error;
-  for (const fs::path& folder : folders) {
-    std::vector<fs::path> here;
-    for (const auto& maker : fs::directory_iterator(folder, error))
-      if (maker.is_directory())
-        for (const auto& file : fs::directory_iterator(maker.path(), error))
-          if (file.path().extension() == ".yaml") here.push_back(file.path());
-    for (const fs::path& file : here)
-      if (seen.insert(name_of(file)).second) out.push_back(file);
-  }
+  for (const fs::path& folder : folders)
+    for (const fs::path& maker : content_of(folder))
+      for (const fs::path& file : content_of(maker))
+        if (file.extension() == ".yaml" && seen.insert(name_of(file)).second) out.push_back(file);
   std::sort(out.begin(), out.end(),
             [](const fs::path& a, const fs::path& b) { return name_of(a) < name_of(b); });
   return out;
@@ -243,6 +302,9 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
   std::error_code error;
   const std::string extension = path.extension().string();
   if (extension == ".yaml" && fs::exists(path, error)) return read_robot_file(path);
+  if (is_launch_file(path) && fs::is_regular_file(path, error))
+    throw Error("launch-file", path.string() + " is a launch file of ROS, not a description",
+                "type " + find_in_launch_file(read_file(path)).line());
   if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
       extension == ".xml")
     return read_urdf(read_file(path), path.string(), warnings);

@@ -98,6 +98,10 @@ bool sort_joints(RobotModel& model, std::vector<NamedJoint>& joints, const Locat
   return true;
 }
 
+bool has_one_value(JointType type) {
+  return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
+}
+
 bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& problems) {
   bool good = true;
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -113,6 +117,13 @@ bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Proble
                          }()));
       good = false;
       continue;
+    }
+    if (!has_one_value(model.joints[static_cast<std::size_t>(source)].type)) {
+      problems.error("bad-mimic", joints[i].where,
+                     "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics +
+                         "', whose type " + name(model.joints[static_cast<std::size_t>(source)].type) +
+                         " has no one value to follow");
+      good = false;
     }
     model.joints[i].mimic->joint = source;
   }
@@ -197,10 +208,8 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
   }
   if (!tie_mimics(model, joints, problems)) return false;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    const JointType type = model.joints[i].type;
-    const bool one_value =
-        type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
-    if (one_value && !model.joints[i].mimic) model.actuated.push_back(static_cast<int>(i));
+    if (has_one_value(model.joints[i].type) && !model.joints[i].mimic)
+      model.actuated.push_back(static_cast<int>(i));
   }
   return true;
 }

@@ -21,7 +21,9 @@ struct UrdfOptions {
 RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
                      const UrdfOptions& options = {});
 
-/// URDF that reads back equal. Capsules, which URDF does not have, are written as <capsule radius length/>.
+/// URDF that reads back equal. What URDF does not have is written in elements that other readers pass over:
+/// capsules as <capsule radius length/>, limits of acceleration and jerk as attributes of <limit>, and
+/// provenance, named states, allowed collisions and estimated inertias in one <polyarm version="1">.
 std::string write_urdf(const RobotModel& model);
 
 /// What a ROS launch file (XML or Python) mentions, so that a user can be told what to type instead.

@@ -22,11 +22,6 @@ class UrdfReader {
       : file_(file), warnings_(warnings), options_(options) {}
 
   RobotModel read(std::string_view text) {
-    if (text.find("<xacro:") != std::string_view::npos)
-      throw Error(Problem{"xacro",
-                          {file_, line_of(text, "<xacro:")},
-                          "this file is xacro: it has to be expanded to URDF first",
-                          "run `xacro FILE > robot.urdf` and name that file"});
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       throw Error(Problem{"xml-syntax",
@@ -36,12 +31,17 @@ class UrdfReader {
     const XMLElement* robot = document.FirstChildElement("robot");
     if (!robot)
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
+    if (const XMLElement* macro = unexpanded(*robot))
+      throw Error(Problem{"xacro", at(*macro), "this file is xacro: it has to be expanded to URDF first",
+                          "run `xacro FILE > robot.urdf` and name that file"});
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
     problems_.throw_if_errors();
     tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_);
     problems_.throw_if_errors();
     for (const HardwareInfo& hardware : model_.hardware) check_hardware(hardware);
+    problems_.throw_if_errors();
+    if (facts_) read_facts(*facts_);
     problems_.throw_if_errors();
     complete_inertials(model_, warnings_);
     return std::move(model_);
@@ -53,9 +53,15 @@ class UrdfReader {
     problems_.error(std::move(code), at(e), std::move(what), std::move(advice));
   }
 
-  static int line_of(std::string_view text, std::string_view what) {
-    return 1 + static_cast<int>(std::count(
-                   text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(what)), '\n'));
+  /// The first element that only xacro understands: a tag of its own, or `${…}` in an attribute. Comments and
+  /// the name space that xacro leaves behind in what it expands do not count.
+  static const XMLElement* unexpanded(const XMLElement& e) {
+    if (std::string_view(e.Name()).starts_with("xacro:")) return &e;
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next())
+      if (std::string_view(a->Value()).find("${") != std::string_view::npos) return &e;
+    for (const XMLElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement())
+      if (const XMLElement* found = unexpanded(*child)) return found;
+    return nullptr;
   }
 
   void element(const XMLElement& e) {
@@ -66,6 +72,8 @@ class UrdfReader {
       joint(e);
     else if (tag == "ros2_control")
       hardware(e);
+    else if (tag == "polyarm")
+      facts_ = &e;
     else if (tag != "material" && tag != "gazebo" && tag != "transmission" && passed_over_.insert(tag).second)
       warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
   }
@@ -108,6 +116,8 @@ class UrdfReader {
   void link(const XMLElement& e) {
     Link out;
     out.name = attribute(e, "name");
+    if (!out.name.empty() && !link_names_.insert(out.name).second)
+      error(e, "duplicate-name", "two links are called '" + out.name + "'", "rename one of them");
     if (const XMLElement* i = e.FirstChildElement("inertial")) out.inertial = inertial(*i);
     for (const XMLElement* v = e.FirstChildElement("visual"); v; v = v->NextSiblingElement("visual"))
       shape(*v, out.visuals);
@@ -156,7 +166,8 @@ class UrdfReader {
     const XMLElement* geometry = e.FirstChildElement("geometry");
     const XMLElement* g = geometry ? geometry->FirstChildElement() : nullptr;
     if (!g) {
-      error(e, "no-geometry", std::string("<") + e.Name() + "> has no geometry");
+      warnings_.warning("no-geometry", at(e),
+                        std::string("<") + e.Name() + "> has no geometry, it is passed over");
       return;
     }
     Shape s;
@@ -166,7 +177,7 @@ class UrdfReader {
       s.kind = ShapeKind::box;
       s.size = vector(*g, "size", {});
     } else if (kind == "cylinder" || kind == "capsule") {
-      s.kind = kind == "box" ? ShapeKind::box : kind == "cylinder" ? ShapeKind::cylinder : ShapeKind::capsule;
+      s.kind = kind == "cylinder" ? ShapeKind::cylinder : ShapeKind::capsule;
       s.radius = number(g, "radius").value_or(0);
       s.length = number(g, "length").value_or(0);
     } else if (kind == "sphere") {
@@ -181,7 +192,26 @@ class UrdfReader {
       warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is passed over");
       return;
     }
-    out.push_back(std::move(s));
+    if (has_size(s))
+      out.push_back(std::move(s));
+    else
+      warnings_.warning("no-size", at(*g), "the <" + kind + "> has no size above zero, it is passed over");
+  }
+
+  static bool has_size(const Shape& s) {
+    switch (s.kind) {
+      case ShapeKind::box:
+        return s.size.x > 0 && s.size.y > 0 && s.size.z > 0;
+      case ShapeKind::cylinder:
+        return s.radius > 0 && s.length > 0;
+      case ShapeKind::capsule:
+        return s.radius > 0 && s.length >= 0;
+      case ShapeKind::sphere:
+        return s.radius > 0;
+      case ShapeKind::mesh:
+        return true;
+    }
+    return false;
   }
 
   std::string resolve_mesh(const std::string& uri) const {
@@ -241,10 +271,13 @@ class UrdfReader {
     const XMLElement* a = e.FirstChildElement("axis");
     if (!a || !joint.moves()) return;
     const Vec3 given = vector(*a, "xyz", {1, 0, 0});
-    const double length = norm(given);
-    if (!(length > 1e-9))
+    const double length = std::hypot(given.x, given.y, given.z);  // does not overflow on the way
+    if (!(length > 1e-9) || !std::isfinite(length))
       return error(*a, "zero-axis", "the axis of the joint '" + joint.name + "' has no direction");
-    joint.axis = std::abs(length - 1) < 1e-12 ? given : (1 / length) * given;
+    if (std::abs(length - 1) < 1e-12)
+      joint.axis = given;
+    else
+      joint.axis = {given.x / length, given.y / length, given.z / length};
   }
 
   void limits(const XMLElement& e, Joint& joint) {
@@ -301,6 +334,7 @@ class UrdfReader {
         ComponentInfo component;
         component.name = attribute(*c, "name");
         component.kind = kind;
+        component_lines_[out.name + "/" + component.name] = at(*c);
         parameters(*c, component.parameters);
         interfaces(*c, "command_interface", component.command_interfaces);
         interfaces(*c, "state_interface", component.state_interfaces);
@@ -318,10 +352,61 @@ class UrdfReader {
       if (const char* initial = i->Attribute("initial_value")) info.parameters["initial_value"] = initial;
       for (const auto& [name, value] :
            {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
-        if (const auto text = info.parameters.find(name); text != info.parameters.end())
+        if (const auto text = info.parameters.find(name); text != info.parameters.end()) {
           *value = parse_number(text->second);
+          if (!*value && !text->second.empty() && info.data_type == "double")
+            warnings_.warning("bad-number", at(*i),
+                              std::string(name) + " of '" + info.name + "' is '" + text->second +
+                                  "', which is not a number; it is passed over");
+        }
       out.push_back(std::move(info));
     }
+  }
+
+  // --- <polyarm>, written by write_urdf
+  // -----------------------------------------------------------------------------------------
+
+  void read_facts(const XMLElement& e) {
+    Provenance& p = model_.provenance;
+    for (const auto& [name, value] :
+         {std::pair{"maker", &p.maker}, {"model", &p.model}, {"source", &p.source}, {"licence", &p.licence}})
+      if (const char* text = e.Attribute(name)) *value = text;
+    p.payload_kg = number(&e, "payload");
+    p.reach_m = number(&e, "reach");
+    for (const XMLElement* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
+      const std::string_view tag = c->Name();
+      if (tag == "note" && c->GetText()) p.notes.emplace_back(c->GetText());
+      if (tag == "state") read_state(*c);
+      if (tag == "allowed_collision") {
+        const auto [low, high] = std::minmax({index_of(*c, "link1"), index_of(*c, "link2")});
+        model_.allowed_collisions.push_back({low, high});
+      }
+      if (tag == "estimated")
+        if (auto& inertial = model_.links[static_cast<std::size_t>(index_of(*c, "link"))].inertial)
+          inertial->estimated = true;
+    }
+  }
+
+  /// The index of the link that the attribute names; the root, and a problem, where there is none.
+  int index_of(const XMLElement& e, const char* name) {
+    const std::string link = attribute(e, name);
+    const int found = model_.find_link(link);
+    if (found < 0) error(e, "unknown-link", "there is no link '" + link + "'");
+    return std::max(found, 0);
+  }
+
+  void read_state(const XMLElement& e) {
+    const std::vector<std::string> names = model_.joint_names();
+    std::vector<double> values(names.size(), 0.0);
+    for (const XMLElement* j = e.FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
+      const std::string joint = attribute(*j, "name");
+      const auto found = std::find(names.begin(), names.end(), joint);
+      if (found == names.end())
+        error(*j, "unknown-joint", "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+      else
+        values[static_cast<std::size_t>(found - names.begin())] = number(j, "value").value_or(0);
+    }
+    model_.named_states[attribute(e, "name")] = std::move(values);
   }
 
   void check_hardware(const HardwareInfo& hardware) {
@@ -329,7 +414,7 @@ class UrdfReader {
     for (const Joint& joint : model_.joints) names.push_back(joint.name);
     for (const ComponentInfo& component : hardware.components)
       if (component.kind == "joint" && model_.find_joint(component.name) < 0)
-        problems_.error("unknown-joint", hardware.where,
+        problems_.error("unknown-joint", component_lines_[hardware.name + "/" + component.name],
                         "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
                             "', which the robot does not have" + did_you_mean(component.name, names));
   }
@@ -340,7 +425,9 @@ class UrdfReader {
   RobotModel model_;
   std::vector<NamedJoint> joints_;
   Problems problems_;
-  std::set<std::string> passed_over_;
+  std::set<std::string> passed_over_, link_names_;
+  std::map<std::string, Location> component_lines_;
+  const XMLElement* facts_ = nullptr;  ///< <polyarm>: what URDF has no place for
 };
 
 }  // namespace

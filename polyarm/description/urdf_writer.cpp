@@ -21,6 +21,7 @@ class UrdfWriter {
     for (const Link& link : model.links) write_link(link);
     for (const Joint& joint : model.joints) write_joint(model, joint);
     for (const HardwareInfo& hardware : model.hardware) write_hardware(hardware);
+    write_facts(model);
     xml_.CloseElement();
     return xml_.CStr();
   }
@@ -138,6 +139,33 @@ class UrdfWriter {
       write_interfaces("state_interface", component.state_interfaces);
       xml_.CloseElement();
     }
+    xml_.CloseElement();
+  }
+
+  /// What URDF has no place for, in an element that other readers pass over.
+  void write_facts(const RobotModel& model) {
+    const Provenance& p = model.provenance;
+    Attributes attributes{{"version", "1"}};
+    for (const auto& [name, text] :
+         {std::pair{"maker", p.maker}, {"model", p.model}, {"source", p.source}, {"licence", p.licence}})
+      if (!text.empty()) attributes.emplace_back(name, text);
+    if (p.payload_kg) attributes.emplace_back("payload", format_number(*p.payload_kg));
+    if (p.reach_m) attributes.emplace_back("reach", format_number(*p.reach_m));
+    open("polyarm", attributes);
+    for (const std::string& note : p.notes) write_text("note", note);
+    for (const auto& [name, values] : model.named_states) write_state(model, name, values);
+    for (const auto& [first, second] : model.allowed_collisions)
+      leaf("allowed_collision", {{"link1", model.links[static_cast<std::size_t>(first)].name},
+                                 {"link2", model.links[static_cast<std::size_t>(second)].name}});
+    for (const Link& link : model.links)
+      if (link.inertial && link.inertial->estimated) leaf("estimated", {{"link", link.name}});
+    xml_.CloseElement();
+  }
+  void write_state(const RobotModel& model, const std::string& name, const std::vector<double>& values) {
+    const std::vector<std::string> joints = model.joint_names();
+    open("state", {{"name", name}});
+    for (std::size_t i = 0; i < joints.size() && i < values.size(); ++i)
+      leaf("joint", {{"name", joints[i]}, {"value", format_number(values[i])}});
     xml_.CloseElement();
   }
 
