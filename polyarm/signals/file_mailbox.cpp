@@ -96,6 +96,8 @@ struct Displaced {
 /// How long a displaced file is watched, in looks.
 constexpr int kLooksAtDisplaced = 500;
 constexpr std::size_t kMostDisplaced = 64;
+/// A writer that never rests must not keep us from writing.
+constexpr int kMostPostponed = 4;
 /// A file changed so recently may change again within the same tick of its time stamp.
 constexpr std::int64_t kStampResolution = 50'000'000;
 }  // namespace
@@ -335,6 +337,11 @@ class FileMailbox::Io {
     Descriptor made = written_file(temporary, text);
     if (!made) return complain(unwritable());
     watch_.collect();
+    if (watch_.rewritten() && ++postponed_ < kMostPostponed) {  // it would be overwritten before it is merged
+      ::unlink(temporary.c_str());
+      return;
+    }
+    postponed_ = 0;
     if (!exchange(temporary)) {
       const Problem problem = unwritable();
       ::unlink(temporary.c_str());
@@ -427,6 +434,7 @@ class FileMailbox::Io {
   bool held_ = false;  ///< the file looks half written: we do not write now
   bool needs_write_ = false;
   bool complained_ = false;
+  int postponed_ = 0;
   unsigned temporaries_ = 0;
 
   // Both threads, under the mutex.

@@ -9,7 +9,10 @@
 /// at what it displaced, and displaced files are watched for a while, since the other side may still be
 /// writing into one. Where the system tells who opens files in the folder, the version that the other side
 /// read is known; else (network drives) the nearest version is taken, and a rewrite that only undoes what the
-/// runtime had just set cannot be told from one that had not seen it.
+/// runtime had just set cannot be told from one that had not seen it. Two limits remain. A rewrite that comes
+/// in the instant between our last look and our write is undone for one round and then merged: a program that
+/// reads just then may do again what it had done. And where several programs read the file, the last reading
+/// before a rewrite counts as its origin.
 #include <cstdint>
 #include <filesystem>
 #include <memory>

@@ -39,6 +39,7 @@ class FileWatch {
   void resolve(Label label, std::uint64_t version);
   /// Whether somebody rewrote the file since the last call.
   bool take_rewritten();
+  bool rewritten() const { return rewritten_; }
 
  private:
   struct Rewrite {
