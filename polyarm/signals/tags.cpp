@@ -114,12 +114,17 @@ CameraLink read_camera(const std::string& name, const Yaml& node, const Location
 
 void read_all(const Yaml& root, Signals& out, Problems& problems) {
   collect(problems, [&] { check_version(root, problems); });
-  root.check_keys({"polyarm", "tags", "live", "cameras"}, problems);
+  root.check_keys({"polyarm", "tags", "live", "data", "cameras"}, problems);
   const Yaml tags = root["tags"], cameras = root["cameras"];
   for (const std::string& name : tags.defined() ? tags.keys() : std::vector<std::string>{})
     collect(problems,
             [&] { out.tags.push_back(read_tag(name, tags[name], tags.key_location(name), problems)); });
   if (root.has("live")) collect(problems, [&] { out.live = root["live"].texts(); });
+  for (const std::string& set : root["data"].keys())
+    collect(problems, [&] {
+      root["data"][set].check_keys({"live"}, problems);
+      if (root["data"][set]["live"].boolean(false)) out.live.push_back(set);
+    });
   for (const std::string& name : cameras.defined() ? cameras.keys() : std::vector<std::string>{})
     collect(problems, [&] {
       out.cameras.push_back(read_camera(name, cameras[name], cameras.key_location(name), problems));

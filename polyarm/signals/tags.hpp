@@ -7,7 +7,7 @@
 ///     PartHeld: {state: arm/tool/part_present}      # comes in
 ///     Speed: {command: belt/speed, type: number, scale: 0.5, initial: 1}
 ///     Count: {initial: 3}                           # a value of the cell
-///   live: [cycledata]
+///   live: [cycledata]                             # or data: {cycledata: {live: true}}
 ///   cameras:
 ///     bin_camera: {camera: overhead, point: pinput, data: BINpoints, request: AskPickupPoint,
 ///                  done: PickupPointSet, noise: true, seed: 7}
