@@ -18,7 +18,7 @@ std::atomic<int> stops_asked{0};
 
 /// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a sleeping
 /// laptop. Ordinary lateness on a busy machine stays below it.
-constexpr Nanoseconds kGap = 250'000'000;
+constexpr Nanoseconds kGap = 500'000'000;
 /// A stopped robot must stand within this time, or the run ends all the same.
 constexpr double kStopPatience = 3;
 

@@ -39,7 +39,7 @@ TEST(Suspend, TheRobotHoldsAfterwardsAndDoesNotCatchUp) {
   Command run({"run", copy.path(), "--json", "--hardware", "mock"});
   ASSERT_TRUE(run.wait_for("moveto PrePick"));
   run.signal(SIGSTOP);
-  ::usleep(700'000);  // what is tested is the gap itself
+  ::usleep(900'000);  // what is tested is the gap itself
   run.signal(SIGCONT);
   ASSERT_TRUE(run.wait_for("\"state\":\"held\""));
   run.signal(SIGINT);
