@@ -68,6 +68,8 @@ Tool read_tool(const Yaml& yaml, const std::string& name) {
   yaml.check_keys({"polyarm", "tcp", "mass", "center", "body", "gripper", "cup_radius", "holding_force",
                    "reach", "stroke", "grip_force", "finger_length", "finger_width", "closing_speed"},
                   problems);
+  if (const std::string kind = yaml["polyarm"].text("tool/1"); kind != "tool/1")
+    problems.error("wrong-kind", yaml["polyarm"].where(), "this is a '" + kind + "' file, a tool/1 was expected");
   problems.throw_if_errors();
   Tool tool;
   tool.name = name;
