@@ -12,7 +12,21 @@ namespace polyarm::drivers {
 using hardware::CallbackReturn;
 using hardware::ReturnType;
 
+namespace {
+/// Parts need a shape that can be simulated, since everything about them is found by it.
+void check_parts(const description::Scene& scene) {
+  Problems problems;
+  for (const description::Part& part : scene.parts)
+    if (part.shape.kind == description::ShapeKind::mesh)
+      problems.error("mesh-part", {},
+                     "the part '" + part.name + "' has a mesh as its shape, which physics does not simulate",
+                     "give it a box, cylinder, capsule or sphere of its size");
+  problems.throw_if_errors();
+}
+}  // namespace
+
 CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& context) {
+  if (context.scene) check_parts(*context.scene);
   context_ = context;
   constexpr Nanoseconds kLongestStep = 1'000'000;
   substeps_ = static_cast<int>(std::max<Nanoseconds>(1, (context.period + kLongestStep - 1) / kLongestStep));
@@ -60,8 +74,7 @@ CallbackReturn MujocoComponent::on_configure() {
   active_ = models_->index_for(parts_->awake());
   for (std::size_t r = 0; r < robots_.size(); ++r) {
     const std::vector<double>& start = robots_[r].facts.initial_positions;
-    for (std::size_t j = 0; j < robots_[r].joints; ++j)
-      view().d()->qpos[view().robots[r].qpos[j]] = j < start.size() ? start[j] : 0;
+    view().place(r, start);
     std::vector<double> at(robots_[r].joints, 0.0);
     std::copy_n(start.begin(), std::min(start.size(), at.size()), at.begin());
     robots_[r].servo->start_at(at);
@@ -93,15 +106,21 @@ ReturnType MujocoComponent::prepare_command_mode_switch(std::span<const std::str
 }
 
 ReturnType MujocoComponent::perform_command_mode_switch(std::span<const std::string> start,
-                                                        std::span<const std::string>) noexcept {
+                                                        std::span<const std::string> stop) noexcept {
+  std::size_t joint = 0;
+  JointMode mode = JointMode::position;
+  const auto at = [&](const Robot& robot) -> const ModelView::Robot& {
+    return view().robots[static_cast<std::size_t>(&robot - robots_.data())];
+  };
+  for (const std::string& name : stop)
+    if (Robot* robot = robot_of(name, joint, mode))
+      robot->servo->stop(joint, mode, view().d()->qpos[at(*robot).qpos[joint]]);
   // Of several interfaces of one joint, position leads velocity, and velocity leads effort.
   for (const JointMode wanted : {JointMode::effort, JointMode::velocity, JointMode::position})
-    for (const std::string& name : start) {
-      std::size_t joint = 0;
-      JointMode mode = JointMode::position;
-      Robot* robot = robot_of(name, joint, mode);
-      if (robot && mode == wanted) robot->servo->set_mode(joint, mode);
-    }
+    for (const std::string& name : start)
+      if (Robot* robot = robot_of(name, joint, mode); robot && mode == wanted)
+        robot->servo->start(joint, mode, view().d()->qpos[at(*robot).qpos[joint]],
+                            view().d()->qvel[at(*robot).dof[joint]]);
   return ReturnType::ok;
 }
 
@@ -156,6 +175,10 @@ void MujocoComponent::copy_robots(const ModelView& from, ModelView& to) noexcept
     };
     for (std::size_t j = 0; j < robots_[r].joints; ++j)
       copy(from.robots[r].qpos[j], to.robots[r].qpos[j], from.robots[r].dof[j], to.robots[r].dof[j]);
+    for (std::size_t k = 0; k < from.robots[r].followers.size(); ++k) {
+      const auto &a = from.robots[r].followers[k], &b = to.robots[r].followers[k];
+      copy(a.qpos, b.qpos, a.dof, b.dof);
+    }
     for (std::size_t side = 0; side < 2; ++side)
       if (from.robots[r].finger_dof[side] >= 0)
         copy(from.robots[r].finger_qpos[side], to.robots[r].finger_qpos[side],

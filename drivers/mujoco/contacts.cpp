@@ -10,6 +10,12 @@ using Kind = Owner::Kind;
 bool stiff(Kind kind) {
   return kind == Kind::link || kind == Kind::tool;
 }
+
+/// How fast the body of a geometry moves or turns, m/s and rad/s together.
+double body_speed(const mjModel* m, const mjData* d, int geom) {
+  const mjtNum* v = d->cvel + 6 * m->geom_bodyid[geom];
+  return std::sqrt(mju_dot(v, v, 6));
+}
 }  // namespace
 
 ContactReader::ContactReader(std::size_t robots, std::size_t parts)
@@ -92,12 +98,13 @@ void ContactReader::note(const Owner& a, const Owner& b, double depth, Nanosecon
   if (free) *free = {a.name, b.name, step_, index};
 }
 
-void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjContact& c,
+void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjContact& c, double other_speed,
                          Parts& parts) const noexcept {
   if (sleeper.kind != Kind::part) return;
   Parts::Part& part = parts[static_cast<std::size_t>(sleeper.index)];
   if (part.mode != Parts::Mode::asleep) return;
-  bool moves = stiff(other.kind) || other.kind == Kind::finger || other.kind == Kind::held;
+  const bool robot = stiff(other.kind) || other.kind == Kind::finger || other.kind == Kind::held;
+  bool moves = robot && (other_speed > kWakeSpeed || -c.dist > kWakeDepth);
   if (other.kind == Kind::part) {
     const Parts::Part& pusher = parts[static_cast<std::size_t>(other.index)];
     moves = pusher.mode == Parts::Mode::awake && (pusher.speed > kWakeSpeed || -c.dist > kWakeDepth);
@@ -131,8 +138,8 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
     const Owner& a = view.owner[static_cast<std::size_t>(c.geom1)];
     const Owner& b = view.owner[static_cast<std::size_t>(c.geom2)];
     if (c.dist >= 0) continue;
-    wake(a, b, c, parts);
-    wake(b, a, c, parts);
+    wake(a, b, c, body_speed(m, d, c.geom2), parts);
+    wake(b, a, c, body_speed(m, d, c.geom1), parts);
     rest(a, b, c, parts);
     rest(b, a, c, parts);
     for (const bool swapped : {false, true}) {

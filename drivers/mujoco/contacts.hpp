@@ -45,7 +45,8 @@ class ContactReader {
   bool held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept;
   void note(const Owner& a, const Owner& b, double depth, Nanoseconds now,
             hardware::WorldState& out) noexcept;
-  void wake(const Owner& sleeper, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
+  void wake(const Owner& sleeper, const Owner& other, const mjContact& c, double other_speed,
+            Parts& parts) const noexcept;
   void rest(const Owner& part, const Owner& other, const mjContact& c, Parts& parts) const noexcept;
   int name_of(const Owner& owner, const Parts& parts) const noexcept;
 

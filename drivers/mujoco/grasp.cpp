@@ -95,7 +95,12 @@ void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const V
   // What the cup has to pull with so that the part moves as it does.
   const double mass = parts.fact(static_cast<std::size_t>(held_)).mass;
   const Vec3 pull = mass * (acceleration_ - gravity) - contact_force;
-  if (norm(pull) <= tool_->holding_force) return;
+  // Pressing the part against the cup does not loosen it, and carries that much more sideways.
+  const Vec3 axis = tool.rotation * (tool_->tcp.rotation * Vec3{0, 0, 1});
+  const double away = -dot(pull, axis), sideways = norm(pull + away * axis);
+  const bool holds =
+      away > 0 ? std::hypot(away, sideways) <= tool_->holding_force : sideways <= tool_->holding_force - away;
+  if (holds) return;
   parts.let_go(static_cast<std::size_t>(held_));
   pulled_off_ = true;
   held_ = -1;

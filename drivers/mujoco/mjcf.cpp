@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kArmature =
     0.08;  // kg m², of a motor and its gear seen from the joint; makes the servo stiff
+constexpr double kHingeMargin = 0.05;   // rad, and
+constexpr double kSlideMargin = 0.01;   // m: from a joint's limit to its stop, so that only faults reach it
 constexpr double kSmallestMass = 0.01;  // kg, of a moving link that states none
 
 std::string text(const Vec3& v) {
@@ -75,7 +77,9 @@ class Writer {
     out_ += "</worldbody>\n<contact>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) excludes(r);
     for (const auto& [a, b] : excluded_) line("<exclude body1=\"{}\" body2=\"{}\"/>", a, b);
-    out_ += "</contact>\n</mujoco>\n";
+    out_ += "</contact>\n<equality>\n";
+    for (std::size_t r = 0; r < context_.robots.size(); ++r) couplings(r);
+    out_ += "</equality>\n</mujoco>\n";
     return std::move(out_);
   }
 
@@ -129,14 +133,43 @@ class Writer {
     line("<body name=\"{}\" {}>", link_name(r, joint.child_link), place(joint.origin));
     using description::JointType;
     const bool hinge = joint.type == JointType::revolute || joint.type == JointType::continuous;
-    if ((hinge || joint.type == JointType::prismatic) && !joint.mimic)
+    if (hinge || joint.type == JointType::prismatic)
       line(
           "<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{:.17g}\" damping=\"{:.17g}\" "
-          "frictionloss=\"{:.17g}\"/>",
+          "frictionloss=\"{:.17g}\"{}/>",
           joint_name(r, index), hinge ? "hinge" : "slide", text(joint.axis), hinge ? kArmature : 1.0,
-          joint.damping, joint.friction);
+          joint.damping, joint.friction, stops(r, index));
     link(r, joint.child_link);
     line("</body>");
+  }
+
+  /// The range of a joint, a little wider than its limits and than where it starts; nothing where it has
+  /// none.
+  std::string stops(std::size_t r, int index) {
+    const hardware::RobotInstance& robot = context_.robots[r];
+    const description::Joint& joint = robot.model->joints[static_cast<std::size_t>(index)];
+    if (joint.mimic || joint.type == description::JointType::continuous || !joint.limits.lower ||
+        !joint.limits.upper || !(*joint.limits.lower < *joint.limits.upper))
+      return {};
+    double lower = *joint.limits.lower, upper = *joint.limits.upper;
+    for (std::size_t j = 0; j < robot.model->actuated.size() && j < robot.initial_positions.size(); ++j)
+      if (robot.model->actuated[j] == index) {
+        lower = std::min(lower, robot.initial_positions[j]);
+        upper = std::max(upper, robot.initial_positions[j]);
+      }
+    const double margin = joint.type == description::JointType::prismatic ? kSlideMargin : kHingeMargin;
+    return fmt::format(" limited=\"true\" range=\"{:.17g} {:.17g}\" solreflimit=\"0.004 1\"", lower - margin,
+                       upper + margin);
+  }
+
+  /// Joints that follow others: mimic joints, and the second finger of a gripper, which one drive moves.
+  void couplings(std::size_t r) {
+    const hardware::RobotInstance& robot = context_.robots[r];
+    for (const Follower& f : followers(*robot.model))
+      line("<joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{:.17g} {:.17g} 0 0 0\" solref=\"0.004 1\"/>",
+           joint_name(r, f.joint), joint_name(r, f.source), f.offset, f.multiplier);
+    if (robot.tool && robot.tool->gripper == description::GripperKind::parallel)
+      line("<joint joint1=\"{}\" joint2=\"{}\" solref=\"0.004 1\"/>", finger_name(r, 1), finger_name(r, 0));
   }
 
   void tool(std::size_t r) {
@@ -214,7 +247,9 @@ class Writer {
     const double scale = body.mass > 0 ? part.mass / body.mass : 0;
     body.mass = part.mass;
     for (double& x : body.inertia) x = std::max(x * scale, 0.0);
-    inertial(body);
+    // On the part's own axes and not turned to principal ones, so that a slot can take the shape of any part.
+    line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
+         body.inertia[0], body.inertia[3], body.inertia[5]);
     geom(slot_name(i), part.shape, {}, part.friction);
     line("</body>");
   }
@@ -320,6 +355,26 @@ Rigid rigid_links(const description::RobotModel& model) {
          joint = model.links[static_cast<std::size_t>(link)].parent_joint)
       link = model.joints[static_cast<std::size_t>(joint)].parent_link;
     out.body_of_link.push_back(link);
+  }
+  return out;
+}
+
+std::vector<Follower> followers(const description::RobotModel& model) {
+  const auto slides_or_turns = [&](int joint) {
+    using description::JointType;
+    const JointType type = model.joints[static_cast<std::size_t>(joint)].type;
+    return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
+  };
+  std::vector<Follower> out;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (!model.joints[j].mimic || !slides_or_turns(static_cast<int>(j))) continue;
+    Follower follower{static_cast<int>(j), static_cast<int>(j), 1, 0};
+    while (const auto& mimic = model.joints[static_cast<std::size_t>(follower.source)].mimic) {
+      follower.offset += follower.multiplier * mimic->offset;
+      follower.multiplier *= mimic->multiplier;
+      follower.source = mimic->joint;
+    }
+    if (slides_or_turns(follower.source)) out.push_back(follower);
   }
   return out;
 }

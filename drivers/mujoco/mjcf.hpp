@@ -37,6 +37,14 @@ struct Rigid {
 };
 Rigid rigid_links(const description::RobotModel& model);
 
+/// A mimic joint: its position is `multiplier` times that of `source` plus `offset`. Chains are followed to
+/// the joint that has a value of its own. Indices of RobotModel::joints.
+struct Follower {
+  int joint = -1, source = -1;
+  double multiplier = 1, offset = 0;
+};
+std::vector<Follower> followers(const description::RobotModel& model);
+
 /// The whole model with `slots` free bodies for parts that move. Parts at rest are mocap twins without
 /// degrees of freedom. In the model with one slot for each part, slot i has the shape and mass of part i.
 /// `excluded`: pairs of bodies of a robot that overlap where it starts, because their enclosing shapes are

@@ -56,6 +56,15 @@ ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   compile(context, timestep, parts);
 }
 
+void ModelView::place(std::size_t r, const std::vector<double>& positions) noexcept {
+  const Robot& robot = robots[r];
+  mjtNum* q = data->qpos;
+  for (std::size_t j = 0; j < robot.qpos.size(); ++j)
+    q[robot.qpos[j]] = j < positions.size() ? positions[j] : 0;
+  for (const Robot::Follower& f : robot.followers)
+    q[f.qpos] = f.multiplier * q[robot.qpos[f.source]] + f.offset;
+}
+
 int ModelSet::name(const std::string& text) {
   const auto found = std::find(names_.begin(), names_.end(), text);
   if (found != names_.end()) return static_cast<int>(found - names_.begin());
@@ -80,11 +89,7 @@ void ModelSet::compile(const hardware::ComponentContext& context, double timeste
 void ModelSet::find_overlaps(const hardware::ComponentContext& context) {
   ModelView& view = views_.front();
   mjData* d = view.d();
-  for (std::size_t r = 0; r < context.robots.size(); ++r) {
-    const std::vector<double>& start = context.robots[r].initial_positions;
-    for (std::size_t j = 0; j < view.robots[r].qpos.size() && j < start.size(); ++j)
-      d->qpos[view.robots[r].qpos[j]] = start[j];
-  }
+  for (std::size_t r = 0; r < context.robots.size(); ++r) view.place(r, context.robots[r].initial_positions);
   mj_forward(view.m(), d);
   for (int i = 0; i < d->ncon; ++i) {
     const int a = d->contact[i].geom1, b = d->contact[i].geom2;
@@ -110,6 +115,15 @@ void ModelSet::find_places(const hardware::ComponentContext& context, ModelView&
       const int id = find(m, mjOBJ_JOINT, joint_name(r, joint));
       robot.qpos.push_back(m->jnt_qposadr[id]);
       robot.dof.push_back(m->jnt_dofadr[id]);
+    }
+    for (const Follower& f : followers(*context.robots[r].model)) {
+      const std::vector<int>& actuated = context.robots[r].model->actuated;
+      const auto source = std::find(actuated.begin(), actuated.end(), f.source);
+      const int id = find(m, mjOBJ_JOINT, joint_name(r, f.joint));
+      if (source == actuated.end() || id < 0) continue;
+      robot.followers.push_back({m->jnt_qposadr[id], m->jnt_dofadr[id],
+                                 static_cast<std::size_t>(source - actuated.begin()), f.multiplier,
+                                 f.offset});
     }
     robot.tool_body = find(m, mjOBJ_BODY, tool_name(r));
     robot.held_body = find(m, mjOBJ_BODY, held_name(r));
@@ -193,7 +207,6 @@ void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) cons
   copy_rows(m->body_ipos, a.body, n->body_ipos, b.body, 3);
   copy_rows(m->body_iquat, a.body, n->body_iquat, b.body, 4);
   copy_rows(m->body_invweight0, a.body, n->body_invweight0, b.body, 2);
-  copy_rows(m->dof_M0, a.dof, n->dof_M0, b.dof, 1);
   for (int k = 0; k < 6; ++k) {
     copy_rows(m->dof_M0, a.dof + k, n->dof_M0, b.dof + k, 1);
     copy_rows(m->dof_invweight0, a.dof + k, n->dof_invweight0, b.dof + k, 1);
@@ -201,6 +214,9 @@ void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) cons
   copy_rows(m->geom_type, a.geom, n->geom_type, b.geom, 1);
   copy_rows(m->geom_size, a.geom, n->geom_size, b.geom, 3);
   copy_rows(m->geom_rbound, a.geom, n->geom_rbound, b.geom, 1);
+#if mjVERSION_HEADER >= 300
+  copy_rows(m->geom_aabb, a.geom, n->geom_aabb, b.geom, 6);
+#endif
   copy_rows(m->geom_friction, a.geom, n->geom_friction, b.geom, 3);
   view.owner[static_cast<std::size_t>(a.geom)] = view.owner[static_cast<std::size_t>(view.twin_geom[part])];
 }
@@ -223,6 +239,9 @@ void ModelSet::shape_held(ModelView& view, std::size_t r, int part, const Pose& 
   copy_rows(m->geom_type, robot.held_geom, n->geom_type, b.geom, 1);
   copy_rows(m->geom_size, robot.held_geom, n->geom_size, b.geom, 3);
   copy_rows(m->geom_rbound, robot.held_geom, n->geom_rbound, b.geom, 1);
+#if mjVERSION_HEADER >= 300
+  copy_rows(m->geom_aabb, robot.held_geom, n->geom_aabb, b.geom, 6);
+#endif
   copy_rows(m->geom_friction, robot.held_geom, n->geom_friction, b.geom, 3);
   put(m->body_pos + 3 * robot.held_body, pose.position);
   put(m->body_quat + 4 * robot.held_body, pose.rotation);

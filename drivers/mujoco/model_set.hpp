@@ -26,6 +26,12 @@ struct ModelView {
   std::size_t slots = 0;
   struct Robot {
     std::vector<int> qpos, dof;  ///< of the actuated joints
+    struct Follower {            ///< a mimic joint
+      int qpos = -1, dof = -1;
+      std::size_t source = 0;  ///< place among the actuated joints
+      double multiplier = 1, offset = 0;
+    };
+    std::vector<Follower> followers;
     int tool_body = -1, held_body = -1, held_geom = -1;
     std::array<int, 2> finger_qpos{-1, -1}, finger_dof{-1, -1};
   };
@@ -36,6 +42,8 @@ struct ModelView {
   std::vector<Slot> slot;
   std::vector<int> twin_geom, twin_mocap, mover_mocap;
   std::vector<Owner> owner;  ///< by geom
+  /// Stands robot `r` still at these positions of its actuated joints; missing ones are 0.
+  void place(std::size_t r, const std::vector<double>& positions) noexcept;
   const mjModel* m() const noexcept { return model.get(); }
   mjModel* m() noexcept { return model.get(); }
   mjData* d() const noexcept { return data.get(); }

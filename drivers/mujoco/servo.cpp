@@ -26,17 +26,39 @@ void Servo::start_at(std::span<const double> positions) noexcept {
   }
 }
 
+void Servo::start(std::size_t j, JointMode mode, double position, double velocity) noexcept {
+  Joint& joint = joints_[j];
+  const bool same = joint.led && joint.mode == mode;
+  joint.mode = mode;
+  joint.led = true;
+  if (same) return;
+  joint.reference = joint.target = position;
+  joint.velocity = velocity;
+  joint.acceleration = 0;
+  joint.effort = joint.torque;
+}
+
+void Servo::stop(std::size_t j, JointMode mode, double position) noexcept {
+  Joint& joint = joints_[j];
+  if (!joint.led || joint.mode != mode) return;
+  joint.led = false;
+  if (mode == JointMode::position) return;  // its set point stays
+  joint.mode = JointMode::position;
+  joint.reference = joint.target = position;
+  joint.velocity = joint.acceleration = 0;
+}
+
 void Servo::command(std::span<const double> position, std::span<const double> velocity,
                     std::span<const double> effort, double period) noexcept {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
-    if (joint.mode == JointMode::effort) {
+    if (joint.led && joint.mode == JointMode::effort) {
       if (std::isfinite(effort[j])) joint.effort = effort[j];
       continue;
     }
     double wanted = joint.velocity;
     if (joint.mode == JointMode::position) {
-      if (std::isfinite(position[j])) joint.target = position[j];
+      if (joint.led && std::isfinite(position[j])) joint.target = position[j];
       wanted = (joint.target - joint.reference) / period;
     } else if (std::isfinite(velocity[j])) {
       wanted = velocity[j];
@@ -64,6 +86,7 @@ void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acce
     joint.velocity += joint.acceleration * timestep;
     joint.reference += joint.velocity * timestep;  // in the order in which the simulator integrates
   }
+  for (const auto& f : r.followers) acceleration[f.dof] = f.multiplier * acceleration[r.dof[f.source]];
 }
 
 void Servo::torques(const ModelView& view, std::size_t robot, const mjtNum* inertial_force) noexcept {
@@ -78,6 +101,8 @@ void Servo::torques(const ModelView& view, std::size_t robot, const mjtNum* iner
     joint.torque = std::clamp(wanted, -joint.limit, joint.limit);
     d->qfrc_applied[dof] = joint.torque;
   }
+  for (const auto& f : r.followers)  // carry their own weight, so that the coupling has little to do
+    d->qfrc_applied[f.dof] = inertial_force[f.dof] + d->qfrc_bias[f.dof] - d->qfrc_passive[f.dof];
 }
 
 }  // namespace polyarm::drivers

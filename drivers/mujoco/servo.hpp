@@ -24,7 +24,10 @@ class Servo {
   /// Torques, given inertia times acceleration of all dofs; writes qfrc_applied.
   void torques(const ModelView& view, std::size_t robot, const mjtNum* inertial_force) noexcept;
 
-  void set_mode(std::size_t joint, JointMode mode) noexcept { joints_[joint].mode = mode; }
+  /// The joint is led by `mode` from now on; set points start from where and how fast it is.
+  void start(std::size_t joint, JointMode mode, double position, double velocity) noexcept;
+  /// If `mode` leads the joint, it is held where it is, whatever its commands say, until something starts.
+  void stop(std::size_t joint, JointMode mode, double position) noexcept;
   /// Set points start where the joints are.
   void start_at(std::span<const double> positions) noexcept;
   double torque(std::size_t joint) const noexcept { return joints_[joint].torque; }
@@ -34,6 +37,7 @@ class Servo {
  private:
   struct Joint {
     JointMode mode = JointMode::position;
+    bool led = true;                                       // else held, commands are not looked at
     double reference = 0, velocity = 0, acceleration = 0;  // set point at this physics step
     double target = 0;                                     // of the control period
     double effort = 0, limit = 0;
