@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"

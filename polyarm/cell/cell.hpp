@@ -1,5 +1,6 @@
 #pragma once
 /// A running cell: built from its files, stepped by whoever runs it. The front door of the library.
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,8 @@ class DataFiles {
   /// True when a data set is bound to its own file, which somebody outside may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 
-  /// Puts pending writes of the store into the files (now and then in lock-step), and takes what others wrote.
+  /// Puts pending writes of the store into the files (now and then in lock-step), and takes what others
+  /// wrote.
   void exchange(Nanoseconds now);
   /// Everything to disk, and waits for it.
   void flush();
@@ -54,8 +56,8 @@ class DataFiles {
   };
   /// One data file and how it is kept up to date.
   struct Bound {
-    data::ImportFile file;                       ///< lock-step: as it is to be written
-    std::unique_ptr<signals::FileMailbox> box;   ///< else
+    data::ImportFile file;                      ///< lock-step: as it is to be written
+    std::unique_ptr<signals::FileMailbox> box;  ///< else
   };
   void adopt(Load& load);
   void bind(const data::ImportFile& file, const std::string& who);

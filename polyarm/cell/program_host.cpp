@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::cell {

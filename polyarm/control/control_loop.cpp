@@ -89,6 +89,11 @@ void ControlLoop::publish(const hardware::Cycle& cycle) noexcept {
   std::copy(states.begin(), states.end(), draft.states.begin());
   std::copy(commands.begin(), commands.end(), draft.commands.begin());
   if (const hardware::WorldState* world = hardware_.world()) {
+    for (const hardware::PartState& part : world->parts) {
+      trace_.add(part.pose.position.x);
+      trace_.add(part.pose.position.y);
+      trace_.add(part.pose.position.z);
+    }
     std::copy(world->parts.begin(), world->parts.end(), draft.world.parts.begin());
     const int news = std::min(world->finding_count, hardware::WorldState::kMaxFindings);
     std::copy_n(world->findings.begin(), news, draft.world.findings.begin());

@@ -86,7 +86,7 @@ class ControlLoop {
   bool post(Request request) { return inbox_.push(request); }
   realtime::Latest<Snapshot>& outbox() noexcept { return outbox_; }
   Health& health() noexcept { return health_; }
-  /// Of every joint position of every cycle so far.
+  /// Of every joint position, and every part's place, of every cycle so far.
   const TraceHash& trace() const noexcept { return trace_; }
 
  private:

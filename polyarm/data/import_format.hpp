@@ -12,6 +12,7 @@
 ///
 /// Keys are read in any case. Blank lines, lines that start with #, and a # after a value other than a text
 /// or a name are comments. CRLF and a byte order mark are kept.
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

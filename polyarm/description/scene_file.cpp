@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/model_builder.hpp"
@@ -66,7 +67,13 @@ class SceneReader {
                       "write 'NAME: {…}' below it");
       return;
     }
+    std::set<std::string> seen;
     for (const std::string& name : all.keys()) {
+      if (!seen.insert(name).second) {
+        problems_.error("duplicate-name", all.key_location(name),
+                        "'" + name + "' stands twice under '" + section + "'", "rename one of them");
+        continue;
+      }
       try {
         read(name, all[name]);
       } catch (const Error& e) {
@@ -118,7 +125,7 @@ class SceneReader {
     out.shapes = {read_shape(y)};
     out.pose = y.pose();
     out.mover = y["mover"].text("");
-    out.friction = y["friction"].number(Dimension::none, out.friction);
+    out.friction = friction(y["friction"], out.friction);
     known(out.mover, names_of(scene_.movers), y["mover"], "mover");
     scene_.fixtures.push_back(std::move(out));
   }
@@ -133,6 +140,9 @@ class SceneReader {
     }
     const Vec3 at = y.required("at").vec3(), inner = y.required("inner").vec3();
     const double wall = y["wall"].number(Dimension::length, 0.005);
+    if (!(inner.x > 0 && inner.y > 0 && inner.z > 0 && wall > 0))
+      throw Error(Problem{
+          "bad-value", y["inner"].where(), "a bin's inner sizes and its wall must be above zero", {}});
     scene_.bins.push_back({name,
                            {at.x - inner.x / 2, at.y - inner.y / 2, at.z - 0.005},
                            {at.x + inner.x / 2, at.y + inner.y / 2, at.z + std::max(inner.z, 0.06)}});
@@ -180,7 +190,7 @@ class SceneReader {
     part.kind = y["kind"].text(name);
     part.shape = read_shape(y);
     part.mass = y["mass"].number(Dimension::mass, inertial_of({part.shape}, kDensity).mass);
-    part.friction = y["friction"].number(Dimension::none, part.friction);
+    part.friction = friction(y["friction"], part.friction);
     part.start = y.pose();
     part.feeder = y["feeder"].text("");
     if (!(part.mass > 0))
@@ -200,8 +210,17 @@ class SceneReader {
       scene_.kinds.push_back(part.kind);
     for (int i = 1; i <= static_cast<int>(count); ++i) {
       part.name = count > 1 ? name + "_" + std::to_string(i) : name;
+      if (!part_names_.insert(part.name).second)
+        throw Error(Problem{"duplicate-name", y.where(), "two parts are called '" + part.name + "'",
+                            "a count makes the names NAME_1, NAME_2, …; rename one of them"});
       scene_.parts.push_back(part);
     }
+  }
+
+  static double friction(const Yaml& y, double fallback) {
+    const double value = y.number(Dimension::none, fallback);
+    if (!(value >= 0)) throw Error(Problem{"bad-value", y.where(), "friction cannot be below zero", {}});
+    return value;
   }
 
   Goal read_goal(const Yaml& y) {
@@ -210,6 +229,8 @@ class SceneReader {
     out.at = y.required("at").vec3();
     out.bin = y["bin"].text("");
     out.tolerance = y["tolerance"].number(Dimension::length, out.tolerance);
+    if (!(out.tolerance > 0))
+      throw Error(Problem{"bad-value", y["tolerance"].where(), "a tolerance must be above zero", {}});
     known(out.bin, names_of(scene_.bins), y["bin"], "bin");
     return out;
   }
@@ -225,6 +246,7 @@ class SceneReader {
 
   const Yaml& yaml_;
   Scene scene_;
+  std::set<std::string> part_names_;
   Problems problems_;
 };
 

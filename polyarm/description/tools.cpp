@@ -47,6 +47,13 @@ Tool parallel_gripper() {
   return tool;
 }
 
+double positive(const Yaml& yaml, Dimension dimension, double fallback) {
+  const double value = yaml.number(dimension, fallback);
+  if (!(value > 0))
+    throw Error(Problem{"bad-value", yaml.where(), "'" + yaml.text() + "' must be above zero", {}});
+  return value;
+}
+
 GripperKind gripper_of(const Yaml& yaml) {
   const std::string kind = yaml.text("none");
   if (kind == "none") return GripperKind::none;
@@ -69,12 +76,13 @@ Tool read_tool(const Yaml& yaml, const std::string& name) {
                    "reach", "stroke", "grip_force", "finger_length", "finger_width", "closing_speed"},
                   problems);
   if (const std::string kind = yaml["polyarm"].text("tool/1"); kind != "tool/1")
-    problems.error("wrong-kind", yaml["polyarm"].where(), "this is a '" + kind + "' file, a tool/1 was expected");
+    problems.error("wrong-kind", yaml["polyarm"].where(),
+                   "this is a '" + kind + "' file, a tool/1 was expected");
   problems.throw_if_errors();
   Tool tool;
   tool.name = name;
   if (yaml.has("tcp")) tool.tcp = yaml["tcp"].pose();
-  tool.mass = yaml["mass"].number(Dimension::mass, 0.1);
+  tool.mass = positive(yaml["mass"], Dimension::mass, 0.1);
   if (yaml.has("center")) tool.center = yaml["center"].vec3();
   for (const Yaml& entry : yaml["body"].items()) {
     Shape shape = read_shape(entry);
@@ -82,14 +90,14 @@ Tool read_tool(const Yaml& yaml, const std::string& name) {
     tool.body.push_back(shape);
   }
   tool.gripper = gripper_of(yaml["gripper"]);
-  tool.cup_radius = yaml["cup_radius"].number(Dimension::length, tool.cup_radius);
-  tool.holding_force = yaml["holding_force"].number(Dimension::force, tool.holding_force);
-  tool.reach = yaml["reach"].number(Dimension::length, tool.reach);
-  tool.stroke = yaml["stroke"].number(Dimension::length, tool.stroke);
-  tool.grip_force = yaml["grip_force"].number(Dimension::force, tool.grip_force);
-  tool.finger_length = yaml["finger_length"].number(Dimension::length, tool.finger_length);
-  tool.finger_width = yaml["finger_width"].number(Dimension::length, tool.finger_width);
-  tool.closing_speed = yaml["closing_speed"].number(Dimension::speed, tool.closing_speed);
+  tool.cup_radius = positive(yaml["cup_radius"], Dimension::length, tool.cup_radius);
+  tool.holding_force = positive(yaml["holding_force"], Dimension::force, tool.holding_force);
+  tool.reach = positive(yaml["reach"], Dimension::length, tool.reach);
+  tool.stroke = positive(yaml["stroke"], Dimension::length, tool.stroke);
+  tool.grip_force = positive(yaml["grip_force"], Dimension::force, tool.grip_force);
+  tool.finger_length = positive(yaml["finger_length"], Dimension::length, tool.finger_length);
+  tool.finger_width = positive(yaml["finger_width"], Dimension::length, tool.finger_width);
+  tool.closing_speed = positive(yaml["closing_speed"], Dimension::speed, tool.closing_speed);
   return tool;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// What the operators and functions of the language do to values.
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>

@@ -286,6 +286,18 @@ TEST(Catalogue, LoadsRobotsByNameAndByPath) {
   EXPECT_THROW(load_robot((mine.path() / "none.urdf").string(), catalogue(), warnings), Error);
 }
 
+TEST(Catalogue, AnswersALaunchFileWithTheLineToType) {
+  const Folder mine;
+  Problems warnings;
+  const std::string launch = mine.write("arm.launch.py", "urdf = 'arm.urdf'\nctl = 'arm_controllers.yaml'\n");
+  try {
+    load_robot(launch, catalogue(), warnings);
+    FAIL() << "was read";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "polyarm run --description arm.urdf --controllers arm_controllers.yaml"));
+  }
+}
+
 TEST(RobotFile, ReadsUnitsAndNormalisesAxes) {
   const Folder mine;
   const RobotModel model = read_robot_file(mine.write("one.yaml", kSmall));
@@ -323,15 +335,27 @@ TEST_P(BadRobotFile, IsRefusedWithLineAndReason) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadRobotFile,
-    ::testing::Values(Bad{"OtherKind", "robot/1", "scene/1", 1, "scene/1"},
-                      Bad{"UnknownKey", "maker:", "makr:", 2, "did you mean 'maker'"},
-                      Bad{"UnknownJointKey", "velocity: 1", "velocty: 1", 7, "did you mean 'velocity'"},
-                      Bad{"UnknownType", "prismatic", "sliding", 7, "'sliding' is no joint type"},
-                      Bad{"UnknownLink", "child: tool0", "child: tol0", 7, "did you mean 'tool0'"},
-                      Bad{"WrongUnit", "50mm", "50deg", 7, "50deg"},
-                      Bad{"NoNumber", "upper: 50mm", "upper: .nan", 7, "nan"},
-                      Bad{"UnknownHomeJoint", "{lift:", "{lfit:", 12, "did you mean 'lift'"},
-                      Bad{"Syntax", "links:", "links: [", 9, "not valid YAML"}),
+    ::testing::Values(
+        Bad{"OtherKind", "robot/1", "scene/1", 1, "scene/1"},
+        Bad{"UnknownKey", "maker:", "makr:", 2, "did you mean 'maker'"},
+        Bad{"UnknownJointKey", "velocity: 1", "velocty: 1", 7, "did you mean 'velocity'"},
+        Bad{"UnknownType", "prismatic", "sliding", 7, "'sliding' is no joint type"},
+        Bad{"UnknownLink", "child: tool0", "child: tol0", 7, "did you mean 'tool0'"},
+        Bad{"WrongUnit", "50mm", "50deg", 7, "50deg"},
+        Bad{"NoNumber", "upper: 50mm", "upper: .nan", 7, "nan"},
+        Bad{"UnknownHomeJoint", "{lift:", "{lfit:", 12, "did you mean 'lift'"},
+        Bad{"ZeroAxis", "axis: [0, 0, 2]", "axis: [0, 0, 0]", 7, "has no direction"},
+        Bad{"EndlessAxis", "axis: [0, 0, 2]", "axis: [0, 1e308, 1.7e308]", 7, "has no direction"},
+        Bad{"LimitsSwapped", "lower: 0", "lower: 60mm", 7, "is not below the upper limit"},
+        Bad{"NoVelocity", "velocity: 1", "velocity: 0", 7, "above zero"},
+        Bad{"Far", "axis: [0, 0, 2]", "xyz: [0, 0, 1e6]", 7, "smaller than a kilometre"},
+        Bad{"NegativeMass", "{name: tool0}", "{name: tool0, mass: -1}", 10, "above zero"},
+        Bad{"ShortInertia", "{name: tool0}", "{name: tool0, mass: 1, inertia: [1, 1, 1]}", 10,
+            "six numbers, here are 3"},
+        Bad{"FlatCapsule", "{name: tool0}",
+            "{name: tool0, capsule: {from: [0, 0, 0], to: [0, 0, 1], radius: 0}}", 10, "above zero"},
+        Bad{"HomeBeyondLimit", "{lift: 0.02}", "{lift: 51mm}", 12, "beyond the joint's limits"},
+        Bad{"Syntax", "links:", "links: [", 9, "not valid YAML"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(RobotFile, ReportsEverythingThatIsWrongAtOnce) {

@@ -198,6 +198,25 @@ TEST(SceneFile, ReportsEverythingThatIsWrongAtOnceWithItsLine) {
   EXPECT_EQ(lines, (std::vector<int>{2, 4, 5, 7, 9, 11, 13, 14, 15, 16, 17}));
 }
 
+TEST(SceneFile, RefusesNamesThatStandTwice) {
+  EXPECT_EQ(findings("movers:\n  door: {axis: [0, 0, 1]}\n  door: {axis: [1, 0, 0]}\n"),
+            (std::vector<std::string>{"3 duplicate-name"}));
+  EXPECT_TRUE(has(complaint("feeders: {chute: {at: [0, 0, 0]}}\n"
+                            "parts:\n"
+                            "  cube_2: {box: [1, 1, 1], at: [0, 0, 0]}\n"
+                            "  cube: {count: 3, box: [1, 1, 1], feeder: chute}\n"),
+                  "two parts are called 'cube_2'"));
+}
+
+TEST(SceneFile, RefusesNumbersThatNoThingHas) {
+  for (const char* body :
+       {"bins: {tray: {at: [0, 0, 0], inner: [1, -1, 1]}}\n",
+        "bins: {tray: {at: [0, 0, 0], inner: [1, 1, 1], wall: 0mm}}\n",
+        "parts: {a: {box: [1, 1, 1], at: [0, 0, 0], friction: -0.1}}\n",
+        "parts: {a: {box: [1, 1, 1], at: [0, 0, 0], goal: {at: [0, 0, 0], tolerance: 0}}}\n"})
+    EXPECT_EQ(findings(body), (std::vector<std::string>{"2 bad-value"})) << body;
+}
+
 TEST(SceneFile, SaysWhatFileItIsNot) {
   for (const char* text : {"", "robot: 1\n", "polyarm: robot/1\n", "[1, 2]\n", "just words\n"})
     EXPECT_THROW(read_scene(Yaml::parse(text, "scene.yaml")), Error) << text;

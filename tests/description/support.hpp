@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -35,6 +36,7 @@ inline void expect_equal(const Inertial& a, const Inertial& b) {
   EXPECT_NEAR(a.mass, b.mass, kTolerance);
   expect_near(a.center, b.center);
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(a.inertia[k], b.inertia[k], kTolerance);
+  EXPECT_EQ(a.estimated, b.estimated);
 }
 
 inline void expect_equal(const std::vector<Shape>& a, const std::vector<Shape>& b) {
@@ -87,6 +89,16 @@ inline void expect_equal(const Joint& a, const Joint& b) {
   EXPECT_NEAR(a.mimic->offset, b.mimic->offset, kTolerance);
 }
 
+inline void expect_equal(const Provenance& a, const Provenance& b) {
+  EXPECT_EQ(a.maker, b.maker);
+  EXPECT_EQ(a.model, b.model);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.licence, b.licence);
+  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.payload_kg, b.payload_kg);
+  EXPECT_EQ(a.reach_m, b.reach_m);
+}
+
 inline void expect_equal(const RobotModel& a, const RobotModel& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.root, b.root);
@@ -95,6 +107,9 @@ inline void expect_equal(const RobotModel& a, const RobotModel& b) {
   for (std::size_t i = 0; i < a.links.size(); ++i) expect_equal(a.links[i], b.links[i]);
   ASSERT_EQ(a.joints.size(), b.joints.size());
   for (std::size_t i = 0; i < a.joints.size(); ++i) expect_equal(a.joints[i], b.joints[i]);
+  EXPECT_EQ(a.named_states, b.named_states);
+  EXPECT_EQ(a.allowed_collisions, b.allowed_collisions);
+  expect_equal(a.provenance, b.provenance);
 }
 
 /// The pose of every link in the root's frame, joint by joint; `q` in the order of `actuated`.

@@ -113,6 +113,19 @@ TEST(Urdf, WritesTheSameTextAgain) {
   EXPECT_EQ(once, write_urdf(read(once)));
 }
 
+/// Half of the rotations are within a hair of where roll and yaw turn about one axis.
+TEST(Urdf, KeepsEveryRotation) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> angle(-3.14, 3.14), digits(-17, 0);
+  RobotModel model = read(kGood);
+  for (int i = 0; i < 500; ++i) {
+    const double hair = std::pow(10, digits(random)), side = i % 4 == 0 ? 1 : -1;
+    const double pitch = i % 2 == 0 ? side * (1.5707963267948966 - hair) : angle(random);
+    model.joints[0].origin.rotation = from_rpy(angle(random), pitch, angle(random));
+    test::expect_near(read(write_urdf(model)).joints[0].origin, model.joints[0].origin);
+  }
+}
+
 TEST(Urdf, TurnsTheInertiaIntoTheAxesOfTheLink) {
   const RobotModel model = read(links_and(
       "<link name=\"c\"><inertial><origin rpy=\"0 0 1.5707963267948966\"/><mass value=\"1\"/>"

@@ -1,5 +1,6 @@
 #include "drivers/mock/mock.hpp"
 
+#include <limits>
 #include <random>
 
 #include "tests/drivers/rig.hpp"
