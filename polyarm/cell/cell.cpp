@@ -96,11 +96,6 @@ void Cell::build_controllers(Problems& problems) {
     trajectory_controllers_.push_back(follower);
     motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(*robot->facts, *follower) : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
-    std::vector<std::size_t> commands;
-    for (const controllers::JointFacts& joint : robot->joints)
-      if (const auto index = loop_->table().find_command(joint.name + "/position"))
-        commands.push_back(*index);
-    joint_commands_.push_back(std::move(commands));
   }
 }
 

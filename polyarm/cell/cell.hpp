@@ -110,7 +110,6 @@ class Cell {
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;
-  std::vector<std::vector<std::size_t>> joint_commands_;  // per robot: command index of each joint position
   int findings_seen_ = 0, contacts_max_ = 0;
   double tracking_error_max_ = 0;
   std::uint64_t told_version_ = 0, quiet_version_ = 0;

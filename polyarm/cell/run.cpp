@@ -119,6 +119,7 @@ class Runner {
     done = true;
     control.join();
     late_empty_ = empty.finish();
+    if (*refused_) observer_.on_note(refused_);
   }
 
   void control_thread(const std::atomic<bool>& done) {
@@ -146,7 +147,6 @@ class Runner {
     } else if (line == "recover") {
       cell_.loop().post(control::Request::recover);
     } else if (line == "hold") {
-      held_by_hand_ = true;
       cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
     } else if (line == "stop") {
       request_stop();
@@ -154,7 +154,6 @@ class Runner {
       cell_.answers().give(line);
       return;
     }
-    if (line == "resume") held_by_hand_ = false;
   }
 
   void after_tick(Nanoseconds now) {
@@ -255,7 +254,7 @@ class Runner {
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
   const char* refused_ = "";
-  bool over_ = false, stopping_ = false, cut_short_ = false, held_by_hand_ = false;
+  bool over_ = false, stopping_ = false, cut_short_ = false;
 };
 
 }  // namespace
