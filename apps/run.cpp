@@ -87,6 +87,10 @@ void on_signal(int) {
   cell::request_stop();
 }
 
+std::vector<std::string> first(const std::vector<std::string>& names, std::size_t count) {
+  return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
 /// Everything that is needed to run a failed run again, in one folder.
 std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, const std::string& command,
                          control::ControlLoop& loop) {
@@ -105,8 +109,8 @@ std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, 
     write_file_atomically(folder / "command.txt", command + "\n");
     write_file_atomically(folder / "result.json", result_json(result, folder.string()) + "\n");
     std::ofstream cycles(folder / "last_cycles.csv");
-    cycles << join(loop.table().state_names(), ",")
-           << ",command:" << join(loop.table().command_names(), ",command:") << "\n";
+    cycles << join(first(loop.table().state_names(), loop.table().built_states()), ",") << ",command:"
+           << join(first(loop.table().command_names(), loop.table().built_commands()), ",command:") << "\n";
     for (std::size_t i = 0; i < loop.black_box().rows(); ++i) {
       std::string row;
       for (const double value : loop.black_box().row(i))

@@ -67,10 +67,10 @@ void cycle(benchmark::State& state) {
   controllers::JointTrajectoryController* jtc = made.get();
   loop.controllers().add(std::move(made), context);
   context.name = "joint_state_broadcaster";
-  loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()),
+  loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(),
                          context);
-  loop.controllers().activate("joint_trajectory_controller", loop.cycle());
-  loop.controllers().activate("joint_state_broadcaster", loop.cycle());
+  loop.controllers().activate("joint_trajectory_controller");
+  loop.controllers().activate("joint_state_broadcaster");
   loop.prepare(context.joints);
 
   std::vector<double> at(static_cast<std::size_t>(n), 0.0);

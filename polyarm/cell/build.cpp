@@ -40,7 +40,7 @@ std::unique_ptr<controllers::Controller> make(ControllerKind kind, control::Cont
     case ControllerKind::trajectory:
       return std::make_unique<controllers::JointTrajectoryController>();
     case ControllerKind::broadcaster:
-      return std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names());
+      return std::make_unique<controllers::JointStateBroadcaster>();
     case ControllerKind::forward:
       return std::make_unique<controllers::ForwardCommandController>();
     case ControllerKind::unknown:

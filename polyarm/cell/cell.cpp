@@ -88,7 +88,7 @@ void Cell::build_controllers(Problems& problems) {
     const std::string name = planned.context.name;
     controllers::Controller* made = planned.controller.get();
     loop_->controllers().add(std::move(planned.controller), planned.context);
-    loop_->controllers().activate(name, loop_->cycle());
+    loop_->controllers().activate(name);
     if (name == kIoController) tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(made));
   }
   for (const auto& robot : robots_) {

@@ -82,10 +82,12 @@ class Runner {
 
   RunResult run() {
     running_supervisor = &cell_.loop().supervisor();
+    cell_.loop().begin();
     if (options_.fast)
       lock_step();
     else
       wall_clock();
+    cell_.loop().end();
     running_supervisor = nullptr;
     return result();
   }

@@ -37,12 +37,14 @@ void ControlLoop::start_hardware() {
 }
 
 void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
+  table_.seal();
+  controllers_.bind_all();
   limits_.build(table_, joints, options_.period);
   traced_.clear();
   for (const controllers::JointFacts& joint : joints)
     if (const auto index = table_.find_state(joint.name + "/position"))
       traced_.push_back(static_cast<std::uint32_t>(*index));
-  const std::size_t states = table_.states().size(), commands = table_.commands().size();
+  const std::size_t states = table_.built_states(), commands = table_.built_commands();
   black_box_.build(states + commands, options_.black_box_rows);
   Snapshot empty;
   empty.states.assign(table_.states().begin(), table_.states().end());
@@ -53,17 +55,28 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
 
 controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
   const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
+  if (fault) take_off_failed(cycle);
   Request request = Request::none;
   inbox_.pop(request);  // at most one request from outside
   const controllers::Verdict verdict =
       supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
-  controllers_.update(cycle, verdict);                                // a stop is followed on the path
-  if (options_.limits) limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
-  if (const hardware::Fault failed = hardware_.write(cycle))
+  controllers_.update(cycle, verdict);  // a stop is followed on the path
+  if (options_.limits)
+    limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
+  if (const hardware::Fault failed = hardware_.write(cycle)) {
+    take_off_failed(cycle);
     supervisor_.raise(StopCause::component, failed.component);
+  }
   if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
   if (options_.publish) publish(cycle);  // snapshot, and the ring of cycle records
   return verdict;
+}
+
+void ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
+  using Fall = hardware::Hardware::Fall;
+  for (std::size_t i = 0; i < hardware_.size(); ++i)
+    if (const Fall fall = hardware_.newly_failed(i); fall != Fall::none)
+      controllers_.component_failed(i, fall == Fall::deactivated, cycle);
 }
 
 controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
@@ -79,7 +92,7 @@ controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
 void ControlLoop::publish(const hardware::Cycle& cycle) noexcept {
   const std::span<const double> states = table_.states(), commands = table_.commands();
   for (const std::uint32_t index : traced_) trace_.add(states[index]);
-  black_box_.record(states, commands);
+  black_box_.record(states.first(table_.built_states()), commands.first(table_.built_commands()));
   Snapshot& draft = outbox_.draft();
   draft.cycle = cycle;
   draft.state = supervisor_.state();

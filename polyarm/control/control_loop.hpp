@@ -10,6 +10,7 @@
 #include "polyarm/control/limits.hpp"
 #include "polyarm/control/supervisor.hpp"
 #include "polyarm/realtime/histogram.hpp"
+#include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/latest.hpp"
 #include "polyarm/realtime/queue.hpp"
 
@@ -76,6 +77,12 @@ class ControlLoop {
   /// Fixes limits, snapshot and hash; controllers must have been added by now.
   void prepare(const std::vector<controllers::JointFacts>& joints);
 
+  /// From now on a control thread steps, and requests of controllers and hardware reach it between two
+  /// cycles; before begin() and after end() they are done at once, by whoever asks.
+  void begin() { jobs_.start(); }
+  void end() { jobs_.stop(); }
+  realtime::Jobs& jobs() { return jobs_; }
+
   /// One cycle. `gap`: wall time went missing since the last one.
   controllers::Verdict step(const hardware::Cycle& cycle, bool gap = false) noexcept;
   /// One cycle at the loop's own time, which advances by one period.
@@ -91,11 +98,13 @@ class ControlLoop {
 
  private:
   void publish(const hardware::Cycle& cycle) noexcept;
+  void take_off_failed(const hardware::Cycle& cycle) noexcept;
 
   LoopOptions options_;
+  realtime::Jobs jobs_;
   hardware::InterfaceTable table_;
-  hardware::Hardware hardware_{table_};
-  ControllerManager controllers_{table_, hardware_};
+  hardware::Hardware hardware_{table_, jobs_};
+  ControllerManager controllers_{table_, hardware_, jobs_};
   Supervisor supervisor_;
   CommandLimits limits_;
   BlackBox black_box_;

@@ -1,15 +1,20 @@
 #include "polyarm/control/controller_manager.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "polyarm/base/text.hpp"
+#include "polyarm/control/schedule.hpp"
 
 namespace polyarm::control {
 
+using controllers::CallbackReturn;
 using hardware::LifecycleState;
 
 namespace {
-template <typename Find>
+
 std::vector<std::size_t> resolve(const std::vector<std::string>& names, const std::vector<std::string>& known,
-                                 const char* kind, const std::string& controller, Find find) {
+                                 const char* kind, const std::string& controller, auto find) {
   std::vector<std::size_t> out;
   for (const std::string& name : names) {
     const auto index = find(name);
@@ -22,96 +27,473 @@ std::vector<std::size_t> resolve(const std::vector<std::string>& names, const st
   }
   return out;
 }
+
+/// Swaps the schedule of the loop; the old one is freed with the job, by the thread that posted it.
 }  // namespace
 
-void ControllerManager::add(std::unique_ptr<controllers::Controller> controller,
-                            const controllers::ControllerContext& context, unsigned divisor) {
-  for (const Slot& other : slots_)
-    if (other.name == context.name)
+class ControllerManager::NewSchedule : public realtime::Job {
+ public:
+  NewSchedule(ControllerManager& manager, std::unique_ptr<Schedule> schedule)
+      : manager_(manager), schedule_(std::move(schedule)) {}
+  void run() noexcept override { std::swap(manager_.schedule_, schedule_); }
+
+ private:
+  ControllerManager& manager_;
+  std::unique_ptr<Schedule> schedule_;
+};
+
+ControllerManager::ControllerManager(hardware::InterfaceTable& table, hardware::Hardware& hardware,
+                                     realtime::Jobs& jobs)
+    : table_(table), hardware_(hardware), jobs_(jobs), schedule_(std::make_unique<Schedule>()) {}
+
+ControllerManager::~ControllerManager() = default;
+
+ControllerManager::Slot& ControllerManager::slot(const std::string& name) const {
+  for (const auto& slot : slots_)
+    if (slot->name == name) return *slot;
+  throw Error("unknown-controller", "there is no controller '" + name + "'" + did_you_mean(name, names()),
+              {});
+}
+
+std::vector<std::string> ControllerManager::names() const {
+  std::vector<std::string> out;
+  for (const auto& slot : slots_) out.push_back(slot->name);
+  return out;
+}
+
+void ControllerManager::load(std::unique_ptr<controllers::Controller> controller,
+                             controllers::ControllerContext context, LoadOptions options) {
+  for (const auto& other : slots_)
+    if (other->name == context.name)
       throw Error("duplicate-controller", "two controllers are called '" + context.name + "'",
                   "rename one of them");
-  if (controller->on_configure(context) != controllers::CallbackReturn::success)
-    throw Error("controller-failed", "the controller '" + context.name + "' could not be configured",
-                "check that its parameters name joints or interfaces");
-  Slot slot{context.name, std::move(controller)};
-  slot.divisor = divisor == 0 ? 1 : divisor;
-  slot.command_names = slot.controller->command_interfaces();
-  slot.commands = resolve(slot.command_names, table_.command_names(), "command", slot.name,
-                          [&](const std::string& name) { return table_.find_command(name); });
-  auto states = resolve(slot.controller->state_interfaces(), table_.state_names(), "state", slot.name,
-                        [&](const std::string& name) { return table_.find_state(name); });
-  slot.controller->bind({table_.states(), table_.commands(), std::move(states), slot.commands});
+  auto slot = std::make_unique<Slot>();
+  slot->id = next_id_++;
+  slot->name = context.name;
+  slot->controller = std::move(controller);
+  slot->options = std::move(options);
+  slot->options.divisor = std::max(1u, slot->options.divisor);
+  context.loop_period = context.period;
+  context.period *= slot->options.divisor;
+  slot->context = std::move(context);
   slots_.push_back(std::move(slot));
 }
 
-ControllerManager::Slot& ControllerManager::slot(const std::string& name) {
-  std::vector<std::string> names;
-  for (Slot& slot : slots_) {
-    if (slot.name == name) return slot;
-    names.push_back(slot.name);
+namespace {
+std::vector<std::string> named(const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const std::string& name : names)
+    if (!name.empty()) out.push_back(name);
+  return out;
+}
+}  // namespace
+
+void ControllerManager::configure(const std::string& name) {
+  Slot& s = slot(name);
+  if (s.state.load() != LifecycleState::unconfigured)
+    throw Error(
+        "wrong-state",
+        "the controller '" + name + "' is " + hardware::name(s.state.load()) + ", it cannot be configured",
+        "configuring begins at unconfigured");
+  controllers::Controller& c = *s.controller;
+  c.forget_interfaces();
+  s.context.parameters.begin();
+  s.context.state_names = named(table_.state_names());
+  s.context.command_names = named(table_.command_names());
+  try {
+    const CallbackReturn result = c.on_configure(s.context);
+    s.context.parameters.finish(name);
+    s.context.parameters.problems().throw_if_errors();
+    if (result != CallbackReturn::success) {
+      if (result == CallbackReturn::error && c.on_error() != CallbackReturn::success)
+        s.state = LifecycleState::finalized;
+      throw Error("controller-failed", "the controller '" + name + "' could not be configured",
+                  "check that its parameters name joints or interfaces");
+    }
+    for (const std::string& reference : c.reference_interfaces()) table_.add_command(reference);
+    for (const std::string& state : c.exported_states())
+      table_.add_state(state, std::numeric_limits<double>::quiet_NaN());
+    bind(s);
+  } catch (...) {
+    withdraw(s);
+    throw;
   }
-  throw Error("unknown-controller", "there is no controller '" + name + "'" + did_you_mean(name, names), {});
+  if (s.options.async) make_runner(s);
+  s.state = LifecycleState::inactive;
+  if (!table_.sealed())
+    for (const auto& other : slots_)
+      if (other.get() != &s && other->state.load() != LifecycleState::unconfigured) bind(*other);
+  try {
+    post_schedule();
+  } catch (...) {
+    s.state = LifecycleState::unconfigured;
+    withdraw(s);
+    throw;
+  }
 }
 
-void ControllerManager::activate(const std::string& name, const hardware::Cycle& cycle) {
-  Slot& wanted = slot(name);
-  if (wanted.state == LifecycleState::active) return;
-  for (const std::size_t command : wanted.commands)
-    if (const int holder = table_.claims()[command]; holder >= 0)
-      throw Error("claimed",
-                  "the controller '" + name + "' needs '" + table_.command_names()[command] +
-                      "', which the active controller '" + name_of(holder) + "' holds",
-                  "deactivate that one first");
-  if (!hardware_.perform_mode_switch(wanted.command_names, {}))
-    throw Error("mode-refused", "the hardware refuses the commands of the controller '" + name + "'",
+void ControllerManager::withdraw(Slot& s) {
+  for (const std::string& reference : s.controller->reference_interfaces()) table_.remove_command(reference);
+  for (const std::string& state : s.controller->exported_states()) table_.remove_state(state);
+}
+
+void ControllerManager::bind(Slot& s) {
+  controllers::Controller& c = *s.controller;
+  const auto commands = [&](const std::vector<std::string>& names) {
+    return resolve(names, table_.command_names(), "command", s.name,
+                   [&](const std::string& name) { return table_.find_command(name); });
+  };
+  const auto states = [&](const std::vector<std::string>& names) {
+    return resolve(names, table_.state_names(), "state", s.name,
+                   [&](const std::string& name) { return table_.find_state(name); });
+  };
+  controllers::Bindings bindings{table_.states(),
+                                 table_.commands(),
+                                 states(c.state_interfaces()),
+                                 commands(c.command_interfaces()),
+                                 commands(c.reference_interfaces()),
+                                 table_.states(),
+                                 states(c.exported_states())};
+  s.commands = bindings.command;
+  s.exported = bindings.exported;
+  s.references = bindings.reference;
+  if (s.options.async) {  // it works on copies
+    s.own_states.assign(table_.states().begin(), table_.states().end());
+    s.own_commands.assign(table_.commands().begin(), table_.commands().end());
+    bindings.states = bindings.own_states = s.own_states;
+    bindings.commands = s.own_commands;
+  }
+  c.bind(std::move(bindings));
+}
+
+void ControllerManager::bind_all() {
+  for (const auto& s : slots_)
+    if (s->state.load() == LifecycleState::inactive || s->state.load() == LifecycleState::active) bind(*s);
+}
+
+void ControllerManager::make_runner(Slot& s) {
+  Slot* own = &s;
+  s.runner = std::make_unique<realtime::AsyncRunner>(
+      [own] {
+        own->own_result.store(own->controller->update(own->own_cycle, own->own_verdict),
+                              std::memory_order_release);
+        if (own->own_stop.exchange(false)) own->controller->on_deactivate(own->own_cycle);
+      },
+      s.options.lock_step, s.options.thread);
+}
+
+void ControllerManager::add(std::unique_ptr<controllers::Controller> controller,
+                            controllers::ControllerContext context, LoadOptions options) {
+  const std::string name = context.name;
+  load(std::move(controller), std::move(context), std::move(options));
+  configure(name);
+}
+
+void ControllerManager::cleanup(const std::string& name) {
+  Slot& s = slot(name);
+  if (s.state.load() != LifecycleState::inactive)
+    throw Error(
+        "wrong-state",
+        "the controller '" + name + "' is " + hardware::name(s.state.load()) + ", it cannot be cleaned up",
+        "deactivate it first");
+  for (const auto& other : slots_) {
+    if (other.get() == &s || other->state.load() == LifecycleState::unconfigured) continue;
+    for (const auto* offered : {&s.controller->reference_interfaces(), &s.controller->exported_states()})
+      for (const std::string& interface : *offered)
+        for (const auto* wanted :
+             {&other->controller->command_interfaces(), &other->controller->state_interfaces()})
+          if (std::find(wanted->begin(), wanted->end(), interface) != wanted->end())
+            throw Error("chain-in-use",
+                        "the controller '" + name + "' cannot be cleaned up: '" + other->name +
+                            "' uses its '" + interface + "'",
+                        "clean '" + other->name + "' up first");
+  }
+  const CallbackReturn result = s.controller->on_cleanup();
+  if (result == CallbackReturn::failure)
+    throw Error("controller-failed",
+                "the controller '" + name + "' could not be cleaned up and stays inactive");
+  s.state = LifecycleState::unconfigured;
+  if (result == CallbackReturn::error && s.controller->on_error() != CallbackReturn::success)
+    s.state = LifecycleState::finalized;
+  withdraw(s);
+  post_schedule();
+}
+
+void ControllerManager::unload(const std::string& name) {
+  Slot& s = slot(name);
+  if (s.state.load() == LifecycleState::active)
+    throw Error("wrong-state", "the controller '" + name + "' is active, it cannot be unloaded",
+                "deactivate it first");
+  if (s.state.load() == LifecycleState::inactive) cleanup(name);
+  const auto at = std::find_if(slots_.begin(), slots_.end(), [&](const auto& p) { return p.get() == &s; });
+  std::unique_ptr<Slot> gone = std::move(*at);
+  slots_.erase(at);
+  auto job = std::make_shared<NewSchedule>(*this, make_schedule(active_names()));
+  if (!jobs_.post(job)) {
+    slots_.push_back(std::move(gone));
+    throw Error("busy", "the control loop has not taken the last requests yet", "try again");
+  }
+  std::erase_if(leaving_, [](const auto& pair) { return pair.first->done(); });
+  leaving_.emplace_back(std::move(job), std::move(gone));
+}
+
+ControllerView ControllerManager::view(const Slot& s) const {
+  const controllers::Controller& c = *s.controller;
+  return {s.name,
+          s.state.load(),
+          c.command_interfaces(),
+          c.state_interfaces(),
+          c.reference_interfaces(),
+          c.exported_states()};
+}
+
+std::vector<ControllerView> ControllerManager::views() const {
+  std::vector<ControllerView> out;
+  for (const auto& s : slots_) out.push_back(view(*s));
+  return out;
+}
+
+std::string ControllerManager::why_unavailable(const std::string& interface, bool command) const {
+  const auto index = command ? table_.find_command(interface) : table_.find_state(interface);
+  if (!index) return "it does not exist";
+  const int component =
+      command ? hardware_.component_of_command(*index) : hardware_.component_of_state(*index);
+  if (component < 0) return {};  // of another controller
+  const LifecycleState state = hardware_.state_of(static_cast<std::size_t>(component));
+  if (state == LifecycleState::active || (!command && state == LifecycleState::inactive)) return {};
+  return "the hardware component '" + hardware_.component_name(static_cast<std::size_t>(component)) +
+         "' is " + hardware::name(state);
+}
+
+SwitchPlan ControllerManager::plan(const SwitchRequest& request) const {
+  return plan_switch(views(), request, [this](const std::string& interface, bool command) {
+    return why_unavailable(interface, command);
+  });
+}
+
+ControllerManager::Switch::Switch(ControllerManager& manager, SwitchPlan plan)
+    : manager_(manager), plan_(std::move(plan)), epoch_(manager.known_epoch_) {}
+ControllerManager::Switch::~Switch() = default;
+
+void ControllerManager::Switch::run() noexcept {
+  stale_ = manager_.epoch_ != epoch_;
+  if (stale_) return;
+  manager_.execute(*commit_, manager_.now_);
+  std::swap(manager_.schedule_, schedule_);
+}
+
+std::shared_ptr<ControllerManager::Switch> ControllerManager::begin_switch(const SwitchRequest& request) {
+  SwitchPlan planned = plan(request);
+  if (!planned.ok) throw Error(planned.code, planned.reason, planned.advice);
+  if (!hardware_.prepare_mode_switch(planned.start_interfaces, planned.stop_interfaces))
+    throw Error("mode-refused", "the hardware refuses the commands of " + join(planned.start, ", "),
                 "it cannot take these command interfaces together");
-  for (const std::size_t command : wanted.commands)
-    table_.claims()[command] = static_cast<int>(&wanted - slots_.data());
-  if (wanted.controller->on_activate(cycle) != controllers::CallbackReturn::success) {
-    for (const std::size_t command : wanted.commands) table_.claims()[command] = -1;
-    throw Error("controller-failed", "the controller '" + name + "' could not be activated", {});
+  auto job = std::make_shared<Switch>(*this, std::move(planned));
+  job->commit_ = commit_of(job->plan_);
+  std::vector<std::string> active = active_names();
+  for (const std::string& name : job->plan_.stop) std::erase(active, name);
+  for (const std::string& name : job->plan_.start) active.push_back(name);
+  job->schedule_ = make_schedule(active);
+  if (!jobs_.post(job))
+    throw Error("busy", "the control loop has not taken the last requests yet", "try again");
+  return job;
+}
+
+bool ControllerManager::finish(Switch& done) {
+  if (done.stale_) return false;
+  if (!done.commit_->refused) return true;
+  post_schedule();
+  throw Error("controller-failed",
+              "the controller '" + done.commit_->refused->name + "' could not be activated",
+              "it stays inactive; what was to start after it was not started");
+}
+
+void ControllerManager::switch_now(const SwitchRequest& request) {
+  const auto job = begin_switch(request);
+  if (job->done()) finish(*job);
+}
+
+void ControllerManager::activate(const std::string& name) {
+  switch_now({{name}, {}, Strictness::strict});
+}
+void ControllerManager::deactivate(const std::string& name) {
+  switch_now({{}, {name}, Strictness::strict});
+}
+
+namespace {
+class ChangeParameters : public realtime::Job {
+ public:
+  ChangeParameters(controllers::Controller& controller, std::vector<controllers::ParameterChange> changes)
+      : controller_(controller), changes_(std::move(changes)) {}
+  void run() noexcept override {
+    for (const controllers::ParameterChange& change : changes_) change.apply();
+    controller_.on_parameters_changed();
   }
-  wanted.state = LifecycleState::active;
+
+ private:
+  controllers::Controller& controller_;
+  std::vector<controllers::ParameterChange> changes_;
+};
+}  // namespace
+
+std::shared_ptr<realtime::Job> ControllerManager::begin_change(
+    const std::string& name, const std::vector<std::pair<std::string, std::string>>& values) {
+  Slot& s = slot(name);
+  std::vector<controllers::ParameterChange> changes;
+  for (const auto& [key, value] : values) changes.push_back(s.context.parameters.change(key, value));
+  if (const std::string why = s.controller->refuse_changes(changes); !why.empty())
+    throw Error("bad-value", "the controller '" + name + "' refuses: " + why,
+                "its parameters stay as they are");
+  auto job = std::make_shared<ChangeParameters>(*s.controller, changes);
+  if (!jobs_.post(job))
+    throw Error("busy", "the control loop has not taken the last requests yet", "try again");
+  for (const controllers::ParameterChange& change : changes) s.context.parameters.note_changed(change);
+  return job;
 }
 
-void ControllerManager::deactivate(const std::string& name, const hardware::Cycle& cycle) {
-  Slot& wanted = slot(name);
-  if (wanted.state != LifecycleState::active) return;
-  wanted.controller->on_deactivate(cycle);
-  for (const std::size_t command : wanted.commands) table_.claims()[command] = -1;
-  wanted.state = LifecycleState::inactive;
-  hardware_.perform_mode_switch({}, wanted.command_names);
+std::vector<Problem> ControllerManager::findings(const std::string& name) const {
+  return slot(name).context.parameters.problems().list();
 }
 
-void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
-  failed_ = -1;
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    Slot& slot = slots_[i];
-    if (slot.state != LifecycleState::active || cycle.index % slot.divisor != 0) continue;
-    if (slot.controller->update(cycle, verdict) == controllers::ReturnType::ok) continue;
-    slot.controller->on_deactivate(cycle);
-    for (const std::size_t command : slot.commands) table_.claims()[command] = -1;
-    slot.state = LifecycleState::inactive;
-    failed_ = static_cast<int>(i);
+std::unique_ptr<ControllerManager::Commit> ControllerManager::commit_of(const SwitchPlan& plan) const {
+  auto commit = std::make_unique<Commit>();
+  for (const std::string& name : plan.stop) commit->stop.push_back(&slot(name));
+  for (const std::string& name : plan.start) commit->start.push_back(&slot(name));
+  for (const std::string& name : plan.chained) commit->chains.emplace_back(&slot(name), true);
+  for (const std::string& name : plan.unchained) commit->chains.emplace_back(&slot(name), false);
+  commit->start_interfaces = plan.start_interfaces;
+  commit->stop_interfaces = plan.stop_interfaces;
+  return commit;
+}
+
+std::vector<std::string> ControllerManager::active_names() const {
+  std::vector<std::string> out;
+  for (const auto& s : slots_)
+    if (s->state.load() == LifecycleState::active) out.push_back(s->name);
+  return out;
+}
+
+std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std::vector<Slot*>& slots,
+                                                                      std::span<const ControllerView> views,
+                                                                      const std::vector<bool>& active,
+                                                                      std::size_t who) const {
+  SwitchRequest request;
+  for (const std::size_t i : chain_of(views, who, active)) request.deactivate.push_back(views[i].name);
+  const auto available = [this](const std::string& interface, bool command) {
+    return why_unavailable(interface, command);
+  };
+  request.activate = slots[who]->options.fallback;
+  SwitchPlan plan = plan_switch(views, request, available);
+  if (!plan.ok) {  // its fallbacks cannot take over as things stand
+    request.activate.clear();
+    plan = plan_switch(views, request, available);
   }
+  return commit_of(plan);
 }
 
-bool ControllerManager::standing() const noexcept {
-  for (const Slot& slot : slots_)
-    if (slot.state == LifecycleState::active && !slot.controller->standing()) return false;
-  return true;
+std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
+    const std::vector<std::string>& names) const {
+  std::vector<Slot*> slots;
+  std::vector<ControllerView> all;
+  for (const auto& s : slots_)
+    if (s->state.load() == LifecycleState::inactive || s->state.load() == LifecycleState::active) {
+      slots.push_back(s.get());
+      all.push_back(view(*s));
+    }
+  std::vector<bool> active(slots.size());
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    active[i] = std::find(names.begin(), names.end(), slots[i]->name) != names.end();
+    all[i].state = active[i] ? LifecycleState::active : LifecycleState::inactive;
+  }
+  auto out = std::make_unique<Schedule>();
+  for (const std::size_t i : update_order(all))
+    out->entries.push_back({slots[i], slots[i]->controller.get(), slots[i]->options.divisor,
+                            active[i] ? fall_of(slots, all, active, i) : nullptr});
+  for (std::size_t c = 0; c < hardware_.size(); ++c) {
+    SwitchRequest request;
+    std::vector<bool> falls(slots.size(), false);
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      if (!active[i] || !slots[i]->uses(c, table_, hardware_)) continue;
+      for (const std::size_t k : chain_of(all, i, active)) falls[k] = true;
+    }
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      if (falls[i]) request.deactivate.push_back(all[i].name);
+    out->component_falls.push_back(
+        commit_of(plan_switch(all, request, [](const std::string&, bool) { return std::string{}; })));
+  }
+  return out;
+}
+
+void ControllerManager::post_schedule() {
+  auto job = std::make_shared<NewSchedule>(*this, make_schedule(active_names()));
+  if (!jobs_.post(std::move(job)))
+    throw Error("busy", "the control loop has not taken the last requests yet", "try again");
+}
+
+std::vector<LoopEvent> ControllerManager::take_events() {
+  std::vector<LoopEvent> out;
+  for (LoopEvent event{}; events_.pop(event);) out.push_back(event);
+  if (!out.empty()) {
+    for (const LoopEvent& event : out)
+      if (event.kind == LoopEvent::Kind::controller_failed ||
+          event.kind == LoopEvent::Kind::component_failed ||
+          event.kind == LoopEvent::Kind::component_deactivated)
+        ++known_epoch_;
+    post_schedule();
+  }
+  return out;
 }
 
 controllers::Controller* ControllerManager::find(const std::string& name) const {
-  for (const Slot& slot : slots_)
-    if (slot.name == name) return slot.controller.get();
+  for (const auto& s : slots_)
+    if (s->name == name) return s->controller.get();
   return nullptr;
 }
 
-std::vector<ControllerManager::Listed> ControllerManager::list() const {
-  std::vector<Listed> out;
-  for (const Slot& slot : slots_) out.push_back({slot.name, {}, slot.state});
+const controllers::ControllerContext* ControllerManager::context(const std::string& name) const {
+  for (const auto& s : slots_)
+    if (s->name == name) return &s->context;
+  return nullptr;
+}
+
+std::vector<ListedController> ControllerManager::list() const {
+  std::vector<ListedController> out;
+  for (const auto& s : slots_) {
+    const controllers::Controller& c = *s->controller;
+    ListedController listed;
+    listed.name = s->name;
+    listed.type = s->context.type;
+    listed.state = s->state.load();
+    listed.chained = s->chained.load();
+    listed.async = s->options.async;
+    listed.divisor = s->options.divisor;
+    listed.updates = s->updates.load();
+    listed.missed = s->runner ? s->runner->missed() : 0;
+    listed.required_commands = c.command_interfaces();
+    listed.required_states = c.state_interfaces();
+    if (listed.state == LifecycleState::active) listed.claimed = listed.required_commands;
+    listed.references = c.reference_interfaces();
+    listed.exported = c.exported_states();
+    listed.fallback = s->options.fallback;
+    out.push_back(std::move(listed));
+  }
   return out;
+}
+
+std::string ControllerManager::name_of(int id) const {
+  for (const auto& s : slots_)
+    if (s->id == id) return s->name;
+  return "controller";
+}
+
+std::string ControllerManager::holder_of(const std::string& command) const {
+  for (const auto& s : slots_) {
+    const auto& claimed = s->controller->command_interfaces();
+    if (s->state.load() == LifecycleState::active &&
+        std::find(claimed.begin(), claimed.end(), command) != claimed.end())
+      return s->name;
+  }
+  return {};
 }
 
 }  // namespace polyarm::control

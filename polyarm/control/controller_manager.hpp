@@ -1,58 +1,176 @@
 #pragma once
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "polyarm/control/switch_plan.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/hardware/hardware.hpp"
+#include "polyarm/realtime/async_runner.hpp"
+#include "polyarm/realtime/jobs.hpp"
+#include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::control {
 
-/// Keeps the controllers of one loop: configures them, resolves their names, grants claims (commands to one
-/// controller at a time, states to all), and updates them in order. Building and switching: with the loop
-/// stopped.
+/// How a controller is kept.
+struct LoadOptions {
+  unsigned divisor = 1;    ///< it is updated every so many cycles
+  bool async = false;      ///< on a thread of its own
+  bool lock_step = false;  ///< async work is done inline, its result one period later
+  realtime::ThreadOptions thread = {};
+  std::vector<std::string> fallback = {};  ///< started when it fails
+};
+
+/// What the loop did by itself, for the cell thread to tell.
+struct LoopEvent {
+  enum class Kind : std::uint8_t {
+    controller_failed,   ///< its update returned an error; it and its chain are inactive
+    controller_stopped,  ///< it was stopped with another, or with its hardware
+    fallback_started,
+    component_failed,
+    component_deactivated,
+  };
+  Kind kind;
+  std::int32_t who = -1;  ///< id of the controller, or index of the component
+  std::uint64_t cycle = 0;
+};
+
+struct ListedController {
+  std::string name, type;
+  hardware::LifecycleState state;
+  bool chained = false, async = false;
+  unsigned divisor = 1;
+  std::uint64_t updates = 0, missed = 0;
+  std::vector<std::string> claimed, required_commands, required_states, references, exported, fallback;
+};
+
+/// Keeps the controllers of one loop: their life cycle, their names in the table, claims (commands to one
+/// controller at a time, states to all), and their updates in order. Everything but update() and what stands
+/// beside it belongs to the cell thread; what it decides reaches the loop between two cycles. As long as no
+/// loop is running (Jobs not started), it is done at once.
 class ControllerManager {
  public:
-  ControllerManager(hardware::InterfaceTable& table, hardware::Hardware& hardware)
-      : table_(table), hardware_(hardware) {}
+  ControllerManager(hardware::InterfaceTable& table, hardware::Hardware& hardware, realtime::Jobs& jobs);
+  ~ControllerManager();
 
-  /// Configures the controller and resolves its interfaces; updates happen every `divisor` cycles. Throws
-  /// Error naming the interface that does not exist.
-  void add(std::unique_ptr<controllers::Controller> controller, const controllers::ControllerContext& context,
-           unsigned divisor = 1);
-  /// Claims its commands, tells the hardware, starts it. Throws Error naming who holds a command already.
-  void activate(const std::string& name, const hardware::Cycle& cycle);
-  void deactivate(const std::string& name, const hardware::Cycle& cycle);
+  /// → unconfigured. Throws Error("duplicate-controller").
+  void load(std::unique_ptr<controllers::Controller> controller, controllers::ControllerContext context,
+            LoadOptions options = {});
+  /// unconfigured → inactive. Throws Error with everything that is wrong with its parameters, or naming the
+  /// interface that does not exist; then it stays unconfigured (or is finalized, if its on_error says so).
+  void configure(const std::string& name);
+  void cleanup(const std::string& name);  ///< inactive → unconfigured
+  void unload(const std::string& name);   ///< anything but active → gone
+  /// load and configure.
+  void add(std::unique_ptr<controllers::Controller> controller, controllers::ControllerContext context,
+           LoadOptions options = {});
 
-  void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
-  /// True when no active controller asks for motion.
-  bool standing() const noexcept;
-  /// Index of the controller whose update failed in this cycle, else -1; it has been deactivated.
-  int failed() const noexcept { return failed_; }
+  /// What a switch would do, or why it cannot be.
+  SwitchPlan plan(const SwitchRequest& request) const;
+  class Switch;
+  /// Begins a switch; it is over when done(). Throws Error with the reason of the refusal. finish() then
+  /// throws Error where an activation failed, and returns false when the loop changed something by itself in
+  /// the meantime: begin again.
+  std::shared_ptr<Switch> begin_switch(const SwitchRequest& request);
+  bool finish(Switch& done);
+  /// Begins and finishes a switch while no loop is running.
+  void activate(const std::string& name);
+  void deactivate(const std::string& name);
+  void switch_now(const SwitchRequest& request);
+
+  /// New values of changeable parameters, written between two cycles. Throws Error for what cannot be.
+  std::shared_ptr<realtime::Job> begin_change(const std::string& name,
+                                              const std::vector<std::pair<std::string, std::string>>& values);
+  /// The warnings of the parameters of `name` (unknown and superseded keys).
+  std::vector<Problem> findings(const std::string& name) const;
+
+  /// Looks names up again and makes a new schedule, after the table was sealed.
+  void bind_all();
+  /// What the loop did by itself since the last call.
+  std::vector<LoopEvent> take_events();
 
   controllers::Controller* find(const std::string& name) const;
-  struct Listed {
-    std::string name, type;
-    hardware::LifecycleState state;
-  };
-  std::vector<Listed> list() const;
-  const std::string& name_of(int index) const { return slots_[static_cast<std::size_t>(index)].name; }
+  const controllers::ControllerContext* context(const std::string& name) const;
+  std::vector<ListedController> list() const;
+  /// Names of the controllers that the loaded ones have, for hints.
+  std::vector<std::string> names() const;
+  std::string name_of(int id) const;
+  /// Name of the active controller that claims the command, or "".
+  std::string holder_of(const std::string& command) const;
+
+  // --- control thread ---
+  void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
+  /// Stops the controllers that use the component, whose place in the hardware is `component`.
+  void component_failed(std::size_t component, bool deactivated, const hardware::Cycle& cycle) noexcept;
+  /// True when no active controller asks for motion.
+  bool standing() const noexcept;
+  /// Id of the controller whose update failed in this cycle with nobody to take its place, else -1.
+  int failed() const noexcept { return failed_; }
 
  private:
-  struct Slot {
-    std::string name;
-    std::unique_ptr<controllers::Controller> controller;
-    std::vector<std::string> command_names;
-    std::vector<std::size_t> commands;
-    unsigned divisor = 1;
-    hardware::LifecycleState state = hardware::LifecycleState::inactive;
-  };
-  Slot& slot(const std::string& name);
+  struct Slot;
+  struct Commit;
+  struct Schedule;
+  class NewSchedule;
+  friend class Switch;
+
+  Slot& slot(const std::string& name) const;
+  ControllerView view(const Slot& slot) const;
+  std::vector<ControllerView> views() const;
+  std::string why_unavailable(const std::string& interface, bool command) const;
+  void bind(Slot& slot);
+  void withdraw(Slot& slot);
+  void make_runner(Slot& slot);
+  std::unique_ptr<Commit> commit_of(const SwitchPlan& plan) const;
+  std::unique_ptr<Schedule> make_schedule(const std::vector<std::string>& active) const;
+  std::unique_ptr<Commit> fall_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
+                                  const std::vector<bool>& active, std::size_t who) const;
+  std::vector<std::string> active_names() const;
+  void post_schedule();
+
+  // control thread
+  controllers::ReturnType run(Slot& slot, const hardware::Cycle& cycle,
+                              const controllers::Verdict& verdict) noexcept;
+  controllers::ReturnType run_async(Slot& slot, const hardware::Cycle& cycle,
+                                    const controllers::Verdict& verdict) noexcept;
+  void start(Slot& slot, const hardware::Cycle& cycle, Commit& commit) noexcept;
+  void stop(Slot& slot, const hardware::Cycle& cycle) noexcept;
+  void execute(Commit& commit, const hardware::Cycle& cycle) noexcept;
+  void fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept;
 
   hardware::InterfaceTable& table_;
   hardware::Hardware& hardware_;
-  std::vector<Slot> slots_;
+  realtime::Jobs& jobs_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  std::vector<std::pair<std::shared_ptr<realtime::Job>, std::unique_ptr<Slot>>> leaving_;
+  int next_id_ = 0;
+  std::uint64_t known_epoch_ = 0;
+  realtime::Queue<LoopEvent> events_{256};
+
+  // control thread
+  std::unique_ptr<Schedule> schedule_;
+  hardware::Cycle now_;
+  std::uint64_t epoch_ = 0;  // counts what the loop did by itself
   int failed_ = -1;
+};
+
+/// A switch on its way.
+class ControllerManager::Switch : public realtime::Job {
+ public:
+  Switch(ControllerManager& manager, SwitchPlan plan);
+  ~Switch() override;
+  void run() noexcept override;
+  const SwitchPlan& plan() const { return plan_; }
+
+ private:
+  friend class ControllerManager;
+  ControllerManager& manager_;
+  SwitchPlan plan_;
+  std::unique_ptr<Commit> commit_;
+  std::unique_ptr<Schedule> schedule_;
+  std::uint64_t epoch_;
+  bool stale_ = false;
 };
 
 }  // namespace polyarm::control

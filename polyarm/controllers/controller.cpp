@@ -1,58 +1,103 @@
 #include "polyarm/controllers/controller.hpp"
 
+#include <algorithm>
+
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::controllers {
 
 namespace {
-const Parameters::Entry* look_up(const Parameters& parameters, std::string_view key) {
-  const auto found = parameters.entries.find(std::string(key));
-  return found == parameters.entries.end() || found->second.values.empty() ? nullptr : &found->second;
+std::size_t enter(std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  names.push_back(name);
+  return names.size() - 1;
 }
 
-[[noreturn]] void refuse(const Parameters::Entry& entry, std::string_view key, const char* wanted) {
-  throw Error(Problem{"bad-value",
-                      entry.where,
-                      "'" + std::string(key) + ": " + entry.values.front() + "' is not " + wanted,
-                      {}});
+bool contains(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 }  // namespace
-
-bool Parameters::has(std::string_view key) const {
-  return look_up(*this, key) != nullptr;
-}
-
-std::string Parameters::text(std::string_view key, std::string fallback) const {
-  const Entry* entry = look_up(*this, key);
-  return entry ? entry->values.front() : std::move(fallback);
-}
-
-double Parameters::number(std::string_view key, double fallback) const {
-  const Entry* entry = look_up(*this, key);
-  if (!entry) return fallback;
-  const auto value = parse_number(entry->values.front());
-  if (!value) refuse(*entry, key, "a number");
-  return *value;
-}
-
-bool Parameters::boolean(std::string_view key, bool fallback) const {
-  const Entry* entry = look_up(*this, key);
-  if (!entry) return fallback;
-  const std::string value = lower(entry->values.front());
-  if (value == "true") return true;
-  if (value == "false") return false;
-  refuse(*entry, key, "true or false");
-}
-
-std::vector<std::string> Parameters::list(std::string_view key) const {
-  const Entry* entry = look_up(*this, key);
-  return entry ? entry->values : std::vector<std::string>{};
-}
 
 const JointFacts* ControllerContext::find_joint(std::string_view whole_name) const {
   for (const JointFacts& joint : joints)
     if (joint.name == whole_name) return &joint;
   return nullptr;
+}
+
+bool ControllerContext::has_state(std::string_view wanted) const {
+  return contains(state_names, wanted);
+}
+bool ControllerContext::has_command(std::string_view wanted) const {
+  return contains(command_names, wanted);
+}
+
+std::string ControllerContext::whole_name(const std::string& written) const {
+  if (has_state(written) || has_command(written)) return written;
+  const std::string with_robot = robot + "/" + written;
+  if (has_state(with_robot) || has_command(with_robot)) return with_robot;
+  // A name without its robot, where only one robot has it.
+  const std::string ending = "/" + written;
+  std::string found;
+  for (const auto* names : {&state_names, &command_names})
+    for (const std::string& known : *names)
+      if (known.ends_with(ending) && known != found) {
+        if (!found.empty()) return with_robot;
+        found = known;
+      }
+  return found.empty() ? with_robot : found;
+}
+
+std::string ControllerContext::whole_joint(const std::string& written, const std::string& key) const {
+  if (find_joint(written)) return written;
+  if (find_joint(robot + "/" + written)) return robot + "/" + written;
+  const JointFacts* only = nullptr;
+  std::vector<std::string> known;
+  for (const JointFacts& joint : joints) {
+    known.push_back(joint.name.substr(joint.name.find('/') + 1));
+    if (known.back() == written) only = only ? nullptr : &joint;
+  }
+  if (only) return only->name;
+  const auto entry = parameters.entries.find(key);
+  throw Error(Problem{"unknown-joint",
+                      entry == parameters.entries.end() ? Location{} : entry->second.where,
+                      "the controller '" + name + "' names the joint '" + written + "', which no robot has" +
+                          did_you_mean(written, known),
+                      {}});
+}
+
+std::uint64_t Controller::receive(const std::string& port, const Input&, bool) {
+  throw Error("unknown-input", "this controller takes no messages called '" + port + "'");
+}
+
+Output* Controller::find_output(std::string_view wanted) const {
+  for (const auto& output : outputs_)
+    if (output->name() == wanted) return output.get();
+  return nullptr;
+}
+
+void Controller::forget_interfaces() {
+  for (auto* names : {&commands_, &states_, &references_, &exported_}) names->clear();
+  outputs_.clear();
+  chained_ = false;
+}
+
+std::size_t Controller::claim_command(const std::string& name) {
+  return enter(commands_, name);
+}
+std::size_t Controller::claim_state(const std::string& name) {
+  return enter(states_, name);
+}
+std::size_t Controller::export_reference(const std::string& name) {
+  return enter(references_, name);
+}
+std::size_t Controller::export_state(const std::string& name) {
+  return enter(exported_, name);
+}
+
+Output& Controller::add_output(std::string name, std::string type, std::vector<std::string> fields) {
+  return *outputs_.emplace_back(
+      std::make_unique<Output>(std::move(name), std::move(type), std::move(fields)));
 }
 
 }  // namespace polyarm::controllers

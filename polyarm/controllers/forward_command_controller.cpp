@@ -13,46 +13,53 @@ std::string last_part(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
-std::vector<std::string> wanted_interfaces(const Parameters& p) {
-  std::vector<std::string> out = p.list("interfaces");
-  for (const std::string& joint : p.list("joints"))
-    out.push_back(joint + "/" + p.text("interface_name", "position"));
-  if (p.has("joint"))
-    for (const std::string& interface : p.list("interface_names"))
-      out.push_back(p.text("joint") + "/" + interface);
+std::vector<std::string> wanted_interfaces(ControllerContext& context) {
+  Parameters& p = context.parameters;
+  std::vector<std::string> joints, interfaces, names;
+  std::string joint, interface = "";
+  p.read("joints", joints, {"the joints, in the order of the values"});
+  p.read("joint", joint, {"the joint, where there is only one"});
+  p.read("interface_name", interface, {"the interface of each joint: position, velocity, effort, …"});
+  p.read("interface_names", names, {"several interfaces of the one joint, in the order of the values"});
+  p.read("interfaces", interfaces, {"whole interface names, in place of joints"});
+  if (!joint.empty()) joints.push_back(joint);
+  if (interface.empty() && names.empty() && !joints.empty()) interface = "position";
+  if (!interface.empty()) names.push_back(interface);
+  std::vector<std::string> out;
+  for (const std::string& whole : interfaces) out.push_back(context.whole_name(whole));
+  for (const std::string& one : joints)
+    for (const std::string& kind : names) out.push_back(context.whole_name(one + "/" + kind));
   return out;
 }
 }  // namespace
 
-CallbackReturn ForwardCommandController::on_configure(const ControllerContext& context) {
-  names_.clear();
-  position_states_.clear();
-  for (const std::string& name : wanted_interfaces(context.parameters)) {
-    const bool whole = std::count(name.begin(), name.end(), '/') >= 2;
-    names_.push_back(whole ? name : context.robot + "/" + name);
-  }
-  position_of_.assign(names_.size(), -1);
-  stops_at_zero_.assign(names_.size(), false);
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    const std::string kind = last_part(names_[i]);
-    const bool joint = context.find_joint(names_[i].substr(0, names_[i].rfind('/'))) != nullptr;
+CallbackReturn ForwardCommandController::on_configure(ControllerContext& context) {
+  const std::vector<std::string> names = wanted_interfaces(context);
+  for (const std::string& name : names) claim_command(name);
+  position_of_.assign(names.size(), -1);
+  stops_at_zero_.assign(names.size(), 0);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string kind = last_part(names[i]);
+    const bool joint = context.find_joint(names[i].substr(0, names[i].rfind('/'))) != nullptr;
     stops_at_zero_[i] = joint && (kind == "velocity" || kind == "acceleration");
-    if (joint && kind == "position") {
-      position_of_[i] = static_cast<int>(position_states_.size());
-      position_states_.push_back(names_[i]);
-    }
+    if (joint && kind == "position" && context.has_state(names[i]))
+      position_of_[i] = static_cast<int>(claim_state(names[i]));
   }
-  const std::vector<double> nothing(names_.size(), std::numeric_limits<double>::quiet_NaN());
+  const std::vector<double> nothing(names.size(), std::numeric_limits<double>::quiet_NaN());
   wanted_ = nothing;
   inbox_.reset(nothing);
-  return names_.empty() ? CallbackReturn::failure : CallbackReturn::success;
+  return names.empty() ? CallbackReturn::failure : CallbackReturn::success;
 }
 
 CallbackReturn ForwardCommandController::on_activate(const Cycle&) noexcept {
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    double start = command(i);
-    if (!std::isfinite(start))
-      start = position_of_[i] >= 0 ? state(static_cast<std::size_t>(position_of_[i])) : 0;
+  inbox_.fetch();  // what was sent while it was not active is forgotten
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    double start = 0;
+    if (!stops_at_zero_[i]) {
+      start = command(i);
+      if (!std::isfinite(start))
+        start = position_of_[i] >= 0 ? state(static_cast<std::size_t>(position_of_[i])) : 0;
+    }
     wanted_[i] = start;
     set_command(i, start);
   }
@@ -67,10 +74,28 @@ ReturnType ForwardCommandController::update(const Cycle&, const Verdict& verdict
   }
   const bool stop = verdict.speed <= 0;
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    if (stop && stops_at_zero_[i])
+      wanted_[i] = 0;                            // a speed that was asked for before a stop does not return
     if (stop && position_of_[i] >= 0) continue;  // a position stays where it was commanded last
-    set_command(i, stop && stops_at_zero_[i] ? 0.0 : wanted_[i]);
+    set_command(i, wanted_[i]);
   }
   return ReturnType::ok;
+}
+
+std::vector<InputPort> ForwardCommandController::inputs() const {
+  return {{"commands", {"std_msgs/Float64MultiArray"}}, {"command", {"std_msgs/Float64"}}};
+}
+
+std::uint64_t ForwardCommandController::receive(const std::string&, const Input& message, bool) {
+  const auto* numbers = std::get_if<Numbers>(&message);
+  if (!numbers) throw Error("wrong-message", "this controller takes numbers (std_msgs/Float64MultiArray)");
+  if (numbers->values.size() != wanted_.size())
+    throw Error("wrong-size",
+                "the message has " + std::to_string(numbers->values.size()) +
+                    " values, the controller commands " + std::to_string(wanted_.size()) + " interfaces",
+                "in this order: " + join(command_interfaces(), ", "));
+  send(numbers->values);
+  return 0;
 }
 
 void ForwardCommandController::send(std::span<const double> values) noexcept {

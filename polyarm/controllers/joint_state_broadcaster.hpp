@@ -1,39 +1,29 @@
 #pragma once
-#include <array>
-
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/realtime/latest.hpp"
 
 namespace polyarm::controllers {
 
-/// One joint state message: what sensor_msgs/JointState carries. Values that hardware does not offer are NaN.
-struct JointStates {
-  Nanoseconds time = 0;
-  std::vector<double> position, velocity, effort;
-};
-
-/// Publishes the states of the joints, as ros2_control's JointStateBroadcaster does. Parameters: `joints`
-/// (all of them by default), `interfaces` (position, velocity, effort by default; only those that exist are
-/// claimed).
+/// Publishes the states of the joints, as ros2_control's JointStateBroadcaster and ros_control's
+/// JointStateController do. The output `joint_states` has three fields for each joint, in this order:
+/// `<joint>/position`, `<joint>/velocity`, `<joint>/effort`; what hardware does not offer is NaN. Joints come
+/// in the order of the description, whatever order hardware has. Output `dynamic_joint_states`: every state
+/// interface that it reads, by name.
 class JointStateBroadcaster : public Controller {
  public:
-  /// `available` are the state interfaces of the table, so that only existing ones are asked for.
-  explicit JointStateBroadcaster(std::vector<std::string> available) : available_(std::move(available)) {}
-  CallbackReturn on_configure(const ControllerContext& context) override;
-  std::vector<std::string> command_interfaces() const override { return {}; }
-  std::vector<std::string> state_interfaces() const override { return names_; }
-  CallbackReturn on_activate(const Cycle& cycle) noexcept override { return CallbackReturn::success; }
+  CallbackReturn on_configure(ControllerContext& context) override;
   ReturnType update(const Cycle& cycle, const Verdict& verdict) noexcept override;
 
+  /// As published: without their robot where the name is the only one of its kind.
   const std::vector<std::string>& joints() const { return joints_; }
-  /// The reader's end; for one other thread.
-  realtime::Latest<JointStates>& outbox() noexcept { return outbox_; }
 
  private:
-  std::vector<std::string> available_, joints_, names_;
-  std::vector<std::array<int, 3>>
-      places_;  // per joint: index into names_ of position, velocity, effort, or -1
-  realtime::Latest<JointStates> outbox_;
+  void add_joint(const ControllerContext& context, const std::string& whole);
+  std::vector<std::string> joints_, wanted_;
+  std::vector<std::string> renamed_{"position", "velocity", "effort"};
+  std::vector<int> places_;  // index of the state behind each field, or -1
+  std::vector<double> fixed_;
+  Output* joint_states_ = nullptr;
+  Output* dynamic_ = nullptr;
 };
 
 }  // namespace polyarm::controllers

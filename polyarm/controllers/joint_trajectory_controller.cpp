@@ -30,53 +30,16 @@ std::vector<std::string> cross(const std::vector<std::string>& joints, const cha
 }
 }  // namespace
 
-CallbackReturn JointTrajectoryController::on_configure(const ControllerContext& context) {
+CallbackReturn JointTrajectoryController::on_configure(ControllerContext& context) {
   joints_.clear();
   for (const std::string& joint : context.parameters.list("joints"))
-    joints_.push_back(joint.find('/') == std::string::npos ? context.robot + "/" + joint : joint);
-  std::vector<std::string> known;
-  for (const JointFacts& joint : context.joints) known.push_back(joint.name);
-  for (const std::string& joint : joints_)
-    if (!context.find_joint(joint))
-      throw Error(Problem{"unknown-joint",
-                          context.parameters.entries.at("joints").where,
-                          "the controller '" + context.name + "' names the joint '" + joint +
-                              "', which no robot has" + did_you_mean(joint, known),
-                          {}});
-  std::vector<std::string> interfaces = context.parameters.list("command_interfaces");
-  if (interfaces.empty()) interfaces = {"position"};
-  commands_position_ = std::count(interfaces.begin(), interfaces.end(), "position") > 0;
-  commands_velocity_ = std::count(interfaces.begin(), interfaces.end(), "velocity") > 0;
-  for (const std::string& interface : interfaces)
-    if (interface != "position" && interface != "velocity")
-      throw Error("unsupported-interface",
-                  "the controller '" + context.name + "' asks to command '" + interface +
-                      "'; this controller commands position, velocity or both",
-                  "set command_interfaces: [position]");
-  if (!commands_position_)
-    throw Error("unsupported-interface",
-                "the controller '" + context.name + "' asks to command velocity alone",
-                "add position to command_interfaces");
-  const std::vector<std::string> states = context.parameters.list("state_interfaces");
-  has_velocity_state_ = std::count(states.begin(), states.end(), "velocity") > 0;
+    joints_.push_back(context.whole_joint(joint));
+  for (const std::string& name : cross(joints_, "position")) claim_command(name);
+  for (const std::string& name : cross(joints_, "position")) claim_state(name);
   for (auto* values : {&position_, &velocity_, &acceleration_, &start_}) values->assign(joints_.size(), 0.0);
   period_s_ = seconds(context.period);
   scale_ = trajectory::TimeScale(ramp_of(context, joints_));
   return joints_.empty() ? CallbackReturn::failure : CallbackReturn::success;
-}
-
-std::vector<std::string> JointTrajectoryController::command_interfaces() const {
-  std::vector<std::string> out = cross(joints_, "position");
-  if (commands_velocity_)
-    for (std::string& name : cross(joints_, "velocity")) out.push_back(std::move(name));
-  return out;
-}
-
-std::vector<std::string> JointTrajectoryController::state_interfaces() const {
-  std::vector<std::string> out = cross(joints_, "position");
-  if (has_velocity_state_)
-    for (std::string& name : cross(joints_, "velocity")) out.push_back(std::move(name));
-  return out;
 }
 
 CallbackReturn JointTrajectoryController::on_activate(const Cycle&) noexcept {

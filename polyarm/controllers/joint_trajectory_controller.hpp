@@ -41,11 +41,10 @@ class JointTrajectoryController : public Controller {
   /// A goal may begin this far from the last command, rad or m.
   static constexpr double kJumpTolerance = 1e-4;
 
-  CallbackReturn on_configure(const ControllerContext& context) override;
-  std::vector<std::string> command_interfaces() const override;
-  std::vector<std::string> state_interfaces() const override;
+  CallbackReturn on_configure(ControllerContext& context) override;
   CallbackReturn on_activate(const Cycle& cycle) noexcept override;
   ReturnType update(const Cycle& cycle, const Verdict& verdict) noexcept override;
+  void on_deactivate(const Cycle&) noexcept override { drop_goal(); }
   bool standing() const noexcept override { return !goal_ || scale_.value() <= 0; }
 
   /// From one other thread. False when the inbox is full; the goal stays with the caller.

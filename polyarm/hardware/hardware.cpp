@@ -1,5 +1,7 @@
 #include "polyarm/hardware/hardware.hpp"
 
+#include <algorithm>
+
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -19,51 +21,198 @@ const char* name(LifecycleState state) {
   return "unknown";
 }
 
+/// Tells the loop whether to read and to write a component, between two cycles.
+class Hardware::Letting : public realtime::Job {
+ public:
+  Letting(Hosted& hosted, bool reading, bool writing)
+      : hosted_(hosted), reading_(reading), writing_(writing) {}
+  void run() noexcept override {
+    hosted_.reading = reading_;
+    hosted_.writing = writing_;
+  }
+
+ private:
+  Hosted& hosted_;
+  bool reading_, writing_;
+};
+
 Hardware::~Hardware() {
   shut_down();
 }
 
-void Hardware::add(std::unique_ptr<Component> component, const ComponentContext& context) {
+void Hardware::add(std::unique_ptr<Component> component, const ComponentContext& context,
+                   HostOptions options) {
   if (component->on_init(context) != CallbackReturn::success)
     throw Error("component-failed", "the hardware component '" + context.name + "' could not be initialised",
                 "check its parameters");
-  Hosted hosted{context.name, std::move(component)};
-  hosted.first_state = table_.states().size();
-  for (InterfaceDescription& d : hosted.component->state_interfaces())
+  auto hosted = std::make_unique<Hosted>();
+  hosted->name = context.name;
+  hosted->component = std::move(component);
+  hosted->options = std::move(options);
+  hosted->options.divisor = std::max(1u, hosted->options.divisor);
+  hosted->first_state = table_.states().size();
+  for (InterfaceDescription& d : hosted->component->state_interfaces())
     table_.add_state(std::move(d.name), d.initial);
-  hosted.states = table_.states().size() - hosted.first_state;
-  hosted.first_command = table_.commands().size();
-  for (InterfaceDescription& d : hosted.component->command_interfaces())
+  hosted->states = table_.states().size() - hosted->first_state;
+  hosted->first_command = table_.commands().size();
+  for (InterfaceDescription& d : hosted->component->command_interfaces())
     table_.add_command(std::move(d.name));
-  hosted.commands = table_.commands().size() - hosted.first_command;
+  hosted->commands = table_.commands().size() - hosted->first_command;
+  if (hosted->options.async) make_runner(*hosted);
   hosted_.push_back(std::move(hosted));
 }
 
+void Hardware::make_runner(Hosted& hosted) {
+  const auto states = table_.states().subspan(hosted.first_state, hosted.states);
+  hosted.own_states.assign(states.begin(), states.end());
+  hosted.own_commands.assign(hosted.commands, std::numeric_limits<double>::quiet_NaN());
+  Hosted* own = &hosted;
+  hosted.runner = std::make_unique<realtime::AsyncRunner>(
+      [own] {
+        ReturnType result = own->component->write(own->own_cycle, own->own_commands);
+        if (result == ReturnType::ok) result = own->component->read(own->own_cycle, own->own_states);
+        own->own_result.store(result, std::memory_order_release);
+      },
+      hosted.options.lock_step, hosted.options.thread);
+}
+
+void Hardware::require(const Hosted& hosted, LifecycleState state, const char* what) const {
+  const LifecycleState now = hosted.state.load(std::memory_order_acquire);
+  if (now == state) return;
+  throw Error("wrong-state",
+              "the hardware component '" + hosted.name + "' is " + name(now) + ", it cannot be " + what,
+              std::string("that begins at ") + name(state));
+}
+
 void Hardware::advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to,
-                       const char* step_name) {
-  if ((hosted.component.get()->*step)() != CallbackReturn::success)
-    throw Error("component-failed", "the hardware component '" + hosted.name + "' could not be " + step_name,
-                "check that it is connected and that its parameters are right");
-  hosted.state = to;
+                       LifecycleState otherwise, const char* step_name) {
+  const CallbackReturn result = (hosted.component.get()->*step)();
+  if (result == CallbackReturn::success) return hosted.state.store(to, std::memory_order_release);
+  LifecycleState then = otherwise;
+  if (result == CallbackReturn::error) {
+    let(hosted, false, false);
+    then = hosted.component->on_error() == CallbackReturn::success ? LifecycleState::unconfigured
+                                                                   : LifecycleState::finalized;
+  }
+  hosted.state.store(then, std::memory_order_release);
+  throw Error(
+      "component-failed",
+      "the hardware component '" + hosted.name + "' could not be " + step_name + " and is " + name(then),
+      "check that it is connected and that its parameters are right");
+}
+
+std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
+  auto job = std::make_shared<Letting>(hosted, reading, writing);
+  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
+  return job;
+}
+
+void Hardware::note_world() {
+  for (const auto& hosted : hosted_)
+    if (!world_ && hosted->component->world()) {
+      world_ = hosted->component->world();
+      world_names_ = hosted->component->world_names();
+    }
+}
+
+void Hardware::configure(std::size_t i) {
+  Hosted& hosted = *hosted_[i];
+  require(hosted, LifecycleState::unconfigured, "configured");
+  advance(hosted, &Component::on_configure, LifecycleState::inactive, LifecycleState::unconfigured,
+          "configured");
+  let(hosted, true, false);
+}
+
+void Hardware::activate(std::size_t i) {
+  Hosted& hosted = *hosted_[i];
+  require(hosted, LifecycleState::inactive, "activated");
+  advance(hosted, &Component::on_activate, LifecycleState::active, LifecycleState::inactive, "activated");
+  let(hosted, true, true);
+}
+
+std::shared_ptr<realtime::Job> Hardware::begin_deactivate(std::size_t i) {
+  require(*hosted_[i], LifecycleState::active, "deactivated");
+  return let(*hosted_[i], true, false);
+}
+
+void Hardware::finish_deactivate(std::size_t i) {
+  advance(*hosted_[i], &Component::on_deactivate, LifecycleState::inactive, LifecycleState::active,
+          "deactivated");
+}
+
+std::shared_ptr<realtime::Job> Hardware::begin_cleanup(std::size_t i) {
+  return let(*hosted_[i], false, false);
+}
+
+void Hardware::finish_cleanup(std::size_t i) {
+  require(*hosted_[i], LifecycleState::inactive, "cleaned up");
+  advance(*hosted_[i], &Component::on_cleanup, LifecycleState::unconfigured, LifecycleState::inactive,
+          "cleaned up");
+}
+
+void Hardware::finish_shutdown(std::size_t i) {
+  Hosted& hosted = *hosted_[i];
+  if (hosted.state.load() == LifecycleState::active) hosted.component->on_deactivate();
+  if (hosted.state.load() != LifecycleState::finalized) hosted.component->on_shutdown();
+  hosted.state.store(LifecycleState::finalized, std::memory_order_release);
+}
+
+void Hardware::recover_from_error(std::size_t i) {
+  Hosted& hosted = *hosted_[i];
+  const bool usable = hosted.component->on_error() == CallbackReturn::success;
+  hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
+                     std::memory_order_release);
+}
+
+namespace {
+template <typename Names>
+void expect_same(const std::vector<InterfaceDescription>& offered, const Names& names, std::size_t first,
+                 std::size_t count, const std::string& component) {
+  for (std::size_t k = 0; k < std::max(count, offered.size()); ++k) {
+    const std::string had = k < count ? names[first + k] : "";
+    const std::string has = k < offered.size() ? offered[k].name : "";
+    if (had != has)
+      throw Error("other-interfaces",
+                  "the new '" + component + "' offers '" + (has.empty() ? "nothing" : has) +
+                      "' where it had '" + (had.empty() ? "nothing" : had) + "'",
+                  "a component is reloaded with the interfaces that it had; start the cell again for others");
+  }
+}
+}  // namespace
+
+void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context) {
+  Hosted& hosted = *hosted_[i];
+  const LifecycleState now = hosted.state.load();
+  if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
+    require(hosted, LifecycleState::unconfigured, "reloaded");
+  if (component->on_init(context) != CallbackReturn::success)
+    throw Error("component-failed", "the new '" + hosted.name + "' could not be initialised",
+                "the old one stays; check the parameters of the new one");
+  expect_same(component->state_interfaces(), table_.state_names(), hosted.first_state, hosted.states,
+              hosted.name);
+  expect_same(component->command_interfaces(), table_.command_names(), hosted.first_command, hosted.commands,
+              hosted.name);
+  const bool was_world = world_ && hosted.component->world() == world_;
+  hosted.component = std::move(component);
+  hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
+  if (was_world) world_ = nullptr;
 }
 
 void Hardware::configure_and_activate() {
-  for (Hosted& hosted : hosted_)
-    advance(hosted, &Component::on_configure, LifecycleState::inactive, "configured");
-  for (Hosted& hosted : hosted_)
-    advance(hosted, &Component::on_activate, LifecycleState::active, "activated");
-  for (const Hosted& hosted : hosted_)
-    if (!world_ && hosted.component->world()) {
-      world_ = hosted.component->world();
-      world_names_ = hosted.component->world_names();
-    }
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (hosted_[i]->options.initial != LifecycleState::unconfigured) configure(i);
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (hosted_[i]->options.initial == LifecycleState::active) activate(i);
+  note_world();
 }
 
 void Hardware::shut_down() noexcept {
   for (auto hosted = hosted_.rbegin(); hosted != hosted_.rend(); ++hosted) {
-    if (hosted->state == LifecycleState::active) hosted->component->on_deactivate();
-    if (hosted->state != LifecycleState::finalized) hosted->component->on_shutdown();
-    hosted->state = LifecycleState::finalized;
+    (*hosted)->runner.reset();
+    const LifecycleState state = (*hosted)->state.load();
+    if (state == LifecycleState::active) (*hosted)->component->on_deactivate();
+    if (state != LifecycleState::finalized) (*hosted)->component->on_shutdown();
+    (*hosted)->state = LifecycleState::finalized;
   }
 }
 
@@ -81,17 +230,60 @@ void Hardware::force(const std::string& interface_name, double value) {
   if (command) forced_.push_back({false, *command, value});
 }
 
+void Hardware::take_off(Hosted& hosted, Fall fall) noexcept {
+  if (!hosted.reading) return;
+  hosted.newly_failed = fall;
+  hosted.writing = false;
+  hosted.reading = fall == Fall::deactivated;
+}
+
+Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept {
+  Hosted& hosted = *hosted_[i];
+  if (result == ReturnType::deactivate) {
+    take_off(hosted, Fall::deactivated);
+    return {FaultKind::component_deactivated, static_cast<std::int32_t>(i)};
+  }
+  take_off(hosted, Fall::error);
+  if (!hosted.options.group.empty())  // a group fails together
+    for (const auto& other : hosted_)
+      if (other->options.group == hosted.options.group) take_off(*other, Fall::error);
+  return {kind, static_cast<std::int32_t>(i)};
+}
+
+ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> states) noexcept {
+  if (!hosted.runner->idle()) return ReturnType::ok;
+  std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
+  return hosted.own_result.load(std::memory_order_acquire);
+}
+
+void Hardware::write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept {
+  if (!hosted.runner->idle()) return hosted.runner->note_missed();
+  if (hosted.writing) std::copy(commands.begin(), commands.end(), hosted.own_commands.begin());
+  hosted.own_cycle = cycle;
+  hosted.own_cycle.period = cycle.period * hosted.options.divisor;
+  hosted.runner->trigger();
+}
+
 Fault Hardware::read(const Cycle& cycle) noexcept {
   Fault fault;
   const std::span<double> states = table_.states();
   for (std::size_t i = 0; i < hosted_.size(); ++i) {
-    Hosted& hosted = hosted_[i];
-    if (hosted.state != LifecycleState::active) continue;
-    const ReturnType result =
-        hosted.component->read(cycle, states.subspan(hosted.first_state, hosted.states));
-    if (result != ReturnType::ok && !fault)
-      fault = {result == ReturnType::error ? FaultKind::component_read : FaultKind::component_deactivated,
-               static_cast<std::int32_t>(i)};
+    Hosted& hosted = *hosted_[i];
+    if (!hosted.reading || !due(hosted, cycle)) continue;
+    const auto own = states.subspan(hosted.first_state, hosted.states);
+    ReturnType result;
+    if (hosted.runner) {
+      result = read_async(hosted, cycle, own);
+    } else if (hosted.options.divisor == 1) {
+      result = hosted.component->read(cycle, own);
+    } else {
+      Cycle longer = cycle;
+      longer.period *= hosted.options.divisor;
+      result = hosted.component->read(longer, own);
+    }
+    if (result == ReturnType::ok) continue;
+    const Fault failed = fail(i, result, FaultKind::component_read);
+    if (!fault) fault = failed;
   }
   for (const ForcedValue& forced : forced_)
     if (forced.state) states[forced.index] = forced.value;
@@ -104,30 +296,80 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
   for (const ForcedValue& forced : forced_)
     if (!forced.state) commands[forced.index] = forced.value;
   for (std::size_t i = 0; i < hosted_.size(); ++i) {
-    Hosted& hosted = hosted_[i];
-    if (hosted.state != LifecycleState::active) continue;
-    const ReturnType result =
-        hosted.component->write(cycle, commands.subspan(hosted.first_command, hosted.commands));
-    if (result != ReturnType::ok && !fault)
-      fault = {result == ReturnType::error ? FaultKind::component_write : FaultKind::component_deactivated,
-               static_cast<std::int32_t>(i)};
+    Hosted& hosted = *hosted_[i];
+    if (!hosted.reading || !due(hosted, cycle)) continue;
+    const auto own = commands.subspan(hosted.first_command, hosted.commands);
+    if (hosted.runner) {
+      write_async(hosted, cycle, own);
+      continue;
+    }
+    if (!hosted.writing) continue;
+    const ReturnType result = hosted.component->write(cycle, own);
+    if (result == ReturnType::ok) continue;
+    const Fault failed = fail(i, result, FaultKind::component_write);
+    if (!fault) fault = failed;
   }
   return fault;
 }
 
-bool Hardware::perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {
-  for (Hosted& hosted : hosted_)
-    if (hosted.component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
-  for (Hosted& hosted : hosted_)
-    if (hosted.component->perform_command_mode_switch(start, stop) != ReturnType::ok) return false;
+bool Hardware::prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {
+  for (const auto& hosted : hosted_)
+    if (hosted->component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
   return true;
+}
+
+bool Hardware::perform_mode_switch(std::span<const std::string> start,
+                                   std::span<const std::string> stop) noexcept {
+  bool all = true;
+  for (const auto& hosted : hosted_)
+    if (hosted->component->perform_command_mode_switch(start, stop) != ReturnType::ok) all = false;
+  return all;
+}
+
+HostedInfo Hardware::info(std::size_t i) const {
+  const Hosted& hosted = *hosted_[i];
+  HostedInfo out{hosted.name,
+                 hosted.options.plugin,
+                 hosted.options.type,
+                 hosted.options.group,
+                 state_of(i),
+                 hosted.options.divisor,
+                 hosted.options.async,
+                 hosted.runner ? hosted.runner->missed() : 0,
+                 {},
+                 {}};
+  for (std::size_t k = 0; k < hosted.states; ++k)
+    out.states.push_back(table_.state_names()[hosted.first_state + k]);
+  for (std::size_t k = 0; k < hosted.commands; ++k)
+    out.commands.push_back(table_.command_names()[hosted.first_command + k]);
+  return out;
+}
+
+int Hardware::component_of_state(std::size_t index) const {
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (index >= hosted_[i]->first_state && index < hosted_[i]->first_state + hosted_[i]->states)
+      return static_cast<int>(i);
+  return -1;
+}
+
+int Hardware::component_of_command(std::size_t index) const {
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (index >= hosted_[i]->first_command && index < hosted_[i]->first_command + hosted_[i]->commands)
+      return static_cast<int>(i);
+  return -1;
+}
+
+int Hardware::find(std::string_view name) const {
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (hosted_[i]->name == name) return static_cast<int>(i);
+  return -1;
 }
 
 std::vector<std::string> Hardware::summaries() const {
   std::vector<std::string> out;
-  for (const Hosted& hosted : hosted_)
-    if (const std::string text = hosted.component->summary(); !text.empty())
-      out.push_back(hosted.name + ": " + text);
+  for (const auto& hosted : hosted_)
+    if (const std::string text = hosted->component->summary(); !text.empty())
+      out.push_back(hosted->name + ": " + text);
   return out;
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 /// All components of one control loop: their life cycle, their places in the interface table, and one call
 /// each to read and to write them all.
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/hardware/component.hpp"
 #include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/realtime/async_runner.hpp"
+#include "polyarm/realtime/jobs.hpp"
 
 namespace polyarm::hardware {
 
@@ -33,19 +37,57 @@ struct ForcedValue {
   double value = 0;
 };
 
-/// Building and life cycle: one thread, before the loop runs or with the loop stopped. read() and write():
-/// the control thread.
+/// How a component is kept.
+struct HostOptions {
+  unsigned divisor = 1;    ///< it is read and written every so many cycles
+  bool async = false;      ///< on a thread of its own
+  bool lock_step = false;  ///< async work is done inline, its result one period later
+  realtime::ThreadOptions thread = {};
+  std::string group;                                ///< components of one group fail together
+  std::string plugin, type;                         ///< as the description has them, for listing
+  LifecycleState initial = LifecycleState::active;  ///< what configure_and_activate() takes it to
+};
+
+/// A component as others may see it.
+struct HostedInfo {
+  std::string name, plugin, type, group;
+  LifecycleState state;
+  unsigned divisor;
+  bool async;
+  std::uint64_t missed;
+  std::vector<std::string> states, commands;
+};
+
+/// Building and life cycle: the cell thread. read(), write() and perform_mode_switch(): the control thread.
 class Hardware {
  public:
-  explicit Hardware(InterfaceTable& table) : table_(table) {}
+  Hardware(InterfaceTable& table, realtime::Jobs& jobs) : table_(table), jobs_(jobs) {}
   ~Hardware();
 
   /// Initialises the component and enters its interfaces into the table. Throws Error when it refuses.
-  void add(std::unique_ptr<Component> component, const ComponentContext& context);
-  /// unconfigured → inactive → active, in order of addition. Throws Error that names component and step.
+  void add(std::unique_ptr<Component> component, const ComponentContext& context, HostOptions options = {});
+  /// Every component to its initial state, in order of addition. Throws Error that names component and step.
   void configure_and_activate();
   /// active → inactive → finalized, in reverse order. Never throws.
   void shut_down() noexcept;
+
+  // One transition each, as the reference has them; the callback runs in the calling thread, and the loop
+  // reads and writes the component from the next cycle on, or no more. Throws Error("wrong-state") when the
+  // component is not where the transition begins, Error("component-failed") when a callback returns failure
+  // or error (after an error, on_error decides between unconfigured and finalized).
+  void configure(std::size_t i);  ///< unconfigured → inactive: states are read
+  void activate(std::size_t i);   ///< inactive → active: commands are written
+  /// active → inactive in two steps, between which the loop lets go: begin_…() posts, finish_…() calls back.
+  std::shared_ptr<realtime::Job> begin_deactivate(std::size_t i);
+  void finish_deactivate(std::size_t i);
+  std::shared_ptr<realtime::Job> begin_cleanup(std::size_t i);  ///< inactive → unconfigured
+  void finish_cleanup(std::size_t i);
+  void finish_shutdown(std::size_t i);  ///< after begin_cleanup: any → finalized
+  /// The loop has taken the component off after a failure: on_error() decides what it becomes.
+  void recover_from_error(std::size_t i);
+  /// A new component in the place of one that is unconfigured or finalized. It must offer the same
+  /// interfaces; throws Error naming the first that differs.
+  void replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context);
 
   /// Forces every state and command interface with this name. Throws Error("unknown-interface") if there is
   /// none.
@@ -53,27 +95,59 @@ class Hardware {
 
   Fault read(const Cycle& cycle) noexcept;
   Fault write(const Cycle& cycle) noexcept;
-  bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop);
+  /// What befell the component in the last read() or write(); it has been taken off. Told once.
+  enum class Fall : std::uint8_t { none, deactivated, error };
+  Fall newly_failed(std::size_t i) noexcept { return std::exchange(hosted_[i]->newly_failed, Fall::none); }
+  bool prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop);
+  bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) noexcept;
 
   /// The first simulated world among the components, or null.
   const WorldState* world() const noexcept { return world_; }
   const std::vector<std::string>& world_names() const { return world_names_; }
-  std::size_t size() const { return hosted_.size(); }
-  const std::string& component_name(std::size_t i) const { return hosted_[i].name; }
-  LifecycleState state_of(std::size_t i) const { return hosted_[i].state; }
+  std::size_t size() const noexcept { return hosted_.size(); }
+  const std::string& component_name(std::size_t i) const { return hosted_[i]->name; }
+  const std::string& group(std::size_t i) const { return hosted_[i]->options.group; }
+  LifecycleState state_of(std::size_t i) const { return hosted_[i]->state.load(std::memory_order_acquire); }
+  HostedInfo info(std::size_t i) const;
+  /// The component that offers the interface; -1: none.
+  int component_of_state(std::size_t index) const;
+  int component_of_command(std::size_t index) const;
+  int find(std::string_view name) const;
   std::vector<std::string> summaries() const;
 
  private:
   struct Hosted {
     std::string name;
     std::unique_ptr<Component> component;
-    LifecycleState state = LifecycleState::unconfigured;
+    HostOptions options;
+    std::atomic<LifecycleState> state{LifecycleState::unconfigured};
     std::size_t first_state = 0, states = 0, first_command = 0, commands = 0;
+    std::unique_ptr<realtime::AsyncRunner> runner;
+    std::vector<double> own_states, own_commands;  // of an async component
+    Cycle own_cycle;
+    std::atomic<ReturnType> own_result{ReturnType::ok};
+    // the control thread's
+    bool reading = false, writing = false;
+    Fall newly_failed = Fall::none;
   };
-  void advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to, const char* step_name);
+  class Letting;
+  std::shared_ptr<realtime::Job> let(Hosted& hosted, bool reading, bool writing);
+  void require(const Hosted& hosted, LifecycleState state, const char* what) const;
+  void advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to,
+               LifecycleState otherwise, const char* step_name);
+  void note_world();
+  void make_runner(Hosted& hosted);
+  Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;
+  static void take_off(Hosted& hosted, Fall fall) noexcept;
+  bool due(const Hosted& hosted, const Cycle& cycle) const noexcept {
+    return hosted.options.divisor == 1 || cycle.index % hosted.options.divisor == 0;
+  }
+  ReturnType read_async(Hosted& hosted, const Cycle& cycle, std::span<double> states) noexcept;
+  void write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept;
 
   InterfaceTable& table_;
-  std::vector<Hosted> hosted_;
+  realtime::Jobs& jobs_;
+  std::vector<std::unique_ptr<Hosted>> hosted_;
   std::vector<ForcedValue> forced_;
   const WorldState* world_ = nullptr;
   std::vector<std::string> world_names_;

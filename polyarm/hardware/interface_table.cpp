@@ -7,16 +7,67 @@
 namespace polyarm::hardware {
 
 namespace {
-std::size_t insert(std::unordered_map<std::string, std::size_t>& index, std::vector<std::string>& names,
-                   std::string name, const char* kind) {
-  const std::size_t at = names.size();
-  if (!index.emplace(name, at).second)
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+}
+
+std::size_t InterfaceTable::add(Side& side, std::string name, double initial, const char* kind) {
+  if (side.index.contains(name))
     throw Error("duplicate-interface",
                 std::string("the ") + kind + " interface '" + name + "' exists already",
                 "give one of the two components or joints another name");
-  names.push_back(std::move(name));
+  std::size_t at = side.names.size();
+  if (!sealed_) {
+    side.names.push_back(name);
+    side.values.push_back(initial);
+    ++side.built;
+  } else if (!side.free.empty()) {
+    at = side.free.back();
+    side.free.pop_back();
+    side.names[at] = name;
+  } else {
+    throw Error("table-full",
+                "the running cell has no room for another interface; '" + name + "' cannot be added",
+                "put the controller into the controllers file and start the cell again");
+  }
+  side.index.emplace(std::move(name), at);
   return at;
 }
+
+void InterfaceTable::remove(Side& side, std::string_view name) {
+  const auto found = side.index.find(std::string(name));
+  if (found == side.index.end()) return;
+  side.names[found->second].clear();
+  side.free.push_back(found->second);
+  side.index.erase(found);
+}
+
+void InterfaceTable::seal(Side& side) {
+  for (std::size_t i = kSpare; i-- > 0;) side.free.push_back(side.names.size() + i);
+  side.names.resize(side.names.size() + kSpare);
+  side.values.resize(side.values.size() + kSpare, kNone);
+}
+
+std::size_t InterfaceTable::add_state(std::string name, double initial) {
+  return add(state_, std::move(name), initial, "state");
+}
+std::size_t InterfaceTable::add_command(std::string name) {
+  return add(command_, std::move(name), kNone, "command");
+}
+void InterfaceTable::remove_state(std::string_view name) {
+  remove(state_, name);
+}
+void InterfaceTable::remove_command(std::string_view name) {
+  remove(command_, name);
+}
+
+void InterfaceTable::seal() {
+  if (sealed_) return;
+  sealed_ = true;
+  seal(state_);
+  seal(command_);
+}
+
+namespace {
 std::optional<std::size_t> look_up(const std::unordered_map<std::string, std::size_t>& index,
                                    std::string_view name) {
   const auto found = index.find(std::string(name));
@@ -25,24 +76,11 @@ std::optional<std::size_t> look_up(const std::unordered_map<std::string, std::si
 }
 }  // namespace
 
-std::size_t InterfaceTable::add_state(std::string name, double initial) {
-  const std::size_t at = insert(state_index_, state_names_, std::move(name), "state");
-  states_.push_back(initial);
-  return at;
-}
-
-std::size_t InterfaceTable::add_command(std::string name) {
-  const std::size_t at = insert(command_index_, command_names_, std::move(name), "command");
-  commands_.push_back(std::numeric_limits<double>::quiet_NaN());
-  claims_.push_back(-1);
-  return at;
-}
-
 std::optional<std::size_t> InterfaceTable::find_state(std::string_view name) const {
-  return look_up(state_index_, name);
+  return look_up(state_.index, name);
 }
 std::optional<std::size_t> InterfaceTable::find_command(std::string_view name) const {
-  return look_up(command_index_, name);
+  return look_up(command_.index, name);
 }
 
 }  // namespace polyarm::hardware

@@ -1,5 +1,5 @@
 #pragma once
-/// Every number that hardware and controllers exchange, with its name. Built once, then of fixed size.
+/// Every number that hardware and controllers exchange, with its name.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -11,32 +11,53 @@
 namespace polyarm::hardware {
 
 /// One contiguous array of doubles for states, one for commands, one full name for each entry. Names become
-/// indices when a controller is configured; in a cycle there are only indices. Building: any one thread;
-/// values: the control thread alone. Addresses of values are stable once the table is built.
+/// indices when a controller is configured; in a cycle there are only indices. Names and look-up: the cell
+/// thread; values: the control thread alone. Once sealed, the arrays keep their size and their places: what
+/// is added later takes one of the entries that were kept free, so that the control thread never notices.
 class InterfaceTable {
  public:
-  /// Adds an entry; throws Error("duplicate-interface") when the name is taken. Returns its index.
+  /// Entries of each kind kept free by seal().
+  static constexpr std::size_t kSpare = 64;
+
+  /// Adds an entry; throws Error("duplicate-interface") when the name is taken, Error("table-full") when the
+  /// table is sealed and no entry is free. Returns its index. After sealing, `initial` is not written.
   std::size_t add_state(std::string name, double initial);
   std::size_t add_command(std::string name);
+  /// Gives entries back; their values stay until somebody else takes them. After sealing only.
+  void remove_state(std::string_view name);
+  void remove_command(std::string_view name);
+  /// From here on the arrays keep their size.
+  void seal();
+  bool sealed() const noexcept { return sealed_; }
 
   std::optional<std::size_t> find_state(std::string_view name) const;
   std::optional<std::size_t> find_command(std::string_view name) const;
-  const std::vector<std::string>& state_names() const { return state_names_; }
-  const std::vector<std::string>& command_names() const { return command_names_; }
+  /// By index; free entries have an empty name.
+  const std::vector<std::string>& state_names() const { return state_.names; }
+  const std::vector<std::string>& command_names() const { return command_.names; }
 
-  std::span<double> states() noexcept { return states_; }
-  std::span<const double> states() const noexcept { return states_; }
-  std::span<double> commands() noexcept { return commands_; }
-  std::span<const double> commands() const noexcept { return commands_; }
-
-  /// Exclusive claims: the id of the controller that holds each command, -1 for none.
-  std::vector<int>& claims() noexcept { return claims_; }
+  std::span<double> states() noexcept { return state_.values; }
+  std::span<const double> states() const noexcept { return state_.values; }
+  std::span<double> commands() noexcept { return command_.values; }
+  std::span<const double> commands() const noexcept { return command_.values; }
+  /// Entries that stood in the table when it was sealed; all of them before.
+  std::size_t built_states() const noexcept { return state_.built; }
+  std::size_t built_commands() const noexcept { return command_.built; }
 
  private:
-  std::vector<double> states_, commands_;
-  std::vector<std::string> state_names_, command_names_;
-  std::vector<int> claims_;
-  std::unordered_map<std::string, std::size_t> state_index_, command_index_;
+  struct Side {
+    std::vector<double> values;
+    std::vector<std::string> names;
+    std::unordered_map<std::string, std::size_t> index;
+    std::vector<std::size_t> free;
+    std::size_t built = 0;
+  };
+  std::size_t add(Side& side, std::string name, double initial, const char* kind);
+  static void remove(Side& side, std::string_view name);
+  static void seal(Side& side);
+
+  Side state_, command_;
+  bool sealed_ = false;
 };
 
 }  // namespace polyarm::hardware

@@ -86,10 +86,10 @@ struct Bench {
     controllers::ControllerContext broadcaster;
     broadcaster.name = "jsb";
     broadcaster.joints = joints;
-    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(loop.table().state_names()),
+    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(),
                            broadcaster);
-    loop.controllers().activate("jtc", loop.cycle());
-    loop.controllers().activate("jsb", loop.cycle());
+    loop.controllers().activate("jtc");
+    loop.controllers().activate("jsb");
     loop.prepare(joints);
   }
 
@@ -202,8 +202,21 @@ TEST(ControlLoop, AComponentErrorIsAFaultThatHolds) {
   Plant::fails = false;
   bench.run(100);
   EXPECT_DOUBLE_EQ(bench.commanded(0), held_at) << "nothing moves on recovery by itself";
+  EXPECT_EQ(bench.loop.controllers().list()[0].state, hardware::LifecycleState::inactive)
+      << "what works on failed hardware is stopped with it";
+  bench.loop.controllers().take_events();
+  hardware::Hardware& hardware = bench.loop.hardware();
+  hardware.recover_from_error(0);
+  hardware.configure(0);
+  hardware.activate(0);
+  bench.loop.controllers().switch_now({{"jtc", "jsb"}, {}});
   bench.loop.post(Request::recover);
   bench.loop.post(Request::resume);
+  bench.run(4000);
+  EXPECT_DOUBLE_EQ(bench.commanded(0), held_at) << "the trajectory is not taken up again";
+  bench.at = std::vector<double>{held_at, 0, 0, 0, 0, 0};
+  for (int j = 1; j < kJoints; ++j) bench.at[static_cast<std::size_t>(j)] = bench.commanded(j);
+  bench.move({1, 1, 1, 1, 1, 1});
   bench.run(4000);
   EXPECT_DOUBLE_EQ(bench.commanded(0), 1);
 }
@@ -217,9 +230,9 @@ TEST(ControlLoop, TwoControllersNeverShareACommand) {
   context.parameters.entries["joints"].values = {"joint_1"};
   context.parameters.entries["interface_name"].values = {"position"};
   bench.loop.controllers().add(std::make_unique<controllers::ForwardCommandController>(), context);
-  EXPECT_THROW(bench.loop.controllers().activate("forward", bench.loop.cycle()), Error);
-  bench.loop.controllers().deactivate("jtc", bench.loop.cycle());
-  EXPECT_NO_THROW(bench.loop.controllers().activate("forward", bench.loop.cycle()));
+  EXPECT_THROW(bench.loop.controllers().activate("forward"), Error);
+  bench.loop.controllers().deactivate("jtc");
+  EXPECT_NO_THROW(bench.loop.controllers().activate("forward"));
 }
 
 TEST(ControlLoop, SameInputsGiveTheSameTrace) {
@@ -233,7 +246,7 @@ TEST(ControlLoop, SameInputsGiveTheSameTrace) {
 
 TEST(ControlLoop, LimitsHaveTheLastWord) {
   Bench bench;
-  bench.loop.controllers().deactivate("jtc", bench.loop.cycle());
+  bench.loop.controllers().deactivate("jtc");
   controllers::ControllerContext context;
   context.name = "forward";
   context.robot = "arm";
@@ -242,7 +255,7 @@ TEST(ControlLoop, LimitsHaveTheLastWord) {
   auto made = std::make_unique<controllers::ForwardCommandController>();
   auto* forward = made.get();
   bench.loop.controllers().add(std::move(made), context);
-  bench.loop.controllers().activate("forward", bench.loop.cycle());
+  bench.loop.controllers().activate("forward");
   forward->send(std::array{100.0});
   double last = bench.commanded(0);
   for (int i = 0; i < 3000; ++i) {

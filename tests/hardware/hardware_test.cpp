@@ -53,7 +53,8 @@ ComponentContext named(const std::string& name) {
 
 TEST(Hardware, GivesEachComponentItsOwnPlacesInTheTable) {
   InterfaceTable table;
-  Hardware hardware(table);
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Echo>(), named("left"));
   hardware.add(std::make_unique<Echo>(), named("right"));
   hardware.configure_and_activate();
@@ -66,7 +67,8 @@ TEST(Hardware, GivesEachComponentItsOwnPlacesInTheTable) {
 
 TEST(Hardware, NamesTheComponentThatFails) {
   InterfaceTable table;
-  Hardware hardware(table);
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Echo>(), named("left"));
   hardware.configure_and_activate();
   Echo::fail = true;
@@ -80,7 +82,8 @@ TEST(Hardware, DeactivatesOnEveryWayOut) {
   Echo::active = 0;
   {
     InterfaceTable table;
-    Hardware hardware(table);
+    realtime::Jobs jobs;
+    Hardware hardware(table, jobs);
     hardware.add(std::make_unique<Echo>(), named("left"));
     hardware.configure_and_activate();
     EXPECT_EQ(Echo::active, 1);
@@ -90,7 +93,8 @@ TEST(Hardware, DeactivatesOnEveryWayOut) {
 
 TEST(Hardware, ForcesAFaultOverWhatControllersSay) {
   InterfaceTable table;
-  Hardware hardware(table);
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Echo>(), named("arm"));
   hardware.configure_and_activate();
   hardware.force("arm/j/position", 0.25);
@@ -104,7 +108,8 @@ TEST(Hardware, ForcesAFaultOverWhatControllersSay) {
 
 TEST(Hardware, RefusesTwoInterfacesOfOneName) {
   InterfaceTable table;
-  Hardware hardware(table);
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Echo>(), named("arm"));
   EXPECT_THROW(hardware.add(std::make_unique<Echo>(), named("arm")), Error);
 }

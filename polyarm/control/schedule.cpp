@@ -1,0 +1,142 @@
+#include "polyarm/control/schedule.hpp"
+
+namespace polyarm::control {
+
+using controllers::CallbackReturn;
+using controllers::ReturnType;
+using hardware::LifecycleState;
+
+namespace {
+void copy_some(const std::vector<std::size_t>& which, std::span<const double> from, std::span<double> to) {
+  for (const std::size_t i : which) to[i] = from[i];
+}
+}  // namespace
+
+ReturnType ControllerManager::run_async(Slot& s, const hardware::Cycle& cycle,
+                                        const controllers::Verdict& verdict) noexcept {
+  if (!s.runner->idle()) {
+    s.runner->note_missed();
+    return ReturnType::ok;
+  }
+  const ReturnType last = s.own_result.load(std::memory_order_acquire);
+  copy_some(s.commands, s.own_commands, table_.commands());
+  copy_some(s.exported, s.own_states, table_.states());
+  if (last != ReturnType::ok) return last;
+  std::copy(table_.states().begin(), table_.states().end(), s.own_states.begin());
+  copy_some(s.references, table_.commands(), s.own_commands);
+  s.own_cycle = cycle;
+  s.own_verdict = verdict;
+  s.runner->trigger();
+  return ReturnType::ok;
+}
+
+ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
+                                  const controllers::Verdict& verdict) noexcept {
+  if (s.runner) return run_async(s, cycle, verdict);
+  return s.controller->update(cycle, verdict);
+}
+
+void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
+  failed_ = -1;
+  now_ = cycle;
+  jobs_.run_one();
+  for (Schedule::Entry& entry : schedule_->entries) {
+    Slot& s = *entry.slot;
+    if (!s.active) {
+      if (s.runner && s.runner->idle() && s.own_stop.exchange(false)) s.controller->on_deactivate(cycle);
+      continue;
+    }
+    ReturnType result;
+    if (entry.divisor == 1) {
+      result = s.runner ? run_async(s, cycle, verdict) : entry.controller->update(cycle, verdict);
+    } else {
+      if (cycle.index % entry.divisor != 0) continue;
+      hardware::Cycle longer = cycle;
+      longer.period *= entry.divisor;
+      result = run(s, longer, verdict);
+    }
+    s.updates.store(s.updates.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    if (result == ReturnType::ok || !entry.fall) continue;
+    const bool somebody_takes_over = !entry.fall->start.empty();
+    fall(*entry.fall, &s, cycle);
+    if (!somebody_takes_over || entry.fall->refused) failed_ = s.id;
+  }
+}
+
+void ControllerManager::start(Slot& s, const hardware::Cycle& cycle, Commit& commit) noexcept {
+  if (s.active) return;
+  if (s.runner) {
+    if (!s.runner->idle()) {
+      if (!commit.refused) commit.refused = &s;
+      return;
+    }
+    std::copy(table_.states().begin(), table_.states().end(), s.own_states.begin());
+    std::copy(table_.commands().begin(), table_.commands().end(), s.own_commands.begin());
+    s.own_result.store(ReturnType::ok);
+    s.own_stop.store(false);
+  }
+  hardware::Cycle longer = cycle;
+  longer.period *= s.options.divisor;
+  if (s.controller->on_activate(longer) != CallbackReturn::success) {
+    if (!commit.refused) commit.refused = &s;
+    return;
+  }
+  if (s.runner) copy_some(s.commands, s.own_commands, table_.commands());
+  s.active = true;
+  s.state.store(LifecycleState::active, std::memory_order_release);
+}
+
+void ControllerManager::stop(Slot& s, const hardware::Cycle& cycle) noexcept {
+  if (!s.active) return;
+  s.active = false;
+  if (s.runner && !s.runner->idle()) {
+    s.own_stop.store(true);  // its thread says good-bye when it is through
+  } else {
+    s.controller->on_deactivate(cycle);
+    if (s.runner) copy_some(s.commands, s.own_commands, table_.commands());
+  }
+  s.state.store(LifecycleState::inactive, std::memory_order_release);
+}
+
+void ControllerManager::execute(Commit& commit, const hardware::Cycle& cycle) noexcept {
+  commit.refused = nullptr;
+  for (Slot* s : commit.stop) stop(*s, cycle);
+  for (const auto& [s, chained] : commit.chains) {
+    s->controller->set_chained(chained);
+    s->chained.store(chained, std::memory_order_relaxed);
+  }
+  if (!commit.start_interfaces.empty() || !commit.stop_interfaces.empty())
+    hardware_.perform_mode_switch(commit.start_interfaces, commit.stop_interfaces);
+  for (Slot* s : commit.start)
+    if (!commit.refused) start(*s, cycle, commit);
+}
+
+void ControllerManager::fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept {
+  using Kind = LoopEvent::Kind;
+  ++epoch_;
+  if (culprit) events_.push(LoopEvent{Kind::controller_failed, culprit->id, cycle.index});
+  for (const Slot* s : commit.stop)
+    if (s != culprit && s->active) events_.push(LoopEvent{Kind::controller_stopped, s->id, cycle.index});
+  execute(commit, cycle);
+  for (const Slot* s : commit.start)
+    if (s->active) events_.push(LoopEvent{Kind::fallback_started, s->id, cycle.index});
+}
+
+void ControllerManager::component_failed(std::size_t component, bool deactivated,
+                                         const hardware::Cycle& cycle) noexcept {
+  using Kind = LoopEvent::Kind;
+  events_.push(LoopEvent{deactivated ? Kind::component_deactivated : Kind::component_failed,
+                         static_cast<std::int32_t>(component), cycle.index});
+  if (component < schedule_->component_falls.size())
+    fall(*schedule_->component_falls[component], nullptr, cycle);
+  else
+    ++epoch_;
+}
+
+bool ControllerManager::standing() const noexcept {
+  for (const Schedule::Entry& entry : schedule_->entries)
+    if (entry.slot->active && !entry.controller->standing()) return false;
+  return true;
+}
+
+}  // namespace polyarm::control

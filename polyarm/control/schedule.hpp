@@ -1,0 +1,69 @@
+#pragma once
+/// What the control thread has of the controllers: who is updated in which order, and what is to be done when
+/// one of them, or a component, fails. Private to the room.
+#include <algorithm>
+
+#include "polyarm/control/controller_manager.hpp"
+
+namespace polyarm::control {
+
+/// A controller and everything that belongs to it.
+struct ControllerManager::Slot {
+  int id = 0;
+  std::string name;
+  std::unique_ptr<controllers::Controller> controller;
+  controllers::ControllerContext context;
+  LoadOptions options;
+  std::vector<std::size_t> commands, references, exported;  // indices in the table
+  std::atomic<hardware::LifecycleState> state{hardware::LifecycleState::unconfigured};
+  std::atomic<bool> chained{false};
+  std::atomic<std::uint64_t> updates{0};
+
+  // control thread
+  bool active = false;
+
+  // of an async controller: what it works on while the loop goes on
+  std::vector<double> own_states, own_commands;
+  hardware::Cycle own_cycle;
+  controllers::Verdict own_verdict;
+  std::atomic<controllers::ReturnType> own_result{controllers::ReturnType::ok};
+  std::atomic<bool> own_stop{false};
+  std::unique_ptr<realtime::AsyncRunner> runner;  // last: its thread ends before the rest goes
+
+  bool uses(std::size_t component, const hardware::InterfaceTable& table,
+            const hardware::Hardware& hardware) const {
+    const auto of = [&](int found) { return found == static_cast<int>(component); };
+    const auto& claimed = controller->command_interfaces();
+    const auto& read = controller->state_interfaces();
+    return std::any_of(claimed.begin(), claimed.end(),
+                       [&](const std::string& claim) {
+                         const auto index = table.find_command(claim);
+                         return index && of(hardware.component_of_command(*index));
+                       }) ||
+           std::any_of(read.begin(), read.end(), [&](const std::string& claim) {
+             const auto index = table.find_state(claim);
+             return index && of(hardware.component_of_state(*index));
+           });
+  }
+};
+
+/// A switch, prepared.
+struct ControllerManager::Commit {
+  std::vector<Slot*> stop, start;
+  std::vector<std::pair<Slot*, bool>> chains;
+  std::vector<std::string> start_interfaces, stop_interfaces;
+  Slot* refused = nullptr;  // the first whose activation failed
+};
+
+struct ControllerManager::Schedule {
+  struct Entry {
+    Slot* slot;
+    controllers::Controller* controller;
+    unsigned divisor;
+    std::unique_ptr<Commit> fall;  // when its update fails
+  };
+  std::vector<Entry> entries;
+  std::vector<std::unique_ptr<Commit>> component_falls;
+};
+
+}  // namespace polyarm::control

@@ -1,0 +1,87 @@
+#include "polyarm/controllers/types.hpp"
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/controllers/forward_command_controller.hpp"
+#include "polyarm/controllers/joint_state_broadcaster.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
+
+namespace polyarm::controllers {
+
+namespace {
+template <typename T>
+std::unique_ptr<Controller> make() {
+  return std::make_unique<T>();
+}
+using Forward = ForwardCommandController;
+using Trajectory = JointTrajectoryController;
+}  // namespace
+
+const std::vector<ControllerType>& controller_types() {
+  static const std::vector<ControllerType> table = {
+      {"joint_trajectory_controller/JointTrajectoryController", make<Trajectory>,
+       "follows trajectories of any number of joints"},
+      {"position_controllers/JointTrajectoryController",
+       make<Trajectory>,
+       "the same, commanding positions",
+       {{"command_interfaces", "position"}}},
+      {"ros2_control_demo_example_7/RobotController", make<Trajectory>,
+       "stands in for the example's own controller"},
+      {"joint_state_broadcaster/JointStateBroadcaster", make<JointStateBroadcaster>,
+       "tells the states of the joints"},
+      {"joint_state_controller/JointStateController", make<JointStateBroadcaster>,
+       "tells the states of the joints (ros_control's name)"},
+      {"forward_command_controller/ForwardCommandController", make<Forward>,
+       "hands numbers to one interface of several joints"},
+      {"forward_command_controller/MultiInterfaceForwardCommandController", make<Forward>,
+       "hands numbers to several interfaces of one joint"},
+      {"position_controllers/JointPositionController",
+       make<Forward>,
+       "hands a position to one joint",
+       {{"interface_name", "position"}}},
+      {"position_controllers/JointGroupPositionController",
+       make<Forward>,
+       "hands positions to joints",
+       {{"interface_name", "position"}}},
+      {"velocity_controllers/JointVelocityController",
+       make<Forward>,
+       "hands a velocity to one joint",
+       {{"interface_name", "velocity"}}},
+      {"velocity_controllers/JointGroupVelocityController",
+       make<Forward>,
+       "hands velocities to joints",
+       {{"interface_name", "velocity"}}},
+      {"effort_controllers/JointEffortController",
+       make<Forward>,
+       "hands an effort to one joint",
+       {{"interface_name", "effort"}}},
+      {"effort_controllers/JointGroupEffortController",
+       make<Forward>,
+       "hands efforts to joints",
+       {{"interface_name", "effort"}}},
+  };
+  return table;
+}
+
+const ControllerType* find_controller_type(const std::string& name) {
+  for (const ControllerType& type : controller_types())
+    if (name == type.name) return &type;
+  return nullptr;
+}
+
+std::vector<std::string> controller_type_names() {
+  std::vector<std::string> out;
+  for (const ControllerType& type : controller_types()) out.emplace_back(type.name);
+  return out;
+}
+
+std::unique_ptr<Controller> make_controller(const std::string& name, Parameters& parameters) {
+  const ControllerType* type = find_controller_type(name);
+  if (!type)
+    throw Error("unknown-controller-type",
+                "there is no controller type '" + name + "'" + did_you_mean(name, controller_type_names()),
+                "`polyarm control types` lists them");
+  for (const auto& [key, value] : type->implied) parameters.set(key, {value});
+  return type->make();
+}
+
+}  // namespace polyarm::controllers

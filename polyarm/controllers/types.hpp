@@ -1,0 +1,30 @@
+#pragma once
+/// Controllers by the names under which users of ROS know them.
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/controllers/controller.hpp"
+
+namespace polyarm::controllers {
+
+/// A row of the table.
+struct ControllerType {
+  const char* name;  ///< "joint_trajectory_controller/JointTrajectoryController"
+  std::unique_ptr<Controller> (*make)();
+  const char* summary;  ///< one sentence, for lists
+  /// Parameters that the name implies, where the file says nothing else.
+  std::vector<std::pair<const char*, const char*>> implied = {};
+};
+
+const std::vector<ControllerType>& controller_types();
+/// Null when there is none.
+const ControllerType* find_controller_type(const std::string& name);
+/// The names, for hints.
+std::vector<std::string> controller_type_names();
+/// Makes the controller and puts what its type's name implies into `parameters`. Throws
+/// Error("unknown-controller-type") with the nearest known name.
+std::unique_ptr<Controller> make_controller(const std::string& type, Parameters& parameters);
+
+}  // namespace polyarm::controllers
