@@ -70,6 +70,7 @@ ReturnType JointStateBroadcaster::update(const Cycle& cycle, const Verdict&) noe
   for (std::size_t k = 0; k < places_.size(); ++k)
     out[k] = places_[k] < 0 ? fixed_[k] : state(static_cast<std::size_t>(places_[k]));
   joint_states_->publish(cycle.time);
+  if (!dynamic_->wanted()) return ReturnType::ok;
   std::vector<double>& all = dynamic_->draft().values;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = state(k);
   dynamic_->publish(cycle.time);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "polyarm/base/text.hpp"
 
@@ -10,104 +11,396 @@ namespace polyarm::controllers {
 namespace {
 /// A stop that was asked for as immediate runs down this many times faster than one on the path.
 constexpr double kImmediateFactor = 8;
+constexpr double kTurn = 2 * std::numbers::pi;
 
-/// The time from full speed to a hold that keeps the joint with the least acceleration for its speed within
-/// its limit.
-double ramp_of(const ControllerContext& context, const std::vector<std::string>& joints) {
-  constexpr double kShortest = 0.1, kLongest = 2.0;  // s
-  double ramp = kShortest;
-  for (const std::string& joint : joints) {
-    const JointFacts* facts = context.find_joint(joint);
-    if (facts) ramp = std::max(ramp, trajectory::TimeScale::ramp_for(facts->velocity, facts->acceleration));
-  }
-  return std::min(ramp, kLongest);
-}
-
-std::vector<std::string> cross(const std::vector<std::string>& joints, const char* interface) {
-  std::vector<std::string> out;
-  for (const std::string& joint : joints) out.push_back(joint + "/" + interface);
-  return out;
+double shortest(double angle) {
+  return angle - kTurn * std::round(angle / kTurn);
 }
 }  // namespace
 
-CallbackReturn JointTrajectoryController::on_configure(ControllerContext& context) {
-  joints_.clear();
-  for (const std::string& joint : context.parameters.list("joints"))
-    joints_.push_back(context.whole_joint(joint));
-  for (const std::string& name : cross(joints_, "position")) claim_command(name);
-  for (const std::string& name : cross(joints_, "position")) claim_state(name);
-  for (auto* values : {&position_, &velocity_, &acceleration_, &start_}) values->assign(joints_.size(), 0.0);
-  period_s_ = seconds(context.period);
-  scale_ = trajectory::TimeScale(ramp_of(context, joints_));
-  return joints_.empty() ? CallbackReturn::failure : CallbackReturn::success;
+JointTrajectoryController::~JointTrajectoryController() {
+  for (Track& track : tracks_) delete track.goal;
+  for (TrajectoryGoal* goal : waiting_) delete goal;
 }
 
-CallbackReturn JointTrajectoryController::on_activate(const Cycle&) noexcept {
+CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexcept {
+  period_s_ = seconds(cycle.period);
+  now_.store(cycle.time, std::memory_order_relaxed);
+  measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const double last = command(j);
-    position_[j] = std::isfinite(last) ? last : state(j);
-    velocity_[j] = acceleration_[j] = 0;
+    const double last = commands_.position[j] >= 0 ? command(static_cast<std::size_t>(commands_.position[j]))
+                                                   : std::numeric_limits<double>::quiet_NaN();
+    position_[j] = keep_command_ && std::isfinite(last) ? last : measured_position_[j];
+    if (!std::isfinite(position_[j])) return CallbackReturn::error;  // nothing is known of where it is
+    velocity_[j] = acceleration_[j] = effort_[j] = 0;
+    leader_[j] = -1;
+    braking_[j].on = false;
+    pids_[j].reset();
   }
-  command_all();
+  judged_.id = 0;
+  over_since_ = -1;
+  factor_ = initial_scaling_;
+  asked_factor_.store(factor_, std::memory_order_relaxed);
+  scale_ = trajectory::TimeScale(scale_.ramp());
+  command_all(0);
   return CallbackReturn::success;
 }
 
-void JointTrajectoryController::drop_goal() noexcept {
-  if (!goal_) return;
-  status_.discarded.store(goal_->id, std::memory_order_release);
-  inbox_.put_back(goal_);
-  goal_ = nullptr;
-  status_.active.store(0, std::memory_order_release);
+void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
+  end_action(GoalOutcome::aborted, -1);
+  drop_all();
+  for (TrajectoryGoal*& goal : waiting_)
+    if (goal) inbox_.put_back(std::exchange(goal, nullptr));
+  while (TrajectoryGoal* goal = inbox_.take()) refuse(goal, GoalRefusal::busy);
+  for (std::size_t j = 0; j < joints_.size(); ++j)  // what pushes by itself stops pushing
+    for (const int place : {commands_.velocity[j], commands_.acceleration[j], commands_.effort[j]})
+      if (place >= 0) set_command(static_cast<std::size_t>(place), 0);
 }
 
-void JointTrajectoryController::accept(TrajectoryGoal* goal, const Cycle& cycle) noexcept {
-  const auto refuse = [&](GoalRefusal reason) {
-    status_.reason.store(reason, std::memory_order_relaxed);
-    status_.refused.store(goal->id, std::memory_order_release);
-    inbox_.put_back(goal);
-  };
-  if (goal->trajectory.joints() != joints_.size()) return refuse(GoalRefusal::wrong_size);
-  std::size_t hint = 0;
-  goal->trajectory.sample(0, start_, {}, {}, hint);
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    if (!(std::abs(start_[j] - position_[j]) <= kJumpTolerance)) return refuse(GoalRefusal::jump);
-  drop_goal();
-  goal_ = goal;
-  time_ = 0;
-  hint_ = 0;
-  status_.active.store(goal->id, std::memory_order_release);
+bool JointTrajectoryController::standing() const noexcept {
+  for (const Braking& b : braking_)
+    if (b.on) return false;
+  if (scale_.value() <= 0) return true;
+  for (const Track& track : tracks_)
+    if (track.goal) return false;
+  return true;
+}
+
+// --- goals ------------------------------------------------------------------------------------------------
+
+void JointTrajectoryController::refuse(TrajectoryGoal* goal, GoalRefusal reason) noexcept {
+  status_.reason.store(reason, std::memory_order_relaxed);
+  status_.refused.store(goal->id, std::memory_order_release);
+  if (goal->action) events_.push(GoalEvent{goal->id, GoalOutcome::aborted, -1});
+  inbox_.put_back(goal);
+}
+
+/// One that leads no joint any more goes back to be freed.
+void JointTrajectoryController::retire(std::size_t i, bool finished) noexcept {
+  Track& track = tracks_[i];
+  if (!track.goal) return;
+  (finished ? status_.finished : status_.discarded).store(track.goal->id, std::memory_order_release);
+  if (status_.active.load(std::memory_order_relaxed) == track.goal->id)
+    status_.active.store(0, std::memory_order_release);
+  inbox_.put_back(track.goal);
+  track = {};
+}
+
+void JointTrajectoryController::take_joint(std::size_t j) noexcept {
+  braking_[j].on = false;
+  const int old = leader_[j];
+  leader_[j] = -1;
+  if (old >= 0 && --tracks_[static_cast<std::size_t>(old)].joints == 0)
+    retire(static_cast<std::size_t>(old), false);
+}
+
+void JointTrajectoryController::drop_all() noexcept {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) retire(i, false);
+  std::fill(leader_.begin(), leader_.end(), -1);
+}
+
+void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept {
+  if (goal->trajectory.joints() != (goal->joints.empty() ? joints_.size() : goal->joints.size()))
+    return refuse(goal, GoalRefusal::wrong_size);
+  if (!goal->bridged) {
+    std::size_t hint = 0;
+    goal->trajectory.sample(0, sample_position_, {}, {}, hint);
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (!(std::abs(sample_position_[j] - position_[j]) <= kJumpTolerance))
+        return refuse(goal, GoalRefusal::jump);
+  }
+  if (goal->action) {
+    end_action(GoalOutcome::aborted, -1);  // one goal at a time: the older is preempted
+    judged_.id = goal->id;
+    judged_.trajectory = goal->id;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      judged_.tolerances.path[j] = goal->tolerances.path[j];
+      judged_.tolerances.goal[j] = goal->tolerances.goal[j];
+    }
+    judged_.tolerances.goal_time = goal->tolerances.goal_time;
+    events_.push(GoalEvent{goal->id, GoalOutcome::accepted});
+  }
+  for (TrajectoryGoal*& other : waiting_)  // what would begin later than this is replaced by it
+    if (other && other->start >= goal->start) {
+      status_.discarded.store(other->id, std::memory_order_release);
+      inbox_.put_back(std::exchange(other, nullptr));
+    }
+  if (goal->start > cycle.time) {
+    for (TrajectoryGoal*& other : waiting_)
+      if (!other) {
+        other = goal;
+        return;
+      }
+    return refuse(goal, GoalRefusal::busy);
+  }
+  begin(goal, 0);
   status_.started_cycle.store(cycle.index + 1, std::memory_order_release);
 }
 
-void JointTrajectoryController::command_all() noexcept {
-  const std::size_t n = joints_.size();
-  for (std::size_t j = 0; j < n; ++j) set_command(j, position_[j]);
-  if (commands_velocity_)
-    for (std::size_t j = 0; j < n; ++j) set_command(n + j, velocity_[j]);
+/// The first segment, from where each joint is to where the trajectory's first point wants it: never a jump
+/// of position, and where the joint moves, none of velocity.
+void JointTrajectoryController::bridge(TrajectoryGoal& goal, double) noexcept {
+  const trajectory::TrajectoryPoint& first = goal.first;
+  const double duration = goal.trajectory.end_of(0);
+  constexpr double kAtRest = 1e-6;
+  for (std::size_t k = 0; k < goal.joints.size(); ++k) {
+    const std::size_t j = goal.joints[k];
+    const bool desired = replacement_ || from_desired_;
+    const double p = desired ? position_[j] : measured_position_[j];
+    const double v = desired ? velocity_[j] * factor_ : measured_velocity_[j];
+    trajectory::SplineEnd from{p, std::isfinite(v) ? v : 0, desired ? acceleration_[j] : 0};
+    trajectory::SplineEnd to{first.positions[k]};
+    int degree = 1;
+    if (!first.velocities.empty()) {
+      to.velocity = first.velocities[k];
+      degree = 3;
+      if (!first.accelerations.empty()) {
+        to.acceleration = first.accelerations[k];
+        degree = 5;
+      }
+    } else if (std::abs(from.velocity) > kAtRest && !rules_.step) {
+      to.velocity = goal.leaving[k];
+      degree = 3;
+    }
+    double shift = 0;
+    if (goal.relative) shift = p;
+    if (continuous_[j]) shift -= kTurn * std::round((to.position + shift - p) / kTurn);
+    if (shift != 0) goal.trajectory.shift(k, shift);
+    to.position += shift;
+    auto piece = trajectory::spline_piece(degree, from, to, duration);
+    if (rules_.step) piece = {p, 0, 0, 0, 0, 0};
+    goal.trajectory.set_piece(0, k, piece);
+  }
+}
+
+void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcept {
+  if (goal->bridged) bridge(*goal, into);
+  const std::size_t count = goal->joints.empty() ? joints_.size() : goal->joints.size();
+  if (!replacement_)  // the others hold where they are
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      if (leader_[j] >= 0) velocity_[j] = acceleration_[j] = 0;
+      take_joint(j);
+    }
+  for (std::size_t k = 0; k < count; ++k) take_joint(goal->joints.empty() ? k : goal->joints[k]);
+  std::size_t free = 0;
+  while (free < tracks_.size() && tracks_[free].goal) ++free;  // there is one for each joint, and one more
+  tracks_[free] = {goal, into, 0, count};
+  for (std::size_t k = 0; k < count; ++k)
+    leader_[goal->joints.empty() ? k : goal->joints[k]] = static_cast<int>(free);
+  status_.active.store(goal->id, std::memory_order_release);
+  over_since_ = -1;
+  timed_out_ = false;
+}
+
+void JointTrajectoryController::end_action(GoalOutcome outcome, int code, int joint, double error,
+                                           double tolerance) noexcept {
+  if (judged_.id == 0) return;
+  events_.push(GoalEvent{judged_.id, outcome, code, joint, error, tolerance});
+  judged_.id = 0;
+}
+
+/// Everything under way is given up. Held is where the joints are; or they slow down first, each in its own
+/// time.
+void JointTrajectoryController::hold(bool may_brake) noexcept {
+  drop_all();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    position_[j] = measured_position_[j];
+    const double v = measured_velocity_[j];
+    velocity_[j] = acceleration_[j] = effort_[j] = 0;
+    if (may_brake && brake_on_cancel_ && most_braking_[j] > 0 && std::isfinite(v) && v != 0)
+      braking_[j] = {true, position_[j], v, most_braking_[j], 0};
+  }
+}
+
+void JointTrajectoryController::take_requests(const Cycle& cycle) noexcept {
+  for (std::uint64_t id = 0; cancels_.pop(id);) {
+    if (judged_.id != id) continue;
+    end_action(GoalOutcome::canceled, 0);
+    hold(true);
+  }
+  for (TrajectoryGoal*& goal : waiting_)
+    if (goal && goal->start <= cycle.time) {
+      begin(std::exchange(goal, nullptr), 0);
+      status_.started_cycle.store(cycle.index + 1, std::memory_order_release);
+    }
+  if (TrajectoryGoal* goal = inbox_.take()) arrive(goal, cycle);
+}
+
+// --- a cycle ----------------------------------------------------------------------------------------------
+
+void JointTrajectoryController::measure() noexcept {
+  const auto read = [&](int place) {
+    return place < 0 ? std::numeric_limits<double>::quiet_NaN() : state(static_cast<std::size_t>(place));
+  };
+  for (std::size_t j = 0; j < joints_.size(); ++j) measured_position_[j] = read(states_.position[j]);
+  for (std::size_t j = 0; j < joints_.size(); ++j) measured_velocity_[j] = read(states_.velocity[j]);
+}
+
+double JointTrajectoryController::position_error(std::size_t j) const noexcept {
+  const double error = position_[j] - measured_position_[j];
+  return continuous_[j] ? shortest(error) : error;
+}
+
+double JointTrajectoryController::scaling() noexcept {
+  double wanted = asked_factor_.load(std::memory_order_relaxed);
+  if (scaling_state_ >= 0) wanted = state(static_cast<std::size_t>(scaling_state_));
+  if (std::isfinite(wanted) && wanted >= 0) factor_ = wanted;
+  if (scaling_command_ >= 0) set_command(static_cast<std::size_t>(scaling_command_), factor_);
+  return factor_;
+}
+
+void JointTrajectoryController::brake(std::size_t j, double dt) noexcept {
+  Braking& b = braking_[j];
+  const double end = std::abs(b.velocity) / b.acceleration;
+  b.time = std::min(b.time + dt, end);
+  const double a = std::copysign(b.acceleration, -b.velocity);
+  position_[j] = b.position + b.velocity * b.time + 0.5 * a * b.time * b.time;
+  b.on = b.time < end;
+  velocity_[j] = b.on ? b.velocity + a * b.time : 0;
+  acceleration_[j] = b.on ? a : 0;
+}
+
+void JointTrajectoryController::advance(double dt) noexcept {
+  const double speed = scale_.value() * factor_;
+  bool moving = false;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track& track = tracks_[i];
+    if (!track.goal) continue;
+    moving = true;
+    track.time += dt;
+    const TrajectoryGoal& goal = *track.goal;
+    const std::size_t n = goal.trajectory.joints();
+    if (goal.joints.empty()) {  // all joints in order, nobody else leads any
+      goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
+      if (speed != 1)
+        for (double& v : velocity_) v *= speed;
+    } else {
+      const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
+      goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),
+                             some(sample_acceleration_), track.hint);
+      std::size_t hint = 0;
+      if (!goal.effort.empty()) goal.effort.sample(track.time, some(sample_effort_), {}, {}, hint);
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t j = goal.joints[k];
+        if (leader_[j] != static_cast<int>(i)) continue;
+        position_[j] = sample_position_[k];
+        velocity_[j] = sample_velocity_[k] * speed;
+        acceleration_[j] = sample_acceleration_[k] * speed * speed;
+        effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
+      }
+    }
+    status_.time.store(track.time, std::memory_order_relaxed);
+    if (track.time < goal.trajectory.duration()) continue;
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (leader_[j] == static_cast<int>(i)) {
+        leader_[j] = -1;
+        if (!rules_.nonzero_end) velocity_[j] = 0;
+        acceleration_[j] = 0;
+      }
+    retire(i, true);
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    if (braking_[j].on) brake(j, period_s_);
+  if (!moving && over_since_ < 0) over_since_ = 0;
+}
+
+/// Whether what is desired may still be commanded: looks at how far the joints are off.
+bool JointTrajectoryController::judge(const Cycle&) noexcept {
+  const Tolerances& t = judged_.id ? judged_.tolerances : default_tolerances_;
+  bool moving = false;
+  for (const Track& track : tracks_) moving = moving || track.goal;
+  const bool velocity_counts =
+      !commands_.velocity.empty() && (commands_.velocity[0] >= 0 || commands_.effort[0] >= 0);
+  const auto beyond = [&](std::size_t j, const Tolerances::Of& of) {
+    if (of.position > 0 && !(std::abs(error_[j]) <= of.position)) return 1;
+    if (velocity_counts && of.velocity > 0 && !(std::abs(error_velocity_[j]) <= of.velocity)) return 2;
+    return 0;
+  };
+  const auto report = [&](int code, std::size_t j, int which, const Tolerances::Of& of) {
+    end_action(GoalOutcome::aborted, code, static_cast<int>(j), which == 1 ? error_[j] : error_velocity_[j],
+               which == 1 ? of.position : of.velocity);
+  };
+  if (moving) {
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (leader_[j] >= 0)
+        if (const int which = beyond(j, t.path[j])) {
+          report(-4, j, which, t.path[j]);
+          return false;
+        }
+    return true;
+  }
+  if (judged_.id == 0) return true;
+  for (TrajectoryGoal* goal : waiting_)
+    if (goal) return true;  // it has not begun
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    if (const int which = beyond(j, t.goal[j])) {
+      if (t.goal_time <= 0 || over_since_ <= t.goal_time) return true;  // there is time
+      report(-5, j, which, t.goal[j]);
+      return false;
+    }
+  end_action(GoalOutcome::succeeded, 0);
+  return true;
+}
+
+void JointTrajectoryController::command_all(double dt) noexcept {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const auto put = [&](int place, double value) {
+      if (place >= 0) set_command(static_cast<std::size_t>(place), value);
+    };
+    put(commands_.position[j], position_[j]);
+    if (!closed_loop_) {
+      put(commands_.velocity[j], velocity_[j]);
+      put(commands_.acceleration[j], acceleration_[j]);
+      continue;
+    }
+    const double velocity_error = velocity_[j] - measured_velocity_[j];
+    const double feedback = dt > 0 ? pids_[j].compute(position_error(j), velocity_error, dt) : 0;
+    output_[j] = feed_forward_[j] * velocity_[j] + feedback;
+    put(commands_.velocity[j], output_[j]);
+    put(commands_.effort[j], output_[j] + effort_[j]);
+  }
 }
 
 ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
-  if (TrajectoryGoal* goal = inbox_.take()) accept(goal, cycle);
-  if (verdict.discard && scale_.value() <= 0) drop_goal();
-  const double dt = period_s_ * (verdict.immediate ? kImmediateFactor : 1.0);
-  const double advance = scale_.advance(dt, verdict.speed) / (verdict.immediate ? kImmediateFactor : 1.0);
-  if (goal_) {
-    time_ += advance;
-    goal_->trajectory.sample(time_, position_, velocity_, acceleration_, hint_);
-    const double speed = scale_.value();
-    for (double& v : velocity_) v *= speed;
-    status_.time.store(time_, std::memory_order_relaxed);
-    if (time_ >= goal_->trajectory.duration()) {
-      status_.finished.store(goal_->id, std::memory_order_release);
-      status_.active.store(0, std::memory_order_release);
-      inbox_.put_back(goal_);
-      goal_ = nullptr;
-      std::fill(velocity_.begin(), velocity_.end(), 0.0);
-    }
+  now_.store(cycle.time, std::memory_order_relaxed);
+  measure();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    error_[j] = position_error(j);
+    error_velocity_[j] = velocity_[j] - measured_velocity_[j];
   }
-  status_.speed.store(scale_.value(), std::memory_order_relaxed);
-  command_all();
+  take_requests(cycle);
+  if (verdict.discard && scale_.value() <= 0) {
+    end_action(GoalOutcome::aborted, -1);
+    drop_all();
+  }
+  const double factor = scaling();
+  const double dt = period_s_ * (verdict.immediate ? kImmediateFactor : 1.0);
+  const double step = scale_.advance(dt, verdict.speed) / (verdict.immediate ? kImmediateFactor : 1.0);
+  status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
+  if (over_since_ >= 0) over_since_ += period_s_;
+  if (!judge(cycle)) hold(true);
+  advance(step * factor);
+  if (cmd_timeout_ > 0 && over_since_ > cmd_timeout_ && !std::exchange(timed_out_, true)) {
+    end_action(GoalOutcome::aborted, -5);
+    if (rules_.nonzero_end)
+      for (std::size_t j = 0; j < joints_.size(); ++j) velocity_[j] = 0;
+  }
+  command_all(period_s_);
+  publish(cycle);
   return ReturnType::ok;
+}
+
+void JointTrajectoryController::publish(const Cycle& cycle) noexcept {
+  if (!state_output_->wanted()) return;
+  double* out = state_output_->draft().values.data();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    for (const double value :
+         {position_[j], velocity_[j], acceleration_[j], measured_position_[j], measured_velocity_[j],
+          position_error(j), velocity_[j] - measured_velocity_[j], closed_loop_ ? output_[j] : position_[j]})
+      *out++ = value;
+  }
+  *out = status_.time.load(std::memory_order_relaxed);
+  state_output_->publish(cycle.time);
 }
 
 }  // namespace polyarm::controllers

@@ -2,75 +2,143 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/pid.hpp"
+#include "polyarm/controllers/trajectory_goal.hpp"
 #include "polyarm/realtime/handover.hpp"
+#include "polyarm/realtime/queue.hpp"
 #include "polyarm/trajectory/time_scale.hpp"
-#include "polyarm/trajectory/trajectory.hpp"
 
 namespace polyarm::controllers {
 
-/// A trajectory to follow, for the joints of one controller in its order. `id` counts up from 1.
-struct TrajectoryGoal {
-  std::uint64_t id = 0;
-  trajectory::Trajectory trajectory;
-};
-
-enum class GoalRefusal : std::uint32_t { none, jump, wrong_size };
-
-/// What became of the goals; every field may be read from any thread at any time.
-struct GoalStatus {
-  std::atomic<std::uint64_t> active{0};     ///< goal being followed; 0: none, holding
-  std::atomic<std::uint64_t> finished{0};   ///< newest goal that reached its end
-  std::atomic<std::uint64_t> discarded{0};  ///< newest goal that was given up or replaced
-  std::atomic<std::uint64_t> refused{0};    ///< newest goal that was not accepted
-  std::atomic<GoalRefusal> reason{GoalRefusal::none};
-  std::atomic<std::uint64_t> started_cycle{
-      0};                        ///< cycle in which the newest goal began, plus one; 0: none yet
-  std::atomic<double> time{0};   ///< s into the active trajectory
-  std::atomic<double> speed{1};  ///< share of the planned speed now
-};
-
-/// Follows trajectories of any number of joints, as ros2_control's JointTrajectoryController does: parameters
-/// `joints`, `command_interfaces` (position, velocity or both), `state_interfaces`. Sampling is by time, time
-/// runs at the speed that the verdict allows, so that every slow-down, hold and resume stays on the path.
-/// Without a goal it holds its last command. A goal whose start is not where the last command is, is refused:
-/// it would jump.
+/// Follows trajectories of any number of joints, as ros2_control's JointTrajectoryController does, with its
+/// parameters. Sampling is by time; time runs at the speed that the verdict and speed scaling allow, so that
+/// every slow-down, hold and resume stays on the path. Without a goal it holds its last command. Each joint
+/// is led by the newest trajectory that names it: a trajectory that begins takes its joints over where they
+/// are, with their velocity, and the others go on.
+///
+/// Inputs: `joint_trajectory` (also `command`), action `follow_joint_trajectory`, `speed_scaling_input`.
+/// Outputs: `controller_state`.
 class JointTrajectoryController : public Controller {
  public:
-  /// A goal may begin this far from the last command, rad or m.
+  /// A goal without a bridge may begin this far from the last command, rad or m.
   static constexpr double kJumpTolerance = 1e-4;
 
+  ~JointTrajectoryController() override;
   CallbackReturn on_configure(ControllerContext& context) override;
   CallbackReturn on_activate(const Cycle& cycle) noexcept override;
   ReturnType update(const Cycle& cycle, const Verdict& verdict) noexcept override;
-  void on_deactivate(const Cycle&) noexcept override { drop_goal(); }
-  bool standing() const noexcept override { return !goal_ || scale_.value() <= 0; }
+  void on_deactivate(const Cycle& cycle) noexcept override;
+  void on_parameters_changed() noexcept override;
+  bool standing() const noexcept override;
 
-  /// From one other thread. False when the inbox is full; the goal stays with the caller.
+  std::vector<InputPort> inputs() const override;
+  std::uint64_t receive(const std::string& port, const Input& message, bool goal) override;
+  bool cancel(std::uint64_t goal) override;
+  std::optional<GoalEvent> next_goal_event() override;
+  std::string refuse_changes(const std::vector<ParameterChange>& changes) const override;
+
+  /// Cell thread. A number for the next goal.
+  std::uint64_t new_goal_id() { return next_id_++; }
+  /// Cell thread. False when the inbox is full; the goal stays with the caller.
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
   const std::vector<std::string>& joints() const { return joints_; }
 
  private:
-  void accept(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
-  void drop_goal() noexcept;
-  void command_all() noexcept;
+  struct Interfaces {  // of one quantity, per joint; -1: none
+    std::vector<int> position, velocity, acceleration, effort;
+  };
+  /// A trajectory under way, and how many joints it still leads.
+  struct Track {
+    TrajectoryGoal* goal = nullptr;
+    double time = 0;
+    std::size_t hint = 0;
+    std::size_t joints = 0;
+  };
+  /// The action goal that is judged; its tolerances, copied so that they outlive the trajectory.
+  struct Judged {
+    std::uint64_t id = 0;  ///< 0: none
+    std::uint64_t trajectory = 0;
+    Tolerances tolerances;
+  };
+  struct Braking {  // after a cancel
+    bool on = false;
+    double position = 0, velocity = 0, acceleration = 0, time = 0;
+  };
 
+  void read_interfaces(ControllerContext& context);
+  void read_gains(ControllerContext& context);
+  void read_tolerances(ControllerContext& context);
+  void read_behaviour(ControllerContext& context);
+  void make_output();
+  int place(bool command, std::size_t joint, const char* quantity);
+
+  // control thread
+  void take_requests(const Cycle& cycle) noexcept;
+  void arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
+  void begin(TrajectoryGoal* goal, double into) noexcept;
+  void bridge(TrajectoryGoal& goal, double into) noexcept;
+  void refuse(TrajectoryGoal* goal, GoalRefusal reason) noexcept;
+  void take_joint(std::size_t joint) noexcept;
+  void retire(std::size_t track, bool finished) noexcept;
+  void drop_all() noexcept;
+  void hold(bool brake) noexcept;
+  void measure() noexcept;
+  void advance(double dt) noexcept;
+  void brake(std::size_t joint, double dt) noexcept;
+  bool judge(const Cycle& cycle) noexcept;
+  void end_action(GoalOutcome outcome, int code, int joint = -1, double error = 0,
+                  double tolerance = 0) noexcept;
+  void command_all(double dt) noexcept;
+  void publish(const Cycle& cycle) noexcept;
+  double position_error(std::size_t joint) const noexcept;
+  double scaling() noexcept;
+
+  // configuration
   std::vector<std::string> joints_;
-  bool commands_position_ = true, commands_velocity_ = false;
-  bool has_velocity_state_ = false;
-  std::vector<double> position_, velocity_, acceleration_, start_;
-  TrajectoryGoal* goal_ = nullptr;
-  double time_ = 0;
-  std::size_t hint_ = 0;
-  double period_s_ = 1e-3;
-  trajectory::TimeScale scale_;
-  realtime::Handover<TrajectoryGoal> inbox_;
-  GoalStatus status_;
+  std::vector<std::string> told_joints_;
+  std::vector<char> continuous_;
+  Interfaces commands_, states_;
+  bool closed_loop_ = false;  // velocity alone or effort: through PID
+  TrajectoryRules rules_;
+  Tolerances default_tolerances_;
+  bool replacement_ = true, from_desired_ = false, keep_command_ = true, brake_on_cancel_ = false;
+  double cmd_timeout_ = 0;
+  double initial_scaling_ = 1;
+  int scaling_state_ = -1, scaling_command_ = -1;
+  std::vector<double> most_braking_;
+  std::vector<PidGains> gains_;
+  std::vector<double> feed_forward_;
 
- public:
-  ~JointTrajectoryController() override { delete goal_; }
+  // control thread
+  std::vector<Pid> pids_;
+  std::vector<double> position_, velocity_, acceleration_, effort_;  // desired
+  std::vector<double> measured_position_, measured_velocity_, measured_acceleration_;
+  std::vector<double> error_, error_velocity_, output_;
+  std::vector<double> sample_position_, sample_velocity_, sample_acceleration_, sample_effort_;
+  std::vector<int> leader_;  // track of each joint; -1: held
+  std::vector<Braking> braking_;
+  std::vector<Track> tracks_;
+  std::vector<TrajectoryGoal*> waiting_;  // that begin later
+  Judged judged_;
+  double over_since_ = -1;  // s since every trajectory has ended; < 0: not yet
+  bool timed_out_ = false;
+  double period_s_ = 1e-3;
+  double factor_ = 1;
+  trajectory::TimeScale scale_;
+
+  // between the threads
+  std::uint64_t next_id_ = 1;
+  realtime::Handover<TrajectoryGoal> inbox_{32};
+  realtime::Queue<std::uint64_t> cancels_{32};
+  realtime::Queue<GoalEvent> events_{256};
+  std::atomic<double> asked_factor_{1};
+  std::atomic<Nanoseconds> now_{0};
+  GoalStatus status_;
+  Output* state_output_ = nullptr;
 };
 
 }  // namespace polyarm::controllers

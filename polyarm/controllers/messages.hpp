@@ -1,6 +1,7 @@
 #pragma once
 /// What goes into controllers and comes out of them, in the shapes of the ROS messages that carry the same.
 /// Standard types only: plugins include this.
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -78,8 +79,13 @@ class Output {
     outbox_.draft().time = time;
     outbox_.publish();
   }
+  /// Control thread: whether anybody has ever asked; what is costly to fill need not be filled before.
+  bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
   /// Reader: true if there is a new sample since the last call.
-  bool fetch() noexcept { return outbox_.fetch(); }
+  bool fetch() noexcept {
+    wanted_.store(true, std::memory_order_relaxed);
+    return outbox_.fetch();
+  }
   const Sample& value() const noexcept { return outbox_.value(); }
 
   /// Texts that belong to the message and never change: "frame_id", "child_frame_id".
@@ -89,6 +95,7 @@ class Output {
   std::string name_, type_;
   std::vector<std::string> fields_;
   realtime::Latest<Sample> outbox_;
+  std::atomic<bool> wanted_{false};
 };
 
 /// A message that a controller takes.

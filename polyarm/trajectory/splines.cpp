@@ -83,36 +83,12 @@ Problems findings(const TrajectoryPoint& start, std::span<const TrajectoryPoint>
   return problems;
 }
 
-/// Position, velocity and acceleration at one end of a segment.
-struct End {
-  double p, v, a;
-};
-
-/// The polynomial from one end to the other in `T` seconds that uses position (degree 1), velocity too (3),
-/// and acceleration too (5). It solves the end conditions for the upper half of the coefficients.
-std::array<double, kCount> polynomial(int degree, const End& x, const End& y, double T) {
-  const double d = y.p - x.p;
-  if (degree == 1) return {x.p, d / T, 0, 0, 0, 0};
-  if (degree == 3)
-    return {x.p, x.v, (3 * d / T - 2 * x.v - y.v) / T, (x.v + y.v - 2 * d / T) / (T * T), 0, 0};
-  const double p =
-      (d - x.v * T - x.a * T * T / 2) / (T * T * T);  // what the three upper powers must still give
-  const double v = (y.v - x.v - x.a * T) / (T * T);
-  const double a = (y.a - x.a) / T;
-  return {x.p,
-          x.v,
-          x.a / 2,
-          10 * p - 4 * v + a / 2,
-          (-15 * p + 7 * v - a) / T,
-          (6 * p - 3 * v + a / 2) / (T * T)};
-}
-
 int degree_between(const TrajectoryPoint& a, const TrajectoryPoint& b) {
   if (a.velocities.empty() || b.velocities.empty()) return 1;
   return a.accelerations.empty() || b.accelerations.empty() ? 3 : 5;
 }
 
-End end_of(const TrajectoryPoint& point, std::size_t joint) {
+SplineEnd end_of(const TrajectoryPoint& point, std::size_t joint) {
   const auto value = [&](const std::vector<double>& list) { return list.empty() ? 0.0 : list[joint]; };
   return {point.positions[joint], value(point.velocities), value(point.accelerations)};
 }
@@ -121,7 +97,7 @@ void append_spline(Trajectory& out, const TrajectoryPoint& from, const Trajector
   std::vector<double> coefficients;
   const int degree = degree_between(from, to);
   for (std::size_t j = 0; j < out.joints(); ++j) {
-    const auto c = polynomial(degree, end_of(from, j), end_of(to, j), duration);
+    const auto c = spline_piece(degree, end_of(from, j), end_of(to, j), duration);
     coefficients.insert(coefficients.end(), c.begin(), c.end());
   }
   out.append(duration, coefficients);
@@ -148,6 +124,26 @@ void take_shorter_way(TrajectoryPoint& start, std::vector<TrajectoryPoint>& poin
 }
 
 }  // namespace
+
+std::array<double, kCount> spline_piece(int degree, const SplineEnd& from, const SplineEnd& to,
+                                        double T) noexcept {
+  const double d = to.position - from.position;
+  if (degree == 1) return {from.position, d / T, 0, 0, 0, 0};
+  const double v0 = from.velocity, v1 = to.velocity;
+  if (degree == 3)
+    return {from.position, v0, (3 * d / T - 2 * v0 - v1) / T, (v0 + v1 - 2 * d / T) / (T * T), 0, 0};
+  const double a0 = from.acceleration;
+  // What the three upper powers must still give.
+  const double p = (d - v0 * T - a0 * T * T / 2) / (T * T * T);
+  const double v = (v1 - v0 - a0 * T) / (T * T);
+  const double a = (to.acceleration - a0) / T;
+  return {from.position,
+          v0,
+          a0 / 2,
+          10 * p - 4 * v + a / 2,
+          (-15 * p + 7 * v - a) / T,
+          (6 * p - 3 * v + a / 2) / (T * T)};
+}
 
 std::vector<Problem> check_points(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
                                   const SplineOptions& options) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Trajectories given as points in time, with the meaning that ros2_control's joint trajectory controller
 /// gives them.
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,15 @@ struct TrajectoryPoint {
   std::vector<double> positions, velocities, accelerations, effort;
   double time_from_start = 0;
 };
+
+/// Position, velocity and acceleration of a joint at one end of a segment.
+struct SplineEnd {
+  double position = 0, velocity = 0, acceleration = 0;
+};
+/// The coefficients of the polynomial from one end to the other in `duration` seconds: degree 1 uses
+/// positions, 3 velocities too, 5 accelerations too. No allocation.
+std::array<double, Trajectory::kCoefficients> spline_piece(int degree, const SplineEnd& from,
+                                                           const SplineEnd& to, double duration) noexcept;
 
 /// `splines`: polynomials between the points. `none`: the start state until the first point's time, then at
 /// once the point that each interval leads to.

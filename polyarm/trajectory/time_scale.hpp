@@ -22,6 +22,8 @@ class TimeScale {
   /// 0). Returns the seconds of trajectory time that pass, in [0, dt].
   double advance(double dt, double target) noexcept;
   double value() const noexcept { return value_; }
+  /// Seconds from 1 to 0.
+  double ramp() const noexcept { return 1.5 / most_rate_; }
   /// Change of value() per second now; 0 when the target is reached.
   double rate() const noexcept { return rate_; }
 

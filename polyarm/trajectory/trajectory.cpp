@@ -19,6 +19,18 @@ void Trajectory::append(double duration, std::span<const double> coefficients) {
   ends_.push_back(this->duration() + duration);
 }
 
+void Trajectory::set_piece(std::size_t segment, std::size_t joint,
+                           std::span<const double> coefficients) noexcept {
+  std::copy_n(
+      coefficients.begin(), kCoefficients,
+      coefficients_.begin() + static_cast<std::ptrdiff_t>((segment * joints_ + joint) * kCoefficients));
+}
+
+void Trajectory::shift(std::size_t joint, double offset) noexcept {
+  for (std::size_t i = joint * kCoefficients; i < coefficients_.size(); i += joints_ * kCoefficients)
+    coefficients_[i] += offset;
+}
+
 void Trajectory::sample(double t, std::span<double> position, std::span<double> velocity,
                         std::span<double> acceleration, std::size_t& hint) const noexcept {
   if (ends_.empty()) return;

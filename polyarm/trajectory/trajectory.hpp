@@ -29,6 +29,13 @@ class Trajectory {
   /// and power k of the time since the segment began.
   void append(double duration, std::span<const double> coefficients);
 
+  /// Replaces the polynomial of one joint in one segment: `coefficients` has kCoefficients values. Allocates
+  /// nothing; for the thread that owns the trajectory.
+  void set_piece(std::size_t segment, std::size_t joint, std::span<const double> coefficients) noexcept;
+
+  /// Adds `offset` to every position of one joint. Allocates nothing.
+  void shift(std::size_t joint, double offset) noexcept;
+
   /// Position, velocity and acceleration (spans of `joints()` values, or empty where not wanted) at `t`
   /// seconds. Before the start the first values with zero velocity, after the end the last ones with zero
   /// velocity and acceleration. `hint` is a segment index kept by the caller between calls that makes lookup
