@@ -107,6 +107,17 @@ Location Yaml::key_location(std::string_view key) const {
   return where();
 }
 
+std::vector<Yaml::Entry> Yaml::entries() const {
+  std::vector<Entry> out;
+  if (!is_map()) return out;
+  for (const auto& entry : data_->node) {
+    if (!entry.first.IsScalar()) continue;
+    out.push_back({entry.first.Scalar(), place(entry.first.Mark(), *data_->file), {}});
+    out.back().value.data_ = std::make_shared<const Data>(Data{entry.second, data_->file});
+  }
+  return out;
+}
+
 std::vector<Yaml> Yaml::items() const {
   std::vector<Yaml> out;
   if (!defined()) return out;

@@ -38,6 +38,9 @@ class Yaml {
   bool has(std::string_view key) const { return (*this)[key].defined(); }
   std::vector<std::string> keys() const;  ///< in the order of the file
   Location key_location(std::string_view key) const;
+  struct Entry;
+  /// The pairs of a map in the order of the file, a key that stands twice twice; empty for anything else.
+  std::vector<Entry> entries() const;
   std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one; undefined as none
 
   std::string text() const;
@@ -59,6 +62,12 @@ class Yaml {
  private:
   struct Data;
   std::shared_ptr<const Data> data_;
+};
+
+struct Yaml::Entry {
+  std::string key;
+  Location where;  ///< of the key
+  Yaml value;      ///< may be undefined: `key:` with nothing behind it
 };
 
 }  // namespace polyarm
