@@ -56,7 +56,7 @@ class Reader {
     if (ros2)
       node_names(document, {}, {});
     else
-      tree(document, set_.tree, split_name(source_.ns), {});
+      plain_names(document);
   }
 
  private:
@@ -225,6 +225,15 @@ class Reader {
   }
 
   // --- ROS 1 ---
+
+  void plain_names(const Yaml& document) {
+    const Path path = split_name(source_.ns);
+    if (!path.empty() && path.back() == "joint_limits" && document.is_map())
+      set_.joint_limits.push_back({source_.file, source_.text, {}, parent(path), document.where()});
+    tree(document, set_.tree, path, {});
+  }
+
+  static std::string parent(const Path& path) { return join_name(Path(path.begin(), path.end() - 1)); }
 
   void tree(const Yaml& node, ParameterTree& root, const Path& path, const Path& keys) {
     if (path.size() > kDeepest) count(node.where(), path.size());

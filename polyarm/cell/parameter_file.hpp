@@ -26,7 +26,7 @@ struct ParameterSource {
 struct JointLimitsSource {
   std::filesystem::path file;
   std::optional<std::string> text;  ///< as in ParameterSource
-  std::vector<std::string> keys;    ///< the way to the map: {"MyRobot", "joint_limits"}
+  std::vector<std::string> keys;    ///< the way to the map: {"MyRobot", "joint_limits"}; empty: all of it
   std::string ns;                   ///< where it stands among the names: "/MyRobot"
   Location where;                   ///< of its key
 };

@@ -651,6 +651,13 @@ TEST(Ros1Controllers, LimitsAreFoundAtAnyDepthForTheirReader) {
   EXPECT_EQ(limits.keys, (std::vector<std::string>{"MyRobot", "joint_limits"}));
   EXPECT_EQ(limits.ns, "/MyRobot");
   EXPECT_EQ(limits.where.text(), "c.yaml:2:3");
+  Problems problems;
+  const ControllersFile whole =
+      read_controllers({{"c.yaml", "/MyRobot/joint_limits", "a: {max_velocity: 1.5}"}}, problems);
+  EXPECT_EQ(all(problems), "");
+  ASSERT_EQ(whole.joint_limits.size(), 1u);
+  EXPECT_TRUE(whole.joint_limits[0].keys.empty());
+  EXPECT_EQ(whole.joint_limits[0].ns, "/MyRobot");
 }
 
 TEST(Ros1Controllers, SeveralNamespacesAndNoneStandSideBySide) {
