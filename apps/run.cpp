@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RunArguments {
-  std::string cell, description, controllers;
+  std::string cell, description;
+  std::vector<std::string> controllers, activate;
   cell::Overrides overrides;
   cell::CellOptions cell_options;
   cell::RunOptions run;
@@ -31,7 +32,8 @@ struct RunArguments {
 void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("cell", a.cell, "folder with a cell.yaml, or a cell file");
   app.add_option("--description", a.description, "a robot's URDF instead of a cell");
-  app.add_option("--controllers", a.controllers, "controllers YAML for --description");
+  app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
+  app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
   app.add_option("--hardware", a.overrides.hardware, "declared, mock or mujoco, for every robot")
       ->check(CLI::IsMember({"declared", "mock", "mujoco"}));
@@ -124,8 +126,11 @@ std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, 
 }
 
 cell::CellFile open_cell(const RunArguments& a) {
-  if (!a.description.empty()) return cell::cell_from_description(a.description, a.controllers, a.overrides);
-  return cell::read_cell_file(a.cell, a.overrides);
+  cell::CellFile file = a.description.empty()
+                            ? cell::read_cell_file(a.cell, a.overrides)
+                            : cell::cell_from_description(a.description, a.controllers, a.overrides);
+  if (!a.activate.empty()) file.activate = a.activate;
+  return file;
 }
 
 /// A cell that cannot be built is checked whole, so that a user sees every error at once.

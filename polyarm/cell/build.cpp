@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
+#include "polyarm/controllers/types.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
 
@@ -15,115 +17,131 @@ namespace polyarm::cell {
 
 namespace {
 
-enum class ControllerKind { trajectory, broadcaster, forward, unknown };
-
-/// The names under which users of ROS know these controllers.
-ControllerKind kind_of(const std::string& type) {
-  static const std::vector<std::pair<const char*, ControllerKind>> table = {
-      {"joint_trajectory_controller/JointTrajectoryController", ControllerKind::trajectory},
-      {"position_controllers/JointTrajectoryController", ControllerKind::trajectory},
-      {"ros2_control_demo_example_7/RobotController", ControllerKind::trajectory},
-      {"joint_state_broadcaster/JointStateBroadcaster", ControllerKind::broadcaster},
-      {"joint_state_controller/JointStateController", ControllerKind::broadcaster},
-      {"forward_command_controller/ForwardCommandController", ControllerKind::forward},
-      {"forward_command_controller/MultiInterfaceForwardCommandController", ControllerKind::forward},
-      {"position_controllers/JointGroupPositionController", ControllerKind::forward},
-      {"velocity_controllers/JointGroupVelocityController", ControllerKind::forward},
-  };
-  for (const auto& [name, kind] : table)
-    if (type == name) return kind;
-  return ControllerKind::unknown;
-}
-
-std::unique_ptr<controllers::Controller> make(ControllerKind kind, control::ControlLoop& loop) {
-  switch (kind) {
-    case ControllerKind::trajectory:
-      return std::make_unique<controllers::JointTrajectoryController>();
-    case ControllerKind::broadcaster:
-      return std::make_unique<controllers::JointStateBroadcaster>();
-    case ControllerKind::forward:
-      return std::make_unique<controllers::ForwardCommandController>();
-    case ControllerKind::unknown:
-      break;
-  }
-  return nullptr;
-}
-
 std::vector<controllers::JointFacts> all_joints(const CellRobots& robots) {
   std::vector<controllers::JointFacts> out;
   for (const auto& robot : robots) out.insert(out.end(), robot->joints.begin(), robot->joints.end());
   return out;
 }
 
+bool is_broadcaster(const controllers::Controller& controller) {
+  return dynamic_cast<const controllers::JointStateBroadcaster*>(&controller) != nullptr;
+}
+
 class Planner {
  public:
-  Planner(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop, Observer& observer,
-          Problems& problems)
-      : file_(file), robots_(robots), loop_(loop), observer_(observer), problems_(problems) {
+  Planner(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop, bool lock_step,
+          Observer& observer, Problems& problems)
+      : file_(file), robots_(robots), loop_(loop), lock_step_(lock_step), observer_(observer), problems_(problems) {
     base_.joints = all_joints(robots);
     base_.period = loop.options().period;
     if (!robots.empty()) base_.robot = robots.front()->entry.name;
   }
 
   ControllerPlan plan(const std::vector<std::string>& io_commands) {
-    if (!file_.controllers.empty()) from_file();
-    if (!has(ControllerKind::trajectory) && !has(ControllerKind::forward)) defaults();
-    if (!has(ControllerKind::broadcaster))
-      add(ControllerKind::broadcaster, "joint_state_broadcaster", base_.robot, {});
+    const bool described = !file_.controllers.empty() || file_.launched;
+    if (described) from_files();
+    const bool moves = std::any_of(plan_.controllers.begin(), plan_.controllers.end(),
+                                   [](const PlannedController& p) { return !is_broadcaster(*p.controller); });
+    if (!moves) defaults();
+    const bool tells = std::any_of(plan_.controllers.begin(), plan_.controllers.end(),
+                                   [](const PlannedController& p) { return is_broadcaster(*p.controller); });
+    if (!tells)
+      add("joint_state_broadcaster/JointStateBroadcaster", "joint_state_broadcaster", base_.robot, {});
     if (!io_commands.empty()) {
       controllers::Parameters parameters;
-      parameters.entries["interfaces"].values = io_commands;
-      add(ControllerKind::forward, kIoController, base_.robot, std::move(parameters));
+      parameters.set("interfaces", io_commands);
+      add("forward_command_controller/ForwardCommandController", kIoController, base_.robot, std::move(parameters));
     }
     return std::move(plan_);
   }
 
  private:
-  bool has(ControllerKind kind) const { return std::count(kinds_.begin(), kinds_.end(), kind) > 0; }
-
-  void add(ControllerKind kind, const std::string& name, const std::string& robot,
-           controllers::Parameters parameters) {
-    PlannedController planned{make(kind, loop_), base_};
+  PlannedController& add(const std::string& type, const std::string& name, const std::string& robot,
+                         controllers::Parameters parameters) {
+    PlannedController planned;
+    planned.context = base_;
     planned.context.name = name;
+    planned.context.type = type;
     planned.context.robot = robot;
     planned.context.parameters = std::move(parameters);
+    planned.controller = controllers::make_controller(type, planned.context.parameters);
+    planned.options.lock_step = lock_step_;
     plan_.controllers.push_back(std::move(planned));
-    kinds_.push_back(kind);
+    return plan_.controllers.back();
   }
 
-  void from_file() {
-    Problems warnings;
-    const std::filesystem::path written = file_.controllers;
-    const ControllersFile controllers =
-        read_controllers_file(written.is_absolute() ? written : file_.folder / written, warnings);
-    for (const Problem& problem : warnings.list()) problems_.add(problem);
+  void from_files() {
+    const ControllersFile controllers = read_cell_controllers(file_, problems_);
+    plan_.manager = controllers.manager;
     for (const ControllerEntry& entry : controllers.controllers) from_entry(entry);
   }
 
+  /// Interfaces without a robot's name belong to the robot that the namespace is called after, if any.
+  std::string robot_of(const ControllerEntry& entry) const {
+    const std::string ns = entry.ns.substr(entry.ns.rfind('/') + 1);
+    for (const auto& robot : robots_)
+      if (robot->entry.name == ns) return ns;
+    return base_.robot;
+  }
+
+  std::string name_of(const ControllerEntry& entry) const {
+    for (const PlannedController& other : plan_.controllers)
+      if (other.context.name == entry.name) return entry.full_name().substr(1);
+    return entry.name;
+  }
+
+  unsigned divisor(double rate, const ControllerEntry& entry) {
+    const double loop_rate = 1 / seconds(loop_.options().period);
+    if (rate <= 0) return 1;
+    const double exact = loop_rate / rate;
+    const auto out = static_cast<unsigned>(std::clamp(std::round(exact), 1.0, 1e6));
+    if (std::abs(exact - out) > 1e-6 * exact)
+      observer_.on_note(fmt::format("{}: {} Hz is no part of the {} Hz of the control loop; it is updated at {:.4g} Hz",
+                                    entry.name, format_number(rate), format_number(loop_rate), loop_rate / out));
+    return out;
+  }
+
   void from_entry(const ControllerEntry& entry) {
-    const ControllerKind kind = kind_of(entry.type);
-    if (kind == ControllerKind::unknown) {
+    if (!entry.spawned) return observer_.on_note(entry.name + ": no launch file starts it; it is left out");
+    if (!controllers::find_controller_type(entry.type)) {
       problems_.warning("unknown-controller", entry.where,
                         "the controller '" + entry.name + "' is of type " + entry.type +
-                            ", which is not available; it is left out");
+                            ", which is not available" +
+                            did_you_mean(entry.type, controllers::controller_type_names()) + "; it is left out");
       return;
     }
     controllers::Parameters parameters = entry.parameters;
-    if (kind == ControllerKind::forward && entry.type.starts_with("velocity_controllers/"))
-      parameters.entries["interface_name"].values = {"velocity"};
-    if (kind == ControllerKind::trajectory) keep_what_is_offered(entry, parameters);
-    add(kind, entry.name, base_.robot, std::move(parameters));
+    double rate = entry.update_rate;
+    const auto published = parameters.entries.find("publish_rate");
+    if (published != parameters.entries.end() && (entry.ros1 || controllers::is_publisher(entry.type))) {
+      rate = parameters.number("publish_rate", 0);  // ros_control's name of it
+      parameters.entries.erase(published);
+    }
+    if (entry.type.find("JointTrajectoryController") != std::string::npos) keep_what_is_offered(entry, parameters);
+    PlannedController& planned = add(entry.type, name_of(entry), robot_of(entry), std::move(parameters));
+    planned.options.divisor = divisor(rate, entry);
+    planned.options.async = entry.is_async;
+    planned.options.fallback = entry.fallback_controllers;
+    planned.options.thread.priority = 0;
+    planned.start = !entry.stopped;
   }
 
   /// Hardware that plays another's part may offer fewer interfaces than the file asks for.
   void keep_what_is_offered(const ControllerEntry& entry, controllers::Parameters& parameters) {
     const std::vector<std::string> joints = parameters.list("joints");
-    if (joints.empty()) return;
+    if (joints.empty() || parameters.has("command_joints")) return;
+    controllers::ControllerContext context = base_;
+    context.robot = robot_of(entry);
     for (const char* key : {"command_interfaces", "state_interfaces"}) {
       std::vector<std::string> kept;
       for (const std::string& interface : parameters.list(key)) {
-        const std::string name = base_.robot + "/" + joints.front() + "/" + interface;
         const bool command = std::string_view(key) == "command_interfaces";
+        std::string name;
+        try {
+          name = context.whole_joint(joints.front()) + "/" + interface;
+        } catch (const Error&) {
+          return;  // told when it is configured
+        }
         if (command ? loop_.table().find_command(name).has_value()
                     : loop_.table().find_state(name).has_value())
           kept.push_back(interface);
@@ -131,32 +149,65 @@ class Planner {
           observer_.on_note(entry.name + ": the hardware offers no " + interface + " to " +
                             (command ? "command" : "read") + "; left out");
       }
-      if (parameters.has(key)) parameters.entries[key].values = kept;
+      if (parameters.has(key) && !kept.empty()) parameters.entries[key].values = kept;
     }
   }
 
   void defaults() {
     for (const auto& robot : robots_) {
       controllers::Parameters parameters;
+      std::vector<std::string> joints;
       for (const controllers::JointFacts& joint : robot->joints)
-        if (loop_.table().find_command(joint.name + "/position"))
-          parameters.entries["joints"].values.push_back(joint.name);
-      if (!parameters.has("joints")) continue;
+        if (loop_.table().find_command(joint.name + "/position")) joints.push_back(joint.name);
+      if (joints.empty()) continue;
+      parameters.set("joints", joints);
       const std::string prefix = robots_.size() == 1 ? "" : robot->entry.name + "_";
-      add(ControllerKind::trajectory, prefix + "joint_trajectory_controller", robot->entry.name,
-          std::move(parameters));
+      add("joint_trajectory_controller/JointTrajectoryController", prefix + "joint_trajectory_controller",
+          robot->entry.name, std::move(parameters));
     }
   }
 
   const CellFile& file_;
   const CellRobots& robots_;
   control::ControlLoop& loop_;
+  bool lock_step_;
   Observer& observer_;
   Problems& problems_;
   controllers::ControllerContext base_;
-  std::vector<ControllerKind> kinds_;
   ControllerPlan plan_;
 };
+
+/// Configures all that can be: one that is chained to another is tried again when that one stands.
+void configure(control::ControllerManager& manager, std::vector<std::string> names, Problems& problems) {
+  for (bool again = true; again && !names.empty();) {
+    again = false;
+    Problems found;
+    std::vector<std::string> left;
+    for (const std::string& name : names) {
+      try {
+        manager.configure(name);
+        again = true;
+      } catch (const Error& e) {
+        found.add(e);
+        left.push_back(name);
+      }
+    }
+    if (!again || left.empty())
+      for (const Problem& problem : found.list()) problems.add(problem);
+    names = std::move(left);
+  }
+}
+
+/// What a controller found in its parameters and the file's reader has not told already.
+void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
+  const auto told = [&](const Problem& problem) {
+    return std::any_of(problems.list().begin(), problems.list().end(), [&](const Problem& other) {
+      return other.where.line > 0 && other.where.line == problem.where.line && other.where.file == problem.where.file;
+    });
+  };
+  for (const Problem& problem : findings)
+    if (problem.severity == Severity::warning && !told(problem)) problems.add(problem);
+}
 
 /// Is this file a script, or a script-information file?
 bool is_script(const std::filesystem::path& path) {
@@ -165,23 +216,62 @@ bool is_script(const std::filesystem::path& path) {
 
 }  // namespace
 
+ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) {
+  if (file.launched) return *file.launched;
+  std::vector<std::filesystem::path> paths;
+  for (const std::string& written : file.controllers) {
+    const std::filesystem::path path = written;
+    paths.push_back(path.is_absolute() ? path : file.folder / path);
+  }
+  if (paths.empty()) return {};
+  return read_controllers_files(paths, problems);
+}
+
 double rate_of(const CellFile& file, Problems& problems) {
   const bool from_description =
       file.path.filename() != "cell.yaml" && file.robots.front().hardware == "declared";
-  if (!from_description || file.controllers.empty()) return file.rate;
+  if (!from_description) return file.rate;
   double rate = file.rate;
   collect(problems, [&] {
     Problems later;  // told again where the controllers are made
-    const double stated = read_controllers_file(file.controllers, later).update_rate;
+    const double stated = read_cell_controllers(file, later).update_rate;
     if (stated >= 1 && stated <= 10000) rate = stated;
   });
   return rate;
 }
 
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, Observer& observer,
+                                const std::vector<std::string>& io_commands, bool lock_step, Observer& observer,
                                 Problems& problems) {
-  return Planner(file, robots, loop, observer, problems).plan(io_commands);
+  return Planner(file, robots, loop, lock_step, observer, problems).plan(io_commands);
+}
+
+void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop, Observer& observer,
+                       Problems& problems) {
+  control::ControllerManager& manager = loop.controllers();
+  std::vector<std::string> names;
+  control::SwitchRequest request;
+  request.strictness = control::Strictness::best_effort;
+  for (PlannedController& planned : plan.controllers) {
+    const std::string name = planned.context.name;
+    const bool asked = file.activate.empty() || name == kIoController ||
+                       std::find(file.activate.begin(), file.activate.end(), name) != file.activate.end();
+    collect(problems, [&] {
+      manager.load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
+      names.push_back(name);
+      if (planned.start && asked) request.activate.push_back(name);
+    });
+  }
+  for (const std::string& name : file.activate)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      problems.error("unknown-controller", {}, "'activate' names the controller '" + name + "', which there is not" +
+                                                   did_you_mean(name, names));
+  configure(manager, names, problems);
+  for (const std::string& name : names) tell_findings(manager.findings(name), problems);
+  if (problems.has_errors()) return;
+  const control::SwitchPlan planned = manager.plan(request);
+  for (const std::string& left_out : planned.left_out) observer.on_note(left_out + "; it stays inactive");
+  collect(problems, [&] { manager.switch_now(request); });
 }
 
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
@@ -190,7 +280,8 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
   for (const controllers::JointFacts& joint : robot.joints) wanted.push_back(joint.name);
   for (const auto& listed : manager.list()) {
     auto* follower = dynamic_cast<controllers::JointTrajectoryController*>(manager.find(listed.name));
-    if (follower && follower->joints() == wanted) return follower;
+    if (follower && listed.state == hardware::LifecycleState::active && follower->joints() == wanted)
+      return follower;
   }
   return nullptr;
 }

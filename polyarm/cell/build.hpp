@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/robots.hpp"
@@ -31,19 +32,29 @@ inline constexpr const char* kIoController = "io";
 /// The control rate: the cell's, or what its controllers file says where the cell comes from a description.
 double rate_of(const CellFile& file, Problems& problems);
 
+/// All that the cell's controller files say, or what its launch file said. Empty where there are none.
+ControllersFile read_cell_controllers(const CellFile& file, Problems& problems);
+
 struct PlannedController {
   std::unique_ptr<controllers::Controller> controller;
   controllers::ControllerContext context;
+  control::LoadOptions options;
+  bool start = true;
 };
 struct ControllerPlan {
   std::vector<PlannedController> controllers;
+  ManagerParameters manager;
 };
 
-/// The controllers of the cell's file, or a sensible set where it has none: a trajectory controller for each
+/// The controllers of the cell's files, or a sensible set where it has none: a trajectory controller for each
 /// robot, a joint state broadcaster, and one that carries the tags in `io_commands` out.
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, Observer& observer,
+                                const std::vector<std::string>& io_commands, bool lock_step, Observer& observer,
                                 Problems& problems);
+/// Loads and configures the planned controllers, those that others are chained to first, and starts what can
+/// run together; who has to stay inactive is told. What is wrong joins the problems.
+void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop, Observer& observer,
+                       Problems& problems);
 
 /// The active controller that follows trajectories of all joints of the robot in the model's order; null if
 /// none.

@@ -83,14 +83,11 @@ void Cell::build_tags(Problems& problems) {
 }
 
 void Cell::build_controllers(Problems& problems) {
-  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), observer_, problems);
-  for (PlannedController& planned : plan.controllers) {
-    const std::string name = planned.context.name;
-    controllers::Controller* made = planned.controller.get();
-    loop_->controllers().add(std::move(planned.controller), planned.context);
-    loop_->controllers().activate(name);
-    if (name == kIoController) tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(made));
-  }
+  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), options_.lock_step,
+                                         observer_, problems);
+  start_controllers(std::move(plan), file_, *loop_, observer_, problems);
+  if (auto* io = loop_->controllers().find(kIoController))
+    tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(io));
   for (const auto& robot : robots_) {
     controllers::JointTrajectoryController* follower = trajectory_controller_of(*robot, loop_->controllers());
     trajectory_controllers_.push_back(follower);
@@ -142,11 +139,25 @@ void Cell::update_states(const control::Snapshot& snapshot) {
   }
 }
 
+/// Where somebody else moved a robot to is where its next move begins.
+void Cell::follow_strangers(const control::Snapshot& snapshot) {
+  if (!snapshot.standing) return;
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    if (!motions_[i] || !motions_[i]->idle()) continue;
+    std::vector<double> at = motions_[i]->planned();
+    for (std::size_t j = 0; j < at.size(); ++j)
+      if (const auto index = loop_->table().find_command(robots_[i]->joints[j].name + "/position"))
+        if (std::isfinite(snapshot.commands[*index])) at[j] = snapshot.commands[*index];
+    motions_[i]->set_planned(at);
+  }
+}
+
 void Cell::tick(Nanoseconds now) {
   now_ = now;
   loop_->outbox().fetch();
   loop_->supervisor().heartbeat(now);
   const control::Snapshot& snapshot = loop_->outbox().value();
+  follow_strangers(snapshot);
   update_states(snapshot);
   tags_->read(snapshot.states, states_);
   for (Camera& camera : cameras_) camera.tick(snapshot.world, store_);

@@ -84,6 +84,7 @@ class Cell {
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
   void update_states(const control::Snapshot& snapshot);
+  void follow_strangers(const control::Snapshot& snapshot);
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);

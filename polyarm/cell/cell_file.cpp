@@ -103,7 +103,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   yaml.check_keys(
-      {"polyarm", "rate", "robots", "scene", "controllers", "signals", "program", "plc", "motion"}, problems);
+      {"polyarm", "rate", "robots", "scene", "controllers", "activate", "signals", "program", "plc", "motion"},
+      problems);
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
@@ -117,7 +118,9 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
     where = yaml[key].where();
   };
   file("scene", cell.scene, cell.scene_where);
-  file("controllers", cell.controllers, cell.controllers_where);
+  collect(problems, [&] { cell.controllers = yaml["controllers"].texts(); });
+  cell.controllers_where = yaml["controllers"].where();
+  collect(problems, [&] { cell.activate = yaml["activate"].texts(); });
   file("signals", cell.signals, cell.signals_where);
   file("program", cell.program, cell.program_where);
   file("plc", cell.plc, cell.plc_where);
@@ -128,7 +131,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
 }
 
 CellFile cell_from_description(const std::filesystem::path& description,
-                               const std::filesystem::path& controllers, const Overrides& overrides) {
+                               const std::vector<std::string>& controllers, const Overrides& overrides) {
   CellFile cell;
   cell.path = description;
   cell.folder = ".";
@@ -138,8 +141,8 @@ CellFile cell_from_description(const std::filesystem::path& description,
   robot.hardware = "declared";
   robot.where = {description.string()};
   cell.robots.push_back(robot);
-  cell.controllers = controllers.string();
-  cell.controllers_where = {controllers.string()};
+  cell.controllers = controllers;
+  if (!controllers.empty()) cell.controllers_where = {controllers.front()};
   Problems problems;
   apply(overrides, cell, problems);
   problems.throw_if_errors();

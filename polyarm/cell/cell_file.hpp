@@ -2,6 +2,7 @@
 /// What a user says a cell is: `cell.yaml`, or a ROS user's description with its controllers.
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::cell {
+
+struct ControllersFile;
 
 struct RobotEntry {
   std::string name = "arm";
@@ -35,8 +38,11 @@ struct CellFile {
   std::string name;
   double rate = 1000;  ///< Hz
   std::vector<RobotEntry> robots;
-  std::string scene, controllers, signals, program, plc;  ///< file names as written; empty: none
+  std::string scene, signals, program, plc;  ///< file names as written; empty: none
+  std::vector<std::string> controllers;      ///< files; a later one has the last word
+  std::vector<std::string> activate;         ///< controllers to start; empty: all that can run together
   Location scene_where, controllers_where, signals_where, program_where, plc_where;
+  std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
 };
 
@@ -48,8 +54,8 @@ struct Overrides {
 
 /// Reads `cell.yaml` (or the folder that has one). Throws Error with everything that is wrong.
 CellFile read_cell_file(const std::filesystem::path& path, const Overrides& overrides = {});
-/// A cell of one robot `arm` from a description file and, if given, its controllers YAML.
+/// A cell of one robot `arm` from a description file and, if given, its controllers YAMLs.
 CellFile cell_from_description(const std::filesystem::path& description,
-                               const std::filesystem::path& controllers, const Overrides& overrides = {});
+                               const std::vector<std::string>& controllers, const Overrides& overrides = {});
 
 }  // namespace polyarm::cell

@@ -63,7 +63,7 @@ class Checker {
     if (!file_.controllers.empty())
       collect(problems_, [&] {
         Problems warnings;
-        read_controllers_file(beside(file_.controllers), warnings);
+        read_cell_controllers(file_, warnings);
         for (const Problem& problem : warnings.list()) problems_.add(problem);
       });
   }

@@ -29,6 +29,7 @@ std::span<const double> BlackBox::row(std::size_t i) const noexcept {
 
 ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
   cycle_.period = options.period;
+  controllers_.set_cycle(cycle_);
 }
 
 void ControlLoop::start_hardware() {

@@ -99,6 +99,9 @@ class ControllerManager {
   /// Name of the active controller that claims the command, or "".
   std::string holder_of(const std::string& command) const;
 
+  /// Before the loop runs: the cycle at which controllers that start at once do so.
+  void set_cycle(const hardware::Cycle& cycle) { now_ = cycle; }
+
   // --- control thread ---
   void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
   /// Stops the controllers that use the component, whose place in the hardware is `component`.

@@ -166,6 +166,10 @@ class Planner {
     return false;
   }
 
+  std::ptrdiff_t rank(const std::string& name) const {
+    return std::find(request_.activate.begin(), request_.activate.end(), name) - request_.activate.begin();
+  }
+
   std::optional<Refusal> why_not_start(const ControllerView& c) const {
     for (const auto& [names, command] : {std::pair{&c.commands, true}, std::pair{&c.states, false}})
       for (const std::string& name : *names)
@@ -175,7 +179,8 @@ class Planner {
                          "activate the hardware component first"};
     for (const ControllerView& other : all_) {
       if (other.name == c.name) continue;
-      if (active_after(other))
+      // Of two that start and want the same, the later one is refused.
+      if (active_after(other) && !(starting_.contains(other.name) && rank(other.name) > rank(c.name)))
         for (const std::string& name : c.commands)
           if (contains(other.commands, name))
             return Refusal{"claimed",

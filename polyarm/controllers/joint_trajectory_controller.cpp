@@ -24,7 +24,6 @@ JointTrajectoryController::~JointTrajectoryController() {
 }
 
 CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexcept {
-  period_s_ = seconds(cycle.period);
   now_.store(cycle.time, std::memory_order_relaxed);
   measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {

@@ -74,6 +74,12 @@ std::vector<std::string> controller_type_names() {
   return out;
 }
 
+bool is_publisher(const std::string& type) {
+  for (const char* word : {"Broadcaster", "JointStateController", "SensorController"})
+    if (type.find(word) != std::string::npos) return true;
+  return false;
+}
+
 std::unique_ptr<Controller> make_controller(const std::string& name, Parameters& parameters) {
   const ControllerType* type = find_controller_type(name);
   if (!type)

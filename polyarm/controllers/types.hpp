@@ -23,6 +23,8 @@ const std::vector<ControllerType>& controller_types();
 const ControllerType* find_controller_type(const std::string& name);
 /// The names, for hints.
 std::vector<std::string> controller_type_names();
+/// Does the type only tell what it reads, at a rate that ros_control calls `publish_rate`?
+bool is_publisher(const std::string& type);
 /// Makes the controller and puts what its type's name implies into `parameters`. Throws
 /// Error("unknown-controller-type") with the nearest known name.
 std::unique_ptr<Controller> make_controller(const std::string& type, Parameters& parameters);

@@ -39,14 +39,15 @@ std::uint64_t RobotMotion::move_to_joints(std::span<const double> target, const 
   if (pace.thesis_scale) options.duration = trajectory::thesis_duration(planned_, target, *pace.thesis_scale);
   if (pace.seconds) options.duration = *pace.seconds;
   auto goal = std::make_unique<controllers::TrajectoryGoal>();
-  goal->id = next_id_;
+  goal->id = controller_.new_goal_id();
+  last_id_ = goal->id;
   goal->trajectory = trajectory::plan_joint_move(planned_, target, robot_.limits, options);
   last_duration_ = goal->trajectory.duration();
   if (!controller_.follow(goal))
     throw Error("busy", "the controller of " + robot_.name + " has not taken its last moves yet",
                 "is the loop running?");
   planned_.assign(target.begin(), target.end());
-  return next_id_++;
+  return last_id_;
 }
 
 std::uint64_t RobotMotion::move_to_pose(const Pose& tcp, const Pace& pace, const std::string& what) {

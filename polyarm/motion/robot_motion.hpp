@@ -58,6 +58,8 @@ class RobotMotion {
   const std::vector<double>& planned() const { return planned_; }
   /// Tells where the robot is commanded to be, after start-up or a discarded move.
   void set_planned(std::span<const double> joints) { planned_.assign(joints.begin(), joints.end()); }
+  /// True when the last move is over, however it ended.
+  bool idle() const { return last_id_ == 0 || state_of(last_id_) != MoveState::running; }
   double last_duration() const { return last_duration_; }
   const RobotFacts& robot() const { return robot_; }
 
@@ -65,7 +67,7 @@ class RobotMotion {
   const RobotFacts& robot_;
   controllers::JointTrajectoryController& controller_;
   std::vector<double> planned_;
-  std::uint64_t next_id_ = 1;
+  std::uint64_t last_id_ = 0;
   double last_duration_ = 0;
 };
 
