@@ -63,4 +63,14 @@ class Problems {
   std::vector<Problem> list_;
 };
 
+/// Runs `step`; what it throws joins the problems, so that one fault does not hide the next.
+template <typename Step>
+void collect(Problems& problems, Step step) {
+  try {
+    step();
+  } catch (const Error& e) {
+    problems.add(e);
+  }
+}
+
 }  // namespace polyarm

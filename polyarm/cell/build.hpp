@@ -16,16 +16,6 @@
 
 namespace polyarm::cell {
 
-/// Runs `step`; what it throws joins the problems, so that one bad file does not hide the next.
-template <typename Step>
-void collect(Problems& problems, Step step) {
-  try {
-    step();
-  } catch (const Error& e) {
-    problems.add(e);
-  }
-}
-
 /// Name of the controller that carries tags to command interfaces.
 inline constexpr const char* kIoController = "io";
 

@@ -35,13 +35,20 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
 
+  ManagerParameters manager;
+  collect(problems, [&] {
+    Problems later;  // told again where the controllers are made
+    manager = read_cell_controllers(file_, later).manager;
+  });
   const double rate = rate_of(file_, problems);
   control::LoopOptions loop;
   loop.period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
+  loop.limits = manager.enforce_command_limits;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
   loop_ = std::make_unique<control::ControlLoop>(loop);
   loop_->supervisor().watch_cell = !options_.lock_step;
-  add_components(loop_->hardware(), robots_, scene_, loop.period);
+  add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager, problems);
+  problems.throw_if_errors();
   loop_->start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
 

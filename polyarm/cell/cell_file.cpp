@@ -8,16 +8,6 @@
 namespace polyarm::cell {
 
 namespace {
-/// Runs `read`; what it throws joins the problems, so that one bad entry does not hide the next.
-template <typename Read>
-void collect(Problems& problems, Read read) {
-  try {
-    read();
-  } catch (const Error& e) {
-    problems.add(e);
-  }
-}
-
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
   RobotEntry robot;
   robot.name = name;

@@ -11,7 +11,7 @@ const std::vector<HardwareAlias>& hardware_aliases() {
       {"mock_components/GenericSystem", "mock"},
       {"fake_components/GenericSystem", "mock"},
       {"hardware_interface/GenericSystem", "mock"},
-      {"ros2_control_demo_example_7/RobotSystem", "mock"},
+      {"ros2_control_demo_example_7/RobotSystem", "mock", "integrate_velocity"},
       {"ros2_control_demo_hardware/RRBotSystemPositionOnlyHardware", "mock"},
       {"gz_ros2_control/GazeboSimSystem", "mujoco"},
       {"ign_ros2_control/IgnitionSystem", "mujoco"},
@@ -27,15 +27,15 @@ const std::vector<HardwareAlias>& hardware_aliases() {
 HardwareChoice choose_hardware(const std::string& plugin, const std::string& component) {
   const auto available = [](const std::string& driver) { return hardware::driver_available(driver); };
   const std::string simulated = available("mujoco") ? "mujoco" : "mock";
-  if (plugin.empty()) return {simulated, ""};
-  if (available(plugin)) return {plugin, ""};
+  if (plugin.empty()) return {simulated, "", ""};
+  if (available(plugin)) return {plugin, "", ""};
   for (const HardwareAlias& alias : hardware_aliases())
     if (plugin == alias.plugin) {
       const std::string driver = available(alias.driver) ? alias.driver : "mock";
-      return {driver, fmt::format("{}: {} is played by {}", component, plugin,
+      return {driver, alias.flag, fmt::format("{}: {} is played by {}", component, plugin,
                                   driver == "mujoco" ? "physics (mujoco)" : driver)};
     }
-  return {simulated, fmt::format("{}: the plugin {} is not installed, replaced by {}", component, plugin,
+  return {simulated, "", fmt::format("{}: the plugin {} is not installed, replaced by {}", component, plugin,
                                  simulated == "mujoco" ? "physics (mujoco)" : "mock")};
 }
 

@@ -7,6 +7,7 @@ namespace polyarm::cell {
 /// What stands in for a hardware plugin that a description names.
 struct HardwareChoice {
   std::string driver;  ///< "mock", "mujoco", …
+  std::string flag;    ///< parameter that makes the driver behave like the plugin; empty: none
   std::string note;    ///< one sentence when something was replaced, else empty
 };
 
@@ -19,6 +20,7 @@ HardwareChoice choose_hardware(const std::string& plugin, const std::string& com
 struct HardwareAlias {
   const char* plugin;
   const char* driver;
+  const char* flag = "";
 };
 const std::vector<HardwareAlias>& hardware_aliases();
 

@@ -58,20 +58,25 @@ std::vector<double> start_of(const description::RobotModel& model,
   return out;
 }
 
-std::string driver_of(const CellRobot& robot, std::vector<std::string>& notes) {
-  if (robot.entry.hardware != "declared") return robot.entry.hardware;
-  std::string plugin;
-  std::string component = robot.entry.name;
-  if (!robot.model.hardware.empty()) {
-    plugin = robot.model.hardware.front().plugin;
-    component = robot.model.hardware.front().name;
+/// What plays the robot: the drivers of its blocks, or one for the whole of it.
+void choose_drivers(CellRobot& robot, std::vector<std::string>& notes) {
+  const std::string& asked = robot.entry.hardware;
+  for (const description::HardwareInfo& info : robot.model.hardware) {
+    HardwareChoice choice{asked, "", ""};
+    if (asked == "declared") choice = choose_hardware(info.plugin, info.name);
+    if (!choice.note.empty()) notes.push_back(choice.note);
+    robot.blocks.push_back({&info, choice.driver, choice.flag});
   }
-  const HardwareChoice choice = choose_hardware(plugin, component);
-  if (!choice.note.empty()) notes.push_back(choice.note);
-  if (plugin.empty())
-    notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " +
-                    choice.driver);
-  return choice.driver;
+  robot.driver = asked;
+  if (!robot.blocks.empty()) robot.driver = robot.blocks.front().driver;
+  for (const HardwareBlock& block : robot.blocks)
+    if (block.info->type != "sensor") {
+      robot.driver = block.driver;
+      break;
+    }
+  if (asked != "declared" || !robot.blocks.empty()) return;
+  robot.driver = choose_hardware("", robot.entry.name).driver;
+  notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " + robot.driver);
 }
 
 std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot) {
@@ -95,7 +100,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const RobotEntry& entry
   for (const int joint : robot->model.actuated)
     robot->joints.push_back(facts_of(entry.name, robot->model.joints[static_cast<std::size_t>(joint)]));
   robot->start = start_of(robot->model, robot->joints);
-  robot->driver = driver_of(*robot, notes);
+  choose_drivers(*robot, notes);
   robot->facts = motion_facts(*robot);
   return robot;
 }
@@ -117,27 +122,143 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
   return out;
 }
 
-void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
-                    Nanoseconds period) {
-  std::map<std::string, hardware::ComponentContext> contexts;
-  for (const auto& robot : robots) {
-    hardware::ComponentContext& context = contexts[robot->driver];
-    context.name = robot->driver;
-    context.period = period;
-    context.parameters.insert(robot->entry.parameters.begin(), robot->entry.parameters.end());
-    for (const description::HardwareInfo& block : robot->model.hardware)
-      if (robot->entry.hardware == "declared")
-        context.parameters.insert(block.parameters.begin(), block.parameters.end());
-    context.robots.push_back({robot->entry.name, &robot->model, &robot->tool, robot->entry.base, robot->start,
-                              robot->entry.hardware == "declared"
-                                  ? robot->model.hardware
-                                  : std::vector<description::HardwareInfo>{}});
+namespace {
+
+/// The components of a cell while they are put together.
+class Components {
+ public:
+  Components(const CellRobots& robots, const description::Scene& scene, Nanoseconds period, bool lock_step,
+             const ManagerParameters& manager)
+      : robots_(robots), scene_(scene), period_(period), lock_step_(lock_step), manager_(manager) {}
+
+  void add_to(hardware::Hardware& hardware, Problems& problems) {
+    for (const auto& robot : robots_) take(*robot);
+    give_the_scene();
+    for (Planned& planned : planned_)
+      collect(problems, [&] {
+        hardware.add(hardware::make_driver(planned.driver), planned.context, planned.options);
+      });
+    for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
+      for (const std::string& name : *names)
+        if (hardware.find(name) < 0)
+          problems.warning("unknown-component", {},
+                           "hardware_components_initial_state names '" + name + "', which there is not");
   }
-  const std::string world = contexts.contains("mujoco") ? "mujoco"
-                            : contexts.empty()          ? ""
-                                                        : contexts.begin()->first;
-  if (!world.empty()) contexts[world].scene = &scene;
-  for (const auto& [driver, context] : contexts) hardware.add(hardware::make_driver(driver), context);
+
+ private:
+  struct Planned {
+    std::string driver;
+    hardware::ComponentContext context;
+    hardware::HostOptions options;
+  };
+
+  Planned& component(const std::string& driver, const std::string& name) {
+    for (Planned& planned : planned_)
+      if (planned.driver == driver && planned.context.name == name) return planned;
+    Planned planned;
+    planned.driver = driver;
+    planned.context.name = name;
+    planned.context.period = period_;
+    planned.options.lock_step = lock_step_;
+    planned.options.plugin = driver;
+    planned.options.type = "system";
+    planned.options.initial = initial(name);
+    planned_.push_back(std::move(planned));
+    return planned_.back();
+  }
+
+  hardware::LifecycleState initial(const std::string& name) const {
+    const auto in = [&](const std::vector<std::string>& list) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    if (in(manager_.unconfigured)) return hardware::LifecycleState::unconfigured;
+    return in(manager_.inactive) ? hardware::LifecycleState::inactive : hardware::LifecycleState::active;
+  }
+
+  hardware::RobotInstance instance(const CellRobot& robot) const {
+    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}};
+  }
+
+  void take(const CellRobot& robot) {
+    bool tool_given = false;
+    const auto with_tool = [&](hardware::RobotInstance& made) {
+      if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
+    };
+    if (robot.blocks.empty()) {
+      Planned& planned = component(robot.driver, robot.driver);
+      planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
+      planned.context.robots.push_back(instance(robot));
+      with_tool(planned.context.robots.back());
+      return;
+    }
+    for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
+  }
+
+  template <typename WithTool>
+  void take_block(const CellRobot& robot, const HardwareBlock& block, WithTool with_tool) {
+    const bool physics = block.driver == "mujoco";
+    description::HardwareInfo joints = *block.info, rest = *block.info;
+    std::erase_if(rest.components, [](const auto& c) { return c.kind == "joint"; });
+    std::erase_if(joints.components, [](const auto& c) { return c.kind != "joint"; });
+    if (!physics || !joints.components.empty()) {
+      Planned& planned = component(block.driver, physics ? block.driver : block.info->name);
+      describe(planned, *block.info);
+      planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
+      if (!block.flag.empty()) planned.context.parameters.emplace(block.flag, "true");
+      std::vector<hardware::RobotInstance>& instances = planned.context.robots;
+      if (!physics || instances.empty() || instances.back().name != robot.entry.name) {
+        instances.push_back(instance(robot));
+        with_tool(instances.back());
+      }
+      instances.back().hardware.push_back(physics ? joints : *block.info);
+    }
+    if (physics && !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin
+      Planned& planned = component("mock", block.info->name);
+      describe(planned, *block.info);
+      planned.context.robots.push_back(instance(robot));
+      planned.context.robots.back().hardware.push_back(rest);
+    }
+  }
+
+  void describe(Planned& planned, const description::HardwareInfo& info) {
+    planned.options.plugin = info.plugin;
+    planned.options.type = info.type;
+    if (planned.driver == "mujoco") {
+      planned.context.parameters.insert(info.parameters.begin(), info.parameters.end());
+      return;
+    }
+    planned.context.parameters.insert(info.parameters.begin(), info.parameters.end());
+    planned.options.group = info.group;
+    host_options(info, planned.options);
+  }
+
+  void host_options(const description::HardwareInfo& info, hardware::HostOptions& options) const {
+    (void)info;
+    (void)options;
+  }
+
+  /// Parts and machines are played once: by physics where there is some.
+  void give_the_scene() {
+    if (planned_.empty()) return;
+    Planned* world = &planned_.front();
+    for (Planned& planned : planned_)
+      if (planned.driver == "mujoco") world = &planned;
+    world->context.scene = &scene_;
+  }
+
+  const CellRobots& robots_;
+  const description::Scene& scene_;
+  Nanoseconds period_;
+  bool lock_step_;
+  const ManagerParameters& manager_;
+  std::vector<Planned> planned_;
+};
+
+}  // namespace
+
+void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
+                    Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems) {
+  Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
 }
 
 }  // namespace polyarm::cell

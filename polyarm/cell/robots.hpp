@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/manager_parameters.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/description/scene.hpp"
@@ -13,12 +14,19 @@
 
 namespace polyarm::cell {
 
+/// One `<ros2_control>` of a description and what plays it.
+struct HardwareBlock {
+  const description::HardwareInfo* info = nullptr;
+  std::string driver, flag;
+};
+
 /// One robot; stays where it is in memory while the cell lives.
 struct CellRobot {
   RobotEntry entry;
   description::RobotModel model;
   description::Tool tool;
-  std::string driver;
+  std::string driver;                    ///< of its joints
+  std::vector<HardwareBlock> blocks;     ///< what its description declares, each with its driver
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
   std::unique_ptr<motion::RobotFacts> facts;
@@ -31,9 +39,10 @@ using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, Problems& problems,
                           std::vector<std::string>& notes);
 
-/// Adds one component for each driver, which then stands for all robots that use it. The scene goes to the
-/// driver that simulates physics where there is one.
+/// Adds the components: one for each block that a description declares, named as the block; all that physics
+/// plays is one component, since it is one world. The scene goes to physics where there is some. `initial` says
+/// which components stay unconfigured or inactive at the start.
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
-                    Nanoseconds period);
+                    Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems);
 
 }  // namespace polyarm::cell

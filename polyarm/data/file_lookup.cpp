@@ -29,14 +29,6 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return out;
 }
 
-template <class Work>
-void collect(Problems& problems, Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    problems.add(error);
-  }
-}
 }  // namespace
 
 const std::vector<std::string>& file_endings() {

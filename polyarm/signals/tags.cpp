@@ -10,16 +10,6 @@
 namespace polyarm::signals {
 
 namespace {
-/// Keeps reading where one part of the file is wrong.
-template <class Work>
-void collect(Problems& problems, Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    problems.add(error);
-  }
-}
-
 void check_version(const Yaml& root, Problems& problems) {
   const std::string version = root.required("polyarm").text();
   if (version != "signals/1")
