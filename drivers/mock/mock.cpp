@@ -132,6 +132,7 @@ void MockComponent::add_declared(const hardware::RobotInstance& robot,
 
 CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context) {
   dynamics_ = flag(context.parameters, "calculate_dynamics");
+  velocity_leads_ = flag(context.parameters, "integrate_velocity");
   disabled_ = flag(context.parameters, "disable_commands");
   mirror_sensors_ = flag(context.parameters, "mock_sensor_commands");
   mirror_gpios_ = flag(context.parameters, "mock_gpio_commands");
@@ -196,7 +197,12 @@ void MockComponent::move(Part& part, double dt) noexcept {
   const double q = asked(part.position_command), v = asked(part.velocity_command),
                a = asked(part.acceleration_command);
   const double before = part.position;
-  if (std::isfinite(q)) {
+  if (velocity_leads_) {
+    if (std::isfinite(v)) {
+      part.velocity = v;
+      part.position += v * dt;
+    }
+  } else if (std::isfinite(q)) {
     part.position = q + (custom_interface_.empty() ? following_offset_ : 0);
     if (dynamics_ || part.quotient) {
       const double velocity = dt > 0 ? (part.position - before) / dt : 0;

@@ -10,7 +10,9 @@ namespace polyarm::drivers {
 /// Hardware that does what it is told at once, without physics: the behaviour of
 /// mock_components/GenericSystem of ros2_control. Parameters: `calculate_dynamics`, `disable_commands`,
 /// `position_state_following_offset`, `custom_interface_with_following_offset` (a state interface that takes
-/// the offset in place of the position), `mock_sensor_commands`, `mock_gpio_commands`. A robot without
+/// the offset in place of the position), `mock_sensor_commands`, `mock_gpio_commands`; and
+/// `integrate_velocity`, with which positions that are commanded are passed over and the velocity leads, as the
+/// RobotSystem of ros2_control's example 7 does. A robot without
 /// <ros2_control> gets a position command, and position and velocity states, for each actuated joint; there
 /// the velocity state is the difference quotient of positions. Tools, feeders, outfeeds, movers and parts are
 /// played by MockWorld.
@@ -62,7 +64,7 @@ class MockComponent : public hardware::Component {
   std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
   std::vector<char> stopped_;  // commands that lead no longer
   std::unique_ptr<MockWorld> world_;
-  bool dynamics_ = false, disabled_ = false, mirror_sensors_ = false, mirror_gpios_ = false, broken_ = false;
+  bool dynamics_ = false, disabled_ = false, velocity_leads_ = false, mirror_sensors_ = false, mirror_gpios_ = false, broken_ = false;
   double following_offset_ = 0;
   std::string custom_interface_;
 };

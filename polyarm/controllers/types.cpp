@@ -4,6 +4,7 @@
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/controllers/simple_trajectory_controller.hpp"
 
 namespace polyarm::controllers {
 
@@ -24,8 +25,8 @@ const std::vector<ControllerType>& controller_types() {
        make<Trajectory>,
        "the same, commanding positions",
        {{"command_interfaces", "position"}}},
-      {"ros2_control_demo_example_7/RobotController", make<Trajectory>,
-       "stands in for the example's own controller"},
+      {"ros2_control_demo_example_7/RobotController", make<SimpleTrajectoryController>,
+       "the simple controller of ros2_control's example 7: from point to point by time"},
       {"joint_state_broadcaster/JointStateBroadcaster", make<JointStateBroadcaster>,
        "tells the states of the joints"},
       {"joint_state_controller/JointStateController", make<JointStateBroadcaster>,
