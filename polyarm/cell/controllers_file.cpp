@@ -27,6 +27,7 @@ bool is_class_name(const std::string& type) {
 }
 bool sounds_like_controller(const std::string& name) {
   const std::string plain = lower(name);
+  if (plain.starts_with("publish")) return false;  // nodes that send to controllers
   return plain.find("controller") != std::string::npos || plain.find("broadcaster") != std::string::npos;
 }
 
@@ -58,24 +59,50 @@ class Ros2Reader {
 
  private:
   std::vector<ManagerName> managers() const {
-    std::vector<ManagerName> named, wild, other;
+    std::vector<ManagerName> named, other;
+    bool everywhere = false;
     const auto add = [](std::vector<ManagerName>& list, ManagerName manager) {
       if (std::find(list.begin(), list.end(), manager) == list.end()) list.push_back(std::move(manager));
     };
     for (const NodeParameters& node : set_.nodes) {
       if (node.path.empty()) continue;
       const Path ns(node.path.begin(), node.path.end() - 1);
-      const bool wild_ns = std::any_of(ns.begin(), ns.end(), is_wild);
-      if (node.path.back() == "controller_manager")
-        add(wild_ns ? wild : named, {wild_ns ? Path{} : ns});
-      else if (declares_controllers(node) ||
-               (is_wild(node.path.back()) && node.parameters.has("update_rate")))
-        add(other, is_wild(node.path.back()) || wild_ns ? ManagerName{} : ManagerName{ns, node.path.back()});
+      const bool wild = std::any_of(ns.begin(), ns.end(), is_wild) || is_wild(node.path.back());
+      const bool is_manager = node.path.back() == "controller_manager";
+      if (is_manager && !wild)
+        add(named, {ns});
+      else if (is_manager || (wild && says_manager(node)))
+        everywhere = true;
+      else if (declares_controllers(node))
+        add(other, {ns, node.path.back()});
       else if (is_class_name(node.parameters.text("type")))
-        add(other, {wild_ns ? Path{} : ns});
+        wild ? void(everywhere = true) : add(other, {ns});
     }
     if (!named.empty()) return named;
-    return wild.empty() ? other : wild;
+    return everywhere ? where_controllers_are() : other;
+  }
+
+  static bool says_manager(const NodeParameters& node) {
+    return declares_controllers(node) || (is_wild(node.path.back()) && node.parameters.has("update_rate"));
+  }
+
+  /// For a manager of any namespace: the namespaces in which controllers are named.
+  std::vector<ManagerName> where_controllers_are() const {
+    std::set<std::string> names;
+    for (const NodeParameters& node : set_.nodes) {
+      if (is_class_name(node.parameters.text("type"))) names.insert(node.path.back());
+      for (const auto& [key, entry] : node.parameters.entries)
+        if (key.ends_with(".type")) names.insert(key.substr(0, key.find('.')));
+    }
+    std::vector<ManagerName> out;
+    for (const NodeParameters& node : set_.nodes) {
+      const ManagerName manager{{node.path.begin(), node.path.end() - 1}};
+      if (!names.contains(node.path.back()) || std::any_of(manager.ns.begin(), manager.ns.end(), is_wild))
+        continue;
+      if (std::find(out.begin(), out.end(), manager) == out.end()) out.push_back(manager);
+    }
+    if (out.empty()) out.push_back({});
+    return out;
   }
 
   static bool declares_controllers(const NodeParameters& node) {
@@ -499,9 +526,10 @@ ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Pr
   out.joint_limits = std::move(set.joint_limits);
   sort_by_place(out, sources);
   const bool broken = problems.has_errors();
-  if (out.controllers.empty() && out.joint_limits.empty() && out.pid_gains.entries.empty() && !broken)
+  if (!sources.empty() && out.controllers.empty() && out.joint_limits.empty() &&
+      out.pid_gains.entries.empty() && !broken)
     problems.warning(
-        "no-controllers", {sources.empty() ? "" : sources.front().file.string(), 1, 1},
+        "no-controllers", {sources.front().file.string(), 1, 1},
         "the file names no controllers: no 'controller_manager: ros__parameters: NAME: type: …' in "
         "it, and no 'NAME: type: …'",
         "a joint trajectory controller for all joints is used");

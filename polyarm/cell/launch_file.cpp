@@ -103,6 +103,7 @@ class LaunchReader {
   }
 
   void error(const XMLElement& element, std::string code, const std::string& what, std::string advice = {}) {
+    if (follows_from_args(element)) return;
     problems_.error(std::move(code), at(element), what + chain(), std::move(advice));
   }
   void warning(const XMLElement& element, std::string code, const std::string& what,
@@ -112,8 +113,15 @@ class LaunchReader {
   void not_applicable(const XMLElement& element, std::string what) {
     out_.not_applicable.push_back({at(element), std::move(what)});
   }
+  /// Once an <arg> has no value, what goes wrong with other elements may come from that, and is not told.
+  bool follows_from_args(const XMLElement& element) {
+    const bool arg = std::string_view(element.Name()) == "arg";
+    args_broken_ |= arg;
+    return args_broken_ && !arg;
+  }
   /// Tells what was thrown: with the place of the element, or its own where it has one.
   void tell(const XMLElement& element, const Error& thrown) {
+    if (follows_from_args(element)) return;
     for (const Problem& problem : thrown.problems())
       problems_.add({problem.code, problem.where.line > 0 ? problem.where : at(element),
                      problem.what + chain(), problem.advice, problem.severity});
@@ -243,21 +251,20 @@ class LaunchReader {
     if (out.fixed && given && !frame.pass_all)
       throw Error("fixed-arg", "the arg '" + name + "' has a fixed value and cannot be set from outside",
                   "write default= instead of value= in its declaration");
-    if (out.fixed)
-      out.value = attribute(element, "value", scope);
-    else if (given)
-      out.value = passed->second;
-    else if (has(element, "default"))
-      out.value = attribute(element, "default", scope);
-    else
-      missing_arg(name, scope);
+    try {
+      out.value = given && !out.fixed ? passed->second : own_value(element, name, scope);
+    } catch (const Error&) {
+      scope.args[name] = "";  // so that its uses are not told as well
+      throw;
+    }
     out.required = !out.fixed && !has(element, "default");
     scope.args[name] = out.value;
     if (frames_.size() == 1) out_.args.push_back(std::move(out));
   }
 
-  [[noreturn]] void missing_arg(const std::string& name, Scope& scope) {
-    scope.args[name] = "";  // so that its uses are not told as well
+  std::string own_value(const XMLElement& element, const std::string& name, const Scope& scope) const {
+    for (const char* written : {"value", "default"})
+      if (has(element, written)) return attribute(element, written, scope);
     throw Error("missing-arg", "the arg '" + name + "' has no value",
                 frames_.size() == 1 ? "give one: polyarm run FILE " + name + ":=VALUE"
                                     : "write <arg name=\"" + name + "\" value=\"…\"/> in the <include>");
@@ -525,6 +532,7 @@ class LaunchReader {
   Problems& problems_;
   std::vector<Frame> frames_;
   int files_ = 0, elements_ = 0;
+  bool args_broken_ = false;
 };
 
 void mark(ControllersFile& file, const SpawnedController& spawned, Problems& problems) {

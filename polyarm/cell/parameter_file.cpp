@@ -198,8 +198,22 @@ class Reader {
                         "'" + entry.key + "' stands below another 'ros__parameters'",
                         "it belongs directly below a node's name");
       else
-        out.entries[name] = leaf(entry, true);
+        value(name, entry, inner_keys, path, out);
     }
+  }
+
+  /// The maps of a list lose the list: their names stand directly below its own, as in ROS 2.
+  void value(const std::string& name, const Yaml::Entry& entry, const Path& keys, const Path& path,
+             Parameters& out) {
+    Parameters::Entry read = leaf(entry, true);
+    bool maps = false;
+    if (entry.value.is_list())
+      for (const Yaml& item : entry.value.items()) {
+        if (!item.is_map()) continue;
+        flatten(name, item, keys, path, out);
+        maps = true;
+      }
+    if (!maps || !read.values.empty()) out.entries[name] = std::move(read);
   }
 
   /// The value of a scalar or list; of a list's items the scalars.
@@ -212,8 +226,8 @@ class Reader {
       count(entry.where, 0);
       if (item.is_scalar())
         out.values.push_back(ros2 ? item.text() : in_radians(item.text()));
-      else if (item.defined() && ros2 && told_lists_.insert(entry.where.line).second)
-        problems_.error("bad-value", item.where(), "'" + entry.key + "' holds lists or maps within a list",
+      else if (item.is_list() && ros2 && told_lists_.insert(entry.where.line).second)
+        problems_.error("bad-value", item.where(), "'" + entry.key + "' holds lists within a list",
                         "a parameter is one value or a list of plain values");
     }
     return out;

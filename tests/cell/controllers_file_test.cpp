@@ -171,6 +171,40 @@ right:
   }
 }
 
+TEST(Ros2Controllers, AManagerOfAnyNamespaceIsWhereItsControllersAre) {
+  const auto [file, problems] =
+      read(R"(/**/controller_manager: {ros__parameters: {update_rate: 10, jsb: {type: a/S}}}
+/**/fwd: {ros__parameters: {type: a/F, interface_name: position}}
+/one/fwd: {ros__parameters: {joints: [a]}}
+/two/fwd: {ros__parameters: {joints: [b]}}
+)");
+  EXPECT_EQ(all(problems), "");
+  EXPECT_EQ(file.controllers.size(), 4u);
+  EXPECT_EQ(text_of(find(file, "/one/fwd"), "joints"), "a");
+  EXPECT_EQ(text_of(find(file, "/two/fwd"), "joints"), "b");
+  EXPECT_EQ(text_of(find(file, "/two/fwd"), "interface_name"), "position");
+  EXPECT_EQ(find(file, "/two/jsb").type, "a/S");
+}
+
+TEST(Ros2Controllers, MapsInListsStandDirectlyBelowTheName) {
+  const auto [file, problems] = read(R"(gpio_controller:
+  ros__parameters:
+    type: gpio_controllers/GpioCommandController
+    gpios: [io, vacuum]
+    command_interfaces:
+      io:
+        - interfaces:
+          - analog_output1
+          - analog_output2
+      vacuum: [{interfaces: [pump]}]
+)");
+  EXPECT_EQ(all(problems), "");
+  const ControllerEntry& gpio = file.controllers.at(0);
+  EXPECT_EQ(text_of(gpio, "command_interfaces.io.interfaces"), "analog_output1,analog_output2");
+  EXPECT_EQ(text_of(gpio, "command_interfaces.vacuum.interfaces"), "pump");
+  EXPECT_FALSE(gpio.parameters.entries.contains("command_interfaces.io"));
+}
+
 TEST(Ros2Controllers, OneRateIsTakenWhereTwoManagersDiffer) {
   const Problem problem = only(R"(/left/controller_manager:
   ros__parameters: {update_rate: 125, a: {type: a/B}}

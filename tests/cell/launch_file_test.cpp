@@ -379,6 +379,27 @@ TEST_F(LaunchFile, ArgsThatTheFileDoesNotHaveAreRefused) {
   EXPECT_EQ(fixed.where.line, 3);
 }
 
+TEST_F(LaunchFile, WhatFollowsFromAMissingArgIsNotToldAsWell) {
+  const Problem problem = only(
+      "<launch>\n<arg name='file'/>\n<rosparam file='$(arg file)'/>\n"
+      "<group if='$(arg file)'/>\n<include file='$(arg file)'/>\n</launch>");
+  EXPECT_EQ(problem.code, "missing-arg");
+  const std::string two =
+      "<launch>\n<arg name='a' default='$(find nowhere)'/>\n<arg name='b'/>\n"
+      "<param name='x' value='$(arg missing)'/></launch>";
+  EXPECT_EQ(read(two).problems.list().size(), 2u);
+  EXPECT_EQ(read(two, {{"a", "1"}, {"b", "2"}}).problems.list().at(0).code, "unknown-arg");
+}
+
+TEST_F(LaunchFile, AGroupMayGiveAnArgAnotherValue) {
+  const auto [cell, problems] = read(
+      "<launch><arg name='x' value='a'/><group><arg name='x' value='$(arg x)b'/>"
+      "<param name='p' value='$(arg x)'/></group><param name='q' value='$(arg x)'/></launch>");
+  EXPECT_EQ(all(problems), "");
+  EXPECT_EQ(cell.parameters.at(0).text, "ab");
+  EXPECT_EQ(cell.parameters.at(1).text, "a");
+}
+
 TEST_F(LaunchFile, AnErrorNamesTheChainOfIncludes) {
   space.write("other/launch/inner.launch", "<launch>\n<param name='x' value='$(arg missing)'/></launch>");
   space.write("other/launch/middle.launch", "<launch>\n\n<include file='inner.launch'/></launch>");
