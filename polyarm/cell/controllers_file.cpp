@@ -440,6 +440,7 @@ class Ros1Reader {
     }
     if (is_controller(node, name)) return controller(node, path);
     if (node.value) leaf(node, path);
+    if (node.value && node.value->list) return;  // maps in it are no names of their own
     for (const auto& [child, inner] : node.children) {
       Path next = path;
       next.push_back(child);
@@ -455,6 +456,8 @@ class Ros1Reader {
   bool is_controller(const ParameterTree& node, const std::string& name) const {
     if (name.empty()) return false;
     const std::string type = type_of(node);
+    for (const char* action : {"FollowJointTrajectory", "GripperCommand", "ParallelGripperCommand"})
+      if (type == action) return false;  // a planner's view of a controller
     if (type.find("Hardware") != std::string::npos || type.find("RobotHW") != std::string::npos ||
         type.find("Transmission") != std::string::npos)
       return false;

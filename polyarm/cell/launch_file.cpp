@@ -131,8 +131,10 @@ class LaunchReader {
 
   static bool has(const XMLElement& element, const char* name) { return element.Attribute(name) != nullptr; }
 
+  /// A package that is not here is told only where something is read from it.
   Substitution substitution(const Scope& scope) const {
-    return {scope.args, frames_.back().path.parent_path(), find_};
+    const std::filesystem::path folder = std::filesystem::absolute(frames_.back().path).parent_path();
+    return {scope.args, folder, find_, false, true};
   }
 
   std::string attribute(const XMLElement& element, const char* name, const Scope& scope) const {
@@ -166,6 +168,7 @@ class LaunchReader {
   }
 
   std::filesystem::path existing(const std::string& written) const {
+    refuse_missing_package(written);
     std::filesystem::path path = path_of(written);
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored))
@@ -369,6 +372,10 @@ class LaunchReader {
     if (!has(element, "value"))
       throw Error("missing-attribute", "the param '" + name + "' has no value", "write value=\"…\"");
     ParameterSource source{frames_.back().path, name, attribute(element, "value", scope), true, at(element)};
+    if (source.text->find("$(find ") != std::string::npos)
+      warning(element, "no-package",
+              "'" + name + "' names a ROS package that is not found: '" + *source.text + "'",
+              "add the folder that holds it to the package folders");
     if (attribute(element, "type", scope) == "yaml") {
       source.literal = false;
       source.text = std::string(std::max(0, element.GetLineNum() - 1), '\n') + *source.text;
@@ -398,6 +405,7 @@ class LaunchReader {
     Substitution with = substitution(scope);
     with.in_command = true;
     const std::string whole = substitute(element.Attribute("command"), with);
+    refuse_missing_package(whole);
     std::vector<std::string> words = shell_words(whole);
     if (words.size() > 3 && words[0] == "rosrun" && words[1] == "xacro")
       words.erase(words.begin(), words.begin() + 2);

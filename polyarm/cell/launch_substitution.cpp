@@ -36,12 +36,17 @@ std::string variable(const std::string& name, const std::optional<std::string>& 
          "set it, or write $(optenv " + name + " VALUE) in the file", "no-variable");
 }
 
+[[noreturn]] void missing_package(const std::string& package) {
+  refuse("the ROS package '" + package + "' is not found",
+         "add the folder that holds it to the package folders", "no-package");
+}
+
 std::string package_folder(const std::string& package, const Substitution& with) {
   if (with.in_command && package == "xacro") return "xacro";
   const std::filesystem::path folder = with.find ? with.find(package) : std::filesystem::path();
   if (!folder.empty()) return folder.string();
-  refuse("the ROS package '" + package + "' is not found",
-         "add the folder that holds it to the package folders", "no-package");
+  if (with.keep_missing) return "$(find " + package + ")";
+  missing_package(package);
 }
 
 // --- $(eval …) ---
@@ -436,6 +441,13 @@ std::string substitute(std::string_view text, const Substitution& with) {
   if (plain.starts_with("$(eval ") && plain.ends_with(")"))
     return evaluate_launch_expression(plain.substr(7, plain.size() - 8), with);
   return replaced(text, with, 0);
+}
+
+void refuse_missing_package(std::string_view text) {
+  const std::size_t at = text.find("$(find ");
+  if (at == std::string_view::npos) return;
+  const std::string_view rest = text.substr(at + 7);
+  missing_package(std::string(trim(rest.substr(0, rest.find(')')))));
 }
 
 bool launch_condition(const std::string& text) {

@@ -18,12 +18,16 @@ struct Substitution {
   std::map<std::string, std::string> args;  ///< declared and set so far
   std::filesystem::path folder;             ///< of the launch file: $(dirname)
   PackageSearch find;
-  bool in_command = false;  ///< $(find xacro) need not exist: it only names the program
+  bool in_command = false;    ///< $(find xacro) need not exist: it only names the program
+  bool keep_missing = false;  ///< $(find NAME) of a package that is not here stays as it is
 };
 
 /// `text` with everything in `$(…)` replaced; nested ones from the inside out. Throws Error without a place:
 /// "no-package", "unknown-arg", "no-variable", "bad-substitution", "ros2-launch".
 std::string substitute(std::string_view text, const Substitution& with);
+
+/// Throws Error("no-package") where `text` still holds a $(find NAME) that was kept.
+void refuse_missing_package(std::string_view text);
 
 /// The Python expression of `$(eval …)`: arithmetic, comparison, and/or/not, `a if c else b`, strings, arg(),
 /// find(), env(), optenv(), dirname(), anon(), int(), float(), str(), bool(), len(), abs(), min(), max(),

@@ -747,7 +747,7 @@ TEST(Ros1Controllers, ListsOfMapsKeepTheirNames) {
   EXPECT_NEAR(states.parameters.number("extra_joints.1.velocity", 0), 3.14159265358979, 1e-12);
 }
 
-TEST(Ros1Controllers, HardwareIsNoController) {
+TEST(Ros1Controllers, HardwareAndAPlannersListAreNoControllers) {
   const auto [file, problems] = read(
       "arm_hw: {type: my_robot/MyRobotHW, joints: [a]}\n"
       "hardware_interface: {joints: [a, b]}\n"

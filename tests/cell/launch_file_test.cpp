@@ -318,6 +318,29 @@ TEST_F(LaunchFile, APackageThatIsNotHereIsPassedOverWithAWarning) {
   EXPECT_EQ(notes(cell), "2: '$(find gazebo_ros)/launch/empty_world.launch' is not here\n");
 }
 
+TEST_F(LaunchFile, AMissingPackageIsToldWhereSomethingIsReadFromIt) {
+  const std::string arg = "<launch>\n<arg name='folder' default='$(find nowhere)/config'/>\n";
+  EXPECT_EQ(all(read(arg + "</launch>").problems), "");
+  for (const char* line : {"<rosparam file='$(arg folder)/a.yaml'/>",
+                           "<param name='robot_description' command='xacro $(arg folder)/a.xacro'/>",
+                           "<param name='robot_description' textfile='$(find nowhere)/a.urdf'/>"}) {
+    const Problem problem = only(arg + line + "\n</launch>");
+    EXPECT_EQ(problem.code, "no-package");
+    EXPECT_EQ(problem.severity, Severity::error);
+    EXPECT_EQ(problem.where.line, 3);
+    EXPECT_NE(problem.what.find("'nowhere'"), std::string::npos) << problem.what;
+  }
+}
+
+TEST_F(LaunchFile, ARelativeNameOfTheFileItselfIsEnough) {
+  space.write("my_robot/launch/part.launch", "<launch><param name='x' value='1'/></launch>");
+  const auto path = space.write("my_robot/launch/whole.launch",
+                                "<launch><include file='$(dirname)/part.launch'/></launch>");
+  const auto [cell, problems] = read_file(std::filesystem::relative(path));
+  EXPECT_EQ(all(problems), "");
+  EXPECT_EQ(cell.parameters.size(), 1u);
+}
+
 TEST_F(LaunchFile, AWrongLineIsToldWithItsPlaceAndWhatToWrite) {
   struct Wrong {
     const char* line;
@@ -327,7 +350,7 @@ TEST_F(LaunchFile, AWrongLineIsToldWithItsPlaceAndWhatToWrite) {
   for (const Wrong& wrong : {
            Wrong{"<param name='x' value='$(arg simm)'/>", "unknown-arg", "did you mean 'sim'?"},
            Wrong{"<param name='x' value='$(find nowhere)/a'/>", "no-package",
-                 "the ROS package 'nowhere' is not found"},
+                 "names a ROS package that is not found"},
            Wrong{"<param name='x' value='$(env POLYARM_NEVER_SET)'/>", "no-variable",
                  "$(optenv POLYARM_NEVER_SET"},
            Wrong{"<param name='x' value='$(arg sim'/>", "bad-substitution", "no closing ')'"},
@@ -385,7 +408,7 @@ TEST_F(LaunchFile, WhatFollowsFromAMissingArgIsNotToldAsWell) {
       "<group if='$(arg file)'/>\n<include file='$(arg file)'/>\n</launch>");
   EXPECT_EQ(problem.code, "missing-arg");
   const std::string two =
-      "<launch>\n<arg name='a' default='$(find nowhere)'/>\n<arg name='b'/>\n"
+      "<launch>\n<arg name='a' default='$(env POLYARM_NEVER_SET)'/>\n<arg name='b'/>\n"
       "<param name='x' value='$(arg missing)'/></launch>";
   EXPECT_EQ(read(two).problems.list().size(), 2u);
   EXPECT_EQ(read(two, {{"a", "1"}, {"b", "2"}}).problems.list().at(0).code, "unknown-arg");
