@@ -505,6 +505,9 @@ class LaunchReader {
 
   void spawner(const XMLElement& element, const std::string& args, const std::string& ns) {
     const SpawnerArguments read = read_spawner_arguments(args);
+    if (read.names.empty())
+      warning(element, "no-controllers", "the spawner names no controller",
+              "write their names in args=\"…\"");
     for (const std::string& option : read.unknown)
       warning(element, "unknown-option",
               "the spawner has no option '" + option + "'" + spawner_option_hint(option),

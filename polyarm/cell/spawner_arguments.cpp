@@ -46,8 +46,6 @@ SpawnerArguments read_spawner_arguments(std::string_view args) {
       out.unknown.push_back(option);
     }
   }
-  if (out.names.empty())
-    throw Error("bad-value", "the spawner names no controller", "write their names in args=\"…\"");
   return out;
 }
 

@@ -13,7 +13,7 @@ struct SpawnerArguments {
   std::vector<std::string> unknown;  ///< options that it does not have
 };
 
-/// Throws Error("bad-value"), without a place, where an option lacks its value or no controller is named.
+/// Throws Error("bad-value"), without a place, where an option lacks its value.
 SpawnerArguments read_spawner_arguments(std::string_view args);
 
 /// "; did you mean '--stopped'?" and the like for an unknown option.

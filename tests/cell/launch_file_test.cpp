@@ -377,7 +377,7 @@ TEST_F(LaunchFile, AWrongLineIsToldWithItsPlaceAndWhatToWrite) {
            Wrong{"<param name='robot_description' command='xacro a b'/>", "foreign-command",
                  "names two files"},
            Wrong{"<node pkg='p' name='n'/>", "missing-attribute", "write type="},
-           Wrong{"<node pkg='controller_manager' type='spawner' name='s'/>", "bad-value",
+           Wrong{"<node pkg='controller_manager' type='spawner' name='s'/>", "no-controllers",
                  "names no controller"},
            Wrong{"<node pkg='controller_manager' type='spawner' name='s' args='a --timeout'/>", "bad-value",
                  "has no value"},
