@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/superseded_keys.hpp"
@@ -509,33 +510,54 @@ class Ros1Reader {
   Problems& problems_;
 };
 
-void sort_by_place(ControllersFile& file, const std::vector<ParameterSource>& sources) {
-  const auto rank = [&](const Location& where) {
-    const auto found = std::find_if(sources.begin(), sources.end(),
-                                    [&](const auto& source) { return source.file.string() == where.file; });
-    return std::tuple(found - sources.begin(), where.line, where.column);
+/// The order of the sources, and within them that of the lines.
+auto by_place(const std::vector<ParameterSource>& sources) {
+  return [&sources](const auto& a, const auto& b) {
+    const auto rank = [&](const Location& where) {
+      const auto found = std::find_if(sources.begin(), sources.end(), [&](const ParameterSource& source) {
+        return source.file.string() == where.file;
+      });
+      return std::tuple(found - sources.begin(), where.line, where.column);
+    };
+    return rank(a.where) < rank(b.where);
   };
-  std::stable_sort(file.controllers.begin(), file.controllers.end(),
-                   [&](const auto& a, const auto& b) { return rank(a.where) < rank(b.where); });
+}
+
+void warn_of_no_controllers(const ControllersFile& file, const std::vector<ParameterSource>& sources,
+                            Problems& problems) {
+  if (sources.empty() || !file.controllers.empty() || !file.joint_limits.empty() ||
+      !file.pid_gains.entries.empty() || problems.has_errors())
+    return;
+  problems.warning(
+      "no-controllers", {sources.front().file.string(), 1, 1},
+      "the file names no controllers: no 'controller_manager: ros__parameters: NAME: type: …' in "
+      "it, and no 'NAME: type: …'",
+      "a joint trajectory controller for all joints is used");
+}
+
+void hand_over(const Problems& found, const std::vector<ParameterSource>& sources, Problems& out) {
+  std::vector<Problem> list = found.list();
+  std::stable_sort(list.begin(), list.end(), by_place(sources));
+  for (Problem& problem : list) out.add(std::move(problem));
 }
 }  // namespace
 
 ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Problems& problems) {
   ParameterSet set;
   ControllersFile out;
-  for (const ParameterSource& source : sources) read_parameters(source, set, problems);
-  Ros2Reader(set, out, problems).read();
-  Ros1Reader(set.tree, out, problems).read();
+  Problems found;
+  try {
+    for (const ParameterSource& source : sources) read_parameters(source, set, found);
+    Ros2Reader(set, out, found).read();
+    Ros1Reader(set.tree, out, found).read();
+  } catch (const Error&) {
+    hand_over(found, sources, problems);
+    throw;
+  }
   out.joint_limits = std::move(set.joint_limits);
-  sort_by_place(out, sources);
-  const bool broken = problems.has_errors();
-  if (!sources.empty() && out.controllers.empty() && out.joint_limits.empty() &&
-      out.pid_gains.entries.empty() && !broken)
-    problems.warning(
-        "no-controllers", {sources.front().file.string(), 1, 1},
-        "the file names no controllers: no 'controller_manager: ros__parameters: NAME: type: …' in "
-        "it, and no 'NAME: type: …'",
-        "a joint trajectory controller for all joints is used");
+  std::stable_sort(out.controllers.begin(), out.controllers.end(), by_place(sources));
+  warn_of_no_controllers(out, sources, found);
+  hand_over(found, sources, problems);
   return out;
 }
 

@@ -88,6 +88,17 @@ TEST(File, IsReplacedWholeAndLeavesNothingBeside) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Yaml, PairsKeepTheirOrderAndPlacesAlsoOfKeysThatStandTwice) {
+  const Yaml yaml = Yaml::parse("b: 1\na:\nb: 2\n", "x.yaml");
+  const std::vector<Yaml::Entry> entries = yaml.entries();
+  ASSERT_EQ(entries.size(), 3u);
+  EXPECT_EQ(entries[0].key + entries[1].key + entries[2].key, "bab");
+  EXPECT_EQ(entries[2].where.text(), "x.yaml:3:1");
+  EXPECT_EQ(entries[2].value.text(), "2");
+  EXPECT_FALSE(entries[1].value.defined());
+  EXPECT_TRUE(entries[0].value.entries().empty());
+}
+
 TEST(YamlFile, NamesThePlaceOfWhatIsWrong) {
   const Yaml yaml = Yaml::parse("rate: 1000\nrobots:\n  arm: {model: ur3, at: [0, x, 0]}\n", "cell.yaml");
   try {
