@@ -138,7 +138,7 @@ class Reader {
       else if (entry.value.defined() && entry.key != "joint_limits")
         before_parameters(entry, path, stray);
     }
-    if (stray) set_.nodes.push_back(std::move(*stray));
+    if (stray && !path.empty()) set_.nodes.push_back(std::move(*stray));
   }
 
   /// A node's block that nowhere says `ros__parameters`: told once, and read as though it did.

@@ -33,7 +33,7 @@ struct JointLimitsSource {
 
 /// The parameters of the nodes that a key of a ROS 2 file means.
 struct NodeParameters {
-  std::vector<std::string> path;  ///< its names and wildcards: {"**", "controller_manager"}
+  std::vector<std::string> path;  ///< its names and wildcards, never empty: {"**", "controller_manager"}
   controllers::Parameters parameters;
   Location where;
 };

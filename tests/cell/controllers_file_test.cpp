@@ -530,6 +530,14 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"arm_controller: {type: JointEffortController, joint: a}\n", "bad-type", "c.yaml:1:18", kError,
               "effort_controllers/JointEffortController"}));
 
+TEST(WrongYaml, ValuesOfNoNodeBesideAManagerOfAnyNamespaceAreToldAndDropped) {
+  const auto [file, problems] = read("type: a/B\n/**: {ros__parameters: {jtc: {type: a/B}}}\n");
+  ASSERT_EQ(problems.list().size(), 1u) << all(problems);
+  EXPECT_EQ(problems.list()[0].where.text(), "c.yaml:1:1");
+  EXPECT_EQ(problems.list()[0].code, "no-ros-parameters");
+  EXPECT_EQ(file.controllers.size(), 1u);
+}
+
 TEST(WrongYaml, ATabIsNamedAsSuch) {
   const std::string said = thrown("controller_manager:\n  ros__parameters:\n\tupdate_rate: 10\n");
   EXPECT_NE(said.find("c.yaml:3:1: error: a tab stands in the indentation"), std::string::npos) << said;
