@@ -31,7 +31,12 @@ class Planner {
  public:
   Planner(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop, bool lock_step,
           Observer& observer, Problems& problems)
-      : file_(file), robots_(robots), loop_(loop), lock_step_(lock_step), observer_(observer), problems_(problems) {
+      : file_(file),
+        robots_(robots),
+        loop_(loop),
+        lock_step_(lock_step),
+        observer_(observer),
+        problems_(problems) {
     base_.joints = all_joints(robots);
     base_.period = loop.options().period;
     if (!robots.empty()) base_.robot = robots.front()->entry.name;
@@ -50,7 +55,8 @@ class Planner {
     if (!io_commands.empty()) {
       controllers::Parameters parameters;
       parameters.set("interfaces", io_commands);
-      add("forward_command_controller/ForwardCommandController", kIoController, base_.robot, std::move(parameters));
+      add("forward_command_controller/ForwardCommandController", kIoController, base_.robot,
+          std::move(parameters));
     }
     return std::move(plan_);
   }
@@ -96,18 +102,19 @@ class Planner {
     const double exact = loop_rate / rate;
     const auto out = static_cast<unsigned>(std::clamp(std::round(exact), 1.0, 1e6));
     if (std::abs(exact - out) > 1e-6 * exact)
-      observer_.on_note(fmt::format("{}: {} Hz is no part of the {} Hz of the control loop; it is updated at {:.4g} Hz",
-                                    entry.name, format_number(rate), format_number(loop_rate), loop_rate / out));
+      observer_.on_note(
+          fmt::format("{}: {} Hz is no part of the {} Hz of the control loop; it is updated at {:.4g} Hz",
+                      entry.name, format_number(rate), format_number(loop_rate), loop_rate / out));
     return out;
   }
 
   void from_entry(const ControllerEntry& entry) {
     if (!entry.spawned) return observer_.on_note(entry.name + ": no launch file starts it; it is left out");
     if (!controllers::find_controller_type(entry.type)) {
-      problems_.warning("unknown-controller", entry.where,
-                        "the controller '" + entry.name + "' is of type " + entry.type +
-                            ", which is not available" +
-                            did_you_mean(entry.type, controllers::controller_type_names()) + "; it is left out");
+      problems_.warning(
+          "unknown-controller", entry.where,
+          "the controller '" + entry.name + "' is of type " + entry.type + ", which is not available" +
+              did_you_mean(entry.type, controllers::controller_type_names()) + "; it is left out");
       return;
     }
     controllers::Parameters parameters = entry.parameters;
@@ -117,7 +124,8 @@ class Planner {
       rate = parameters.number("publish_rate", 0);  // ros_control's name of it
       parameters.entries.erase(published);
     }
-    if (entry.type.find("JointTrajectoryController") != std::string::npos) keep_what_is_offered(entry, parameters);
+    if (entry.type.find("JointTrajectoryController") != std::string::npos)
+      keep_what_is_offered(entry, parameters);
     PlannedController& planned = add(entry.type, name_of(entry), robot_of(entry), std::move(parameters));
     planned.options.divisor = divisor(rate, entry);
     planned.options.async = entry.is_async;
@@ -202,7 +210,8 @@ void configure(control::ControllerManager& manager, std::vector<std::string> nam
 void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
   const auto told = [&](const Problem& problem) {
     return std::any_of(problems.list().begin(), problems.list().end(), [&](const Problem& other) {
-      return other.where.line > 0 && other.where.line == problem.where.line && other.where.file == problem.where.file;
+      return other.where.line > 0 && other.where.line == problem.where.line &&
+             other.where.file == problem.where.file;
     });
   };
   for (const Problem& problem : findings)
@@ -241,13 +250,13 @@ double rate_of(const CellFile& file, Problems& problems) {
 }
 
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, bool lock_step, Observer& observer,
-                                Problems& problems) {
+                                const std::vector<std::string>& io_commands, bool lock_step,
+                                Observer& observer, Problems& problems) {
   return Planner(file, robots, loop, lock_step, observer, problems).plan(io_commands);
 }
 
-void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop, Observer& observer,
-                       Problems& problems) {
+void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
+                       Observer& observer, Problems& problems) {
   control::ControllerManager& manager = loop.controllers();
   std::vector<std::string> names;
   control::SwitchRequest request;
@@ -264,8 +273,9 @@ void start_controllers(ControllerPlan plan, const CellFile& file, control::Contr
   }
   for (const std::string& name : file.activate)
     if (std::find(names.begin(), names.end(), name) == names.end())
-      problems.error("unknown-controller", {}, "'activate' names the controller '" + name + "', which there is not" +
-                                                   did_you_mean(name, names));
+      problems.error(
+          "unknown-controller", {},
+          "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));
   configure(manager, names, problems);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
   if (problems.has_errors()) return;

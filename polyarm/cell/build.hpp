@@ -39,12 +39,12 @@ struct ControllerPlan {
 /// The controllers of the cell's files, or a sensible set where it has none: a trajectory controller for each
 /// robot, a joint state broadcaster, and one that carries the tags in `io_commands` out.
 ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, control::ControlLoop& loop,
-                                const std::vector<std::string>& io_commands, bool lock_step, Observer& observer,
-                                Problems& problems);
+                                const std::vector<std::string>& io_commands, bool lock_step,
+                                Observer& observer, Problems& problems);
 /// Loads and configures the planned controllers, those that others are chained to first, and starts what can
 /// run together; who has to stay inactive is told. What is wrong joins the problems.
-void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop, Observer& observer,
-                       Problems& problems);
+void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
+                       Observer& observer, Problems& problems);
 
 /// The active controller that follows trajectories of all joints of the robot in the model's order; null if
 /// none.

@@ -76,7 +76,8 @@ void choose_drivers(CellRobot& robot, std::vector<std::string>& notes) {
     }
   if (asked != "declared" || !robot.blocks.empty()) return;
   robot.driver = choose_hardware("", robot.entry.name).driver;
-  notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " + robot.driver);
+  notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " +
+                  robot.driver);
 }
 
 std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot) {
@@ -135,9 +136,8 @@ class Components {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
     for (Planned& planned : planned_)
-      collect(problems, [&] {
-        hardware.add(hardware::make_driver(planned.driver), planned.context, planned.options);
-      });
+      collect(problems,
+              [&] { hardware.add(hardware::make_driver(planned.driver), planned.context, planned.options); });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
       for (const std::string& name : *names)
         if (hardware.find(name) < 0)
@@ -212,7 +212,8 @@ class Components {
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
     }
-    if (physics && !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin
+    if (physics &&
+        !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin
       Planned& planned = component("mock", block.info->name);
       describe(planned, *block.info);
       planned.context.robots.push_back(instance(robot));
@@ -257,7 +258,8 @@ class Components {
 }  // namespace
 
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
-                    Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems) {
+                    Nanoseconds period, bool lock_step, const ManagerParameters& manager,
+                    Problems& problems) {
   Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
 }
 

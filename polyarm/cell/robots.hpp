@@ -25,8 +25,8 @@ struct CellRobot {
   RobotEntry entry;
   description::RobotModel model;
   description::Tool tool;
-  std::string driver;                    ///< of its joints
-  std::vector<HardwareBlock> blocks;     ///< what its description declares, each with its driver
+  std::string driver;                           ///< of its joints
+  std::vector<HardwareBlock> blocks;            ///< what its description declares, each with its driver
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
   std::unique_ptr<motion::RobotFacts> facts;
@@ -40,8 +40,8 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
                           std::vector<std::string>& notes);
 
 /// Adds the components: one for each block that a description declares, named as the block; all that physics
-/// plays is one component, since it is one world. The scene goes to physics where there is some. `initial` says
-/// which components stay unconfigured or inactive at the start.
+/// plays is one component, since it is one world. The scene goes to physics where there is some. `initial`
+/// says which components stay unconfigured or inactive at the start.
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
                     Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems);
 

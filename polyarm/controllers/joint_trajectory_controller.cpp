@@ -138,16 +138,19 @@ void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle)
 
 /// The first segment, from where each joint is to where the trajectory's first point wants it: never a jump
 /// of position, and where the joint moves, none of velocity.
-void JointTrajectoryController::bridge(TrajectoryGoal& goal, double) noexcept {
+void JointTrajectoryController::bridge(TrajectoryGoal& goal) noexcept {
   const trajectory::TrajectoryPoint& first = goal.first;
   const double duration = goal.trajectory.end_of(0);
   constexpr double kAtRest = 1e-6;
+  // Per second of the trajectory, which passes slower or faster than the clock.
+  const double speed = std::max(1e-3, scale_.value() * factor_);
   for (std::size_t k = 0; k < goal.joints.size(); ++k) {
     const std::size_t j = goal.joints[k];
     const bool desired = replacement_ || from_desired_;
     const double p = desired ? position_[j] : measured_position_[j];
-    const double v = desired ? velocity_[j] * factor_ : measured_velocity_[j];
-    trajectory::SplineEnd from{p, std::isfinite(v) ? v : 0, desired ? acceleration_[j] : 0};
+    const double v = desired ? velocity_[j] : measured_velocity_[j];
+    trajectory::SplineEnd from{p, std::isfinite(v) ? v / speed : 0,
+                               desired ? acceleration_[j] / (speed * speed) : 0};
     trajectory::SplineEnd to{first.positions[k]};
     int degree = 1;
     if (!first.velocities.empty()) {
@@ -173,7 +176,7 @@ void JointTrajectoryController::bridge(TrajectoryGoal& goal, double) noexcept {
 }
 
 void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcept {
-  if (goal->bridged) bridge(*goal, into);
+  if (goal->bridged) bridge(*goal);
   const std::size_t count = goal->joints.empty() ? joints_.size() : goal->joints.size();
   if (!replacement_)  // the others hold where they are
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -271,8 +274,10 @@ void JointTrajectoryController::advance(double dt) noexcept {
     const std::size_t n = goal.trajectory.joints();
     if (goal.joints.empty()) {  // all joints in order, nobody else leads any
       goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
-      if (speed != 1)
+      if (speed != 1) {
         for (double& v : velocity_) v *= speed;
+        for (double& a : acceleration_) a *= speed * speed;
+      }
     } else {
       const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
       goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),

@@ -80,7 +80,7 @@ class JointTrajectoryController : public Controller {
   void take_requests(const Cycle& cycle) noexcept;
   void arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
   void begin(TrajectoryGoal* goal, double into) noexcept;
-  void bridge(TrajectoryGoal& goal, double into) noexcept;
+  void bridge(TrajectoryGoal& goal) noexcept;
   void refuse(TrajectoryGoal* goal, GoalRefusal reason) noexcept;
   void take_joint(std::size_t joint) noexcept;
   void retire(std::size_t track, bool finished) noexcept;

@@ -7,9 +7,12 @@
 namespace polyarm::controllers {
 
 std::optional<std::string> check(const PidGains& g) {
-  for (const auto& [name, value] : {std::pair{"p", g.p}, {"i", g.i}, {"d", g.d},
+  for (const auto& [name, value] : {std::pair{"p", g.p},
+                                    {"i", g.i},
+                                    {"d", g.d},
                                     {"tracking_time_constant", g.tracking_time_constant},
-                                    {"error_deadband", g.error_deadband}, {"derivative_filter", g.derivative_filter}})
+                                    {"error_deadband", g.error_deadband},
+                                    {"derivative_filter", g.derivative_filter}})
     if (!std::isfinite(value)) return std::string(name) + " is not a finite number";
   if (!(g.i_min <= 0 && g.i_max >= 0))
     return "the limits of the integral, " + format_number(g.i_min) + " and " + format_number(g.i_max) +
@@ -41,7 +44,8 @@ void Pid::integrate(double error, double free_output, double dt) noexcept {
   if (std::abs(error) <= gains_.error_deadband && gains_.error_deadband > 0) return;
   const double excess = free_output - output_;
   double rate = gains_.i * error;
-  if (gains_.antiwindup == AntiWindup::back_calculation && tracking_time_ > 0) rate -= excess / tracking_time_;
+  if (gains_.antiwindup == AntiWindup::back_calculation && tracking_time_ > 0)
+    rate -= excess / tracking_time_;
   if (gains_.antiwindup == AntiWindup::conditional_integration && excess * error > 0) return;
   integral_ += rate * dt;
   if (!gains_.clamp_output_only) integral_ = std::clamp(integral_, gains_.i_min, gains_.i_max);

@@ -1,6 +1,6 @@
 #pragma once
-/// Proportional, integral, derivative: the feedback of ros2_control's control_toolbox, with its order of steps
-/// and its ways to keep the integral from growing. Standard types only.
+/// Proportional, integral, derivative: the feedback of ros2_control's control_toolbox, with its order of
+/// steps and its ways to keep the integral from growing. Standard types only.
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace polyarm::controllers {
 
-/// What happens to the integral while the output is limited. `none`: nothing. `back_calculation`: the excess is
-/// taken back over the tracking time. `conditional_integration`: errors that would lead further beyond the limit
-/// are not integrated.
+/// What happens to the integral while the output is limited. `none`: nothing. `back_calculation`: the excess
+/// is taken back over the tracking time. `conditional_integration`: errors that would lead further beyond the
+/// limit are not integrated.
 enum class AntiWindup { none, back_calculation, conditional_integration };
 
 /// Gains in output per error, per error second, and per error a second.
@@ -21,8 +21,9 @@ struct PidGains {
   AntiWindup antiwindup = AntiWindup::none;
   double tracking_time_constant = 0;  ///< s; 0: sqrt(d / i), or p / i without d
   double error_deadband = 0;          ///< errors not above this are not integrated
-  double derivative_filter = 0;       ///< s, time constant of a first-order low pass on the derivative; 0: raw
-  /// The integral's share of the output is clamped, and not the integral itself: ros_control without antiwindup.
+  double derivative_filter = 0;  ///< s, time constant of a first-order low pass on the derivative; 0: raw
+  /// The integral's share of the output is clamped, and not the integral itself: ros_control without
+  /// antiwindup.
   bool clamp_output_only = false;
 };
 

@@ -7,7 +7,9 @@
 
 namespace polyarm::controllers {
 
-SimpleTrajectoryController::~SimpleTrajectoryController() { delete points_; }
+SimpleTrajectoryController::~SimpleTrajectoryController() {
+  delete points_;
+}
 
 CallbackReturn SimpleTrajectoryController::on_configure(ControllerContext& context) {
   Parameters& p = context.parameters;
@@ -72,7 +74,8 @@ std::uint64_t SimpleTrajectoryController::receive(const std::string&, const Inpu
   trajectory::TrajectoryPoint start;
   start.positions.assign(trajectory->joints.size(), 0.0);
   Problems problems;
-  for (const Problem& problem : trajectory::check_points(start, trajectory->points, {.allow_nonzero_velocity_at_end = true}))
+  for (const Problem& problem :
+       trajectory::check_points(start, trajectory->points, {.allow_nonzero_velocity_at_end = true}))
     problems.add(problem);
   problems.throw_if_errors();
   auto points = std::make_unique<Points>();
@@ -114,7 +117,8 @@ ReturnType SimpleTrajectoryController::update(const Cycle&, const Verdict& verdi
     if (position_command_[j] >= 0)
       set_command(static_cast<std::size_t>(position_command_[j]), between(from.positions, to.positions));
     if (velocity_command_[j] >= 0)
-      set_command(static_cast<std::size_t>(velocity_command_[j]), over ? 0.0 : between(from.velocities, to.velocities));
+      set_command(static_cast<std::size_t>(velocity_command_[j]),
+                  over ? 0.0 : between(from.velocities, to.velocities));
   }
   time_ += period_s_;
   if (over) stop();

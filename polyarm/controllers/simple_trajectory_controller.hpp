@@ -6,10 +6,10 @@
 
 namespace polyarm::controllers {
 
-/// The simplest controller of trajectories there is: positions and velocities between two points in proportion
-/// to time, from the moment that the trajectory arrives, and at its end a velocity of zero. A new trajectory
-/// replaces the one under way at once. It plays the RobotController of ros2_control's example 7, which differs
-/// in that it steps where this one interpolates. Parameters: `joints`, `command_interfaces`,
+/// The simplest controller of trajectories there is: positions and velocities between two points in
+/// proportion to time, from the moment that the trajectory arrives, and at its end a velocity of zero. A new
+/// trajectory replaces the one under way at once. It plays the RobotController of ros2_control's example 7,
+/// which differs in that it steps where this one interpolates. Parameters: `joints`, `command_interfaces`,
 /// `state_interfaces`. Input: `joint_trajectory`. What it lacks the joint trajectory controller has.
 class SimpleTrajectoryController : public Controller {
  public:

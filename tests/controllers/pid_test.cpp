@@ -40,8 +40,13 @@ TEST(Pid, AllThreeAddUp) {
 }
 
 TEST(Pid, BackCalculationTakesTheExcessBack) {
-  Pid pid({.i = 1, .u_min = -5, .u_max = 5, .antiwindup = AntiWindup::back_calculation, .tracking_time_constant = 1});
-  const std::vector<double> errors{1, 2, 3, 1, 2, -1, 1}, commands{0, 1, 3, 5, 5, 5, 4}, integrals{1, 3, 6, 6, 7, 4, 5};
+  Pid pid({.i = 1,
+           .u_min = -5,
+           .u_max = 5,
+           .antiwindup = AntiWindup::back_calculation,
+           .tracking_time_constant = 1});
+  const std::vector<double> errors{1, 2, 3, 1, 2, -1, 1}, commands{0, 1, 3, 5, 5, 5, 4},
+      integrals{1, 3, 6, 6, 7, 4, 5};
   for (std::size_t k = 0; k < errors.size(); ++k) {
     EXPECT_NEAR(pid.compute(errors[k], 1), commands[k], 1e-12) << k;
     EXPECT_NEAR(pid.integral(), integrals[k], 1e-12) << k;
@@ -50,7 +55,8 @@ TEST(Pid, BackCalculationTakesTheExcessBack) {
 
 TEST(Pid, ConditionalIntegrationPausesBeyondTheLimit) {
   Pid pid({.i = 1, .u_min = -5, .u_max = 5, .antiwindup = AntiWindup::conditional_integration});
-  const std::vector<double> errors{1, 2, 3, 1, 2, -1, 0}, commands{0, 1, 3, 5, 5, 5, 5}, integrals{1, 3, 6, 6, 6, 5, 5};
+  const std::vector<double> errors{1, 2, 3, 1, 2, -1, 0}, commands{0, 1, 3, 5, 5, 5, 5},
+      integrals{1, 3, 6, 6, 6, 5, 5};
   for (std::size_t k = 0; k < errors.size(); ++k) {
     EXPECT_NEAR(pid.compute(errors[k], 1), commands[k], 1e-12) << k;
     EXPECT_NEAR(pid.integral(), integrals[k], 1e-12) << k;
