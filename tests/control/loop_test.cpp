@@ -86,8 +86,7 @@ struct Bench {
     controllers::ControllerContext broadcaster;
     broadcaster.name = "jsb";
     broadcaster.joints = joints;
-    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(),
-                           broadcaster);
+    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(), broadcaster);
     loop.controllers().activate("jtc");
     loop.controllers().activate("jsb");
     loop.prepare(joints);
