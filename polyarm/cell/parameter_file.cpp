@@ -47,7 +47,7 @@ class Reader {
 
   void read(const Yaml& document) {
     if (!document.defined()) return;
-    if (!document.is_map() && source_.ns.empty())
+    if (!document.is_map() && split_name(source_.ns).empty())
       return problems_.error("not-parameters", document.where(),
                              "a list of names and values is expected here",
                              "a controllers file begins with 'controller_manager:'");

@@ -495,6 +495,15 @@ TEST_F(LaunchFile, OtherFilesAreRefusedWithASentence) {
   EXPECT_NE(thrown("<launch>" + deep).find("nested too deep"), std::string::npos);
 }
 
+TEST_F(LaunchFile, ParametersWithoutANameAreAnErrorAtTheirLine) {
+  const auto [cell, problems] = read("<launch>\n<rosparam>[1, 2]</rosparam>\n</launch>");
+  Problems more;
+  read_controllers(cell, more);
+  ASSERT_EQ(more.list().size(), 1u);
+  EXPECT_EQ(more.list()[0].code, "not-parameters");
+  EXPECT_EQ(more.list()[0].where.line, 2);
+}
+
 TEST_F(LaunchFile, ASpawnerOfAControllerWithoutTypeIsAnError) {
   const auto [cell, problems] = read(R"xml(<launch>
 <rosparam>arm_controller: {type: a/B}</rosparam>
