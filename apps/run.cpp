@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct RunArguments {
   std::string cell, description;
-  std::vector<std::string> controllers, activate;
+  std::vector<std::string> controllers, activate, arguments;
   cell::Overrides overrides;
   cell::CellOptions cell_options;
   cell::RunOptions run;
@@ -30,7 +30,8 @@ struct RunArguments {
 };
 
 void add_options(CLI::App& app, RunArguments& a) {
-  app.add_option("cell", a.cell, "folder with a cell.yaml, or a cell file");
+  app.add_option("cell", a.cell, "folder with a cell.yaml, a cell file, or a launch file of ROS 1");
+  app.add_option("arguments", a.arguments, "NAME:=VALUE of a launch file or of a description in xacro");
   app.add_option("--description", a.description, "a robot's URDF instead of a cell");
   app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
   app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
@@ -75,14 +76,31 @@ void read_faults(RunArguments& a) {
   }
 }
 
-/// Told when a user names a ROS launch file, which does not run here.
+/// Told when a user names a launch file of ROS 2, which is a program and does not run here.
 int explain_launch_file(const std::string& path) {
   const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
-  fmt::print(stderr, "polyarm run: {} is a launch file of ROS; it mentions\n", path);
+  fmt::print(stderr, "polyarm run: {} is a launch file of ROS 2; it mentions\n", path);
   for (const std::string& name : hints.descriptions) fmt::print(stderr, "  description  {}\n", name);
   for (const std::string& name : hints.controllers) fmt::print(stderr, "  controllers  {}\n", name);
   fmt::print(stderr, "type instead:\n  {}\n", hints.line());
   return kUsage;
+}
+
+/// A launch file of ROS 1 is XML; those of ROS 2 are programs, or XML that calls itself so.
+bool runs_here(const std::string& path) {
+  const fs::path file = path;
+  return file.extension() == ".launch" || path.ends_with(".launch.xml");
+}
+
+std::map<std::string, std::string> named_values(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> out;
+  for (const std::string& word : words) {
+    const auto at = word.find(":=");
+    if (at == std::string::npos || at == 0)
+      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE", "arguments of a description come as NAME:=VALUE");
+    out[word.substr(0, at)] = word.substr(at + 2);
+  }
+  return out;
 }
 
 void on_signal(int) {
@@ -126,9 +144,18 @@ std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, 
 }
 
 cell::CellFile open_cell(const RunArguments& a) {
+  if (description::is_launch_file(a.cell)) {
+    Problems problems;
+    cell::CellFile launched = cell::cell_from_launch(a.cell, named_values(a.arguments), a.overrides, problems);
+    for (const Problem& problem : problems.list()) launched.notes.push_back(problem.text());
+    if (!a.activate.empty()) launched.activate = a.activate;
+    return launched;
+  }
   cell::CellFile file = a.description.empty()
                             ? cell::read_cell_file(a.cell, a.overrides)
                             : cell::cell_from_description(a.description, a.controllers, a.overrides);
+  for (const auto& [name, value] : named_values(a.arguments))
+    for (cell::RobotEntry& robot : file.robots) robot.arguments[name] = value;
   if (!a.activate.empty()) file.activate = a.activate;
   return file;
 }
@@ -186,13 +213,15 @@ int run_run(int argc, char** argv) {
   RunArguments arguments;
   add_options(app, arguments);
   if (const auto code = parse(app, argc, argv)) return *code;
+  if (!arguments.description.empty() && arguments.cell.find(":=") != std::string::npos)
+    arguments.arguments.insert(arguments.arguments.begin(), std::exchange(arguments.cell, ""));
   const std::string named = arguments.cell.empty() ? arguments.description : arguments.cell;
   if (arguments.cell.empty() == arguments.description.empty()) {
     fmt::print(stderr,
                "polyarm run: name a cell, or a robot with --description FILE.urdf; see polyarm run --help\n");
     return kUsage;
   }
-  if (description::is_launch_file(named)) return explain_launch_file(named);
+  if (description::is_launch_file(named) && !runs_here(named)) return explain_launch_file(named);
   std::string command = "polyarm";
   for (int i = 0; i < argc; ++i) command += std::string(" ") + argv[i];
   return execute(arguments, command);

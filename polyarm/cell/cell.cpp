@@ -26,7 +26,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
            Observer& observer)
     : file_(file), options_(std::move(options)), observer_(observer) {
   Problems problems;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = file_.notes;
   robots_ = resolve_robots(file_, catalogue, problems, notes);
   for (const std::string& note : notes) observer_.on_note(note);
   collect(problems, [&] {

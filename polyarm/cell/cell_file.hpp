@@ -21,6 +21,8 @@ struct RobotEntry {
   std::string hardware = "mock";  ///< driver name, or "declared": what the description's <ros2_control> says
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::map<std::string, std::string> parameters;  ///< of the hardware
+  std::map<std::string, std::string> arguments;   ///< NAME:=VALUE for a description in xacro
+  std::string text;  ///< the description itself, where `model` names the file that it stands in
   Location where;
 };
 
@@ -42,6 +44,7 @@ struct CellFile {
   std::vector<std::string> controllers;      ///< files; a later one has the last word
   std::vector<std::string> activate;         ///< controllers to start; empty: all that can run together
   Location scene_where, controllers_where, signals_where, program_where, plc_where;
+  std::vector<std::string> notes;  ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
 };
@@ -57,5 +60,11 @@ CellFile read_cell_file(const std::filesystem::path& path, const Overrides& over
 /// A cell of one robot `arm` from a description file and, if given, its controllers YAMLs.
 CellFile cell_from_description(const std::filesystem::path& description,
                                const std::vector<std::string>& controllers, const Overrides& overrides = {});
+
+/// A cell of one robot `arm` from a launch file of ROS 1: its description, parameters and controllers; what else
+/// it starts is noted. Packages are looked for above the file and beside it, in `package_folders`, and where
+/// POLYARM_PACKAGES, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.
+CellFile cell_from_launch(const std::filesystem::path& launch, const std::map<std::string, std::string>& arguments,
+                          const Overrides& overrides, Problems& problems);
 
 }  // namespace polyarm::cell

@@ -8,6 +8,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/hardware_names.hpp"
 #include "polyarm/description/tools.hpp"
+#include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 
 namespace polyarm::cell {
@@ -96,7 +97,9 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const RobotEntry& entry
   robot->entry = entry;
   const auto beside = file.folder / entry.model;
   const bool is_file = std::filesystem::is_regular_file(beside);
-  robot->model = description::load_robot(is_file ? beside.string() : entry.model, catalogue, problems);
+  robot->model = entry.text.empty()
+                     ? description::load_robot(is_file ? beside.string() : entry.model, catalogue, problems)
+                     : description::read_urdf(entry.text, entry.model, problems);
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   for (const int joint : robot->model.actuated)
     robot->joints.push_back(facts_of(entry.name, robot->model.joints[static_cast<std::size_t>(joint)]));
