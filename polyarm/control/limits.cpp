@@ -6,36 +6,114 @@
 
 namespace polyarm::control {
 
+using controllers::Limit;
+
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// A planned step may touch its limit exactly; rounding must not count as a clamp.
 constexpr double kSlack = 1 + 1e-6;
+
+std::int32_t state_of(const hardware::InterfaceTable& table, const std::string& name) {
+  const auto found = table.find_state(name);
+  return found ? static_cast<std::int32_t>(*found) : -1;
+}
+
+/// Acceleration and jerk that nobody stated were assumed for planning and limit nothing here.
+controllers::LimiterSettings settings_of(const controllers::JointFacts& joint) {
+  controllers::LimiterSettings out;
+  out.lower = joint.lower;
+  out.upper = joint.upper;
+  if (joint.states_velocity) out.velocity = joint.velocity * kSlack;
+  if (joint.states_acceleration) out.acceleration = joint.acceleration * kSlack;
+  if (joint.states_acceleration && joint.deceleration < controllers::kUnlimited)
+    out.deceleration = joint.deceleration * kSlack;
+  if (joint.states_jerk) out.jerk = joint.jerk * kSlack;
+  out.effort = joint.effort;
+  out.soft = joint.soft.has_value();
+  if (joint.soft) out.soft_limits = *joint.soft;
+  return out;
+}
 }  // namespace
+
+void CommandLimits::add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint,
+                        const char* quantity, Quantity kind) {
+  const std::string whole = joint.name + "/" + quantity;
+  const auto command = table.find_command(whole);
+  if (!command) return;
+  place_[*command] = static_cast<std::int32_t>(names_.size());
+  names_.push_back(whole);
+  const controllers::LimiterSettings settings = settings_of(joint);
+  const auto index = static_cast<std::uint32_t>(*command);
+  const std::int32_t position = state_of(table, joint.name + "/position");
+  if (kind == Quantity::position && !settings.soft && settings.acceleration == controllers::kUnlimited)
+    plain_.push_back({index, position, settings.lower, settings.upper, settings.velocity * dt_, kNone});
+  else
+    full_.push_back({index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone});
+}
 
 void CommandLimits::build(const hardware::InterfaceTable& table,
                           const std::vector<controllers::JointFacts>& joints, Nanoseconds period) {
-  positions_.clear();
-  velocities_.clear();
+  plain_.clear();
+  full_.clear();
+  names_.clear();
+  place_.assign(table.commands().size(), -1);
+  dt_ = seconds(period);
   for (const controllers::JointFacts& joint : joints) {
-    if (const auto command = table.find_command(joint.name + "/position")) {
-      const auto state = table.find_state(joint.name + "/position");
-      positions_.push_back({static_cast<std::uint32_t>(*command),
-                            state ? static_cast<std::int32_t>(*state) : -1, joint.lower, joint.upper,
-                            joint.velocity * seconds(period) * kSlack, kNone});
-    }
-    if (const auto command = table.find_command(joint.name + "/velocity"))
-      velocities_.push_back({static_cast<std::uint32_t>(*command), joint.velocity * kSlack, kNone});
+    add(table, joint, "position", Quantity::position);
+    add(table, joint, "velocity", Quantity::velocity);
+    add(table, joint, "acceleration", Quantity::acceleration);
+    add(table, joint, "effort", Quantity::effort);
   }
+  records_ = std::make_unique<Record[]>(names_.size() * controllers::kLimits);
 }
 
-void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, double asked, double given) noexcept {
-  ++clamps_;
-  last_ = {cycle, static_cast<std::int32_t>(command), asked, given};
+void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit, double asked,
+                         double given) noexcept {
+  clamps_.store(clamps_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  Record& record = records_[static_cast<std::size_t>(place_[command]) * controllers::kLimits +
+                            static_cast<std::size_t>(limit)];
+  record.count.store(record.count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  record.cycle.store(cycle, std::memory_order_relaxed);
+  record.asked.store(asked, std::memory_order_relaxed);
+  record.given.store(given, std::memory_order_relaxed);
+}
+
+void CommandLimits::one(Full& f, std::span<double> commands, std::span<const double> states,
+                        std::uint64_t cycle) noexcept {
+  const double asked = commands[f.command];
+  if (std::isnan(asked) && std::isnan(f.given)) return;  // never commanded
+  const auto state = [&](std::int32_t place) { return place < 0 ? kNone : states[static_cast<std::size_t>(place)]; };
+  const controllers::JointNow now{state(f.position), state(f.velocity)};
+  controllers::Allowed allowed{asked};
+  switch (f.quantity) {
+    case Quantity::position: {
+      if (std::isnan(f.given)) {
+        f.given = std::isfinite(now.position) ? now.position : asked;
+        f.before = f.given;
+      }
+      const double speed = (f.given - f.before) / dt_;
+      allowed = controllers::allow_position(f.settings, now, asked, f.given, speed, dt_);
+      break;
+    }
+    case Quantity::velocity:
+      if (std::isnan(f.given)) f.given = std::isfinite(now.velocity) ? now.velocity : 0;
+      allowed = controllers::allow_velocity(f.settings, now, asked, f.given, dt_);
+      break;
+    case Quantity::acceleration:
+      allowed = controllers::allow_acceleration(f.settings, now, asked, f.given, dt_);
+      break;
+    case Quantity::effort:
+      allowed = controllers::allow_effort(f.settings, now, asked);
+      break;
+  }
+  if (allowed.cause != Limit::none) note(cycle, f.command, allowed.cause, asked, allowed.value);
+  f.before = f.given;
+  commands[f.command] = f.given = allowed.value;
 }
 
 void CommandLimits::restrict(std::span<double> commands, std::span<const double> states,
                              std::uint64_t cycle) noexcept {
-  for (Position& p : positions_) {
+  for (Plain& p : plain_) {
     const double asked = commands[p.command];
     if (std::isnan(asked) && std::isnan(p.given)) continue;  // never commanded
     if (std::isnan(p.given))
@@ -43,18 +121,28 @@ void CommandLimits::restrict(std::span<double> commands, std::span<const double>
                     ? states[static_cast<std::size_t>(p.state)]
                     : asked;
     double given = std::isfinite(asked) ? asked : p.given;
-    given = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
-    given = std::clamp(given, p.given - p.step, p.given + p.step);
-    if (given != asked) note(cycle, p.command, asked, given);
+    const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
+    given = std::clamp(inside, p.given - p.step, p.given + p.step);
+    if (given != asked)
+      note(cycle, p.command,
+           !std::isfinite(asked) ? Limit::not_a_number : given != inside ? Limit::velocity : Limit::position, asked,
+           given);
     commands[p.command] = p.given = given;
   }
-  for (Velocity& v : velocities_) {
-    const double asked = commands[v.command];
-    if (std::isnan(asked) && std::isnan(v.given)) continue;
-    const double given = std::isfinite(asked) ? std::clamp(asked, -v.limit, v.limit) : 0.0;
-    if (given != asked) note(cycle, v.command, asked, given);
-    commands[v.command] = v.given = given;
-  }
+  for (Full& f : full_) one(f, commands, states, cycle);
+}
+
+std::vector<Clamp> CommandLimits::report() const {
+  std::vector<Clamp> out;
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    for (std::size_t k = 0; k < controllers::kLimits; ++k) {
+      const Record& record = records_[i * controllers::kLimits + k];
+      if (record.count.load(std::memory_order_relaxed) == 0) continue;
+      out.push_back({names_[i], static_cast<Limit>(k), record.asked.load(), record.given.load(), record.count.load(),
+                     record.cycle.load()});
+    }
+  std::sort(out.begin(), out.end(), [](const Clamp& a, const Clamp& b) { return a.cycle > b.cycle; });
+  return out;
 }
 
 }  // namespace polyarm::control

@@ -1,50 +1,71 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/joint_limiters.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 
 namespace polyarm::control {
 
-/// Which limit took hold of a command, and how often; for the "why" of every clamp.
+/// A limit that has taken hold of a command: how often, and the last time.
 struct Clamp {
-  std::uint64_t cycle = 0;
-  std::int32_t command = -1;  ///< index of the command interface
+  std::string interface;  ///< "arm/elbow_joint/position"
+  controllers::Limit limit = controllers::Limit::none;
   double asked = 0, given = 0;
+  std::uint64_t count = 0, cycle = 0;
 };
 
-/// The last word before the wire: position commands stay inside the joint's limits and change no faster than
-/// its velocity limit, velocity commands stay inside it, what is no number becomes the last command given. A
-/// joint that stands outside its limits may move inwards only. Control thread; building: before the loop
-/// runs.
+/// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is no
+/// number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can be read
+/// while the loop runs. restrict(): control thread; build(): before the loop runs; report(): any thread.
 class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
-  std::uint64_t clamps() const noexcept { return clamps_; }
-  const Clamp& last() const noexcept { return last_; }
+  /// All clamps so far.
+  std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
+  /// Those that happened, newest first.
+  std::vector<Clamp> report() const;
 
  private:
-  struct Position {
+  /// Positions with limits of position and velocity alone: nearly all there are.
+  struct Plain {
     std::uint32_t command;
     std::int32_t state;
     double lower, upper, step;
     double given;  // last command, NaN before the first
   };
-  struct Velocity {
+  enum class Quantity : std::uint8_t { position, velocity, acceleration, effort };
+  struct Full {
     std::uint32_t command;
-    double limit;
-    double given;
+    std::int32_t position, velocity;  // states; -1: none
+    Quantity quantity;
+    controllers::LimiterSettings settings;
+    double given, before;
   };
-  void note(std::uint64_t cycle, std::uint32_t command, double asked, double given) noexcept;
+  struct Record {
+    std::atomic<std::uint64_t> count{0}, cycle{0};
+    std::atomic<double> asked{0}, given{0};
+  };
+  void add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint, const char* quantity,
+           Quantity kind);
+  void one(Full& f, std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
+  void note(std::uint64_t cycle, std::uint32_t command, controllers::Limit limit, double asked,
+            double given) noexcept;
 
-  std::vector<Position> positions_;
-  std::vector<Velocity> velocities_;
-  std::uint64_t clamps_ = 0;
-  Clamp last_;
+  std::vector<Plain> plain_;
+  std::vector<Full> full_;
+  double dt_ = 1e-3;
+  std::vector<std::string> names_;       // of the limited commands
+  std::vector<std::int32_t> place_;      // of each command in names_
+  std::unique_ptr<Record[]> records_;    // kLimits for each name
+  std::atomic<std::uint64_t> clamps_{0};
 };
 
 }  // namespace polyarm::control

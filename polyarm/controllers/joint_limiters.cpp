@@ -1,0 +1,11 @@
+#include "polyarm/controllers/joint_limiters.hpp"
+
+namespace polyarm::controllers {
+
+const char* name(Limit limit) {
+  constexpr const char* kNames[kLimits] = {"none",         "not a number", "position", "velocity",      "acceleration",
+                                           "deceleration", "jerk",         "effort",   "soft position", "out of range"};
+  return kNames[static_cast<std::size_t>(limit)];
+}
+
+}  // namespace polyarm::controllers
