@@ -237,9 +237,7 @@ ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) 
 }
 
 double rate_of(const CellFile& file, Problems& problems) {
-  const bool from_description =
-      file.path.filename() != "cell.yaml" && file.robots.front().hardware == "declared";
-  if (!from_description) return file.rate;
+  if (file.rate_stated) return file.rate;
   double rate = file.rate;
   collect(problems, [&] {
     Problems later;  // told again where the controllers are made

@@ -95,6 +95,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "signals", "program",
                    "plc", "motion"},
                   problems);
+  cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");

@@ -38,13 +38,14 @@ struct CellFile {
   std::filesystem::path path;    ///< of cell.yaml or the description
   std::filesystem::path folder;  ///< names in the cell are relative to it
   std::string name;
-  double rate = 1000;  ///< Hz
+  double rate = 1000;        ///< Hz
+  bool rate_stated = false;  ///< else the controllers' file may say another
   std::vector<RobotEntry> robots;
   std::string scene, signals, program, plc;  ///< file names as written; empty: none
   std::vector<std::string> controllers;      ///< files; a later one has the last word
   std::vector<std::string> activate;         ///< controllers to start; empty: all that can run together
   Location scene_where, controllers_where, signals_where, program_where, plc_where;
-  std::vector<std::string> notes;  ///< what was passed over on the way here, a sentence each
+  std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
 };
@@ -61,10 +62,11 @@ CellFile read_cell_file(const std::filesystem::path& path, const Overrides& over
 CellFile cell_from_description(const std::filesystem::path& description,
                                const std::vector<std::string>& controllers, const Overrides& overrides = {});
 
-/// A cell of one robot `arm` from a launch file of ROS 1: its description, parameters and controllers; what else
-/// it starts is noted. Packages are looked for above the file and beside it, in `package_folders`, and where
-/// POLYARM_PACKAGES, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.
-CellFile cell_from_launch(const std::filesystem::path& launch, const std::map<std::string, std::string>& arguments,
-                          const Overrides& overrides, Problems& problems);
+/// A cell of one robot `arm` from a launch file of ROS 1: its description, parameters and controllers; what
+/// else it starts is noted. Packages are looked for above the file and beside it, in `package_folders`, and
+/// where POLYARM_PACKAGES, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.
+CellFile cell_from_launch(const std::filesystem::path& launch,
+                          const std::map<std::string, std::string>& arguments, const Overrides& overrides,
+                          Problems& problems);
 
 }  // namespace polyarm::cell

@@ -74,7 +74,8 @@ class Checker {
     for (const signals::Tag& tag : signals_.tags) known.names[tag.name] = program::type_of(tag.initial);
     collect(problems_, [&] {  // tags that are written wrong are names all the same
       if (file_.signals.empty()) return;
-      for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys()) known.names.try_emplace(tag);
+      for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
+        known.names.try_emplace(tag);
     });
     std::filesystem::path script;
     if (!file_.program.empty())
@@ -85,11 +86,12 @@ class Checker {
       });
     if (!script.empty()) one_program(script, known);
     if (!file_.plc.empty())
-      collect(problems_, [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
+      collect(problems_,
+              [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
   }
 
-  /// The data file and its points, each for itself, so that one that is broken does not hide the other. Returns the
-  /// script that it names.
+  /// The data file and its points, each for itself, so that one that is broken does not hide the other.
+  /// Returns the script that it names.
   std::filesystem::path data(const std::filesystem::path& path, program::KnownNames& known) {
     const auto take = [&](const std::filesystem::path& from) {
       Problems found;
@@ -104,10 +106,14 @@ class Checker {
     const data::ImportFile file = take(path);
     const data::Value* points = file.values().value("PointFile");
     if (points && points->as_text())
-      collect(problems_, [&] { take(data::find_file(*points->as_text(), file_.folder, file.values().find("PointFile")->where)); });
+      collect(problems_, [&] {
+        take(data::find_file(*points->as_text(), file_.folder, file.values().find("PointFile")->where));
+      });
     const data::Value* script = file.values().value("ScriptFile");
     if (!script || !script->as_text())
-      throw Error(Problem{"no-script", {path.string()}, "this data file names no script",
+      throw Error(Problem{"no-script",
+                          {path.string()},
+                          "this data file names no script",
                           "add 'Name: ScriptFile' and 'Text: <script>' to it"});
     return data::find_file(*script->as_text(), file_.folder, file.values().find("ScriptFile")->where);
   }
@@ -162,8 +168,11 @@ class Checker {
     const double away = norm(target.position - robot.chain.base().position);
     const double reach = robot.model->provenance.reach_m.value_or(robot.chain.reach());
     if (away > robot.chain.reach() + 1e-6)
-      throw Error("unreachable", fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", entry.name, away, reach),
-                  away > 10 ? "this looks like millimetres; points are in metres" : "move the point or choose a robot that reaches it");
+      throw Error(
+          "unreachable",
+          fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", entry.name, away, reach),
+          away > 10 ? "this looks like millimetres; points are in metres"
+                    : "move the point or choose a robot that reaches it");
     report.joints = motion::joints_for(robot, target, robot.home, entry.name);
   }
 
@@ -208,7 +217,8 @@ class Checker {
 }  // namespace
 
 bool CheckResult::has_errors() const {
-  return std::any_of(problems.begin(), problems.end(), [](const Problem& p) { return p.severity == Severity::error; });
+  return std::any_of(problems.begin(), problems.end(),
+                     [](const Problem& p) { return p.severity == Severity::error; });
 }
 
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,

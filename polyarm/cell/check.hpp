@@ -27,8 +27,8 @@ struct CheckOptions {
   std::uint64_t cycles = 0;
 };
 
-/// Reads every file of the cell and adds every error and warning; checks every point for reach and joint limits.
-/// Nothing real moves.
+/// Reads every file of the cell and adds every error and warning; checks every point for reach and joint
+/// limits. Nothing real moves.
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
                   const description::Catalogue& catalogue, const CheckOptions& options);
 

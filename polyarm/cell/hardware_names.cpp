@@ -32,11 +32,13 @@ HardwareChoice choose_hardware(const std::string& plugin, const std::string& com
   for (const HardwareAlias& alias : hardware_aliases())
     if (plugin == alias.plugin) {
       const std::string driver = available(alias.driver) ? alias.driver : "mock";
-      return {driver, alias.flag, fmt::format("{}: {} is played by {}", component, plugin,
-                                  driver == "mujoco" ? "physics (mujoco)" : driver)};
+      return {driver, alias.flag,
+              fmt::format("{}: {} is played by {}", component, plugin,
+                          driver == "mujoco" ? "physics (mujoco)" : driver)};
     }
-  return {simulated, "", fmt::format("{}: the plugin {} is not installed, replaced by {}", component, plugin,
-                                 simulated == "mujoco" ? "physics (mujoco)" : "mock")};
+  return {simulated, "",
+          fmt::format("{}: the plugin {} is not installed, replaced by {}", component, plugin,
+                      simulated == "mujoco" ? "physics (mujoco)" : "mock")};
 }
 
 }  // namespace polyarm::cell

@@ -40,7 +40,8 @@ PackageSearch packages_near(const fs::path& launch) {
   };
 }
 
-void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotEntry& robot, Problems& problems) {
+void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotEntry& robot,
+                    Problems& problems) {
   if (launched.descriptions.empty())
     return problems.error("no-description", {launch.string()}, "the launch file loads no robot_description",
                           "a cell needs one: <param name=\"robot_description\" textfile=\"…\"/>");

@@ -6,7 +6,9 @@
 #include <map>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/build.hpp"
 #include "polyarm/cell/hardware_names.hpp"
+#include "polyarm/cell/joint_limits.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -28,10 +30,20 @@ controllers::JointFacts facts_of(const std::string& robot, const description::Jo
   out.continuous = joint.type == description::JointType::continuous;
   out.lower = out.continuous ? -kInfinity : joint.limits.lower.value_or(-kInfinity);
   out.upper = out.continuous ? kInfinity : joint.limits.upper.value_or(kInfinity);
-  out.velocity = positive_or(joint.limits.velocity, kDefaultVelocity);
-  out.acceleration = positive_or(joint.limits.acceleration, out.velocity / kTimeToSpeed);
-  out.jerk = positive_or(joint.limits.jerk, out.acceleration / kTimeToAcceleration);
+  out.velocity = positive_or(joint.limits.velocity, kInfinity);
+  out.effort = positive_or(joint.limits.effort, kInfinity);
+  out.states_velocity = std::isfinite(out.velocity);
   return out;
+}
+
+/// What nobody states is assumed, for planning alone.
+void assume_what_is_missing(const description::Joint& joint, controllers::JointFacts& facts) {
+  facts.states_velocity = std::isfinite(facts.velocity);
+  if (!facts.states_velocity) facts.velocity = kDefaultVelocity;
+  if (!facts.states_acceleration)
+    facts.acceleration = positive_or(joint.limits.acceleration, facts.velocity / kTimeToSpeed);
+  if (!facts.states_jerk)
+    facts.jerk = positive_or(joint.limits.jerk, facts.acceleration / kTimeToAcceleration);
 }
 
 /// Joint states that the description gives for the start (`initial_value` of its position interfaces).
@@ -90,9 +102,25 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot) {
       motion::RobotFacts{robot.entry.name, &robot.model, std::move(chain), std::move(limits), robot.start});
 }
 
-std::unique_ptr<CellRobot> resolve(const CellFile& file, const RobotEntry& entry,
-                                   const description::Catalogue& catalogue, Problems& problems,
-                                   std::vector<std::string>& notes) {
+/// Limits from the description and from the joint_limits of the controllers' files.
+void read_joints(CellRobot& robot, const std::vector<JointLimitsSource>& files, Problems& problems) {
+  std::vector<controllers::JointFacts*> joints;
+  for (const int index : robot.model.actuated) {
+    const description::Joint& joint = robot.model.joints[static_cast<std::size_t>(index)];
+    robot.joints.push_back(facts_of(robot.entry.name, joint));
+    narrow_by_hardware(robot.model, joint.name, robot.joints.back());
+  }
+  for (controllers::JointFacts& facts : robot.joints) joints.push_back(&facts);
+  for (const JointLimitsSource& source : files)
+    collect(problems, [&] { narrow_by_file(source, joints, problems); });
+  for (std::size_t j = 0; j < robot.joints.size(); ++j)
+    assume_what_is_missing(robot.model.joints[static_cast<std::size_t>(robot.model.actuated[j])],
+                           robot.joints[j]);
+}
+
+std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<JointLimitsSource>& limits,
+                                   const RobotEntry& entry, const description::Catalogue& catalogue,
+                                   Problems& problems, std::vector<std::string>& notes) {
   auto robot = std::make_unique<CellRobot>();
   robot->entry = entry;
   const auto beside = file.folder / entry.model;
@@ -101,8 +129,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const RobotEntry& entry
                      ? description::load_robot(is_file ? beside.string() : entry.model, catalogue, problems)
                      : description::read_urdf(entry.text, entry.model, problems);
   robot->tool = description::find_tool(entry.tool, file.folder.string());
-  for (const int joint : robot->model.actuated)
-    robot->joints.push_back(facts_of(entry.name, robot->model.joints[static_cast<std::size_t>(joint)]));
+  read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
   choose_drivers(*robot, notes);
   robot->facts = motion_facts(*robot);
@@ -113,9 +140,14 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const RobotEntry& entry
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, Problems& problems,
                           std::vector<std::string>& notes) {
   CellRobots out;
+  std::vector<JointLimitsSource> limits;
+  collect(problems, [&] {
+    Problems later;  // told again where the controllers are made
+    limits = read_cell_controllers(file, later).joint_limits;
+  });
   for (const RobotEntry& entry : file.robots) {
     try {
-      out.push_back(resolve(file, entry, catalogue, problems, notes));
+      out.push_back(resolve(file, limits, entry, catalogue, problems, notes));
     } catch (const Error& e) {
       for (Problem problem : e.problems()) {
         if (problem.where.file.empty()) problem.where = entry.where;
