@@ -1,9 +1,9 @@
 // What one control cycle costs: read, judge, a joint trajectory controller that follows a running trajectory
 // of position and velocity, a joint state broadcaster, limits (limits:1), write, and the snapshot with its
-// ring of cycle records (publish:1), against the mock. Back to back on a warm cache: it cannot show what
-// wake-up, cold caches or a real bus cost. A name reads cycle/joints:6/limits:0/publish:1. Each iteration is
-// one cycle; the counters p50_ns, p99_ns and max_ns are of 20,000 further cycles timed one by one, with the
-// cost of reading the clock in them (about 25 ns).
+// ring of cycle records (publish:1), against the mock; and so many arms with a controller each. Back to back
+// on a warm cache: it cannot show what wake-up, cold caches or a real bus cost. A name reads
+// cycle/joints:6/limits:0/publish:1. Each iteration is one cycle; the counters p50_ns, p99_ns and max_ns are
+// of 20,000 further cycles timed one by one, with the cost of reading the clock in them (about 25 ns).
 #include <benchmark/benchmark.h>
 
 #include "drivers/mock/mock.hpp"
@@ -36,66 +36,95 @@ description::RobotModel chain_of(int joints) {
   return model;
 }
 
-void cycle(benchmark::State& state) {
-  const int n = static_cast<int>(state.range(0));
-  const description::RobotModel model = chain_of(n);
-  control::LoopOptions options;
-  options.limits = state.range(1) != 0;
-  options.publish = state.range(2) != 0;
-  options.measure = false;
-  options.black_box_rows = 1000;
-  control::ControlLoop loop(options);
-  loop.supervisor().watch_cell = false;
-
-  hardware::ComponentContext hardware;
-  hardware.name = "mock";
-  hardware.robots.push_back(
-      {"arm", &model, nullptr, {}, std::vector<double>(static_cast<std::size_t>(n), 0.0), {}});
-  loop.hardware().add(std::make_unique<drivers::MockComponent>(), hardware);
-  loop.start_hardware();
-
-  controllers::ControllerContext context;
-  context.robot = "arm";
+/// A loop with `arms` robots of `joints` joints on the mock, a joint trajectory controller for each of them,
+/// and one joint state broadcaster.
+struct Bench {
+  description::RobotModel model;
+  control::ControlLoop loop;
+  std::vector<controllers::JointTrajectoryController*> followers;
+  std::vector<std::uint64_t> goals;
   std::vector<trajectory::JointMotionLimits> limits;
-  for (const std::string& joint : model.joint_names()) {
-    context.joints.push_back({"arm/" + joint, false, -3, 3, 2, 8, 80});
-    context.parameters.entries["joints"].values.push_back(joint);
-    limits.push_back({2, 8, 80});
-  }
-  context.name = "joint_trajectory_controller";
-  auto made = std::make_unique<controllers::JointTrajectoryController>();
-  controllers::JointTrajectoryController* jtc = made.get();
-  loop.controllers().add(std::move(made), context);
-  context.name = "joint_state_broadcaster";
-  loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(),
-                         context);
-  loop.controllers().activate("joint_trajectory_controller");
-  loop.controllers().activate("joint_state_broadcaster");
-  loop.prepare(context.joints);
+  std::vector<double> at;
 
-  std::vector<double> at(static_cast<std::size_t>(n), 0.0);
-  std::uint64_t goals = 0;
-  realtime::Histogram costs;
-  const auto keep_moving = [&] {
-    if (jtc->status().finished.load() != goals) return;
+  static control::LoopOptions options(bool limited, bool published) {
+    control::LoopOptions out;
+    out.limits = limited;
+    out.publish = published;
+    out.measure = false;
+    out.black_box_rows = 1000;
+    return out;
+  }
+
+  Bench(int arms, int joints, bool limited, bool published)
+      : model(chain_of(joints)),
+        loop(options(limited, published)),
+        at(static_cast<std::size_t>(joints), 0.0) {
+    loop.supervisor().watch_cell = false;
+    hardware::ComponentContext hardware;
+    hardware.name = "mock";
+    controllers::ControllerContext context;
+    for (int i = 0; i < arms; ++i) {
+      const std::string name = arm(i);
+      hardware.robots.push_back({name, &model, nullptr, {}, at, {}});
+      for (const std::string& joint : model.joint_names())
+        context.joints.push_back({name + "/" + joint, false, -3, 3, 2, 8, 80});
+    }
+    loop.hardware().add(std::make_unique<drivers::MockComponent>(), hardware);
+    loop.start_hardware();
+    limits.assign(at.size(), {2, 8, 80});
+    control::SwitchRequest request;
+    for (int i = 0; i < arms; ++i) {
+      context.robot = arm(i);
+      context.name = arm(i) + "_controller";
+      context.parameters = {};
+      std::vector<std::string> names;
+      for (const std::string& joint : model.joint_names()) names.push_back(arm(i) + "/" + joint);
+      context.parameters.set("joints", names);
+      auto made = std::make_unique<controllers::JointTrajectoryController>();
+      followers.push_back(made.get());
+      loop.controllers().add(std::move(made), context);
+      request.activate.push_back(context.name);
+    }
+    context.name = "joint_state_broadcaster";
+    context.parameters = {};
+    loop.controllers().add(std::make_unique<controllers::JointStateBroadcaster>(), context);
+    request.activate.push_back(context.name);
+    loop.controllers().switch_now(request);
+    loop.prepare(context.joints);
+  }
+  static std::string arm(int i) { return "arm" + std::to_string(i); }
+
+  /// A new trajectory for everybody when the last one is over.
+  void keep_moving() {
+    const std::uint64_t last = followers.front()->status().finished.load();
+    if (!goals.empty() && last != goals.back()) return;
     const std::vector<double> to(at.size(), at[0] > 0 ? -2.0 : 2.0);
     trajectory::JointMoveOptions slow;
     slow.duration = 20;
-    auto goal = std::make_unique<controllers::TrajectoryGoal>();
-    goal->id = ++goals;
-    goal->trajectory = trajectory::plan_joint_move(at, to, limits, slow);
-    jtc->follow(goal);
+    for (controllers::JointTrajectoryController* follower : followers) {
+      auto goal = std::make_unique<controllers::TrajectoryGoal>();
+      goal->id = follower->new_goal_id();
+      if (follower == followers.front()) goals.push_back(goal->id);
+      goal->trajectory = trajectory::plan_joint_move(at, to, limits, slow);
+      follower->follow(goal);
+    }
     at = to;
-  };
-  std::uint32_t count = 0;
-  const auto one = [&] {
-    if ((count++ & 1023) == 0) keep_moving();
+  }
+  void one() {
+    if ((count_++ & 1023) == 0) keep_moving();
     loop.step_next();
-  };
-  for (auto _ : state) one();
+  }
+
+ private:
+  std::uint32_t count_ = 0;
+};
+
+void measure(benchmark::State& state, Bench& bench) {
+  for (auto _ : state) bench.one();
+  realtime::Histogram costs;
   for (int k = 0; k < 20'000; ++k) {  // the same again, each cycle by itself
     const Nanoseconds before = realtime::monotonic_now();
-    one();
+    bench.one();
     costs.add(realtime::monotonic_now() - before);
   }
   state.counters["p50_ns"] = static_cast<double>(costs.percentile(0.5));
@@ -103,9 +132,68 @@ void cycle(benchmark::State& state) {
   state.counters["max_ns"] = static_cast<double>(costs.max());
 }
 
+void cycle(benchmark::State& state) {
+  Bench bench(1, static_cast<int>(state.range(0)), state.range(1) != 0, state.range(2) != 0);
+  measure(state, bench);
+}
+
+/// So many arms of six joints, each with a controller of its own.
+void arms(benchmark::State& state) {
+  Bench bench(static_cast<int>(state.range(0)), 6, true, true);
+  measure(state, bench);
+}
+
+/// The same cycle woken 1,000 times a second, its caches cold: only step() is timed.
+void paced(benchmark::State& state) {
+  Bench bench(1, static_cast<int>(state.range(0)), true, true);
+  realtime::Histogram costs;
+  realtime::Periodic clock(1'000'000);
+  for (auto _ : state) {
+    clock.start();
+    for (int k = 0; k < 2000; ++k) {
+      clock.wait();
+      const Nanoseconds before = realtime::monotonic_now();
+      bench.one();
+      costs.add(realtime::monotonic_now() - before);
+    }
+  }
+  state.counters["p50_ns"] = static_cast<double>(costs.percentile(0.5));
+  state.counters["p99_ns"] = static_cast<double>(costs.percentile(0.99));
+  state.counters["max_ns"] = static_cast<double>(costs.max());
+}
+
+/// From a trajectory message that is received to the first command that follows it, in cycles (1: the next
+/// one), and what receiving it costs the cell thread.
+void posted(benchmark::State& state) {
+  Bench bench(1, 6, true, true);
+  controllers::TrajectoryMessage message;
+  message.joints = bench.followers.front()->joints();
+  for (int i = 0; i < 100; ++i) {
+    trajectory::TrajectoryPoint point;
+    point.positions.assign(6, 0.001 * i);
+    point.velocities.assign(6, i == 99 ? 0.0 : 0.1);
+    point.time_from_start = 0.01 * (i + 1);
+    message.points.push_back(point);
+  }
+  std::uint64_t cycles = 0, sent = 0;
+  for (auto _ : state) {
+    const std::uint64_t id = bench.followers.front()->receive("joint_trajectory", message, false);
+    ++sent;
+    do {
+      bench.loop.step_next();
+      ++cycles;
+    } while (bench.followers.front()->status().active.load() != id);
+  }
+  state.counters["cycles_to_first_command"] = static_cast<double>(cycles) / static_cast<double>(sent);
+}
+
 BENCHMARK(cycle)
     ->ArgNames({"joints", "limits", "publish"})
     ->ArgsProduct({{6, 12, 60, 600}, {0, 1}, {1}})
+    ->Args({6, 0, 0})
     ->Unit(benchmark::kNanosecond);
+BENCHMARK(arms)->ArgName("")->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
+BENCHMARK(paced)->ArgName("joints")->Arg(6)->Arg(600)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(posted)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

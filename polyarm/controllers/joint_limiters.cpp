@@ -3,8 +3,9 @@
 namespace polyarm::controllers {
 
 const char* name(Limit limit) {
-  constexpr const char* kNames[kLimits] = {"none",         "not a number", "position", "velocity",      "acceleration",
-                                           "deceleration", "jerk",         "effort",   "soft position", "out of range"};
+  constexpr const char* kNames[kLimits] = {"none",          "not a number", "position", "velocity",
+                                           "acceleration",  "deceleration", "jerk",     "effort",
+                                           "soft position", "out of range"};
   return kNames[static_cast<std::size_t>(limit)];
 }
 

@@ -105,15 +105,18 @@ inline Allowed allow_position(const LimiterSettings& s, const JointNow& now, dou
   range.narrow(lower, upper, last < s.lower || last > s.upper ? Limit::out_of_range : Limit::position);
   if (s.soft) {
     const Range speeds = soft_speeds(s, last);
-    range.narrow(std::min(s.soft_limits.lower, last), std::max(s.soft_limits.upper, last), Limit::soft_position);
+    range.narrow(std::min(s.soft_limits.lower, last), std::max(s.soft_limits.upper, last),
+                 Limit::soft_position);
     if (speeds.low_cause == Limit::soft_position || speeds.high_cause == Limit::soft_position)
       range.narrow(last + speeds.low * dt, last + speeds.high * dt, Limit::soft_position);
   }
   if (s.velocity < kUnlimited) range.narrow(last - s.velocity * dt, last + s.velocity * dt, Limit::velocity);
   if (s.acceleration < kUnlimited && std::isfinite(last_velocity)) {
     const double slower = s.deceleration < kUnlimited ? s.deceleration : s.acceleration;
-    const double down = last_velocity > 0 ? slower : s.acceleration, up = last_velocity < 0 ? slower : s.acceleration;
-    range.narrow(last + (last_velocity - down * dt) * dt, last + (last_velocity + up * dt) * dt, Limit::acceleration);
+    const double down = last_velocity > 0 ? slower : s.acceleration,
+                 up = last_velocity < 0 ? slower : s.acceleration;
+    range.narrow(last + (last_velocity - down * dt) * dt, last + (last_velocity + up * dt) * dt,
+                 Limit::acceleration);
   }
   (void)now;
   return range.apply(asked);
@@ -152,7 +155,8 @@ inline Allowed allow_acceleration(const LimiterSettings& s, const JointNow& now,
     range.narrow(-s.deceleration, s.deceleration, Limit::deceleration);
   else if (s.acceleration < kUnlimited)
     range.narrow(-s.acceleration, s.acceleration, Limit::acceleration);
-  if (s.jerk < kUnlimited && std::isfinite(last)) range.narrow(last - s.jerk * dt, last + s.jerk * dt, Limit::jerk);
+  if (s.jerk < kUnlimited && std::isfinite(last))
+    range.narrow(last - s.jerk * dt, last + s.jerk * dt, Limit::jerk);
   return range.apply(asked);
 }
 
@@ -179,13 +183,13 @@ inline Allowed allow_effort(const LimiterSettings& s, const JointNow& now, doubl
   return range.apply(asked);
 }
 
-/// One point of a trajectory: position, velocity and acceleration after `dt` that keep the limits, coming from
-/// `position` and `velocity`, on the way to `asked_velocity`.
+/// One point of a trajectory: position, velocity and acceleration after `dt` that keep the limits, coming
+/// from `position` and `velocity`, on the way to `asked_velocity`.
 struct LimitedPoint {
   double position, velocity, acceleration;
 };
-inline LimitedPoint limit_point(const LimiterSettings& s, double position, double velocity, double asked_velocity,
-                                double dt) noexcept {
+inline LimitedPoint limit_point(const LimiterSettings& s, double position, double velocity,
+                                double asked_velocity, double dt) noexcept {
   const double wanted = std::clamp(asked_velocity, -s.velocity, s.velocity);
   double a = (wanted - velocity) / dt;
   const bool slows = a * velocity < 0;

@@ -57,8 +57,7 @@ void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
 }
 
 bool JointTrajectoryController::standing() const noexcept {
-  for (const Braking& b : braking_)
-    if (b.on) return false;
+  if (any_braking_) return false;
   if (scale_.value() <= 0) return true;
   for (const Track& track : tracks_)
     if (track.goal) return false;
@@ -98,6 +97,20 @@ void JointTrajectoryController::drop_all() noexcept {
   std::fill(leader_.begin(), leader_.end(), -1);
 }
 
+/// What a goal does not say is the controller's own.
+void JointTrajectoryController::judge_by(const Tolerances& wanted) noexcept {
+  const auto pick = [](double given, double own) { return std::isnan(given) ? own : given; };
+  const auto of = [&](const Tolerances::Of& given, const Tolerances::Of& own) {
+    return Tolerances::Of{pick(given.position, own.position), pick(given.velocity, own.velocity),
+                          pick(given.acceleration, own.acceleration)};
+  };
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    judged_.tolerances.path[j] = of(wanted.path[j], default_tolerances_.path[j]);
+    judged_.tolerances.goal[j] = of(wanted.goal[j], default_tolerances_.goal[j]);
+  }
+  judged_.tolerances.goal_time = pick(wanted.goal_time, default_tolerances_.goal_time);
+}
+
 void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept {
   if (goal->trajectory.joints() != (goal->joints.empty() ? joints_.size() : goal->joints.size()))
     return refuse(goal, GoalRefusal::wrong_size);
@@ -112,11 +125,7 @@ void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle)
     end_action(GoalOutcome::aborted, -1);  // one goal at a time: the older is preempted
     judged_.id = goal->id;
     judged_.trajectory = goal->id;
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      judged_.tolerances.path[j] = goal->tolerances.path[j];
-      judged_.tolerances.goal[j] = goal->tolerances.goal[j];
-    }
-    judged_.tolerances.goal_time = goal->tolerances.goal_time;
+    judge_by(goal->tolerances);
     events_.push(GoalEvent{goal->id, GoalOutcome::accepted});
   }
   for (TrajectoryGoal*& other : waiting_)  // what would begin later than this is replaced by it
@@ -140,6 +149,7 @@ void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle)
 /// of position, and where the joint moves, none of velocity.
 void JointTrajectoryController::bridge(TrajectoryGoal& goal) noexcept {
   const trajectory::TrajectoryPoint& first = goal.first;
+  measure();
   const double duration = goal.trajectory.end_of(0);
   constexpr double kAtRest = 1e-6;
   // Per second of the trajectory, which passes slower or faster than the clock.
@@ -205,12 +215,14 @@ void JointTrajectoryController::end_action(GoalOutcome outcome, int code, int jo
 /// time.
 void JointTrajectoryController::hold(bool may_brake) noexcept {
   drop_all();
+  measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     position_[j] = measured_position_[j];
     const double v = measured_velocity_[j];
     velocity_[j] = acceleration_[j] = effort_[j] = 0;
     if (may_brake && brake_on_cancel_ && most_braking_[j] > 0 && std::isfinite(v) && v != 0)
       braking_[j] = {true, position_[j], v, most_braking_[j], 0};
+    any_braking_ = any_braking_ || braking_[j].on;
   }
 }
 
@@ -303,8 +315,12 @@ void JointTrajectoryController::advance(double dt) noexcept {
       }
     retire(i, true);
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    if (braking_[j].on) brake(j, period_s_);
+  if (std::exchange(any_braking_, false))
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (braking_[j].on) {
+        brake(j, period_s_);
+        any_braking_ = any_braking_ || braking_[j].on;
+      }
   if (!moving && over_since_ < 0) over_since_ = 0;
 }
 
@@ -347,30 +363,34 @@ bool JointTrajectoryController::judge(const Cycle&) noexcept {
 }
 
 void JointTrajectoryController::command_all(double dt) noexcept {
+  const auto put = [&](const std::vector<int>& places, const std::vector<double>& values) {
+    if (places.front() < 0) return;  // all joints have the same interfaces
+    for (std::size_t j = 0; j < values.size(); ++j)
+      set_command(static_cast<std::size_t>(places[j]), values[j]);
+  };
+  put(commands_.position, position_);
+  if (!closed_loop_) {
+    put(commands_.velocity, velocity_);
+    put(commands_.acceleration, acceleration_);
+    return;
+  }
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const auto put = [&](int place, double value) {
-      if (place >= 0) set_command(static_cast<std::size_t>(place), value);
-    };
-    put(commands_.position[j], position_[j]);
-    if (!closed_loop_) {
-      put(commands_.velocity[j], velocity_[j]);
-      put(commands_.acceleration[j], acceleration_[j]);
-      continue;
-    }
     const double velocity_error = velocity_[j] - measured_velocity_[j];
     const double feedback = dt > 0 ? pids_[j].compute(position_error(j), velocity_error, dt) : 0;
-    output_[j] = feed_forward_[j] * velocity_[j] + feedback;
-    put(commands_.velocity[j], output_[j]);
-    put(commands_.effort[j], output_[j] + effort_[j]);
+    output_[j] = feed_forward_[j] * velocity_[j] + feedback + effort_[j];
   }
+  put(commands_.velocity, output_);
+  put(commands_.effort, output_);
 }
 
 ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
   now_.store(cycle.time, std::memory_order_relaxed);
-  measure();
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    error_[j] = position_error(j);
-    error_velocity_[j] = velocity_[j] - measured_velocity_[j];
+  const bool looks = closed_loop_ || checks_ || judged_.id != 0 || state_output_->wanted();
+  if (looks) {
+    measure();
+    for (std::size_t j = 0; j < joints_.size(); ++j) error_[j] = position_error(j);
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      error_velocity_[j] = velocity_[j] - measured_velocity_[j];
   }
   take_requests(cycle);
   if (verdict.discard && scale_.value() <= 0) {
@@ -382,7 +402,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
   const double step = scale_.advance(dt, verdict.speed) / (verdict.immediate ? kImmediateFactor : 1.0);
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
   if (over_since_ >= 0) over_since_ += period_s_;
-  if (!judge(cycle)) hold(true);
+  if (looks && !judge(cycle)) hold(true);
   advance(step * factor);
   if (cmd_timeout_ > 0 && over_since_ > cmd_timeout_ && !std::exchange(timed_out_, true)) {
     end_action(GoalOutcome::aborted, -5);

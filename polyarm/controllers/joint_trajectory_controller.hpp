@@ -73,6 +73,7 @@ class JointTrajectoryController : public Controller {
   void read_gains(ControllerContext& context);
   void read_tolerances(ControllerContext& context);
   void read_behaviour(ControllerContext& context);
+  void note_checks() noexcept;
   void make_output();
   int place(bool command, std::size_t joint, const char* quantity);
 
@@ -81,6 +82,7 @@ class JointTrajectoryController : public Controller {
   void arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
   void begin(TrajectoryGoal* goal, double into) noexcept;
   void bridge(TrajectoryGoal& goal) noexcept;
+  void judge_by(const Tolerances& wanted) noexcept;
   void refuse(TrajectoryGoal* goal, GoalRefusal reason) noexcept;
   void take_joint(std::size_t joint) noexcept;
   void retire(std::size_t track, bool finished) noexcept;
@@ -124,6 +126,8 @@ class JointTrajectoryController : public Controller {
   std::vector<Track> tracks_;
   std::vector<TrajectoryGoal*> waiting_;  // that begin later
   Judged judged_;
+  bool checks_ = false;  // some tolerance is not 0
+  bool any_braking_ = false;
   double over_since_ = -1;  // s since every trajectory has ended; < 0: not yet
   bool timed_out_ = false;
   double period_s_ = 1e-3;

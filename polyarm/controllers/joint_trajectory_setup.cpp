@@ -154,7 +154,7 @@ void JointTrajectoryController::read_tolerances(ControllerContext& context) {
                            "'" + told_joints_[j] + "' cannot slow down on a cancel: its velocity is not read",
                            "add velocity to state_interfaces");
   }
-  rules_.tolerances = t;
+  note_checks();
   judged_.tolerances = t;
 }
 
@@ -263,7 +263,14 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
   return CallbackReturn::success;
 }
 
+void JointTrajectoryController::note_checks() noexcept {
+  checks_ = false;
+  for (const Tolerances::Of& of : default_tolerances_.path)
+    checks_ = checks_ || of.position > 0 || of.velocity > 0;
+}
+
 void JointTrajectoryController::on_parameters_changed() noexcept {
+  note_checks();
   for (std::size_t j = 0; j < pids_.size(); ++j) pids_[j].set_gains(gains_[j]);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -35,7 +36,6 @@ class Maker {
     problems_.throw_if_errors();
     timing();
     pieces();
-    goal_->tolerances = rules_.tolerances;
     if (goal_->action) tolerances();
     return std::move(goal_);
   }
@@ -222,7 +222,12 @@ class Maker {
   }
 
   void tolerances() {
-    Tolerances given = rules_.tolerances;
+    constexpr double kOwn = std::numeric_limits<double>::quiet_NaN();
+    Tolerances& none = goal_->tolerances;
+    none.path.assign(rules_.joints.size(), {kOwn, kOwn, kOwn});
+    none.goal = none.path;
+    none.goal_time = kOwn;
+    Tolerances given = none;
     bool good = merge(message_.path_tolerance, given.path) && merge(message_.goal_tolerance, given.goal);
     if (message_.goal_time_tolerance) {
       const double t = *message_.goal_time_tolerance;

@@ -29,8 +29,8 @@ struct TrajectoryGoal {
   std::vector<std::uint32_t> joints = {};
   trajectory::Trajectory effort = {};  ///< feed-forward, of the same joints; empty: none
   bool action = false;
-  Nanoseconds start = -1;  ///< cell time; < 0: when it arrives
-  Tolerances tolerances = {};
+  Nanoseconds start = -1;      ///< cell time; < 0: when it arrives
+  Tolerances tolerances = {};  ///< of an action; NaN where the controller's own holds
 
   // When bridged, the first segment is made when the goal begins, from where the joints are then.
   bool bridged = false;
@@ -62,7 +62,6 @@ struct TrajectoryRules {
   bool step = false;  ///< `interpolation_method: none`
   bool partial = false, nonzero_end = false, integrate = false, effort = false;
   double upsampling = 0;  ///< Hz of the policy behind position chunks; 0: off
-  Tolerances tolerances;  ///< where a goal says nothing else
 };
 
 /// Throws Error with every fault: "no-joints", "unknown-joint", "missing-joint", "no-points", "wrong-size",
