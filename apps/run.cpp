@@ -49,6 +49,9 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--allow-contact", a.cell_options.allow_contact, "contacts are reported, the run goes on");
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
+  bool* socket = &a.run.socket;
+  app.add_flag_callback("--no-socket", [socket] { *socket = false; },
+                        "no other program may reach this cell while it runs");
   app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")
       ->check(CLI::Range(0, 99));
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");

@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
-#include "polyarm/controllers/joint_state_broadcaster.hpp"
+#include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
 
 namespace polyarm::cell {
@@ -20,6 +23,14 @@ namespace {
 constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
 /// Parts that were let go of are given this long to come to rest after the program has ended.
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
+/// A cell that only sends messages ends when nothing has moved for this long.
+constexpr Nanoseconds kSendSettle = 500'000'000;
+
+template <typename Step>
+void collect_quietly(Step step) {
+  Problems ignored;
+  collect(ignored, step);
+}
 }  // namespace
 
 Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
@@ -52,6 +63,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop_->start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
 
+  requests_ = std::make_unique<Requests>(*this);
   worker_ = std::make_unique<Worker>(options_.lock_step);
   for (const std::string& answer : options_.answers) answers_.give(answer);
   build_tags(problems);
@@ -159,11 +171,82 @@ void Cell::follow_strangers(const control::Snapshot& snapshot) {
   }
 }
 
+void Cell::tell_loop_events() {
+  using Kind = control::LoopEvent::Kind;
+  control::ControllerManager& manager = loop_->controllers();
+  for (const control::LoopEvent& event : manager.take_events()) {
+    const bool hardware = event.kind == Kind::component_failed || event.kind == Kind::component_deactivated;
+    const auto who = static_cast<std::size_t>(event.who);
+    const std::string name = hardware ? loop_->hardware().component_name(who) : manager.name_of(event.who);
+    constexpr const char* kTexts[] = {"the controller {} failed and is inactive, with all that works through it",
+                                      "the controller {} was stopped with what it works on",
+                                      "the controller {} took over", "the hardware component {} failed",
+                                      "the hardware component {} asked to be deactivated"};
+    observer_.on_note(fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name));
+    if (event.kind == Kind::component_failed) loop_->hardware().recover_from_error(who);
+    if (event.kind == Kind::component_deactivated) collect_quietly([&] { loop_->hardware().finish_deactivate(who); });
+  }
+}
+
+const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& name) {
+  constexpr std::size_t kKept = 1000;
+  std::vector<controllers::GoalEvent>& out = goal_events_[name];
+  if (controllers::Controller* controller = loop_->controllers().find(name))
+    while (const auto event = controller->next_goal_event()) out.push_back(*event);
+  if (out.size() > 2 * kKept) out.erase(out.begin(), out.end() - kKept);
+  return out;
+}
+
+Problems Cell::load_controller(const std::string& name, const std::string& type, controllers::Parameters parameters) {
+  Problems problems;
+  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, {}, options_.lock_step, observer_, problems);
+  for (PlannedController& planned : plan.controllers) {
+    if (type.empty() ? planned.context.name != name : &planned != &plan.controllers.front()) continue;
+    if (!type.empty()) {
+      planned.context.name = name;
+      planned.context.type = type;
+      planned.context.parameters = std::move(parameters);
+      planned.controller = controllers::make_controller(type, planned.context.parameters);
+      planned.options = {};
+      planned.options.lock_step = options_.lock_step;
+    }
+    loop_->controllers().load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
+    loop_->controllers().configure(name);
+    Problems found;
+    for (const Problem& problem : loop_->controllers().findings(name)) found.add(problem);
+    return found;
+  }
+  throw Error("unknown-controller", "no controllers file describes '" + name + "'",
+              "say its type, or put it into the controllers file");
+}
+
+/// Messages that the cell file sends when the cell starts.
+void Cell::send_start_messages() {
+  started_ = true;
+  for (const auto& [to, path] : file_.send) {
+    try {
+      const std::filesystem::path file = file_.folder / path;
+      nlohmann::json request{{"request", "send"}, {"to", to}, {"message", read_file(file)}};
+      requests_->handle(request.dump(), [this, file](const std::string& line) {
+        const auto answer = nlohmann::json::parse(line, nullptr, false);
+        if (answer.value("ok", false)) return true;
+        fail(now_, {"not-sent", {file.string()}, answer["error"].value("what", line), answer["error"].value("advice", "")});
+        return false;
+      });
+    } catch (const Error& e) {
+      fail(now_, e.problems().front());
+    }
+  }
+}
+
 void Cell::tick(Nanoseconds now) {
   now_ = now;
   loop_->outbox().fetch();
   loop_->supervisor().heartbeat(now);
   const control::Snapshot& snapshot = loop_->outbox().value();
+  tell_loop_events();
+  if (!started_) send_start_messages();
+  requests_->tick();
   follow_strangers(snapshot);
   update_states(snapshot);
   tags_->read(snapshot.states, states_);
@@ -256,7 +339,14 @@ void Cell::watch_end(Nanoseconds now) {
       fail(now, task->status().problem.value_or(
                     Problem{"failed", task->status().where, task->name() + " failed", {}}));
   if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
-  if (failure_ || !program_ || !program_->ended()) return;
+  if (failure_) return;
+  if (!program_ && !file_.send.empty()) {  // what was sent has been done
+    if (!loop_->outbox().value().standing) ended_at_ = now;
+    finished_ = ended_at_ >= 0 && loop_->outbox().value().standing && now - ended_at_ > kSendSettle;
+    if (now > kSettlePatience && ended_at_ < 0) finished_ = true;
+    return;
+  }
+  if (!program_ || !program_->ended()) return;
   if (ended_at_ < 0) ended_at_ = now;
   const bool settled = !parts_.anything_moving() && loop_->outbox().value().standing;
   finished_ = settled || now - ended_at_ > kSettlePatience;

@@ -14,6 +14,7 @@
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
+#include "polyarm/cell/requests.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/cell/tag_binding.hpp"
 #include "polyarm/cell/task.hpp"
@@ -74,6 +75,18 @@ class Cell {
   double tracking_error_max() const { return tracking_error_max_; }
   /// Cycle in which the first motion was commanded, if any.
   std::optional<std::uint64_t> first_motion_cycle() const;
+  Nanoseconds now() const { return now_; }
+
+  // For requests; cell thread.
+  Requests& requests() { return *requests_; }
+  /// Makes and configures a controller while the cell runs: with the type and parameters given, or with those
+  /// that the controllers' files have under its name. Returns the warnings.
+  Problems load_controller(const std::string& name, const std::string& type, controllers::Parameters parameters);
+  /// What became of the latest goals of a controller, oldest first.
+  const std::vector<controllers::GoalEvent>& goal_events(const std::string& controller);
+  /// Tells what the loop did by itself, and lets components that failed decide what they become.
+  void tell_loop_events();
+
   /// Ends the programs where they are (a person stopped the run).
   void stop_programs();
   Pose tcp(std::size_t robot) const;
@@ -83,6 +96,7 @@ class Cell {
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
+  void send_start_messages();
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
   void tell_changes(Nanoseconds now);
@@ -108,6 +122,9 @@ class Cell {
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;
   PartTracker parts_{scene_};
+  std::map<std::string, std::vector<controllers::GoalEvent>> goal_events_;
+  std::unique_ptr<Requests> requests_;
+  bool started_ = false;
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;

@@ -92,7 +92,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "signals", "program",
+  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "signals", "program",
                    "plc", "motion"},
                   problems);
   cell.rate_stated = yaml.has("rate");
@@ -111,6 +111,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("scene", cell.scene, cell.scene_where);
   collect(problems, [&] { cell.controllers = yaml["controllers"].texts(); });
   cell.controllers_where = yaml["controllers"].where();
+  for (const std::string& to : yaml["send"].keys())
+    collect(problems, [&] { cell.send.emplace_back(to, yaml["send"][to].text()); });
   collect(problems, [&] { cell.activate = yaml["activate"].texts(); });
   file("signals", cell.signals, cell.signals_where);
   file("program", cell.program, cell.program_where);

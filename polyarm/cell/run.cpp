@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/socket_door.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::cell {
@@ -107,6 +108,7 @@ class Runner {
   }
 
   void wall_clock() {
+    std::unique_ptr<SocketDoor> door = open_door();
     std::atomic<bool> done{false};
     EmptyLoop empty(cell_.loop().options().period);
     std::thread control([&] { control_thread(done); });
@@ -115,6 +117,7 @@ class Runner {
       clock.wait();
       cell_.loop().outbox().fetch();
       const hardware::Cycle seen = cell_.snapshot().cycle;
+      if (door) door->serve(cell_.requests());
       after_tick(seen.time + seen.period);
       while (const auto line = console_.line()) typed(*line);
     }
@@ -122,6 +125,19 @@ class Runner {
     control.join();
     late_empty_ = empty.finish();
     if (*refused_) observer_.on_note(refused_);
+  }
+
+  std::unique_ptr<SocketDoor> open_door() {
+    if (!options_.socket) return nullptr;
+    try {
+      auto door = std::make_unique<SocketDoor>(cell_.file().name);
+      if (door->path().stem() != cell_.file().name)
+        observer_.on_note("this cell answers as '" + door->path().stem().string() + "'");
+      return door;
+    } catch (const Error& e) {
+      observer_.on_note(std::string(e.what()) + "; other programs cannot reach this cell");
+      return nullptr;
+    }
   }
 
   void control_thread(const std::atomic<bool>& done) {

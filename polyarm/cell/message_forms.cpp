@@ -1,0 +1,276 @@
+#include "polyarm/cell/message_forms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+
+namespace polyarm::cell {
+
+using controllers::Input;
+
+namespace {
+
+[[noreturn]] void refuse(const Yaml& at, std::string what, std::string advice = {}) {
+  throw Error(Problem{"bad-message", at.where(), std::move(what), std::move(advice)});
+}
+
+/// `{sec, nanosec}`, `{secs, nsecs}` or a number of seconds.
+double seconds_of(const Yaml& yaml, double fallback = 0) {
+  if (!yaml.defined()) return fallback;
+  if (!yaml.is_map()) return yaml.number();
+  double out = 0;
+  for (const auto& [whole, part] : {std::pair{"sec", "nanosec"}, {"secs", "nsecs"}}) {
+    if (yaml.has(whole)) out += yaml[whole].number();
+    if (yaml.has(part)) out += yaml[part].number() * 1e-9;
+  }
+  return out;
+}
+
+std::optional<Nanoseconds> stamp_of(const Yaml& header) {
+  const double stamp = seconds_of(header["stamp"]);
+  if (stamp == 0) return std::nullopt;
+  if (!(stamp > 0 && stamp < 9e9)) refuse(header["stamp"], "the stamp is no time", "0 means now");
+  return nanoseconds(stamp);
+}
+
+void check_keys(const Yaml& yaml, const std::vector<std::string>& known) {
+  Problems problems;
+  yaml.check_keys(known, problems);
+  if (!problems.list().empty()) throw Error(problems.list());
+}
+
+trajectory::TrajectoryPoint point_of(const Yaml& yaml) {
+  check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "efforts", "time_from_start"});
+  trajectory::TrajectoryPoint out;
+  out.positions = yaml["positions"].numbers();
+  out.velocities = yaml["velocities"].numbers();
+  out.accelerations = yaml["accelerations"].numbers();
+  out.effort = yaml["effort"].numbers();
+  if (!yaml.has("time_from_start")) refuse(yaml, "the point has no time_from_start", "add time_from_start: 1.0");
+  out.time_from_start = seconds_of(yaml["time_from_start"]);
+  return out;
+}
+
+controllers::TrajectoryMessage trajectory_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "joint_names", "points"});
+  controllers::TrajectoryMessage out;
+  out.start = stamp_of(yaml["header"]);
+  out.joints = yaml["joint_names"].texts();
+  for (const Yaml& point : yaml["points"].items()) out.points.push_back(point_of(point));
+  return out;
+}
+
+std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
+  std::vector<controllers::JointTolerance> out;
+  for (const Yaml& item : yaml.items()) {
+    check_keys(item, {"name", "position", "velocity", "acceleration"});
+    out.push_back({item.required("name").text(), item["position"].number(Dimension::none, 0),
+                   item["velocity"].number(Dimension::none, 0), item["acceleration"].number(Dimension::none, 0)});
+  }
+  return out;
+}
+
+Input goal_of(const Yaml& given) {
+  const Yaml yaml = given.has("goal") ? given["goal"] : given;
+  if (yaml.has("joint_names")) return trajectory_of(yaml);  // the bare trajectory will do
+  check_keys(yaml, {"trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance", "component_path_tolerance",
+                    "component_goal_tolerance", "multi_dof_trajectory"});
+  controllers::TrajectoryMessage out = trajectory_of(yaml.required("trajectory"));
+  out.path_tolerance = tolerances_of(yaml["path_tolerance"]);
+  out.goal_tolerance = tolerances_of(yaml["goal_tolerance"]);
+  if (yaml.has("goal_time_tolerance")) out.goal_time_tolerance = seconds_of(yaml["goal_time_tolerance"]);
+  return out;
+}
+
+Vec3 vector_of(const Yaml& yaml) {
+  if (!yaml.defined()) return {};
+  if (!yaml.is_map()) return yaml.vec3(Dimension::none);
+  check_keys(yaml, {"x", "y", "z"});
+  const auto axis = [&](const char* name) { return yaml[name].number(Dimension::none, 0); };
+  return {axis("x"), axis("y"), axis("z")};
+}
+
+Input twist_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "twist", "linear", "angular"});
+  const Yaml twist = yaml.has("twist") ? yaml["twist"] : yaml;
+  if (!twist.has("linear") && !twist.has("angular"))
+    refuse(yaml, "the twist has neither linear nor angular", "write {linear: {x: 0.2}, angular: {z: 0.1}}");
+  controllers::Twist out{vector_of(twist["linear"]), vector_of(twist["angular"]), {}};
+  if (yaml.has("twist")) out.stamp = stamp_of(yaml["header"]).value_or(0);
+  return out;
+}
+
+Input numbers_of(const Yaml& yaml) {
+  if (!yaml.is_map()) return controllers::Numbers{yaml.numbers()};
+  check_keys(yaml, {"layout", "data", "factor", "header"});
+  return controllers::Numbers{yaml[yaml.has("factor") ? "factor" : "data"].numbers()};
+}
+
+/// DynamicJointState {joint_names, interface_values: [{interface_names, values}]} or MultiDOFCommand {dof_names,
+/// values, values_dot}, or simply a map of name to value.
+Input named_of(const Yaml& yaml) {
+  controllers::NamedValues out;
+  if (yaml.has("interface_values") || yaml.has("joint_names")) {
+    check_keys(yaml, {"header", "joint_names", "interface_groups", "interface_values"});
+    const Yaml names = yaml[yaml.has("joint_names") ? "joint_names" : "interface_groups"];
+    const std::vector<std::string> joints = names.texts();
+    const std::vector<Yaml> groups = yaml["interface_values"].items();
+    if (joints.size() != groups.size())
+      refuse(yaml, std::to_string(joints.size()) + " names stand beside " + std::to_string(groups.size()) +
+                       " interface_values");
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      const std::vector<std::string> interfaces = groups[i]["interface_names"].texts();
+      const std::vector<double> values = groups[i]["values"].numbers();
+      if (interfaces.size() != values.size())
+        refuse(groups[i], std::to_string(interfaces.size()) + " interface_names stand beside " +
+                              std::to_string(values.size()) + " values");
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        out.names.push_back(joints[i] + "/" + interfaces[k]);
+        out.values.push_back(values[k]);
+      }
+    }
+    return out;
+  }
+  if (yaml.has("dof_names")) {
+    check_keys(yaml, {"header", "dof_names", "values", "values_dot"});
+    const std::vector<std::string> names = yaml["dof_names"].texts();
+    for (const auto& [key, ending] : {std::pair{"values", ""}, {"values_dot", "/dot"}}) {
+      const std::vector<double> values = yaml[key].numbers();
+      if (!values.empty() && values.size() != names.size())
+        refuse(yaml[key], std::to_string(names.size()) + " dof_names stand beside " + std::to_string(values.size()) +
+                              " " + key);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        out.names.push_back(names[k] + ending);
+        out.values.push_back(values[k]);
+      }
+    }
+    return out;
+  }
+  for (const std::string& key : yaml.keys()) {
+    out.names.push_back(key);
+    out.values.push_back(yaml[key].number());
+  }
+  return out;
+}
+
+Input gripper_of(const Yaml& given) {
+  const Yaml outer = given.has("goal") ? given["goal"] : given;
+  const Yaml yaml = outer.has("command") ? outer["command"] : outer;
+  controllers::GripperCommand out;
+  if (yaml["position"].is_list()) {  // ParallelGripperCommand: a JointState
+    check_keys(yaml, {"header", "name", "position", "velocity", "effort"});
+    const auto first = [&](const char* key) -> std::optional<double> {
+      const std::vector<double> values = yaml[key].numbers();
+      return values.empty() ? std::nullopt : std::optional(values.front());
+    };
+    const auto position = first("position");
+    if (!position) refuse(yaml["position"], "the command has no position");
+    out = {*position, first("velocity"), first("effort")};
+    return out;
+  }
+  check_keys(yaml, {"position", "max_effort", "max_velocity"});
+  out.position = yaml.required("position").number();
+  if (yaml.has("max_effort")) out.max_effort = yaml["max_effort"].number();
+  if (yaml.has("max_velocity")) out.max_velocity = yaml["max_velocity"].number();
+  return out;
+}
+
+struct Form {
+  const char* type;
+  Input (*read)(const Yaml&);
+};
+
+constexpr Form kForms[] = {
+    {"trajectory_msgs/JointTrajectory", [](const Yaml& y) -> Input { return trajectory_of(y); }},
+    {"control_msgs/FollowJointTrajectory", goal_of},
+    {"geometry_msgs/Twist", twist_of},
+    {"geometry_msgs/TwistStamped", twist_of},
+    {"std_msgs/Float64MultiArray", numbers_of},
+    {"std_msgs/Float64", numbers_of},
+    {"control_msgs/SpeedScalingFactor", numbers_of},
+    {"control_msgs/DynamicJointState", named_of},
+    {"control_msgs/DynamicInterfaceGroupValues", named_of},
+    {"control_msgs/MultiDOFCommand", named_of},
+    {"control_msgs/GripperCommand", gripper_of},
+    {"control_msgs/ParallelGripperCommand", gripper_of},
+};
+
+nlohmann::json number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return value;
+}
+
+/// "pose.position.x": value → {"pose": {"position": {"x": value}}}; "covariance[3]" → an array.
+void put(nlohmann::json& out, const std::string& field, double value) {
+  nlohmann::json* at = &out;
+  for (const std::string& word : split_words(field, ".")) {
+    const auto bracket = word.find('[');
+    at = &(*at)[word.substr(0, bracket)];
+    if (bracket == std::string::npos) continue;
+    const auto index = static_cast<std::size_t>(parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0));
+    at = &(*at)[index];
+  }
+  *at = number(value);
+}
+
+nlohmann::json joint_states(const controllers::Output& output) {
+  nlohmann::json out{{"name", nlohmann::json::array()}, {"position", nlohmann::json::array()},
+                     {"velocity", nlohmann::json::array()}, {"effort", nlohmann::json::array()}};
+  for (std::size_t i = 0; i + 2 < output.fields().size(); i += 3) {
+    const std::string& field = output.fields()[i];
+    out["name"].push_back(field.substr(0, field.rfind('/')));
+    for (std::size_t k = 0; const char* quantity : {"position", "velocity", "effort"})
+      out[quantity].push_back(number(output.value().values[i + k++]));
+  }
+  return out;
+}
+
+}  // namespace
+
+Input read_message(const std::string& text, const std::string& name, const std::vector<std::string>& types) {
+  const Yaml yaml = Yaml::parse(text, name);
+  std::vector<std::string> known;
+  std::optional<Error> first;
+  for (const std::string& type : types)
+    for (const Form& form : kForms) {
+      if (type != form.type) continue;
+      known.push_back(type);
+      try {
+        return form.read(yaml);
+      } catch (const Error& e) {
+        if (!first) first = e;
+      }
+    }
+  if (first) throw *first;
+  throw Error("bad-message", name + " cannot be read as " + join(types, " or "));
+}
+
+std::vector<std::string> message_types() {
+  std::vector<std::string> out;
+  for (const Form& form : kForms) out.emplace_back(form.type);
+  return out;
+}
+
+std::string message_json(const controllers::Output& output) {
+  nlohmann::json out;
+  const Nanoseconds time = output.value().time;
+  out["header"]["stamp"] = {{"sec", time / 1'000'000'000}, {"nanosec", time % 1'000'000'000}};
+  if (output.type() == "sensor_msgs/JointState") {
+    out.update(joint_states(output));
+  } else {
+    for (std::size_t i = 0; i < output.fields().size(); ++i) put(out, output.fields()[i], output.value().values[i]);
+  }
+  for (const auto& [key, text] : output.texts) {
+    if (key == "frame_id")
+      out["header"][key] = text;
+    else
+      out[key] = text;
+  }
+  return out.dump();
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,329 @@
+/// Requests about controllers, hardware, interfaces and the loop.
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_work.hpp"
+#include "polyarm/controllers/types.hpp"
+
+namespace polyarm::cell {
+
+using hardware::LifecycleState;
+
+namespace {
+
+Json number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return value;
+}
+
+Json json_of(const control::SwitchPlan& plan) {
+  return {{"ok", plan.ok},           {"reason", plan.reason},         {"advice", plan.advice},
+          {"start", plan.start},     {"stop", plan.stop},             {"left_out", plan.left_out},
+          {"chained", plan.chained}, {"unchained", plan.unchained}};
+}
+
+control::Strictness strictness_of(const std::string& text) {
+  using S = control::Strictness;
+  const std::vector<std::pair<std::string, S>> known = {
+      {"strict", S::strict}, {"best_effort", S::best_effort}, {"best-effort", S::best_effort},
+      {"auto", S::automatic}, {"force", S::force}, {"force_auto", S::force}};
+  std::vector<std::string> names;
+  for (const auto& [name, value] : known) {
+    if (lower(text) == name) return value;
+    names.push_back(name);
+  }
+  throw Error("bad-argument", "there is no strictness '" + text + "'" + did_you_mean(text, names),
+              "strict, best_effort, auto or force");
+}
+
+LifecycleState state_argument(const Json& arguments) {
+  const std::string text = text_argument(arguments, "state");
+  std::vector<std::string> names;
+  for (const LifecycleState state : {LifecycleState::unconfigured, LifecycleState::inactive, LifecycleState::active,
+                                     LifecycleState::finalized}) {
+    if (text == hardware::name(state)) return state;
+    names.emplace_back(hardware::name(state));
+  }
+  throw Error("bad-argument", "there is no state '" + text + "'" + did_you_mean(text, names), join(names, ", "));
+}
+
+LifecycleState state_of(Cell& cell, const std::string& name) {
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    if (c.name == name) return c.state;
+  throw Error("unknown-controller", "there is no controller '" + name + "'" +
+                                        did_you_mean(name, cell.loop().controllers().names()));
+}
+
+std::size_t component_argument(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  hardware::Hardware& hardware = cell.loop().hardware();
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < hardware.size(); ++i) {
+    if (hardware.component_name(i) == name) return i;
+    known.push_back(hardware.component_name(i));
+  }
+  throw Error("unknown-component", "there is no hardware component '" + name + "'" + did_you_mean(name, known));
+}
+
+/// Active controllers that use a component.
+std::vector<std::string> users_of(Cell& cell, std::size_t component) {
+  const hardware::HostedInfo info = cell.loop().hardware().info(component);
+  const auto uses = [](const std::vector<std::string>& wanted, const std::vector<std::string>& offered) {
+    return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
+      return std::find(offered.begin(), offered.end(), name) != offered.end();
+    });
+  };
+  std::vector<std::string> out;
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    if (c.state == LifecycleState::active &&
+        (uses(c.required_commands, info.commands) || uses(c.required_states, info.states)))
+      out.push_back(c.name);
+  return out;
+}
+
+Poll wait_for(std::shared_ptr<realtime::Job> job) {
+  return [job](Cell&) { return job->done() ? Progress::done(nullptr) : Progress{}; };
+}
+
+/// One transition after the other until the component is where it shall be.
+Poll walk(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
+  hardware::Hardware& hardware = cell.loop().hardware();
+  const LifecycleState now = hardware.state_of(i);
+  answer["state"] = hardware::name(now);
+  if (now == wanted) return at_once(std::move(answer));
+  const auto on = [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); };
+  if (now == LifecycleState::finalized)
+    throw Error("finalized", "the component is finalized and comes back only by a reload", "start the cell again");
+  if (wanted == LifecycleState::finalized)
+    return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
+      c.loop().hardware().finish_shutdown(i);
+      return on(c);
+    });
+  if (now == LifecycleState::active)
+    return then(wait_for(hardware.begin_deactivate(i)), [i, on](Cell& c) {
+      c.loop().hardware().finish_deactivate(i);
+      return on(c);
+    });
+  if (now == LifecycleState::inactive && wanted == LifecycleState::unconfigured)
+    return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
+      c.loop().hardware().finish_cleanup(i);
+      return on(c);
+    });
+  if (now == LifecycleState::unconfigured)
+    hardware.configure(i);
+  else
+    hardware.activate(i);
+  return on(cell);
+}
+
+void request(Cell& cell, control::Request what) {
+  if (!cell.loop().post(what)) throw Error("busy", "the control loop has not taken the last requests yet");
+}
+
+}  // namespace
+
+Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer) {
+  auto job = cell.loop().controllers().begin_switch(request);
+  return [job, request, answer, tries = 0](Cell& c) mutable {
+    if (!job->done()) return Progress{};
+    if (c.loop().controllers().finish(*job)) {
+      answer.update(json_of(job->plan()));
+      return Progress::done(answer);
+    }
+    if (++tries > 5) throw Error("busy", "the loop keeps changing its controllers by itself", "look at the log");
+    c.tell_loop_events();
+    job = c.loop().controllers().begin_switch(request);
+    return Progress{};
+  };
+}
+
+Poll control_list(Cell& cell, const Json&) {
+  Json out = Json::array();
+  const double rate = 1 / seconds(cell.loop().options().period);
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    out.push_back({{"name", c.name}, {"type", c.type}, {"state", hardware::name(c.state)}, {"chained", c.chained},
+                   {"async", c.async}, {"rate", rate / c.divisor}, {"updates", c.updates}, {"missed", c.missed},
+                   {"claimed", c.claimed}, {"commands", c.required_commands}, {"states", c.required_states},
+                   {"references", c.references}, {"exported_states", c.exported}, {"fallback", c.fallback}});
+  return at_once(std::move(out));
+}
+
+Poll control_types(Cell&, const Json&) {
+  Json out = Json::array();
+  for (const controllers::ControllerType& type : controllers::controller_types())
+    out.push_back({{"type", type.name}, {"text", type.summary}});
+  return at_once(std::move(out));
+}
+
+Poll control_chains(Cell& cell, const Json&) {
+  Json out = Json::array();
+  const auto all = cell.loop().controllers().list();
+  for (const auto& upper : all)
+    for (const auto& below : all)
+      for (const std::string& reference : below.references)
+        if (std::find(upper.required_commands.begin(), upper.required_commands.end(), reference) !=
+            upper.required_commands.end())
+          out.push_back({{"from", upper.name}, {"to", below.name}, {"reference", reference},
+                         {"active", upper.state == LifecycleState::active}});
+  return at_once(std::move(out));
+}
+
+Poll control_switch(Cell& cell, const Json& arguments) {
+  control::SwitchRequest wanted{list_argument(arguments, "activate"), list_argument(arguments, "deactivate"),
+                                strictness_of(text_argument(arguments, "strictness", "strict"))};
+  if (wanted.activate.empty() && wanted.deactivate.empty())
+    throw Error("bad-argument", "nothing is to be activated and nothing deactivated");
+  if (flag_argument(arguments, "dry")) return at_once(json_of(cell.loop().controllers().plan(wanted)));
+  return switch_controllers(cell, std::move(wanted), Json::object());
+}
+
+Poll control_load(Cell& cell, const Json& arguments) {
+  controllers::Parameters parameters;
+  if (const auto found = arguments.find("parameters"); found != arguments.end() && found->is_object())
+    for (const auto& [key, value] : found->items()) {
+      std::vector<std::string> values;
+      for (const Json& item : value.is_array() ? value : Json::array({value}))
+        values.push_back(item.is_string() ? item.get<std::string>() : item.dump());
+      parameters.set(key, values);
+    }
+  const std::string name = text_argument(arguments, "name");
+  const Problems problems = cell.load_controller(name, text_argument(arguments, "type", ""), std::move(parameters));
+  Json warnings = Json::array();
+  for (const Problem& problem : problems.list()) warnings.push_back(problem.text());
+  return at_once({{"name", name}, {"state", hardware::name(state_of(cell, name))}, {"warnings", warnings}});
+}
+
+Poll control_unload(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  cell.loop().controllers().unload(name);
+  return at_once({{"name", name}});
+}
+
+Poll control_state(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  const LifecycleState wanted = state_argument(arguments);
+  control::ControllerManager& manager = cell.loop().controllers();
+  const LifecycleState now = state_of(cell, name);
+  const Json answer{{"name", name}, {"state", hardware::name(wanted)}};
+  if (now == wanted) return at_once(answer);
+  if (wanted == LifecycleState::finalized)
+    throw Error("bad-argument", "a controller is not finalized by hand", "unload it");
+  if (now == LifecycleState::active) {
+    Poll stopped = switch_controllers(cell, {{}, {name}}, answer);
+    if (wanted == LifecycleState::inactive) return stopped;
+    return then(stopped, [name, answer](Cell& c) {
+      c.loop().controllers().cleanup(name);
+      return at_once(answer);
+    });
+  }
+  if (wanted == LifecycleState::unconfigured) {
+    manager.cleanup(name);
+    return at_once(answer);
+  }
+  if (now == LifecycleState::unconfigured) manager.configure(name);
+  if (wanted == LifecycleState::inactive) return at_once(answer);
+  return switch_controllers(cell, {{name}, {}}, answer);
+}
+
+Poll control_hold(Cell& cell, const Json&) {
+  cell.loop().supervisor().latch().request(realtime::StopKind::controlled);
+  return at_once({{"asked", "hold"}});
+}
+
+Poll control_stop(Cell& cell, const Json&) {
+  cell.loop().supervisor().latch().request(realtime::StopKind::immediate);
+  return at_once({{"asked", "stop"}});
+}
+
+Poll control_resume(Cell& cell, const Json&) {
+  cell.loop().supervisor().latch().clear();
+  request(cell, control::Request::resume);
+  return at_once({{"asked", "resume"}});
+}
+
+Poll control_discard(Cell& cell, const Json&) {
+  request(cell, control::Request::discard);
+  return at_once({{"asked", "discard"}});
+}
+
+Poll control_recover(Cell& cell, const Json&) {
+  request(cell, control::Request::recover);
+  return at_once({{"asked", "recover"}});
+}
+
+Poll hardware_list(Cell& cell, const Json&) {
+  Json out = Json::array();
+  hardware::Hardware& hardware = cell.loop().hardware();
+  const double rate = 1 / seconds(cell.loop().options().period);
+  for (std::size_t i = 0; i < hardware.size(); ++i) {
+    const hardware::HostedInfo info = hardware.info(i);
+    Json commands = Json::array();
+    for (const std::string& command : info.commands)
+      commands.push_back({{"name", command}, {"claimed_by", cell.loop().controllers().holder_of(command)}});
+    out.push_back({{"name", info.name}, {"type", info.type}, {"plugin", info.plugin}, {"group", info.group},
+                   {"state", hardware::name(info.state)}, {"rate", rate / info.divisor}, {"async", info.async},
+                   {"missed", info.missed}, {"states", info.states}, {"commands", commands}});
+  }
+  return at_once(std::move(out));
+}
+
+Poll hardware_state(Cell& cell, const Json& arguments) {
+  const std::size_t i = component_argument(cell, arguments);
+  const LifecycleState wanted = state_argument(arguments);
+  const bool goes_down = cell.loop().hardware().state_of(i) == LifecycleState::active && wanted != LifecycleState::active;
+  const std::vector<std::string> users = goes_down ? users_of(cell, i) : std::vector<std::string>{};
+  const Json answer{{"name", cell.loop().hardware().component_name(i)}, {"stopped", users}};
+  if (users.empty()) return walk(cell, i, wanted, answer);
+  return then(switch_controllers(cell, {{}, users, control::Strictness::automatic}, answer),
+              [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); });
+}
+
+Poll hardware_recover(Cell& cell, const Json& arguments) {
+  const std::size_t i = component_argument(cell, arguments);
+  cell.tell_loop_events();
+  const Json answer{{"name", cell.loop().hardware().component_name(i)},
+                    {"next", "control recover, then start its controllers and resume"}};
+  return walk(cell, i, LifecycleState::active, answer);
+}
+
+Poll interfaces_list(Cell& cell, const Json&) {
+  const hardware::InterfaceTable& table = cell.loop().table();
+  const control::Snapshot& seen = cell.snapshot();
+  Json states = Json::array(), commands = Json::array();
+  for (std::size_t i = 0; i < table.state_names().size(); ++i)
+    if (!table.state_names()[i].empty())
+      states.push_back({{"name", table.state_names()[i]}, {"value", number(seen.states[i])}});
+  for (std::size_t i = 0; i < table.command_names().size(); ++i) {
+    const std::string& name = table.command_names()[i];
+    if (!name.empty())
+      commands.push_back({{"name", name}, {"value", number(seen.commands[i])},
+                          {"claimed_by", cell.loop().controllers().holder_of(name)}});
+  }
+  return at_once({{"states", states}, {"commands", commands}});
+}
+
+Poll health(Cell& cell, const Json&) {
+  const control::Health& h = cell.loop().health();
+  const control::Snapshot& seen = cell.snapshot();
+  const auto histogram = [](const realtime::Histogram& values) {
+    return Json{{"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
+  };
+  return at_once({{"state", control::name(seen.state)}, {"cause", control::name(seen.cause)},
+                  {"standing", seen.standing}, {"time_s", seconds(seen.cycle.time)},
+                  {"rate_hz", 1 / seconds(cell.loop().options().period)}, {"cycles", h.cycles}, {"late", h.late},
+                  {"cost", histogram(h.cost)}, {"wake_up", histogram(h.wake_up)},
+                  {"clamps", cell.loop().limits().clamps()}});
+}
+
+Poll limits_list(Cell& cell, const Json&) {
+  Json out = Json::array();
+  const double period = seconds(cell.loop().options().period);
+  for (const control::Clamp& clamp : cell.loop().limits().report())
+    out.push_back({{"interface", clamp.interface}, {"limit", controllers::name(clamp.limit)},
+                   {"count", clamp.count}, {"asked", number(clamp.asked)}, {"given", number(clamp.given)},
+                   {"time_s", static_cast<double>(clamp.cycle) * period}});
+  return at_once(std::move(out));
+}
+
+}  // namespace polyarm::cell

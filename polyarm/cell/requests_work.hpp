@@ -1,0 +1,70 @@
+#pragma once
+/// How requests are done. Private to the room.
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/requests.hpp"
+
+namespace polyarm::cell {
+
+using Json = nlohmann::json;
+
+/// What a request has come to: nothing yet, an answer that is followed by more, or the last one.
+struct Progress {
+  std::optional<Json> answer;
+  bool over = false;
+  static Progress done(Json answer) { return {std::move(answer), true}; }
+  static Progress more(Json answer) { return {std::move(answer), false}; }
+};
+/// Asked once each tick until it is over; may throw Error, which ends it.
+using Poll = std::function<Progress(Cell&)>;
+/// Begins a request; may throw Error.
+using Handler = Poll (*)(Cell&, const Json& arguments);
+
+inline Poll at_once(Json answer) {
+  return [answer = std::move(answer)](Cell&) { return Progress::done(answer); };
+}
+
+/// Arguments; each throws Error("bad-argument") that names it.
+std::string text_argument(const Json& arguments, const char* name);
+std::string text_argument(const Json& arguments, const char* name, const std::string& fallback);
+std::vector<std::string> list_argument(const Json& arguments, const char* name);
+bool flag_argument(const Json& arguments, const char* name);
+double number_argument(const Json& arguments, const char* name, double fallback);
+
+/// A switch that is begun again when the loop changed something by itself meanwhile.
+Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
+/// Two steps one after the other.
+Poll then(Poll first, std::function<Poll(Cell&)> second);
+
+Poll control_list(Cell&, const Json&);
+Poll control_types(Cell&, const Json&);
+Poll control_chains(Cell&, const Json&);
+Poll control_switch(Cell&, const Json&);
+Poll control_load(Cell&, const Json&);
+Poll control_unload(Cell&, const Json&);
+Poll control_state(Cell&, const Json&);
+Poll control_hold(Cell&, const Json&);
+Poll control_stop(Cell&, const Json&);
+Poll control_resume(Cell&, const Json&);
+Poll control_discard(Cell&, const Json&);
+Poll control_recover(Cell&, const Json&);
+Poll hardware_list(Cell&, const Json&);
+Poll hardware_state(Cell&, const Json&);
+Poll hardware_recover(Cell&, const Json&);
+Poll interfaces_list(Cell&, const Json&);
+Poll health(Cell&, const Json&);
+Poll limits_list(Cell&, const Json&);
+Poll param_list(Cell&, const Json&);
+Poll param_get(Cell&, const Json&);
+Poll param_set(Cell&, const Json&);
+Poll send_message(Cell&, const Json&);
+Poll goal_cancel(Cell&, const Json&);
+Poll watch_output(Cell&, const Json&);
+
+}  // namespace polyarm::cell

@@ -1,0 +1,35 @@
+#pragma once
+/// The door through which other programs of the same user reach a running cell: a local socket, one JSON object
+/// a line both ways.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace polyarm::cell {
+
+class Requests;
+
+/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 4 MB; who does not
+/// read for long is dropped.
+class SocketDoor {
+ public:
+  /// Opens `<folder>/<cell>.sock` for this user alone; a name that a living cell has gets "-2", "-3", … Throws
+  /// Error("no-socket").
+  explicit SocketDoor(const std::string& cell, const std::filesystem::path& folder = folder_of_user());
+  ~SocketDoor();
+  const std::filesystem::path& path() const;
+  /// Cell thread, each tick: hands over what has come in.
+  void serve(Requests& requests);
+
+  /// `$XDG_RUNTIME_DIR/polyarm`, else `/tmp/polyarm-<user id>`.
+  static std::filesystem::path folder_of_user();
+  /// The sockets of cells that answer.
+  static std::vector<std::filesystem::path> running();
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace polyarm::cell
