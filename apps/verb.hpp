@@ -26,6 +26,14 @@ int run_robots(int argc, char** argv);
 int run_describe(int argc, char** argv);
 int run_fk(int argc, char** argv);
 int run_ik(int argc, char** argv);
+int run_control(int argc, char** argv);
+int run_hardware(int argc, char** argv);
+int run_interfaces(int argc, char** argv);
+int run_health(int argc, char** argv);
+int run_limits(int argc, char** argv);
+int run_send(int argc, char** argv);
+int run_watch(int argc, char** argv);
+int run_param(int argc, char** argv);
 int run_completion(int argc, char** argv);
 int run_version(int argc, char** argv);
 

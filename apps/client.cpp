@@ -1,0 +1,142 @@
+#include "apps/client.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstring>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/socket_door.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+std::atomic<bool> interrupt{false};
+
+std::filesystem::path find_cell(const std::string& name) {
+  const auto running = cell::SocketDoor::running();
+  if (running.empty())
+    throw Error("no-cell", "no cell is running", "start one in another terminal: polyarm run examples/r6bot");
+  std::vector<std::string> names;
+  for (const auto& path : running) {
+    if (path.stem() == name) return path;
+    names.push_back(path.stem().string());
+  }
+  if (!name.empty())
+    throw Error("no-cell", "no cell called '" + name + "' is running" + did_you_mean(name, names),
+                "running: " + join(names, ", "));
+  if (running.size() > 1)
+    throw Error("which-cell", "several cells are running: " + join(names, ", "), "say which: --cell " + names.front());
+  return running.front();
+}
+}  // namespace
+
+void ClientOptions::add_to(CLI::App& app) {
+  app.add_option("--cell", cell, "which cell, where several run");
+  app.add_flag("--json", json, "the answer as the cell gives it");
+}
+
+Client::Client(const std::string& cell) {
+  const auto path = find_cell(cell);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw Error("no-cell", "the cell at " + path.string() + " does not answer: " + std::strerror(errno));
+}
+
+Client::~Client() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void Client::send(const Json& request) {
+  const std::string line = request.dump() + "\n";
+  for (std::size_t sent = 0; sent < line.size();) {
+    const ssize_t n = ::send(fd_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw Error("cell-gone", "the cell has ended");
+    sent += static_cast<std::size_t>(n);
+  }
+}
+
+Json Client::receive(int timeout_ms) {
+  for (;;) {
+    if (const auto end = in_.find('\n'); end != std::string::npos) {
+      const std::string line = in_.substr(0, end);
+      in_.erase(0, end + 1);
+      return Json::parse(line);
+    }
+    pollfd waiting{fd_, POLLIN, 0};
+    const int ready = ::poll(&waiting, 1, timeout_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) return nullptr;
+    char buffer[65536];
+    const ssize_t n = ::recv(fd_, buffer, sizeof buffer, 0);
+    if (n <= 0) throw Error("cell-gone", "the cell has ended");
+    in_.append(buffer, static_cast<std::size_t>(n));
+  }
+}
+
+Json Client::result_of(const Json& answer) {
+  if (answer.value("ok", false)) return answer.value("result", Json());
+  const Json error = answer.value("error", Json::object());
+  throw Error(error.value("code", "refused"), error.value("what", "the cell refused"), error.value("advice", ""));
+}
+
+Json Client::ask(Json request) {
+  send(request);
+  Json answer;
+  while (answer.is_null()) answer = receive(interrupted() ? 0 : -1);
+  return result_of(answer);
+}
+
+void print_table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const std::string& heading : headings) widths.push_back(heading.size());
+  for (const auto& row : rows)
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+  const auto line = [&](const std::vector<std::string>& row) {
+    std::string out;
+    for (std::size_t k = 0; k < row.size(); ++k)
+      out += k + 1 == row.size() ? row[k] : fmt::format("{:<{}}  ", row[k], widths[k]);
+    fmt::print("{}\n", out);
+  };
+  line(headings);
+  for (const auto& row : rows) line(row);
+}
+
+std::string shown(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_array()) {
+    std::string out;
+    for (const Json& item : value) out += (out.empty() ? "" : ", ") + shown(item);
+    return out.empty() ? "-" : out;
+  }
+  return value.dump();
+}
+
+int run_actions(CLI::App& app, int argc, char** argv, const std::function<int()>& act) {
+  app.require_subcommand(1);
+  if (const auto code = parse(app, argc, argv)) return *code;
+  return act();
+}
+
+bool interrupted() { return interrupt.load(); }
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupt = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,53 @@
+#pragma once
+/// The other end of a running cell's socket, for the verbs that ask and tell.
+#include <nlohmann/json.hpp>
+#include <functional>
+#include <string>
+
+#include "apps/options.hpp"
+
+namespace polyarm::apps {
+
+using Json = nlohmann::json;
+
+/// What every such verb can be told.
+struct ClientOptions {
+  std::string cell;
+  bool json = false;
+  void add_to(CLI::App& app);
+};
+
+/// A connection. Throws Error("no-cell") when no cell runs, or several do and none is named.
+class Client {
+ public:
+  explicit Client(const std::string& cell);
+  ~Client();
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  void send(const Json& request);
+  /// The next line; null after `timeout_ms` (-1: none) or when a signal came. Throws Error("cell-gone") at the end.
+  Json receive(int timeout_ms = -1);
+  /// Asks, waits, and returns the result; throws what the cell refused as Error.
+  Json ask(Json request);
+  /// The result in an answer; throws its error.
+  static Json result_of(const Json& answer);
+
+ private:
+  int fd_ = -1;
+  std::string in_;
+};
+
+/// Rows under headings, columns as wide as they must be.
+void print_table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows);
+/// A JSON value as a person reads it.
+std::string shown(const Json& value);
+
+/// A verb whose first word chooses an action; each has its own options.
+int run_actions(CLI::App& app, int argc, char** argv, const std::function<int()>& act);
+
+/// Set by Ctrl-C while a verb follows something.
+bool interrupted();
+void catch_interrupts();
+
+}  // namespace polyarm::apps

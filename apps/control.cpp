@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include "apps/client.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+struct Arguments {
+  ClientOptions client;
+  std::vector<std::string> activate, deactivate, parameters;
+  std::string strictness = "strict", name, type, state;
+  bool dry = false;
+};
+
+void list(const Json& controllers) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& c : controllers)
+    rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : ""),
+                    fmt::format("{:g} Hz", c["rate"].get<double>()), shown(c["claimed"])});
+  print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
+}
+
+void tell_switch(const Json& result, bool dry) {
+  if (!result.value("ok", true)) {
+    fmt::print("refused: {}{}\n", shown(result["reason"]),
+               result["advice"].get<std::string>().empty() ? "" : " (" + shown(result["advice"]) + ")");
+    return;
+  }
+  fmt::print("{} {}; {} {}\n", dry ? "would stop" : "stopped", shown(result["stop"]), dry ? "would start" : "started",
+             shown(result["start"]));
+  for (const Json& left : result["left_out"]) fmt::print("left out: {}\n", shown(left));
+}
+
+Json parameters_of(const std::vector<std::string>& words) {
+  Json out = Json::object();
+  for (const std::string& word : words) {
+    const auto equals = word.find('=');
+    if (equals == std::string::npos) throw Error("bad-value", "'" + word + "' is not KEY=VALUE");
+    const std::string value = word.substr(equals + 1);
+    const Json list = value.starts_with('[') ? Json::parse(value, nullptr, false) : Json();
+    if (list.is_array()) {
+      out[word.substr(0, equals)] = list;
+    } else if (value.starts_with('[') && value.ends_with(']')) {  // [a, b] without quotes
+      Json items = Json::array();
+      for (std::string item : CLI::detail::split(value.substr(1, value.size() - 2), ','))
+        items.push_back(CLI::detail::trim_copy(item));
+      out[word.substr(0, equals)] = items;
+    } else {
+      out[word.substr(0, equals)] = value;
+    }
+  }
+  return out;
+}
+
+int act(const CLI::App& app, const Arguments& a) {
+  const std::string action = app.get_subcommands().front()->get_name();
+  Client client(a.client.cell);
+  Json request{{"request", "control." + action}};
+  if (action == "switch")
+    request.update({{"activate", a.activate}, {"deactivate", a.deactivate}, {"strictness", a.strictness}, {"dry", a.dry}});
+  if (!a.name.empty()) request["name"] = a.name;
+  if (!a.state.empty()) request["state"] = a.state;
+  if (action == "load" && !a.type.empty()) request["type"] = a.type;
+  if (action == "load" && !a.parameters.empty()) request["parameters"] = parameters_of(a.parameters);
+  const Json result = client.ask(request);
+  if (a.client.json) {
+    fmt::print("{}\n", result.dump(1));
+  } else if (action == "list") {
+    list(result);
+  } else if (action == "types") {
+    for (const Json& type : result) fmt::print("{:<64} {}\n", shown(type["type"]), shown(type["text"]));
+  } else if (action == "chains") {
+    for (const Json& link : result)
+      fmt::print("{} → {} through {}{}\n", shown(link["from"]), shown(link["to"]), shown(link["reference"]),
+                 link["active"].get<bool>() ? "" : " (inactive)");
+    if (result.empty()) fmt::print("no controller works through another\n");
+  } else if (action == "switch") {
+    tell_switch(result, a.dry);
+  } else if (action == "load" || action == "unload" || action == "state") {
+    fmt::print("{} is {}\n", a.name, action == "unload" ? "gone" : shown(result["state"]));
+    for (const Json& warning : result.value("warnings", Json::array())) fmt::print("{}\n", shown(warning));
+  } else {
+    fmt::print("asked to {}\n", shown(result["asked"]));
+  }
+  return a.dry && !result.value("ok", true) ? kFailed : kOk;
+}
+
+}  // namespace
+
+int run_control(int argc, char** argv) {
+  CLI::App app("Controllers of a running cell: what they are, and switching them", "polyarm control");
+  Arguments a;
+  const auto add = [&](const char* name, const char* text) {
+    CLI::App* sub = app.add_subcommand(name, text);
+    a.client.add_to(*sub);
+    return sub;
+  };
+  add("list", "the controllers, their states and what they claim");
+  add("types", "the controller types that there are");
+  add("chains", "which controllers work through which");
+  CLI::App* change = add("switch", "stop and start controllers in one step, between two cycles");
+  change->add_option("-a,--activate", a.activate, "start these");
+  change->add_option("-d,--deactivate", a.deactivate, "stop these");
+  change->add_option("--strictness", a.strictness, "strict, best_effort, auto (with their chains), force");
+  change->add_flag("--dry", a.dry, "only say what would happen, or why not");
+  CLI::App* load = add("load", "make and configure a controller");
+  load->add_option("name", a.name, "as in the controllers file, or a new name with --type")->required();
+  load->add_option("--type", a.type, "for one that the file does not describe");
+  load->add_option("-p,--param", a.parameters, "KEY=VALUE; lists as [a, b]");
+  add("unload", "take a controller away that is not active")->add_option("name", a.name)->required();
+  CLI::App* state = add("state", "take a controller to a state");
+  state->add_option("name", a.name)->required();
+  state->add_option("state", a.state, "unconfigured, inactive or active")->required();
+  add("hold", "stop on the path; resume goes on");
+  add("stop", "stop at once");
+  add("resume", "go on after a hold");
+  add("discard", "forget what is left of a held motion");
+  add("recover", "leave the fault state; nothing moves yet");
+  app.footer(examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
+                       "polyarm control switch -a new --strictness force --dry",
+                       "polyarm control load forward --type forward_command_controller/ForwardCommandController "
+                       "-p joints=[joint_1] -p interface_name=position",
+                       "polyarm control state forward active"}));
+  return run_actions(app, argc, argv, [&] { return act(app, a); });
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,243 @@
+/// Verbs that give messages to controllers and show what comes out of them.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <thread>
+
+#include "apps/client.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+struct SendArguments {
+  ClientOptions client;
+  std::string to, file;
+  double rate = 0;
+  bool goal = false, once = false;
+};
+
+std::string text_of(const std::string& file) {
+  if (file == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+  if (file.find_first_of("{[\n") != std::string::npos && !std::ifstream(file)) return file;  // the message itself
+  return read_file(file);
+}
+
+/// Documents of a YAML stream, which `---` lines divide.
+std::vector<std::string> documents(const std::string& text) {
+  std::vector<std::string> out(1);
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const auto end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    if (line.starts_with("---")) {
+      if (!trim(out.back()).empty()) out.emplace_back();
+    } else {
+      out.back() += line + "\n";
+    }
+    begin = end + 1;
+  }
+  return out;
+}
+
+void tell_goal(const Json& line, bool json) {
+  if (json) {
+    fmt::print("{}\n", line.dump());
+  } else if (line.contains("feedback")) {
+    std::string errors;
+    for (const auto& [joint, value] : line["feedback"].items())
+      if (value.is_object() && value.contains("error"))
+        errors += fmt::format("  {} {}", joint, shown(value["error"]["position"]));
+    fmt::print("{:8.3f} s  off by{}\n", line["feedback"].value("time_from_start", 0.0), errors);
+  } else {
+    fmt::print("goal {} {}{}\n", shown(line["goal"]), shown(line["status"]),
+               line.contains("error") ? " (" + shown(line["error"]) + ")" : "");
+    if (line.contains("joint"))
+      fmt::print("{} is off by {}, allowed are {}\n", shown(line["joint"]), shown(line["off_by"]),
+                 shown(line["tolerance"]));
+  }
+  std::fflush(stdout);
+}
+
+/// Follows a goal to its end; Ctrl-C cancels it first and then leaves.
+int follow(Client& client, const SendArguments& a) {
+  bool canceled = false;
+  Json goal;
+  for (;;) {
+    if (interrupted() && !canceled && !goal.is_null()) {
+      canceled = true;
+      client.send({{"request", "goal.cancel"}, {"to", a.to}, {"goal", goal}, {"id", "cancel"}});
+    }
+    const Json answer = client.receive(100);
+    if (answer.is_null() || answer.value("id", Json()) == "cancel") continue;
+    const Json result = Client::result_of(answer);
+    if (result.contains("goal")) goal = result["goal"];
+    tell_goal(result, a.client.json);
+    if (answer.value("more", false)) continue;
+    if (result.value("status", "") == "canceled") return kStopped;
+    return result.value("status", "") == "succeeded" ? kOk : kFailed;
+  }
+}
+
+int send(const SendArguments& a) {
+  const std::vector<std::string> messages = documents(text_of(a.file));
+  Client client(a.client.cell);
+  if (a.goal) {
+    client.send({{"request", "send"}, {"to", a.to}, {"message", messages.front()}, {"goal", true}});
+    return follow(client, a);
+  }
+  auto due = std::chrono::steady_clock::now();
+  Json result;
+  for (std::size_t i = 0; !interrupted(); ++i) {
+    if (i >= messages.size() && (a.once || a.rate <= 0 || messages.size() > 1)) break;
+    result = client.ask({{"request", "send"}, {"to", a.to}, {"message", messages[std::min(i, messages.size() - 1)]}});
+    if (result.contains("goal") && a.client.json) fmt::print("{}\n", result.dump());
+    if (a.rate <= 0) continue;
+    due += std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / a.rate));
+    std::this_thread::sleep_until(due);
+  }
+  if (!a.client.json) fmt::print("sent to {}\n", result.value("to", a.to));
+  return kOk;
+}
+
+void print_joint_states(const Json& m) {
+  std::string line = fmt::format("{:10.3f}", m["header"]["stamp"]["sec"].get<double>() +
+                                                 m["header"]["stamp"]["nanosec"].get<double>() * 1e-9);
+  for (std::size_t j = 0; j < m["name"].size(); ++j)
+    line += fmt::format("  {} {}", shown(m["name"][j]), shown(m["position"][j]));
+  fmt::print("{}\n", line);
+}
+
+}  // namespace
+
+int run_send(int argc, char** argv) {
+  CLI::App app("Gives a message to a controller of a running cell", "polyarm send");
+  SendArguments a;
+  app.add_option("controller", a.to, "a controller, controller/input, or a topic of ROS")->required();
+  app.add_option("file", a.file, "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
+      ->required();
+  app.add_option("--rate", a.rate, "again and again, Hz; a stream of documents (---) one after the other")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--once", a.once, "once, whatever the rate");
+  app.add_flag("--goal", a.goal, "as a goal: feedback and result are shown, Ctrl-C cancels");
+  a.client.add_to(app);
+  app.footer(examples({"polyarm send r6bot_controller examples/r6bot/ellipse.yaml",
+                       "polyarm send joint_trajectory_controller goal.yaml --goal",
+                       "polyarm send /cmd_vel '{linear: {x: 0.1}}' --rate 10",
+                       "polyarm send /MyRobot/JointA_EffortController/command '{data: 2.5}'"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  catch_interrupts();
+  return send(a);
+}
+
+int run_watch(int argc, char** argv) {
+  CLI::App app("Shows what a controller of a running cell puts out", "polyarm watch");
+  ClientOptions options;
+  std::string name;
+  double rate = 10;
+  int count = 0;
+  app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")->required();
+  app.add_option("--rate", rate, "messages a second at most")->check(CLI::PositiveNumber);
+  app.add_option("--count", count, "end after so many");
+  options.add_to(app);
+  app.footer(examples({"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  catch_interrupts();
+  Client client(options.cell);
+  client.send({{"request", "watch"}, {"name", name}, {"rate", rate}});
+  for (int seen = 0; !interrupted() && (count <= 0 || seen < count);) {
+    const Json answer = client.receive(200);
+    if (answer.is_null()) continue;
+    const Json message = Client::result_of(answer);
+    ++seen;
+    if (options.json)
+      fmt::print("{}\n", message.dump());
+    else if (message.contains("name") && message.contains("position"))
+      print_joint_states(message);
+    else
+      fmt::print("{}\n---\n", message.dump(1));
+    std::fflush(stdout);
+  }
+  return kOk;
+}
+
+int run_param(int argc, char** argv) {
+  CLI::App app("Parameters of the controllers of a running cell", "polyarm param");
+  ClientOptions options;
+  std::string name, key, file;
+  std::vector<std::string> values;
+  CLI::App* list = app.add_subcommand("list", "all parameters: value, default, what they are");
+  CLI::App* get = app.add_subcommand("get", "one parameter");
+  CLI::App* set = app.add_subcommand("set", "change parameters that can be changed, all at once between two cycles");
+  CLI::App* load = app.add_subcommand("load", "change them to what a YAML file says");
+  CLI::App* dump = app.add_subcommand("dump", "print them as a controllers file has them");
+  for (CLI::App* sub : {list, get, set, load, dump}) {
+    options.add_to(*sub);
+    sub->add_option("controller", name)->required();
+  }
+  get->add_option("key", key)->required();
+  set->add_option("values", values, "KEY=VALUE, or KEY VALUE")->required();
+  load->add_option("file", file)->required();
+  app.footer(examples({"polyarm param list joint_trajectory_controller", "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
+                       "polyarm param dump pid > pid.yaml"}));
+  return run_actions(app, argc, argv, [&] {
+    const std::string action = app.get_subcommands().front()->get_name();
+    Client client(options.cell);
+    Json wanted = Json::object();
+    if (action == "set" && values.size() == 2 && values[0].find('=') == std::string::npos) values = {values[0] + "=" + values[1]};
+    for (const std::string& word : values) {
+      const auto equals = word.find('=');
+      if (equals == std::string::npos) throw Error("bad-value", "'" + word + "' is not KEY=VALUE");
+      wanted[word.substr(0, equals)] = word.substr(equals + 1);
+    }
+    if (action == "load") {
+      const Yaml yaml = Yaml::load(file);
+      const Yaml own = yaml.has(name) ? yaml[name] : yaml;
+      const std::function<void(const std::string&, const Yaml&)> flatten = [&](const std::string& prefix, const Yaml& at) {
+        for (const std::string& k : at.keys()) {
+          const std::string whole = prefix.empty() ? k : prefix + "." + k;
+          if (at[k].is_map())
+            flatten(whole, at[k]);
+          else if (at[k].is_scalar())
+            wanted[whole] = at[k].text();
+        }
+      };
+      flatten("", own.has("ros__parameters") ? own["ros__parameters"] : own);
+      Json changeable = Json::object();
+      for (const Json& p : client.ask({{"request", "param.list"}, {"name", name}}))
+        if (const auto found = wanted.find(shown(p["key"])); found != wanted.end() && p["changeable"].get<bool>())
+          changeable[found.key()] = found.value();
+      wanted = changeable;
+    }
+    Json request{{"request", action == "load" ? "param.set" : action == "dump" ? "param.list" : "param." + action}, {"name", name}};
+    if (!key.empty()) request["key"] = key;
+    if (!wanted.empty()) request["values"] = wanted;
+    const Json result = client.ask(request);
+    if (options.json) {
+      fmt::print("{}\n", result.dump(1));
+    } else if (action == "list") {
+      std::vector<std::vector<std::string>> rows;
+      for (const Json& p : result)
+        rows.push_back({shown(p["key"]), shown(p["value"]), shown(p["default"]), p["changeable"].get<bool>() ? "yes" : "",
+                        shown(p["text"])});
+      print_table({"PARAMETER", "VALUE", "DEFAULT", "CHANGEABLE", "WHAT"}, rows);
+    } else if (action == "dump") {
+      fmt::print("{}:\n  ros__parameters:\n", name);
+      for (const Json& p : result)
+        if (!shown(p["value"]).empty()) fmt::print("    {}: {}\n", shown(p["key"]), shown(p["value"]));
+    } else if (action == "get") {
+      fmt::print("{}\n", shown(result["value"]));
+    } else {
+      fmt::print("changed {} parameters\n", shown(result["changed"]));
+    }
+    return kOk;
+  });
+}
+
+}  // namespace polyarm::apps

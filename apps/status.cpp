@@ -1,0 +1,112 @@
+/// Verbs that show the hardware, the interfaces, the health and the limits of a running cell.
+#include <fmt/format.h>
+
+#include "apps/client.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+/// A verb that asks one question and prints the answer.
+int ask(CLI::App& app, int argc, char** argv, const char* request, const std::function<void(const Json&)>& print) {
+  ClientOptions options;
+  options.add_to(app);
+  if (const auto code = parse(app, argc, argv)) return *code;
+  const Json result = Client(options.cell).ask({{"request", request}});
+  if (options.json)
+    fmt::print("{}\n", result.dump(1));
+  else
+    print(result);
+  return kOk;
+}
+
+void print_components(const Json& components) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& c : components)
+    rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["plugin"]), shown(c["state"]),
+                    fmt::format("{:g} Hz{}", c["rate"].get<double>(), c["async"].get<bool>() ? " async" : ""),
+                    std::to_string(c["states"].size()), std::to_string(c["commands"].size())});
+  print_table({"COMPONENT", "TYPE", "PLUGIN", "STATE", "RATE", "STATES", "COMMANDS"}, rows);
+}
+
+std::string microseconds(const Json& nanoseconds) { return fmt::format("{:.1f} us", nanoseconds.get<double>() / 1000); }
+
+void print_health(const Json& h) {
+  fmt::print("state     {}{}\n", shown(h["state"]),
+             h["state"] == "running" ? "" : ": " + shown(h["cause"]));
+  fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(), shown(h["cycles"]),
+             shown(h["late"]), h["time_s"].get<double>());
+  for (const auto& [key, name] : {std::pair{"cost", "cost    "}, {"wake_up", "wake-up "}})
+    fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]), microseconds(h[key]["p99_ns"]),
+               microseconds(h[key]["max_ns"]));
+  fmt::print("clamps    {}\n", shown(h["clamps"]));
+}
+
+void print_limits(const Json& limits) {
+  if (limits.empty()) {
+    fmt::print("no limit has taken hold of a command\n");
+    return;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& l : limits)
+    rows.push_back({shown(l["interface"]), shown(l["limit"]), shown(l["count"]), shown(l["asked"]), shown(l["given"]),
+                    fmt::format("{:.3f} s", l["time_s"].get<double>())});
+  print_table({"INTERFACE", "LIMIT", "COUNT", "ASKED", "GIVEN", "LAST AT"}, rows);
+}
+
+}  // namespace
+
+int run_hardware(int argc, char** argv) {
+  CLI::App app("Hardware components of a running cell", "polyarm hardware");
+  ClientOptions options;
+  std::string name, state;
+  CLI::App* list = app.add_subcommand("list", "the components, their states and rates");
+  CLI::App* change = app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
+  CLI::App* recover = app.add_subcommand("recover", "bring a component back that has failed");
+  for (CLI::App* sub : {list, change, recover}) options.add_to(*sub);
+  change->add_option("name", name)->required();
+  change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();
+  recover->add_option("name", name)->required();
+  app.footer(examples({"polyarm hardware list", "polyarm hardware state R6Bot inactive", "polyarm hardware recover R6Bot"}));
+  return run_actions(app, argc, argv, [&] {
+    const std::string action = app.get_subcommands().front()->get_name();
+    Json request{{"request", "hardware." + action}};
+    if (!name.empty()) request["name"] = name;
+    if (!state.empty()) request["state"] = state;
+    const Json result = Client(options.cell).ask(request);
+    if (options.json) {
+      fmt::print("{}\n", result.dump(1));
+    } else if (action == "list") {
+      print_components(result);
+    } else {
+      fmt::print("{} is {}\n", name, shown(result["state"]));
+      if (!result.value("stopped", Json::array()).empty()) fmt::print("stopped {}\n", shown(result["stopped"]));
+      if (result.contains("next")) fmt::print("next: {}\n", shown(result["next"]));
+    }
+    return kOk;
+  });
+}
+
+int run_interfaces(int argc, char** argv) {
+  CLI::App app("Every state and command interface of a running cell", "polyarm interfaces");
+  return ask(app, argc, argv, "interfaces", [](const Json& result) {
+    std::vector<std::vector<std::string>> rows;
+    for (const Json& i : result["commands"])
+      rows.push_back({"command", shown(i["name"]), shown(i["value"]),
+                      i["claimed_by"].get<std::string>().empty() ? "-" : shown(i["claimed_by"])});
+    for (const Json& i : result["states"]) rows.push_back({"state", shown(i["name"]), shown(i["value"]), ""});
+    print_table({"KIND", "INTERFACE", "VALUE", "CLAIMED BY"}, rows);
+  });
+}
+
+int run_health(int argc, char** argv) {
+  CLI::App app("How the control loop of a running cell is doing", "polyarm health");
+  return ask(app, argc, argv, "health", print_health);
+}
+
+int run_limits(int argc, char** argv) {
+  CLI::App app("Which limits took hold of commands in a running cell", "polyarm limits");
+  return ask(app, argc, argv, "limits", print_limits);
+}
+
+}  // namespace polyarm::apps
