@@ -13,17 +13,27 @@ namespace {
 using nlohmann::json;
 
 json json_of(const Problem& p) {
-  return {{"code", p.code}, {"file", p.where.file}, {"line", p.where.line}, {"column", p.where.column},
-          {"text", p.what}, {"advice", p.advice}, {"severity", p.severity == Severity::error ? "error" : "warning"}};
+  return {{"code", p.code},
+          {"file", p.where.file},
+          {"line", p.where.line},
+          {"column", p.where.column},
+          {"text", p.what},
+          {"advice", p.advice},
+          {"severity", p.severity == Severity::error ? "error" : "warning"}};
 }
 
 void print_json(const cell::CheckResult& result) {
   json problems = json::array(), points = json::array();
   for (const Problem& problem : result.problems) problems.push_back(json_of(problem));
   for (const cell::PointReport& point : result.points)
-    points.push_back({{"name", point.name}, {"file", point.where.file}, {"line", point.where.line},
-                      {"reachable", point.reachable}, {"reason", point.reason}, {"joints", point.joints}});
-  const json out = {{"result", result.has_errors() ? "failed" : "ok"}, {"problems", problems}, {"points", points}};
+    points.push_back({{"name", point.name},
+                      {"file", point.where.file},
+                      {"line", point.where.line},
+                      {"reachable", point.reachable},
+                      {"reason", point.reason},
+                      {"joints", point.joints}});
+  const json out = {
+      {"result", result.has_errors() ? "failed" : "ok"}, {"problems", problems}, {"points", points}};
   fmt::print("{}\n", out.dump(1, ' ', false, json::error_handler_t::replace));
 }
 
@@ -36,7 +46,8 @@ void print_text(const cell::CheckResult& result) {
   int reached = 0;
   for (const cell::PointReport& point : result.points) reached += point.reachable ? 1 : 0;
   if (!result.points.empty()) fmt::print("{} of {} points can be reached\n", reached, result.points.size());
-  fmt::print("{} error{}, {} warning{}\n", errors, errors == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s");
+  fmt::print("{} error{}, {} warning{}\n", errors, errors == 1 ? "" : "s", warnings,
+             warnings == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -50,16 +61,20 @@ int run_check(int argc, char** argv) {
   app.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
   app.add_option("--robot", overrides.robot, "check for another robot");
   app.add_option("--hardware", overrides.hardware, "hardware of the dry run: mock or mujoco");
-  app.add_flag("--dry", options.dry, "run the program in lock-step simulation; list contacts, limits and parts by line");
+  app.add_flag("--dry", options.dry,
+               "run the program in lock-step simulation; list contacts, limits and parts by line");
   app.add_option("--cycles", options.cycles, "passes of the dry run");
   app.add_flag("--json", as_json, "one JSON object: result, problems, points");
-  app.footer(examples({"polyarm check examples/pick_and_place", "polyarm check examples/sorting --robot abb/irb_120 --dry",
-                       "polyarm check my_cell --json"}) +
-             "\nExit codes: 0 no errors, 1 errors, 2 wrong command line\n");
+  app.footer(
+      examples({"polyarm check examples/pick_and_place",
+                "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +
+      "\nExit codes: 0 no errors, 1 errors, 2 wrong command line\n");
   if (const auto code = parse(app, argc, argv)) return *code;
   const cell::CheckResult result = cell::check(path, overrides, open_catalogue(), options);
-  if (as_json) print_json(result);
-  else print_text(result);
+  if (as_json)
+    print_json(result);
+  else
+    print_text(result);
   return result.has_errors() ? kFailed : kOk;
 }
 

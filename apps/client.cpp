@@ -32,7 +32,8 @@ std::filesystem::path find_cell(const std::string& name) {
     throw Error("no-cell", "no cell called '" + name + "' is running" + did_you_mean(name, names),
                 "running: " + join(names, ", "));
   if (running.size() > 1)
-    throw Error("which-cell", "several cells are running: " + join(names, ", "), "say which: --cell " + names.front());
+    throw Error("which-cell", "several cells are running: " + join(names, ", "),
+                "say which: --cell " + names.front());
   return running.front();
 }
 }  // namespace
@@ -86,7 +87,8 @@ Json Client::receive(int timeout_ms) {
 Json Client::result_of(const Json& answer) {
   if (answer.value("ok", false)) return answer.value("result", Json());
   const Json error = answer.value("error", Json::object());
-  throw Error(error.value("code", "refused"), error.value("what", "the cell refused"), error.value("advice", ""));
+  throw Error(error.value("code", "refused"), error.value("what", "the cell refused"),
+              error.value("advice", ""));
 }
 
 Json Client::ask(Json request) {
@@ -96,7 +98,8 @@ Json Client::ask(Json request) {
   return result_of(answer);
 }
 
-void print_table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows) {
+void print_table(const std::vector<std::string>& headings,
+                 const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const std::string& heading : headings) widths.push_back(heading.size());
   for (const auto& row : rows)
@@ -130,7 +133,9 @@ int run_actions(CLI::App& app, int argc, char** argv, const std::function<int()>
   return act();
 }
 
-bool interrupted() { return interrupt.load(); }
+bool interrupted() {
+  return interrupt.load();
+}
 
 void catch_interrupts() {
   struct sigaction action {};

@@ -1,7 +1,7 @@
 #pragma once
 /// The other end of a running cell's socket, for the verbs that ask and tell.
-#include <nlohmann/json.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "apps/options.hpp"
@@ -26,7 +26,8 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   void send(const Json& request);
-  /// The next line; null after `timeout_ms` (-1: none) or when a signal came. Throws Error("cell-gone") at the end.
+  /// The next line; null after `timeout_ms` (-1: none) or when a signal came. Throws Error("cell-gone") at
+  /// the end.
   Json receive(int timeout_ms = -1);
   /// Asks, waits, and returns the result; throws what the cell refused as Error.
   Json ask(Json request);

@@ -16,7 +16,8 @@ struct Arguments {
 void list(const Json& controllers) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& c : controllers)
-    rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : ""),
+    rows.push_back({shown(c["name"]), shown(c["type"]),
+                    shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : ""),
                     fmt::format("{:g} Hz", c["rate"].get<double>()), shown(c["claimed"])});
   print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
 }
@@ -27,8 +28,8 @@ void tell_switch(const Json& result, bool dry) {
                result["advice"].get<std::string>().empty() ? "" : " (" + shown(result["advice"]) + ")");
     return;
   }
-  fmt::print("{} {}; {} {}\n", dry ? "would stop" : "stopped", shown(result["stop"]), dry ? "would start" : "started",
-             shown(result["start"]));
+  fmt::print("{} {}; {} {}\n", dry ? "would stop" : "stopped", shown(result["stop"]),
+             dry ? "would start" : "started", shown(result["start"]));
   for (const Json& left : result["left_out"]) fmt::print("left out: {}\n", shown(left));
 }
 
@@ -58,7 +59,10 @@ int act(const CLI::App& app, const Arguments& a) {
   Client client(a.client.cell);
   Json request{{"request", "control." + action}};
   if (action == "switch")
-    request.update({{"activate", a.activate}, {"deactivate", a.deactivate}, {"strictness", a.strictness}, {"dry", a.dry}});
+    request.update({{"activate", a.activate},
+                    {"deactivate", a.deactivate},
+                    {"strictness", a.strictness},
+                    {"dry", a.dry}});
   if (!a.name.empty()) request["name"] = a.name;
   if (!a.state.empty()) request["state"] = a.state;
   if (action == "load" && !a.type.empty()) request["type"] = a.type;
@@ -117,11 +121,12 @@ int run_control(int argc, char** argv) {
   add("resume", "go on after a hold");
   add("discard", "forget what is left of a held motion");
   add("recover", "leave the fault state; nothing moves yet");
-  app.footer(examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
-                       "polyarm control switch -a new --strictness force --dry",
-                       "polyarm control load forward --type forward_command_controller/ForwardCommandController "
-                       "-p joints=[joint_1] -p interface_name=position",
-                       "polyarm control state forward active"}));
+  app.footer(
+      examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
+                "polyarm control switch -a new --strictness force --dry",
+                "polyarm control load forward --type forward_command_controller/ForwardCommandController "
+                "-p joints=[joint_1] -p interface_name=position",
+                "polyarm control state forward active"}));
   return run_actions(app, argc, argv, [&] { return act(app, a); });
 }
 

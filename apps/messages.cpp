@@ -25,7 +25,8 @@ struct SendArguments {
 
 std::string text_of(const std::string& file) {
   if (file == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-  if (file.find_first_of("{[\n") != std::string::npos && !std::ifstream(file)) return file;  // the message itself
+  if (file.find_first_of("{[\n") != std::string::npos && !std::ifstream(file))
+    return file;  // the message itself
   return read_file(file);
 }
 
@@ -96,7 +97,8 @@ int send(const SendArguments& a) {
   Json result;
   for (std::size_t i = 0; !interrupted(); ++i) {
     if (i >= messages.size() && (a.once || a.rate <= 0 || messages.size() > 1)) break;
-    result = client.ask({{"request", "send"}, {"to", a.to}, {"message", messages[std::min(i, messages.size() - 1)]}});
+    result = client.ask(
+        {{"request", "send"}, {"to", a.to}, {"message", messages[std::min(i, messages.size() - 1)]}});
     if (result.contains("goal") && a.client.json) fmt::print("{}\n", result.dump());
     if (a.rate <= 0) continue;
     due += std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / a.rate));
@@ -120,7 +122,8 @@ int run_send(int argc, char** argv) {
   CLI::App app("Gives a message to a controller of a running cell", "polyarm send");
   SendArguments a;
   app.add_option("controller", a.to, "a controller, controller/input, or a topic of ROS")->required();
-  app.add_option("file", a.file, "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
+  app.add_option("file", a.file,
+                 "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
       ->required();
   app.add_option("--rate", a.rate, "again and again, Hz; a stream of documents (---) one after the other")
       ->check(CLI::PositiveNumber);
@@ -142,11 +145,13 @@ int run_watch(int argc, char** argv) {
   std::string name;
   double rate = 10;
   int count = 0;
-  app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")->required();
+  app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")
+      ->required();
   app.add_option("--rate", rate, "messages a second at most")->check(CLI::PositiveNumber);
   app.add_option("--count", count, "end after so many");
   options.add_to(app);
-  app.footer(examples({"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));
+  app.footer(examples(
+      {"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   catch_interrupts();
   Client client(options.cell);
@@ -174,7 +179,8 @@ int run_param(int argc, char** argv) {
   std::vector<std::string> values;
   CLI::App* list = app.add_subcommand("list", "all parameters: value, default, what they are");
   CLI::App* get = app.add_subcommand("get", "one parameter");
-  CLI::App* set = app.add_subcommand("set", "change parameters that can be changed, all at once between two cycles");
+  CLI::App* set =
+      app.add_subcommand("set", "change parameters that can be changed, all at once between two cycles");
   CLI::App* load = app.add_subcommand("load", "change them to what a YAML file says");
   CLI::App* dump = app.add_subcommand("dump", "print them as a controllers file has them");
   for (CLI::App* sub : {list, get, set, load, dump}) {
@@ -184,13 +190,15 @@ int run_param(int argc, char** argv) {
   get->add_option("key", key)->required();
   set->add_option("values", values, "KEY=VALUE, or KEY VALUE")->required();
   load->add_option("file", file)->required();
-  app.footer(examples({"polyarm param list joint_trajectory_controller", "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
+  app.footer(examples({"polyarm param list joint_trajectory_controller",
+                       "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
                        "polyarm param dump pid > pid.yaml"}));
   return run_actions(app, argc, argv, [&] {
     const std::string action = app.get_subcommands().front()->get_name();
     Client client(options.cell);
     Json wanted = Json::object();
-    if (action == "set" && values.size() == 2 && values[0].find('=') == std::string::npos) values = {values[0] + "=" + values[1]};
+    if (action == "set" && values.size() == 2 && values[0].find('=') == std::string::npos)
+      values = {values[0] + "=" + values[1]};
     for (const std::string& word : values) {
       const auto equals = word.find('=');
       if (equals == std::string::npos) throw Error("bad-value", "'" + word + "' is not KEY=VALUE");
@@ -199,7 +207,8 @@ int run_param(int argc, char** argv) {
     if (action == "load") {
       const Yaml yaml = Yaml::load(file);
       const Yaml own = yaml.has(name) ? yaml[name] : yaml;
-      const std::function<void(const std::string&, const Yaml&)> flatten = [&](const std::string& prefix, const Yaml& at) {
+      const std::function<void(const std::string&, const Yaml&)> flatten = [&](const std::string& prefix,
+                                                                               const Yaml& at) {
         for (const std::string& k : at.keys()) {
           const std::string whole = prefix.empty() ? k : prefix + "." + k;
           if (at[k].is_map())
@@ -211,11 +220,15 @@ int run_param(int argc, char** argv) {
       flatten("", own.has("ros__parameters") ? own["ros__parameters"] : own);
       Json changeable = Json::object();
       for (const Json& p : client.ask({{"request", "param.list"}, {"name", name}}))
-        if (const auto found = wanted.find(shown(p["key"])); found != wanted.end() && p["changeable"].get<bool>())
+        if (const auto found = wanted.find(shown(p["key"]));
+            found != wanted.end() && p["changeable"].get<bool>())
           changeable[found.key()] = found.value();
       wanted = changeable;
     }
-    Json request{{"request", action == "load" ? "param.set" : action == "dump" ? "param.list" : "param." + action}, {"name", name}};
+    Json request{{"request", action == "load"   ? "param.set"
+                             : action == "dump" ? "param.list"
+                                                : "param." + action},
+                 {"name", name}};
     if (!key.empty()) request["key"] = key;
     if (!wanted.empty()) request["values"] = wanted;
     const Json result = client.ask(request);
@@ -224,8 +237,8 @@ int run_param(int argc, char** argv) {
     } else if (action == "list") {
       std::vector<std::vector<std::string>> rows;
       for (const Json& p : result)
-        rows.push_back({shown(p["key"]), shown(p["value"]), shown(p["default"]), p["changeable"].get<bool>() ? "yes" : "",
-                        shown(p["text"])});
+        rows.push_back({shown(p["key"]), shown(p["value"]), shown(p["default"]),
+                        p["changeable"].get<bool>() ? "yes" : "", shown(p["text"])});
       print_table({"PARAMETER", "VALUE", "DEFAULT", "CHANGEABLE", "WHAT"}, rows);
     } else if (action == "dump") {
       fmt::print("{}:\n  ros__parameters:\n", name);

@@ -1,4 +1,3 @@
-#include "polyarm/cell/check.hpp"
 #include "polyarm/cell/run.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "apps/run_output.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/check.hpp"
 #include "polyarm/description/urdf.hpp"
 
 namespace polyarm::apps {
@@ -50,8 +50,8 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
-  app.add_flag_callback("--no-socket", [socket] { *socket = false; },
-                        "no other program may reach this cell while it runs");
+  app.add_flag_callback(
+      "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
   app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")
       ->check(CLI::Range(0, 99));
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");
@@ -100,7 +100,8 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
   for (const std::string& word : words) {
     const auto at = word.find(":=");
     if (at == std::string::npos || at == 0)
-      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE", "arguments of a description come as NAME:=VALUE");
+      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE",
+                  "arguments of a description come as NAME:=VALUE");
     out[word.substr(0, at)] = word.substr(at + 2);
   }
   return out;
@@ -149,7 +150,8 @@ std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, 
 cell::CellFile open_cell(const RunArguments& a) {
   if (description::is_launch_file(a.cell)) {
     Problems problems;
-    cell::CellFile launched = cell::cell_from_launch(a.cell, named_values(a.arguments), a.overrides, problems);
+    cell::CellFile launched =
+        cell::cell_from_launch(a.cell, named_values(a.arguments), a.overrides, problems);
     for (const Problem& problem : problems.list()) launched.notes.push_back(problem.text());
     if (!a.activate.empty()) launched.activate = a.activate;
     return launched;

@@ -8,7 +8,8 @@ namespace polyarm::apps {
 namespace {
 
 /// A verb that asks one question and prints the answer.
-int ask(CLI::App& app, int argc, char** argv, const char* request, const std::function<void(const Json&)>& print) {
+int ask(CLI::App& app, int argc, char** argv, const char* request,
+        const std::function<void(const Json&)>& print) {
   ClientOptions options;
   options.add_to(app);
   if (const auto code = parse(app, argc, argv)) return *code;
@@ -29,16 +30,17 @@ void print_components(const Json& components) {
   print_table({"COMPONENT", "TYPE", "PLUGIN", "STATE", "RATE", "STATES", "COMMANDS"}, rows);
 }
 
-std::string microseconds(const Json& nanoseconds) { return fmt::format("{:.1f} us", nanoseconds.get<double>() / 1000); }
+std::string microseconds(const Json& nanoseconds) {
+  return fmt::format("{:.1f} us", nanoseconds.get<double>() / 1000);
+}
 
 void print_health(const Json& h) {
-  fmt::print("state     {}{}\n", shown(h["state"]),
-             h["state"] == "running" ? "" : ": " + shown(h["cause"]));
-  fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(), shown(h["cycles"]),
-             shown(h["late"]), h["time_s"].get<double>());
+  fmt::print("state     {}{}\n", shown(h["state"]), h["state"] == "running" ? "" : ": " + shown(h["cause"]));
+  fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(),
+             shown(h["cycles"]), shown(h["late"]), h["time_s"].get<double>());
   for (const auto& [key, name] : {std::pair{"cost", "cost    "}, {"wake_up", "wake-up "}})
-    fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]), microseconds(h[key]["p99_ns"]),
-               microseconds(h[key]["max_ns"]));
+    fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]),
+               microseconds(h[key]["p99_ns"]), microseconds(h[key]["max_ns"]));
   fmt::print("clamps    {}\n", shown(h["clamps"]));
 }
 
@@ -49,8 +51,8 @@ void print_limits(const Json& limits) {
   }
   std::vector<std::vector<std::string>> rows;
   for (const Json& l : limits)
-    rows.push_back({shown(l["interface"]), shown(l["limit"]), shown(l["count"]), shown(l["asked"]), shown(l["given"]),
-                    fmt::format("{:.3f} s", l["time_s"].get<double>())});
+    rows.push_back({shown(l["interface"]), shown(l["limit"]), shown(l["count"]), shown(l["asked"]),
+                    shown(l["given"]), fmt::format("{:.3f} s", l["time_s"].get<double>())});
   print_table({"INTERFACE", "LIMIT", "COUNT", "ASKED", "GIVEN", "LAST AT"}, rows);
 }
 
@@ -61,13 +63,15 @@ int run_hardware(int argc, char** argv) {
   ClientOptions options;
   std::string name, state;
   CLI::App* list = app.add_subcommand("list", "the components, their states and rates");
-  CLI::App* change = app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
+  CLI::App* change =
+      app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
   CLI::App* recover = app.add_subcommand("recover", "bring a component back that has failed");
   for (CLI::App* sub : {list, change, recover}) options.add_to(*sub);
   change->add_option("name", name)->required();
   change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();
   recover->add_option("name", name)->required();
-  app.footer(examples({"polyarm hardware list", "polyarm hardware state R6Bot inactive", "polyarm hardware recover R6Bot"}));
+  app.footer(examples(
+      {"polyarm hardware list", "polyarm hardware state R6Bot inactive", "polyarm hardware recover R6Bot"}));
   return run_actions(app, argc, argv, [&] {
     const std::string action = app.get_subcommands().front()->get_name();
     Json request{{"request", "hardware." + action}};
@@ -80,7 +84,8 @@ int run_hardware(int argc, char** argv) {
       print_components(result);
     } else {
       fmt::print("{} is {}\n", name, shown(result["state"]));
-      if (!result.value("stopped", Json::array()).empty()) fmt::print("stopped {}\n", shown(result["stopped"]));
+      if (!result.value("stopped", Json::array()).empty())
+        fmt::print("stopped {}\n", shown(result["stopped"]));
       if (result.contains("next")) fmt::print("next: {}\n", shown(result["next"]));
     }
     return kOk;

@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "polyarm/base/file.hpp"
@@ -178,13 +177,14 @@ void Cell::tell_loop_events() {
     const bool hardware = event.kind == Kind::component_failed || event.kind == Kind::component_deactivated;
     const auto who = static_cast<std::size_t>(event.who);
     const std::string name = hardware ? loop_->hardware().component_name(who) : manager.name_of(event.who);
-    constexpr const char* kTexts[] = {"the controller {} failed and is inactive, with all that works through it",
-                                      "the controller {} was stopped with what it works on",
-                                      "the controller {} took over", "the hardware component {} failed",
-                                      "the hardware component {} asked to be deactivated"};
+    constexpr const char* kTexts[] = {
+        "the controller {} failed and is inactive, with all that works through it",
+        "the controller {} was stopped with what it works on", "the controller {} took over",
+        "the hardware component {} failed", "the hardware component {} asked to be deactivated"};
     observer_.on_note(fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name));
     if (event.kind == Kind::component_failed) loop_->hardware().recover_from_error(who);
-    if (event.kind == Kind::component_deactivated) collect_quietly([&] { loop_->hardware().finish_deactivate(who); });
+    if (event.kind == Kind::component_deactivated)
+      collect_quietly([&] { loop_->hardware().finish_deactivate(who); });
   }
 }
 
@@ -197,7 +197,8 @@ const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& 
   return out;
 }
 
-Problems Cell::load_controller(const std::string& name, const std::string& type, controllers::Parameters parameters) {
+Problems Cell::load_controller(const std::string& name, const std::string& type,
+                               controllers::Parameters parameters) {
   Problems problems;
   ControllerPlan plan = plan_controllers(file_, robots_, *loop_, {}, options_.lock_step, observer_, problems);
   for (PlannedController& planned : plan.controllers) {
@@ -210,7 +211,8 @@ Problems Cell::load_controller(const std::string& name, const std::string& type,
       planned.options = {};
       planned.options.lock_step = options_.lock_step;
     }
-    loop_->controllers().load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
+    loop_->controllers().load(std::move(planned.controller), std::move(planned.context),
+                              std::move(planned.options));
     loop_->controllers().configure(name);
     Problems found;
     for (const Problem& problem : loop_->controllers().findings(name)) found.add(problem);
@@ -230,7 +232,10 @@ void Cell::send_start_messages() {
       requests_->handle(request.dump(), [this, file](const std::string& line) {
         const auto answer = nlohmann::json::parse(line, nullptr, false);
         if (answer.value("ok", false)) return true;
-        fail(now_, {"not-sent", {file.string()}, answer["error"].value("what", line), answer["error"].value("advice", "")});
+        fail(now_, {"not-sent",
+                    {file.string()},
+                    answer["error"].value("what", line),
+                    answer["error"].value("advice", "")});
         return false;
       });
     } catch (const Error& e) {

@@ -81,7 +81,8 @@ class Cell {
   Requests& requests() { return *requests_; }
   /// Makes and configures a controller while the cell runs: with the type and parameters given, or with those
   /// that the controllers' files have under its name. Returns the warnings.
-  Problems load_controller(const std::string& name, const std::string& type, controllers::Parameters parameters);
+  Problems load_controller(const std::string& name, const std::string& type,
+                           controllers::Parameters parameters);
   /// What became of the latest goals of a controller, oldest first.
   const std::vector<controllers::GoalEvent>& goal_events(const std::string& controller);
   /// Tells what the loop did by itself, and lets components that failed decide what they become.

@@ -12,7 +12,10 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
-  yaml.check_keys({"model", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters"}, problems);
+  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters"},
+                  problems);
+  for (const std::string& key : yaml["arguments"].keys())
+    collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
   collect(problems, [&] { robot.model = yaml.required("model").text(); });
   collect(problems, [&] { robot.base = yaml.pose(); });
   collect(problems, [&] { robot.hardware = yaml["hardware"].text("mock"); });
@@ -92,8 +95,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "signals", "program",
-                   "plc", "motion"},
+  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "signals",
+                   "program", "plc", "motion"},
                   problems);
   cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });

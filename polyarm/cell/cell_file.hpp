@@ -43,8 +43,9 @@ struct CellFile {
   std::vector<RobotEntry> robots;
   std::string scene, signals, program, plc;  ///< file names as written; empty: none
   std::vector<std::string> controllers;      ///< files; a later one has the last word
-  std::vector<std::pair<std::string, std::string>> send;  ///< controller or topic → message file, at the start
-  std::vector<std::string> activate;         ///< controllers to start; empty: all that can run together
+  std::vector<std::pair<std::string, std::string>>
+      send;                           ///< controller or topic → message file, at the start
+  std::vector<std::string> activate;  ///< controllers to start; empty: all that can run together
   Location scene_where, controllers_where, signals_where, program_where, plc_where;
   std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file

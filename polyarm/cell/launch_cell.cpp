@@ -1,44 +1,16 @@
 /// From a launch file of ROS 1 to a cell.
 #include <fmt/format.h>
 
-#include <cstdlib>
-#include <fstream>
-
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/launch_file.hpp"
+#include "polyarm/description/packages.hpp"
 
 namespace polyarm::cell {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-void add_from(const char* variable, const char* below, std::vector<fs::path>& out) {
-  if (const char* value = std::getenv(variable))
-    for (const std::string& folder : split_words(value, ":")) out.push_back(fs::path(folder) / below);
-}
-
-/// The package called `name`: a folder of that name with a package.xml, above the launch file, beside what is
-/// above it, or where the environment says.
-PackageSearch packages_near(const fs::path& launch) {
-  std::vector<fs::path> roots;
-  std::error_code error;
-  for (fs::path folder = fs::weakly_canonical(launch, error).parent_path(); folder.has_relative_path();
-       folder = folder.parent_path()) {
-    roots.push_back(folder.parent_path());
-    roots.push_back(folder / "src");
-  }
-  add_from("POLYARM_PACKAGES", "", roots);
-  add_from("ROS_PACKAGE_PATH", "", roots);
-  add_from("AMENT_PREFIX_PATH", "share", roots);
-  return [roots](const std::string& name) -> fs::path {
-    std::error_code ignored;
-    for (const fs::path& root : roots)
-      if (fs::exists(root / name / "package.xml", ignored)) return root / name;
-    return {};
-  };
-}
 
 void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotEntry& robot,
                     Problems& problems) {
@@ -59,7 +31,8 @@ void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotE
 
 CellFile cell_from_launch(const fs::path& launch, const std::map<std::string, std::string>& arguments,
                           const Overrides& overrides, Problems& problems) {
-  const LaunchedCell launched = read_launch_file(launch, arguments, packages_near(launch), problems);
+  const LaunchedCell launched =
+      read_launch_file(launch, arguments, description::packages_near(launch), problems);
   CellFile cell;
   cell.path = launch;
   cell.folder = launch.parent_path().empty() ? fs::path(".") : launch.parent_path();

@@ -50,7 +50,8 @@ trajectory::TrajectoryPoint point_of(const Yaml& yaml) {
   out.velocities = yaml["velocities"].numbers();
   out.accelerations = yaml["accelerations"].numbers();
   out.effort = yaml["effort"].numbers();
-  if (!yaml.has("time_from_start")) refuse(yaml, "the point has no time_from_start", "add time_from_start: 1.0");
+  if (!yaml.has("time_from_start"))
+    refuse(yaml, "the point has no time_from_start", "add time_from_start: 1.0");
   out.time_from_start = seconds_of(yaml["time_from_start"]);
   return out;
 }
@@ -69,7 +70,8 @@ std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
   for (const Yaml& item : yaml.items()) {
     check_keys(item, {"name", "position", "velocity", "acceleration"});
     out.push_back({item.required("name").text(), item["position"].number(Dimension::none, 0),
-                   item["velocity"].number(Dimension::none, 0), item["acceleration"].number(Dimension::none, 0)});
+                   item["velocity"].number(Dimension::none, 0),
+                   item["acceleration"].number(Dimension::none, 0)});
   }
   return out;
 }
@@ -77,8 +79,8 @@ std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
 Input goal_of(const Yaml& given) {
   const Yaml yaml = given.has("goal") ? given["goal"] : given;
   if (yaml.has("joint_names")) return trajectory_of(yaml);  // the bare trajectory will do
-  check_keys(yaml, {"trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance", "component_path_tolerance",
-                    "component_goal_tolerance", "multi_dof_trajectory"});
+  check_keys(yaml, {"trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance",
+                    "component_path_tolerance", "component_goal_tolerance", "multi_dof_trajectory"});
   controllers::TrajectoryMessage out = trajectory_of(yaml.required("trajectory"));
   out.path_tolerance = tolerances_of(yaml["path_tolerance"]);
   out.goal_tolerance = tolerances_of(yaml["goal_tolerance"]);
@@ -110,8 +112,8 @@ Input numbers_of(const Yaml& yaml) {
   return controllers::Numbers{yaml[yaml.has("factor") ? "factor" : "data"].numbers()};
 }
 
-/// DynamicJointState {joint_names, interface_values: [{interface_names, values}]} or MultiDOFCommand {dof_names,
-/// values, values_dot}, or simply a map of name to value.
+/// DynamicJointState {joint_names, interface_values: [{interface_names, values}]} or MultiDOFCommand
+/// {dof_names, values, values_dot}, or simply a map of name to value.
 Input named_of(const Yaml& yaml) {
   controllers::NamedValues out;
   if (yaml.has("interface_values") || yaml.has("joint_names")) {
@@ -141,8 +143,8 @@ Input named_of(const Yaml& yaml) {
     for (const auto& [key, ending] : {std::pair{"values", ""}, {"values_dot", "/dot"}}) {
       const std::vector<double> values = yaml[key].numbers();
       if (!values.empty() && values.size() != names.size())
-        refuse(yaml[key], std::to_string(names.size()) + " dof_names stand beside " + std::to_string(values.size()) +
-                              " " + key);
+        refuse(yaml[key], std::to_string(names.size()) + " dof_names stand beside " +
+                              std::to_string(values.size()) + " " + key);
       for (std::size_t k = 0; k < values.size(); ++k) {
         out.names.push_back(names[k] + ending);
         out.values.push_back(values[k]);
@@ -211,15 +213,18 @@ void put(nlohmann::json& out, const std::string& field, double value) {
     const auto bracket = word.find('[');
     at = &(*at)[word.substr(0, bracket)];
     if (bracket == std::string::npos) continue;
-    const auto index = static_cast<std::size_t>(parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0));
+    const auto index = static_cast<std::size_t>(
+        parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0));
     at = &(*at)[index];
   }
   *at = number(value);
 }
 
 nlohmann::json joint_states(const controllers::Output& output) {
-  nlohmann::json out{{"name", nlohmann::json::array()}, {"position", nlohmann::json::array()},
-                     {"velocity", nlohmann::json::array()}, {"effort", nlohmann::json::array()}};
+  nlohmann::json out{{"name", nlohmann::json::array()},
+                     {"position", nlohmann::json::array()},
+                     {"velocity", nlohmann::json::array()},
+                     {"effort", nlohmann::json::array()}};
   for (std::size_t i = 0; i + 2 < output.fields().size(); i += 3) {
     const std::string& field = output.fields()[i];
     out["name"].push_back(field.substr(0, field.rfind('/')));
@@ -262,7 +267,8 @@ std::string message_json(const controllers::Output& output) {
   if (output.type() == "sensor_msgs/JointState") {
     out.update(joint_states(output));
   } else {
-    for (std::size_t i = 0; i < output.fields().size(); ++i) put(out, output.fields()[i], output.value().values[i]);
+    for (std::size_t i = 0; i < output.fields().size(); ++i)
+      put(out, output.fields()[i], output.value().values[i]);
   }
   for (const auto& [key, text] : output.texts) {
     if (key == "frame_id")

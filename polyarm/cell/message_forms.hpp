@@ -9,7 +9,8 @@
 namespace polyarm::cell {
 
 /// Reads a message of one of `types` ("trajectory_msgs/JointTrajectory", "geometry_msgs/Twist", …); which of
-/// them it is follows from its keys. `name` is told in complaints. Throws Error with the place of what is wrong.
+/// them it is follows from its keys. `name` is told in complaints. Throws Error with the place of what is
+/// wrong.
 controllers::Input read_message(const std::string& text, const std::string& name,
                                 const std::vector<std::string>& types);
 

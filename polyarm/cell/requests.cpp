@@ -17,10 +17,12 @@ const std::vector<Row>& rows() {
       {{"control.list", "", "the controllers: type, state, what they claim and offer", false}, control_list},
       {{"control.types", "", "the controller types that there are", false}, control_types},
       {{"control.chains", "", "which controllers work through which", false}, control_chains},
-      {{"control.switch", "activate: [NAME], deactivate: [NAME], strictness: strict|best_effort|auto|force, dry",
+      {{"control.switch",
+        "activate: [NAME], deactivate: [NAME], strictness: strict|best_effort|auto|force, dry",
         "start and stop controllers in one step; dry: only say what would happen", true},
        control_switch},
-      {{"control.load", "name, type, parameters: {KEY: VALUE}", "make and configure a controller", false}, control_load},
+      {{"control.load", "name, type, parameters: {KEY: VALUE}", "make and configure a controller", false},
+       control_load},
       {{"control.unload", "name", "take a controller away that is not active", false}, control_unload},
       {{"control.state", "name, state: unconfigured|inactive|active",
         "take a controller to a state, through all that lie between", true},
@@ -38,12 +40,16 @@ const std::vector<Row>& rows() {
        hardware_recover},
       {{"interfaces", "", "every state and command interface: value, holder", false}, interfaces_list},
       {{"health", "", "cycles, lateness, cost, faults", false}, health},
-      {{"limits", "", "which limits took hold of commands, how often, and the last time", false}, limits_list},
-      {{"param.list", "name", "the parameters of a controller: value, default, whether it can be changed", false},
+      {{"limits", "", "which limits took hold of commands, how often, and the last time", false},
+       limits_list},
+      {{"param.list", "name", "the parameters of a controller: value, default, whether it can be changed",
+        false},
        param_list},
       {{"param.get", "name, key", "one parameter", false}, param_get},
-      {{"param.set", "name, values: {KEY: VALUE}", "change parameters between two cycles, all or none", true}, param_set},
-      {{"send", "to, message: TEXT, goal", "give a message to a controller; a goal is followed to its end", true},
+      {{"param.set", "name, values: {KEY: VALUE}", "change parameters between two cycles, all or none", true},
+       param_set},
+      {{"send", "to, message: TEXT, goal", "give a message to a controller; a goal is followed to its end",
+        true},
        send_message},
       {{"goal.cancel", "to, goal: NUMBER", "end a goal", true}, goal_cancel},
       {{"watch", "name, rate: HZ", "tell what a controller puts out, again and again", false}, watch_output},
@@ -54,7 +60,9 @@ const std::vector<Row>& rows() {
 Json error_json(const Error& error) {
   Json all = Json::array();
   for (const Problem& problem : error.problems())
-    all.push_back({{"code", problem.code}, {"what", problem.what}, {"advice", problem.advice},
+    all.push_back({{"code", problem.code},
+                   {"what", problem.what},
+                   {"advice", problem.advice},
                    {"where", problem.where.text()}});
   Json out = all.front();
   if (all.size() > 1) out["all"] = all;
@@ -152,7 +160,8 @@ class Requests::Work {
   Poll begin(const std::string& line, Json& id) {
     const Json request = Json::parse(line, nullptr, false);
     if (request.is_discarded() || !request.is_object())
-      throw Error("bad-request", "a request is one JSON object a line", "for example {\"request\": \"control.list\"}");
+      throw Error("bad-request", "a request is one JSON object a line",
+                  "for example {\"request\": \"control.list\"}");
     if (request.contains("id")) id = request["id"];
     const std::string name = text_argument(request, "request");
     std::vector<std::string> known;
@@ -168,7 +177,9 @@ class Requests::Work {
     return open.answer(line.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
 
-  static void refuse(Open& open, const Error& error) { send(open, {{"ok", false}, {"error", error_json(error)}}); }
+  static void refuse(Open& open, const Error& error) {
+    send(open, {{"ok", false}, {"error", error_json(error)}});
+  }
 
   /// True when it is over.
   bool advance(Open& open) {
@@ -190,7 +201,11 @@ class Requests::Work {
 
 Requests::Requests(Cell& cell) : work_(std::make_unique<Work>(cell)) {}
 Requests::~Requests() = default;
-void Requests::handle(const std::string& line, Answer answer) { work_->handle(line, std::move(answer)); }
-void Requests::tick() { work_->tick(); }
+void Requests::handle(const std::string& line, Answer answer) {
+  work_->handle(line, std::move(answer));
+}
+void Requests::tick() {
+  work_->tick();
+}
 
 }  // namespace polyarm::cell

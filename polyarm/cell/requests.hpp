@@ -22,9 +22,10 @@ const std::vector<RequestInfo>& request_table();
 /// Takes an answer, one JSON object without line ends; false when nobody listens any more.
 using Answer = std::function<bool(const std::string& line)>;
 
-/// Cell thread. A request is `{"request": NAME, …arguments, "id": anything}`; its answer `{"id": …, "ok": true,
-/// "result": …}` or `{"id": …, "ok": false, "error": {code, what, advice, where}}`. What takes a few cycles is
-/// answered when it is done; what goes on (`watch`, goals) is answered again and again, with `"more": true`.
+/// Cell thread. A request is `{"request": NAME, …arguments, "id": anything}`; its answer `{"id": …, "ok":
+/// true, "result": …}` or `{"id": …, "ok": false, "error": {code, what, advice, where}}`. What takes a few
+/// cycles is answered when it is done; what goes on (`watch`, goals) is answered again and again, with
+/// `"more": true`.
 class Requests {
  public:
   explicit Requests(Cell& cell);

@@ -18,16 +18,19 @@ Json number(double value) {
 }
 
 Json json_of(const control::SwitchPlan& plan) {
-  return {{"ok", plan.ok},           {"reason", plan.reason},         {"advice", plan.advice},
-          {"start", plan.start},     {"stop", plan.stop},             {"left_out", plan.left_out},
+  return {{"ok", plan.ok},           {"reason", plan.reason},      {"advice", plan.advice},
+          {"start", plan.start},     {"stop", plan.stop},          {"left_out", plan.left_out},
           {"chained", plan.chained}, {"unchained", plan.unchained}};
 }
 
 control::Strictness strictness_of(const std::string& text) {
   using S = control::Strictness;
-  const std::vector<std::pair<std::string, S>> known = {
-      {"strict", S::strict}, {"best_effort", S::best_effort}, {"best-effort", S::best_effort},
-      {"auto", S::automatic}, {"force", S::force}, {"force_auto", S::force}};
+  const std::vector<std::pair<std::string, S>> known = {{"strict", S::strict},
+                                                        {"best_effort", S::best_effort},
+                                                        {"best-effort", S::best_effort},
+                                                        {"auto", S::automatic},
+                                                        {"force", S::force},
+                                                        {"force_auto", S::force}};
   std::vector<std::string> names;
   for (const auto& [name, value] : known) {
     if (lower(text) == name) return value;
@@ -40,12 +43,13 @@ control::Strictness strictness_of(const std::string& text) {
 LifecycleState state_argument(const Json& arguments) {
   const std::string text = text_argument(arguments, "state");
   std::vector<std::string> names;
-  for (const LifecycleState state : {LifecycleState::unconfigured, LifecycleState::inactive, LifecycleState::active,
-                                     LifecycleState::finalized}) {
+  for (const LifecycleState state : {LifecycleState::unconfigured, LifecycleState::inactive,
+                                     LifecycleState::active, LifecycleState::finalized}) {
     if (text == hardware::name(state)) return state;
     names.emplace_back(hardware::name(state));
   }
-  throw Error("bad-argument", "there is no state '" + text + "'" + did_you_mean(text, names), join(names, ", "));
+  throw Error("bad-argument", "there is no state '" + text + "'" + did_you_mean(text, names),
+              join(names, ", "));
 }
 
 LifecycleState state_of(Cell& cell, const std::string& name) {
@@ -63,11 +67,12 @@ std::size_t component_argument(Cell& cell, const Json& arguments) {
     if (hardware.component_name(i) == name) return i;
     known.push_back(hardware.component_name(i));
   }
-  throw Error("unknown-component", "there is no hardware component '" + name + "'" + did_you_mean(name, known));
+  throw Error("unknown-component",
+              "there is no hardware component '" + name + "'" + did_you_mean(name, known));
 }
 
 /// Active controllers that use a component.
-std::vector<std::string> users_of(Cell& cell, std::size_t component) {
+std::vector<std::string> users_of(Cell& cell, std::size_t component, bool readers_too) {
   const hardware::HostedInfo info = cell.loop().hardware().info(component);
   const auto uses = [](const std::vector<std::string>& wanted, const std::vector<std::string>& offered) {
     return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
@@ -77,7 +82,7 @@ std::vector<std::string> users_of(Cell& cell, std::size_t component) {
   std::vector<std::string> out;
   for (const control::ListedController& c : cell.loop().controllers().list())
     if (c.state == LifecycleState::active &&
-        (uses(c.required_commands, info.commands) || uses(c.required_states, info.states)))
+        (uses(c.required_commands, info.commands) || (readers_too && uses(c.required_states, info.states))))
       out.push_back(c.name);
   return out;
 }
@@ -94,7 +99,8 @@ Poll walk(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   if (now == wanted) return at_once(std::move(answer));
   const auto on = [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); };
   if (now == LifecycleState::finalized)
-    throw Error("finalized", "the component is finalized and comes back only by a reload", "start the cell again");
+    throw Error("finalized", "the component is finalized and comes back only by a reload",
+                "start the cell again");
   if (wanted == LifecycleState::finalized)
     return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
       c.loop().hardware().finish_shutdown(i);
@@ -131,7 +137,8 @@ Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer)
       answer.update(json_of(job->plan()));
       return Progress::done(answer);
     }
-    if (++tries > 5) throw Error("busy", "the loop keeps changing its controllers by itself", "look at the log");
+    if (++tries > 5)
+      throw Error("busy", "the loop keeps changing its controllers by itself", "look at the log");
     c.tell_loop_events();
     job = c.loop().controllers().begin_switch(request);
     return Progress{};
@@ -142,10 +149,20 @@ Poll control_list(Cell& cell, const Json&) {
   Json out = Json::array();
   const double rate = 1 / seconds(cell.loop().options().period);
   for (const control::ListedController& c : cell.loop().controllers().list())
-    out.push_back({{"name", c.name}, {"type", c.type}, {"state", hardware::name(c.state)}, {"chained", c.chained},
-                   {"async", c.async}, {"rate", rate / c.divisor}, {"updates", c.updates}, {"missed", c.missed},
-                   {"claimed", c.claimed}, {"commands", c.required_commands}, {"states", c.required_states},
-                   {"references", c.references}, {"exported_states", c.exported}, {"fallback", c.fallback}});
+    out.push_back({{"name", c.name},
+                   {"type", c.type},
+                   {"state", hardware::name(c.state)},
+                   {"chained", c.chained},
+                   {"async", c.async},
+                   {"rate", rate / c.divisor},
+                   {"updates", c.updates},
+                   {"missed", c.missed},
+                   {"claimed", c.claimed},
+                   {"commands", c.required_commands},
+                   {"states", c.required_states},
+                   {"references", c.references},
+                   {"exported_states", c.exported},
+                   {"fallback", c.fallback}});
   return at_once(std::move(out));
 }
 
@@ -164,7 +181,9 @@ Poll control_chains(Cell& cell, const Json&) {
       for (const std::string& reference : below.references)
         if (std::find(upper.required_commands.begin(), upper.required_commands.end(), reference) !=
             upper.required_commands.end())
-          out.push_back({{"from", upper.name}, {"to", below.name}, {"reference", reference},
+          out.push_back({{"from", upper.name},
+                         {"to", below.name},
+                         {"reference", reference},
                          {"active", upper.state == LifecycleState::active}});
   return at_once(std::move(out));
 }
@@ -188,7 +207,8 @@ Poll control_load(Cell& cell, const Json& arguments) {
       parameters.set(key, values);
     }
   const std::string name = text_argument(arguments, "name");
-  const Problems problems = cell.load_controller(name, text_argument(arguments, "type", ""), std::move(parameters));
+  const Problems problems =
+      cell.load_controller(name, text_argument(arguments, "type", ""), std::move(parameters));
   Json warnings = Json::array();
   for (const Problem& problem : problems.list()) warnings.push_back(problem.text());
   return at_once({{"name", name}, {"state", hardware::name(state_of(cell, name))}, {"warnings", warnings}});
@@ -261,9 +281,16 @@ Poll hardware_list(Cell& cell, const Json&) {
     Json commands = Json::array();
     for (const std::string& command : info.commands)
       commands.push_back({{"name", command}, {"claimed_by", cell.loop().controllers().holder_of(command)}});
-    out.push_back({{"name", info.name}, {"type", info.type}, {"plugin", info.plugin}, {"group", info.group},
-                   {"state", hardware::name(info.state)}, {"rate", rate / info.divisor}, {"async", info.async},
-                   {"missed", info.missed}, {"states", info.states}, {"commands", commands}});
+    out.push_back({{"name", info.name},
+                   {"type", info.type},
+                   {"plugin", info.plugin},
+                   {"group", info.group},
+                   {"state", hardware::name(info.state)},
+                   {"rate", rate / info.divisor},
+                   {"async", info.async},
+                   {"missed", info.missed},
+                   {"states", info.states},
+                   {"commands", commands}});
   }
   return at_once(std::move(out));
 }
@@ -271,8 +298,11 @@ Poll hardware_list(Cell& cell, const Json&) {
 Poll hardware_state(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
   const LifecycleState wanted = state_argument(arguments);
-  const bool goes_down = cell.loop().hardware().state_of(i) == LifecycleState::active && wanted != LifecycleState::active;
-  const std::vector<std::string> users = goes_down ? users_of(cell, i) : std::vector<std::string>{};
+  const LifecycleState now = cell.loop().hardware().state_of(i);
+  const bool goes_down = (now == LifecycleState::active && wanted != LifecycleState::active) ||
+                         (now == LifecycleState::inactive && wanted != LifecycleState::active);
+  const std::vector<std::string> users =
+      goes_down ? users_of(cell, i, wanted != LifecycleState::inactive) : std::vector<std::string>{};
   const Json answer{{"name", cell.loop().hardware().component_name(i)}, {"stopped", users}};
   if (users.empty()) return walk(cell, i, wanted, answer);
   return then(switch_controllers(cell, {{}, users, control::Strictness::automatic}, answer),
@@ -297,7 +327,8 @@ Poll interfaces_list(Cell& cell, const Json&) {
   for (std::size_t i = 0; i < table.command_names().size(); ++i) {
     const std::string& name = table.command_names()[i];
     if (!name.empty())
-      commands.push_back({{"name", name}, {"value", number(seen.commands[i])},
+      commands.push_back({{"name", name},
+                          {"value", number(seen.commands[i])},
                           {"claimed_by", cell.loop().controllers().holder_of(name)}});
   }
   return at_once({{"states", states}, {"commands", commands}});
@@ -307,12 +338,18 @@ Poll health(Cell& cell, const Json&) {
   const control::Health& h = cell.loop().health();
   const control::Snapshot& seen = cell.snapshot();
   const auto histogram = [](const realtime::Histogram& values) {
-    return Json{{"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
+    return Json{
+        {"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
   };
-  return at_once({{"state", control::name(seen.state)}, {"cause", control::name(seen.cause)},
-                  {"standing", seen.standing}, {"time_s", seconds(seen.cycle.time)},
-                  {"rate_hz", 1 / seconds(cell.loop().options().period)}, {"cycles", h.cycles}, {"late", h.late},
-                  {"cost", histogram(h.cost)}, {"wake_up", histogram(h.wake_up)},
+  return at_once({{"state", control::name(seen.state)},
+                  {"cause", control::name(seen.cause)},
+                  {"standing", seen.standing},
+                  {"time_s", seconds(seen.cycle.time)},
+                  {"rate_hz", 1 / seconds(cell.loop().options().period)},
+                  {"cycles", h.cycles},
+                  {"late", h.late},
+                  {"cost", histogram(h.cost)},
+                  {"wake_up", histogram(h.wake_up)},
                   {"clamps", cell.loop().limits().clamps()}});
 }
 
@@ -320,8 +357,11 @@ Poll limits_list(Cell& cell, const Json&) {
   Json out = Json::array();
   const double period = seconds(cell.loop().options().period);
   for (const control::Clamp& clamp : cell.loop().limits().report())
-    out.push_back({{"interface", clamp.interface}, {"limit", controllers::name(clamp.limit)},
-                   {"count", clamp.count}, {"asked", number(clamp.asked)}, {"given", number(clamp.given)},
+    out.push_back({{"interface", clamp.interface},
+                   {"limit", controllers::name(clamp.limit)},
+                   {"count", clamp.count},
+                   {"asked", number(clamp.asked)},
+                   {"given", number(clamp.given)},
                    {"time_s", static_cast<double>(clamp.cycle) * period}});
   return at_once(std::move(out));
 }

@@ -13,14 +13,14 @@ namespace {
 const controllers::Parameters& parameters_of(Cell& cell, const std::string& name) {
   const controllers::ControllerContext* context = cell.loop().controllers().context(name);
   if (!context)
-    throw Error("unknown-controller",
-                "there is no controller '" + name + "'" + did_you_mean(name, cell.loop().controllers().names()));
+    throw Error("unknown-controller", "there is no controller '" + name + "'" +
+                                          did_you_mean(name, cell.loop().controllers().names()));
   return context->parameters;
 }
 
 Json json_of(const controllers::Declared& d) {
-  Json out{{"key", d.key}, {"type", controllers::name(d.type)}, {"value", d.value}, {"default", d.fallback},
-           {"changeable", d.cell != nullptr}, {"text", d.note.text}};
+  Json out{{"key", d.key},          {"type", controllers::name(d.type)}, {"value", d.value},
+           {"default", d.fallback}, {"changeable", d.cell != nullptr},   {"text", d.note.text}};
   if (!d.note.choices.empty()) out["choices"] = d.note.choices;
   return out;
 }
@@ -30,8 +30,8 @@ struct Address {
   std::string controller, port;
 };
 
-/// Where a name leads: "controller", "controller/port", "/namespace/controller/port", or "/port" where only one
-/// controller has it.
+/// Where a name leads: "controller", "controller/port", "/namespace/controller/port", or "/port" where only
+/// one controller has it.
 template <typename Has>
 Address resolve(Cell& cell, const std::string& given, const char* kind, Has ports_of) {
   std::vector<std::string> words = split_words(given, "/");
@@ -53,7 +53,8 @@ Address resolve(Cell& cell, const std::string& given, const char* kind, Has port
   if (by_port.size() > 1)
     throw Error("which-controller", "several controllers have '" + given + "'",
                 "name one of them: " + by_port[0].controller + "/" + by_port[0].port);
-  throw Error("unknown-name", std::string("nothing ") + kind + " is called '" + given + "'" + did_you_mean(given, known),
+  throw Error("unknown-name",
+              std::string("nothing ") + kind + " is called '" + given + "'" + did_you_mean(given, known),
               known.empty() ? "" : "there are: " + join(known, ", "));
 }
 
@@ -72,13 +73,20 @@ const char* outcome_name(controllers::GoalOutcome outcome) {
 
 std::string code_text(int code) {
   switch (code) {
-    case 0: return "SUCCESSFUL";
-    case -1: return "INVALID_GOAL";
-    case -2: return "INVALID_JOINTS";
-    case -3: return "OLD_HEADER_TIMESTAMP";
-    case -4: return "PATH_TOLERANCE_VIOLATED";
-    case -5: return "GOAL_TOLERANCE_VIOLATED";
-    default: return std::to_string(code);
+    case 0:
+      return "SUCCESSFUL";
+    case -1:
+      return "INVALID_GOAL";
+    case -2:
+      return "INVALID_JOINTS";
+    case -3:
+      return "OLD_HEADER_TIMESTAMP";
+    case -4:
+      return "PATH_TOLERANCE_VIOLATED";
+    case -5:
+      return "GOAL_TOLERANCE_VIOLATED";
+    default:
+      return std::to_string(code);
   }
 }
 
@@ -129,7 +137,8 @@ Poll param_list(Cell& cell, const Json& arguments) {
 Poll param_get(Cell& cell, const Json& arguments) {
   const controllers::Parameters& parameters = parameters_of(cell, text_argument(arguments, "name"));
   const std::string key = text_argument(arguments, "key");
-  if (const controllers::Declared* declared = parameters.find_declared(key)) return at_once(json_of(*declared));
+  if (const controllers::Declared* declared = parameters.find_declared(key))
+    return at_once(json_of(*declared));
   std::vector<std::string> known;
   for (const controllers::Declared& d : parameters.declared()) known.push_back(d.key);
   throw Error("unknown-parameter", "there is no parameter '" + key + "'" + did_you_mean(key, known));

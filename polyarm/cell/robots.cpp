@@ -125,9 +125,9 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   robot->entry = entry;
   const auto beside = file.folder / entry.model;
   const bool is_file = std::filesystem::is_regular_file(beside);
-  robot->model = entry.text.empty()
-                     ? description::load_robot(is_file ? beside.string() : entry.model, catalogue, problems)
-                     : description::read_urdf(entry.text, entry.model, problems);
+  robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
+                                                              catalogue, problems, entry.arguments)
+                                    : description::read_urdf(entry.text, entry.model, problems);
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);

@@ -73,7 +73,8 @@ class SocketDoor::Work {
   Work(const std::string& cell, const fs::path& folder) {
     make_private(folder);
     std::string safe;
-    for (const char c : cell) safe += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
+    for (const char c : cell)
+      safe += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
     if (safe.empty()) safe = "cell";
     for (int n = 1; n < 100; ++n) {
       path_ = folder / (safe + (n > 1 ? "-" + std::to_string(n) : "") + ".sock");
@@ -120,7 +121,8 @@ class SocketDoor::Work {
   void listen_there() {
     sockaddr_un address;
     if (!address_of(path_, address))
-      throw Error("no-socket", "the path " + path_.string() + " is too long for a socket", "set XDG_RUNTIME_DIR");
+      throw Error("no-socket", "the path " + path_.string() + " is too long for a socket",
+                  "set XDG_RUNTIME_DIR");
     ::unlink(path_.c_str());  // left by one that was killed
     listening_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const mode_t before = ::umask(0177);
@@ -210,10 +212,15 @@ class SocketDoor::Work {
   std::thread thread_;
 };
 
-SocketDoor::SocketDoor(const std::string& cell, const fs::path& folder) : work_(std::make_unique<Work>(cell, folder)) {}
+SocketDoor::SocketDoor(const std::string& cell, const fs::path& folder)
+    : work_(std::make_unique<Work>(cell, folder)) {}
 SocketDoor::~SocketDoor() = default;
-const fs::path& SocketDoor::path() const { return work_->path(); }
-void SocketDoor::serve(Requests& requests) { work_->serve(requests); }
+const fs::path& SocketDoor::path() const {
+  return work_->path();
+}
+void SocketDoor::serve(Requests& requests) {
+  work_->serve(requests);
+}
 
 fs::path SocketDoor::folder_of_user() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");

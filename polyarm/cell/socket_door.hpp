@@ -1,6 +1,6 @@
 #pragma once
-/// The door through which other programs of the same user reach a running cell: a local socket, one JSON object
-/// a line both ways.
+/// The door through which other programs of the same user reach a running cell: a local socket, one JSON
+/// object a line both ways.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,12 +10,12 @@ namespace polyarm::cell {
 
 class Requests;
 
-/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 4 MB; who does not
-/// read for long is dropped.
+/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 4 MB; who does
+/// not read for long is dropped.
 class SocketDoor {
  public:
-  /// Opens `<folder>/<cell>.sock` for this user alone; a name that a living cell has gets "-2", "-3", … Throws
-  /// Error("no-socket").
+  /// Opens `<folder>/<cell>.sock` for this user alone; a name that a living cell has gets "-2", "-3", …
+  /// Throws Error("no-socket").
   explicit SocketDoor(const std::string& cell, const std::filesystem::path& folder = folder_of_user());
   ~SocketDoor();
   const std::filesystem::path& path() const;

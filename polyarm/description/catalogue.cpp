@@ -10,6 +10,7 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/description/xacro.hpp"
 
 namespace polyarm::description {
 
@@ -297,7 +298,17 @@ std::vector<fs::path> default_catalogue_folders() {
   return out;
 }
 
-RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings) {
+/// A description file, expanded first where it is xacro; places then are those of the expanded text.
+static RobotModel read_description(const fs::path& path, Problems& warnings,
+                                   const std::map<std::string, std::string>& arguments) {
+  const std::string text = read_file(path);
+  if (!uses_xacro(text)) return read_urdf(text, path.string(), warnings);
+  const std::string expanded = expand_xacro_text(text, path, {arguments, {}}, warnings);
+  return read_urdf(expanded, path.string() + " (expanded)", warnings);
+}
+
+RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings,
+                      const std::map<std::string, std::string>& arguments) {
   const fs::path path = name_or_path;
   std::error_code error;
   const std::string extension = path.extension().string();
@@ -307,7 +318,7 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
                 "type " + find_in_launch_file(read_file(path)).line());
   if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
       extension == ".xml")
-    return read_urdf(read_file(path), path.string(), warnings);
+    return read_description(path, warnings, arguments);
   return catalogue.load(name_or_path);
 }
 

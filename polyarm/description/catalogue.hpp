@@ -2,6 +2,7 @@
 /// The robots that come with Polyarm: one data file for each, `robots/<maker>/<model>.yaml`, facts only.
 #include <filesystem>
 #include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ std::vector<std::filesystem::path> default_catalogue_folders();
 RobotModel read_robot_file(const std::filesystem::path& path);
 
 /// A catalogue name, or the path of a URDF or robot file.
-RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings);
+RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings,
+                      const std::map<std::string, std::string>& arguments = {});
 
 }  // namespace polyarm::description

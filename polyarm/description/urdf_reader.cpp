@@ -33,7 +33,7 @@ class UrdfReader {
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
     if (const XMLElement* macro = unexpanded(*robot))
       throw Error(Problem{"xacro", at(*macro), "this file is xacro: it has to be expanded to URDF first",
-                          "run `xacro FILE > robot.urdf` and name that file"});
+                          "name the xacro file itself, or run `polyarm xacro FILE -o robot.urdf`"});
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
     problems_.throw_if_errors();

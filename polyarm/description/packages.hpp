@@ -1,0 +1,20 @@
+#pragma once
+/// Where ROS packages are, without ROS.
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace polyarm::description {
+
+/// The folder of a package; an empty path where there is none.
+using PackageSearch = std::function<std::filesystem::path(const std::string& package)>;
+
+/// Looks, in this order: among `known` (name → folder); upwards from `file` for a folder with a package.xml
+/// that has the name (or says it is its name), and beside each of these; where POLYARM_PACKAGES,
+/// ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.
+PackageSearch packages_near(const std::filesystem::path& file,
+                            const std::map<std::string, std::filesystem::path>& known = {});
+
+}  // namespace polyarm::description

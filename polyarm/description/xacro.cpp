@@ -1,0 +1,817 @@
+#include "polyarm/description/xacro.hpp"
+
+#include <tinyxml2.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/xacro_value.hpp"
+
+namespace polyarm::description {
+
+namespace fs = std::filesystem;
+using tinyxml2::XMLDocument;
+using tinyxml2::XMLElement;
+using tinyxml2::XMLNode;
+
+struct XacroScope {
+  struct Property {
+    XacroValue value;
+    bool raw = false;      // a text that is evaluated when it is first asked for
+    bool working = false;  // it is being evaluated
+  };
+  XacroScope* parent = nullptr;
+  std::map<std::string, Property> properties;
+  std::map<std::string, std::shared_ptr<XMLDocument>> blocks;  // "*name": whole, "**name": its contents
+};
+
+namespace {
+
+constexpr int kDeepest = 150;
+constexpr std::size_t kMostElements = 2'000'000;
+
+struct Parameter {
+  std::string name;
+  int block = 0;  // stars
+  bool has_default = false, forwards = false;
+  std::string fallback;
+  bool has_fallback = false;
+};
+
+struct Macro {
+  std::vector<Parameter> parameters;
+  const XMLElement* body = nullptr;
+  fs::path file;
+};
+
+/// What belongs together under one name space: properties and macros.
+struct Names {
+  XacroScope* scope = nullptr;
+  std::map<std::string, Macro>* macros = nullptr;
+};
+
+bool is_true(const XacroValue& value, const std::string& written) {
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
+  if (const auto* number = std::get_if<std::int64_t>(&value.data)) return *number != 0;
+  if (const auto* number = std::get_if<double>(&value.data)) return *number != 0;
+  const std::string text(trim(str_of(value)));
+  if (text == "true" || text == "True" || text == "1") return true;
+  if (text == "false" || text == "False" || text == "0") return false;
+  if (const XacroValue literal = literal_of(text); literal.is_number()) return truth_of(literal);
+  throw Error("bad-condition", "'" + written + "' is neither true nor false (it is '" + text + "')");
+}
+
+class Expander {
+ public:
+  Expander(const XacroOptions& options, Problems& warnings, XacroReport* report)
+      : options_(options), warnings_(warnings), report_(report) {
+    for (const auto& [name, value] : options.arguments) arguments_[name] = value;
+  }
+
+  std::string expand(std::string_view text, const fs::path& file) {
+    find_package_ = packages_near(file, options_.packages);
+    const XMLElement* root = load(text, file);
+    Frame frame{file, {&new_scope(nullptr), &new_macros()}};
+    XMLElement* out = output_.NewElement(root->Name());
+    output_.InsertEndChild(out);
+    const Inside inside(*this, Step{file, root->GetLineNum(), ""});
+    attributes(*root, *out, frame);
+    children(*root, *out, frame);
+    out->DeleteAttribute("xmlns:xacro");
+    if (report_) report_->arguments = {arguments_.begin(), arguments_.end()};
+    tinyxml2::XMLPrinter printer;
+    output_.Print(&printer);
+    return "<?xml version=\"1.0\" ?>\n" + std::string(printer.CStr());
+  }
+
+ private:
+  struct Frame {
+    fs::path file;
+    Names names;
+  };
+  struct Step {
+    fs::path file;
+    int line = 0;
+    std::string what;  // "in the macro 'arm'", "included from here"; empty: just there
+  };
+  /// Where we are, for what goes wrong below.
+  struct Inside {
+    Inside(Expander& e, Step step) : e_(e) {
+      if (e_.steps_.size() > 2 * kDeepest)
+        e_.fail("macros or includes lead deeper and deeper into themselves");
+      e_.steps_.push_back(std::move(step));
+    }
+    ~Inside() { e_.steps_.pop_back(); }
+    Expander& e_;
+  };
+
+  // --- what goes wrong ---
+
+  [[noreturn]] void fail(const std::string& what, const std::string& advice = {}) const {
+    Location where;
+    std::string chain;
+    for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
+      if (where.file.empty()) where = {step->file.string(), step->line};
+      if (!step->what.empty() && chain.size() < 2000)
+        chain += "; " + step->what + " (" + step->file.string() + ":" + std::to_string(step->line) + ")";
+    }
+    throw Error(Problem{"xacro", where, what + chain, advice});
+  }
+
+  /// Runs what may throw without a place, and gives it this one.
+  template <typename Work>
+  auto placed(const std::string& written, Work work) const {
+    try {
+      return work();
+    } catch (const Error& e) {
+      const Problem& problem = e.problems().front();
+      if (!problem.where.file.empty()) throw;
+      fail(problem.what + " in '" + written + "'", problem.advice);
+    }
+  }
+
+  // --- documents and scopes, which live as long as the expander ---
+
+  const XMLElement* load(std::string_view text, const fs::path& file) {
+    documents_.push_back(std::make_unique<XMLDocument>());
+    XMLDocument& document = *documents_.back();
+    if (report_) report_->files.push_back(file);
+    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+      throw Error(Problem{"xml-syntax",
+                          {file.string(), document.ErrorLineNum()},
+                          "not valid XML: " + std::string(document.ErrorName()),
+                          "check that every element is closed and every quote has its partner"});
+    if (!document.RootElement())
+      throw Error(Problem{"xml-syntax", {file.string(), 1}, "there is no element in the file"});
+    return document.RootElement();
+  }
+
+  XacroScope& new_scope(XacroScope* parent) {
+    scopes_.push_back(std::make_unique<XacroScope>());
+    scopes_.back()->parent = parent;
+    return *scopes_.back();
+  }
+  std::map<std::string, Macro>& new_macros() {
+    return *macros_.emplace_back(std::make_unique<std::map<std::string, Macro>>());
+  }
+
+  // --- texts ---
+
+  XacroValue* find_property(XacroScope* scope, const std::string& name) {
+    for (; scope; scope = scope->parent) {
+      const auto found = scope->properties.find(name);
+      if (found == scope->properties.end()) continue;
+      XacroScope::Property& property = found->second;
+      if (property.raw) {
+        if (property.working) throw Error("bad-expression", "the property '" + name + "' is made of itself");
+        property.working = true;
+        XacroValue value = literal_of(evaluate(*property.value.text(), scope));
+        XacroScope::Property& again = scope->properties[name];
+        again = {std::move(value), false, false};
+        return &again.value;
+      }
+      return &property.value;
+    }
+    return nullptr;
+  }
+
+  XacroNames names_for(XacroScope* scope) {
+    XacroNames out;
+    out.property = [this, scope](const std::string& name, XacroValue& value) {
+      if (const XacroValue* found = find_property(scope, name)) return value = *found, true;
+      if (const auto space = spaces_.find(name); space != spaces_.end())
+        return value = static_cast<const XacroScope*>(space->second.scope), true;
+      return false;
+    };
+    out.function = [this, scope](const std::string& name, const XacroList& arguments, XacroValue& value) {
+      return function(name, arguments, value);
+    };
+    out.member = [this](const XacroScope* space, const std::string& name, XacroValue& value) {
+      if (const XacroValue* found = find_property(const_cast<XacroScope*>(space), name))
+        return value = *found, true;
+      return false;
+    };
+    return out;
+  }
+
+  /// Everything in `${…}` and `$(…)` of a text. A text that is one `${…}` keeps the type of its value.
+  XacroValue evaluate(const std::string& text, XacroScope* scope) {
+    if (text.find('$') == std::string::npos) return text;
+    if (++evaluations_ > kMostElements) fail("the expansion takes too long");
+    if (++depth_ > kDeepest) {
+      depth_ = 0;
+      throw Error("bad-expression", "properties lead deeper and deeper into each other");
+    }
+    XacroValue only;
+    std::string out;
+    int pieces = 0;
+    for (std::size_t at = 0; at < text.size(); ++pieces) {
+      const auto dollar = text.find('$', at);
+      if (dollar != at) {
+        out += text.substr(at, dollar - at);
+        at = std::min(dollar, text.size());
+        only = out;
+        continue;
+      }
+      std::size_t dollars = at;
+      while (dollars < text.size() && text[dollars] == '$') ++dollars;
+      const char open = dollars < text.size() ? text[dollars] : '\0';
+      if (dollars - at > 1 && (open == '{' || open == '(')) {  // escaped: one dollar less, and as it is
+        out += text.substr(at + 1, dollars - at - 1) + open;
+        at = dollars + 1;
+        only = out;
+        continue;
+      }
+      if (dollars - at == 1 && (open == '{' || open == '(')) {
+        const auto close = open == '{' ? text.find('}', dollars) : closing(text, dollars);
+        if (close == std::string::npos)
+          throw Error("bad-expression", std::string("a '$") + open + "' has no end");
+        const std::string inner = text.substr(dollars + 1, close - dollars - 1);
+        only = open == '{' ? evaluate_expression(inner, names_for(scope))
+                           : substitution(str_of(evaluate(inner, scope)), scope);
+        out += str_of(only);
+        at = close + 1;
+        continue;
+      }
+      out += text.substr(at, dollars - at);
+      at = dollars;
+      only = out;
+    }
+    --depth_;
+    return pieces == 1 ? only : XacroValue(out);
+  }
+
+  /// The ')' that belongs to the '(' at `open`.
+  static std::size_t closing(const std::string& text, std::size_t open) {
+    int depth = 0;
+    for (std::size_t at = open; at < text.size(); ++at) {
+      depth += text[at] == '(' ? 1 : text[at] == ')' ? -1 : 0;
+      if (depth == 0) return at;
+    }
+    return std::string::npos;
+  }
+
+  std::string text_of(const std::string& text, XacroScope* scope) {
+    return placed(text, [&] { return str_of(evaluate(text, scope)); });
+  }
+
+  /// `$(arg x)`, `$(find p)`, `$(env V)`, `$(eval …)` and their like.
+  XacroValue substitution(const std::string& inner, XacroScope* scope) {
+    const std::string all(trim(inner));
+    const auto space = all.find_first_of(" \t\n");
+    const std::string command = all.substr(0, space);
+    const std::string rest(space == std::string::npos ? "" : trim(std::string_view(all).substr(space)));
+    XacroValue out;
+    if (command == "eval") {
+      XacroNames names = names_for(scope);
+      const auto property = names.property;
+      names.property = [this, property](const std::string& name, XacroValue& value) {
+        if (property(name, value)) return true;
+        const auto found = arguments_.find(name);
+        return found != arguments_.end() && (value = literal_of(found->second), true);
+      };
+      return evaluate_expression(rest, names);
+    }
+    XacroList words;
+    if (command == "optenv") {
+      const auto blank = rest.find_first_of(" \t\n");
+      words.emplace_back(rest.substr(0, blank));
+      words.emplace_back(
+          std::string(blank == std::string::npos ? "" : trim(std::string_view(rest).substr(blank))));
+    } else if (!rest.empty()) {
+      words.emplace_back(rest);
+    }
+    if (!function(command, words, out))
+      throw Error("bad-expression", "'$(" + command + " …)' is not understood");
+    return out;
+  }
+
+  /// The functions of xacro itself, which `$(name …)` and `xacro.name(…)` both mean.
+  bool function(const std::string& name, const XacroList& a, XacroValue& out) {
+    const auto text = [&](std::size_t i) -> std::string {
+      if (i >= a.size()) throw Error("bad-expression", "'" + name + "' needs a value");
+      return str_of(a[i]);
+    };
+    if (name == "arg") {
+      const auto found = arguments_.find(text(0));
+      if (found == arguments_.end())
+        throw Error("bad-expression", "the argument '" + text(0) + "' is not declared and not given",
+                    "give it as " + text(0) + ":=VALUE");
+      out = literal_of(found->second);
+      if (!std::holds_alternative<std::string>(out.data)) out = found->second;  // arguments are texts
+      return true;
+    }
+    if (name == "find") {
+      const fs::path folder = find_package_(text(0));
+      if (folder.empty())
+        throw Error("no-package", "the package '" + text(0) + "' is not found",
+                    "say where it is with --package " + text(0) + "=FOLDER, or set POLYARM_PACKAGES");
+      out = folder.string();
+      return true;
+    }
+    if (name == "env" || name == "optenv") {
+      const char* value = std::getenv(text(0).c_str());
+      if (!value && name == "env") throw Error("bad-expression", "the environment has no '" + text(0) + "'");
+      out = std::string(value ? value : a.size() > 1 ? text(1) : "");
+      return true;
+    }
+    if (name == "dirname") return out = current_file().parent_path().string(), true;
+    if (name == "cwd") return out = fs::current_path().string(), true;
+    if (name == "anon") return out = text(0) + "_1", true;
+    if (name == "abs_filename") return out = resolve(text(0)).string(), true;
+    if (name == "load_yaml") return out = load_yaml(text(0)), true;
+    if (name == "tokenize") {
+      auto list = std::make_shared<XacroList>();
+      for (const std::string& word : split_words(text(0), a.size() > 1 ? text(1) : ",; "))
+        list->emplace_back(word);
+      out = list;
+      return true;
+    }
+    if (name == "message" || name == "warning" || name == "error" || name == "fatal" ||
+        name == "print_location") {
+      std::string all;
+      for (const XacroValue& value : a) all += (all.empty() ? "" : " ") + str_of(value);
+      if (name == "fatal") throw Error("xacro-fatal", all);
+      if (name != "message" && name != "print_location")
+        warnings_.warning("xacro-" + name, {current_file().string(), current_line()}, all);
+      out = std::string();
+      return true;
+    }
+    return false;
+  }
+
+  const fs::path& current_file() const { return steps_.back().file; }
+  int current_line() const { return steps_.back().line; }
+  fs::path resolve(const std::string& name) const {
+    const fs::path path = name;
+    if (path.is_absolute()) return path;
+    return current_file().parent_path() / path;
+  }
+
+  // --- YAML ---
+
+  XacroValue load_yaml(const std::string& name) {
+    const fs::path path = resolve(name);
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) throw Error("no-file", "there is no file " + path.string());
+    if (const auto found = yamls_.find(path.string()); found != yamls_.end()) return found->second;
+    if (report_) report_->files.push_back(path);
+    try {
+      return yamls_[path.string()] = value_of(YAML::Load(read_file(path)), 0);
+    } catch (const YAML::Exception& e) {
+      throw Error(Problem{"yaml-syntax", {path.string(), e.mark.line + 1}, "not valid YAML: " + e.msg, {}});
+    }
+  }
+
+  XacroValue value_of(const YAML::Node& node, int depth) {
+    if (depth > 60 || ++evaluations_ > kMostElements)
+      throw Error("yaml-syntax", "the YAML file is nested too deeply");
+    if (node.IsMap()) {
+      auto out = std::make_shared<XacroDict>();
+      for (const auto& pair : node)
+        out->emplace_back(scalar_of(pair.first), value_of(pair.second, depth + 1));
+      return out;
+    }
+    if (node.IsSequence()) {
+      auto out = std::make_shared<XacroList>();
+      for (const auto& item : node) out->push_back(value_of(item, depth + 1));
+      return out;
+    }
+    return scalar_of(node);
+  }
+
+  /// Plain words become what YAML 1.1 takes them for; `!degrees` and `!radians` are expressions.
+  XacroValue scalar_of(const YAML::Node& node) {
+    if (!node.IsScalar()) return {};
+    const std::string text = node.Scalar();
+    if (node.Tag() == "!degrees" || node.Tag() == "!radians") {
+      const XacroValue value = evaluate_expression(text, names_for(nullptr));
+      const double number = std::stod(float_text(value.is_number() ? to_double(value) : std::nan("")));
+      return node.Tag() == "!degrees" ? number * std::numbers::pi / 180 : number;
+    }
+    if (node.Tag() == "!") return text;  // it was quoted
+    const std::string word = lower(text);
+    if (word == "true" || word == "yes" || word == "on") return true;
+    if (word == "false" || word == "no" || word == "off") return false;
+    if (word.empty() || word == "null" || word == "~") return {};
+    if (word == ".inf" || word == "+.inf") return std::numeric_limits<double>::infinity();
+    if (word == "-.inf") return -std::numeric_limits<double>::infinity();
+    if (word == ".nan") return std::numeric_limits<double>::quiet_NaN();
+    const XacroValue literal = literal_of(text);
+    if (std::holds_alternative<double>(literal.data) && text.find('.') == std::string::npos)
+      return text;  // 1e5 is a text in YAML 1.1
+    return literal;
+  }
+  static double to_double(const XacroValue& value) {
+    if (const auto* number = std::get_if<std::int64_t>(&value.data)) return static_cast<double>(*number);
+    if (const auto* number = std::get_if<double>(&value.data)) return *number;
+    return std::get<bool>(value.data) ? 1 : 0;
+  }
+
+  // --- elements ---
+
+  void attributes(const XMLElement& in, XMLElement& out, Frame& frame) {
+    for (const tinyxml2::XMLAttribute* a = in.FirstAttribute(); a; a = a->Next()) {
+      const std::string name = a->Name();
+      if (name.starts_with("xmlns:xacro")) continue;
+      out.SetAttribute(name.c_str(), text_of(a->Value(), frame.names.scope).c_str());
+    }
+  }
+
+  void children(const XMLNode& in, XMLNode& out, Frame& frame) {
+    for (const XMLNode* child = in.FirstChild(); child; child = child->NextSibling()) {
+      if (const XMLElement* e = child->ToElement()) {
+        element(*e, out, frame);
+      } else if (const tinyxml2::XMLText* text = child->ToText()) {
+        const std::string value = text_of(text->Value(), frame.names.scope);
+        tinyxml2::XMLText* made = output_.NewText(value.c_str());
+        made->SetCData(text->CData());
+        out.InsertEndChild(made);
+      }
+    }
+  }
+
+  void element(const XMLElement& e, XMLNode& out, Frame& frame) {
+    if (++elements_ > kMostElements) fail("the expansion has too many elements");
+    const Inside inside(*this, Step{frame.file, e.GetLineNum(), ""});
+    const std::string tag = e.Name();
+    if (!tag.starts_with("xacro:")) {
+      XMLElement* made = output_.NewElement(e.Name());
+      out.InsertEndChild(made);
+      attributes(e, *made, frame);
+      children(e, *made, frame);
+      return;
+    }
+    const std::string name = tag.substr(6);
+    if (name == "property") return property(e, frame);
+    if (name == "macro") return define(e, frame);
+    if (name == "include") return include(e, out, frame);
+    if (name == "arg") return argument(e, frame);
+    if (name == "if" || name == "unless") return condition(e, out, frame, name == "if");
+    if (name == "insert_block") return insert_block(e, out, frame);
+    if (name == "element") return made_element(e, out, frame);
+    if (name == "attribute") return made_attribute(e, out, frame);
+    if (name == "call") {
+      const std::string called = text_of(required(e, "macro"), frame.names.scope);
+      return call(e, called, out, frame, "macro");
+    }
+    call(e, name, out, frame, nullptr);
+  }
+
+  std::string required(const XMLElement& e, const char* name) {
+    const char* value = e.Attribute(name);
+    if (!value) fail(std::string("<") + e.Name() + "> has no attribute '" + name + "'");
+    return value;
+  }
+
+  std::shared_ptr<XMLDocument> contents_of(const XMLElement& e, Frame& frame, bool whole) {
+    auto holder = std::make_shared<XMLDocument>();
+    XMLElement* made = output_.NewElement("holder");  // made in the output document, copied out of it
+    if (whole)
+      element(e, *made, frame);
+    else
+      children(e, *made, frame);
+    holder->InsertEndChild(made->DeepClone(holder.get()));
+    output_.DeleteNode(made);
+    return holder;
+  }
+
+  void property(const XMLElement& e, Frame& frame) {
+    const std::string name = text_of(required(e, "name"), frame.names.scope);
+    if (name.empty() || !(std::isalpha(static_cast<unsigned char>(name[0])) || name[0] == '_'))
+      fail("'" + name + "' is no name for a property");
+    const char* value = e.Attribute("value");
+    const char* fallback = e.Attribute("default");
+    const std::string where = e.Attribute("scope") ? e.Attribute("scope") : "";
+    XacroScope* target = frame.names.scope;
+    if (where == "parent" && target->parent) target = target->parent;
+    if (where == "global")
+      while (target->parent) target = target->parent;
+    if (!where.empty() && where != "parent" && where != "global")
+      fail("the scope of '" + name + "' is '" + where + "'", "it can be parent or global");
+    if (e.Attribute("remove") &&
+        is_true(text_of(e.Attribute("remove"), frame.names.scope), e.Attribute("remove"))) {
+      target->properties.erase(name);
+      return;
+    }
+    if (!value && fallback) {
+      if (has_property(frame.names.scope, name)) return;
+      value = fallback;
+    }
+    if (!value) {  // a block, evaluated where it is inserted
+      auto holder = std::make_shared<XMLDocument>();
+      holder->InsertEndChild(e.DeepClone(holder.get()));
+      target->blocks["**" + name] = holder;
+      return;
+    }
+    const bool lazy = where.empty();
+    if (lazy)
+      target->properties[name] = {std::string(value), true, false};
+    else
+      target->properties[name] = {
+          placed(value, [&] { return literal_of(evaluate(value, frame.names.scope)); }), false, false};
+  }
+
+  static bool has_property(const XacroScope* scope, const std::string& name) {
+    for (; scope; scope = scope->parent)
+      if (scope->properties.contains(name)) return true;
+    return false;
+  }
+
+  void argument(const XMLElement& e, Frame& frame) {
+    const std::string name = text_of(required(e, "name"), frame.names.scope);
+    if (arguments_.contains(name)) return;
+    if (const char* fallback = e.Attribute("default"))
+      arguments_[name] = text_of(fallback, frame.names.scope);
+  }
+
+  void condition(const XMLElement& e, XMLNode& out, Frame& frame, bool wanted) {
+    const std::string written = required(e, "value");
+    const bool value =
+        placed(written, [&] { return is_true(evaluate(written, frame.names.scope), written); });
+    if (value == wanted) children(e, out, frame);
+  }
+
+  void made_element(const XMLElement& e, XMLNode& out, Frame& frame) {
+    const std::string name = text_of(required(e, "xacro:name"), frame.names.scope);
+    if (name.empty()) fail("<xacro:element> has an empty name");
+    XMLElement* made = output_.NewElement(name.c_str());
+    out.InsertEndChild(made);
+    attributes(e, *made, frame);
+    made->DeleteAttribute("xacro:name");
+    children(e, *made, frame);
+  }
+
+  void made_attribute(const XMLElement& e, XMLNode& out, Frame& frame) {
+    const std::string name = text_of(required(e, "name"), frame.names.scope);
+    const std::string value = text_of(required(e, "value"), frame.names.scope);
+    XMLElement* parent = out.ToElement();
+    if (name.empty() || !parent) fail("<xacro:attribute> has no element to belong to, or no name");
+    parent->SetAttribute(name.c_str(), value.c_str());
+  }
+
+  void insert_block(const XMLElement& e, XMLNode& out, Frame& frame) {
+    const std::string name = text_of(required(e, "name"), frame.names.scope);
+    for (XacroScope* scope = frame.names.scope; scope; scope = scope->parent)
+      for (const char* stars : {"**", "*"}) {
+        const auto found = scope->blocks.find(stars + name);
+        if (found == scope->blocks.end()) continue;
+        const std::shared_ptr<XMLDocument> block = found->second;
+        const XMLElement* holder = block->RootElement();
+        if (++elements_ > kMostElements) fail("the expansion has too many elements");
+        const Inside inside(*this, Step{frame.file, e.GetLineNum(), "in the block '" + name + "'"});
+        children(*holder, out, frame);
+        return;
+      }
+    fail("there is no block '" + name + "'");
+  }
+
+  // --- macros ---
+
+  std::vector<Parameter> parameters_of(const std::string& text) {
+    std::vector<Parameter> out;
+    std::size_t at = 0;
+    const auto blank = [&](std::size_t i) { return std::isspace(static_cast<unsigned char>(text[i])) != 0; };
+    while (true) {
+      while (at < text.size() && blank(at)) ++at;
+      if (at >= text.size()) return out;
+      Parameter p;
+      while (at < text.size() && text[at] == '*') ++p.block, ++at;
+      while (at < text.size() && !blank(at) && text[at] != '=' && text[at] != ':') p.name += text[at++];
+      if (at < text.size() && (text[at] == ':' || text[at] == '=')) {
+        at += text.compare(at, 2, ":=") == 0 ? 2 : 1;
+        p.has_default = true;
+        if (at < text.size() && text[at] == '^') {
+          p.forwards = true;
+          ++at;
+          p.has_fallback = at < text.size() && text[at] == '|';
+          if (p.has_fallback) ++at;
+        } else {
+          p.has_fallback = true;
+        }
+        for (bool quoted = false; at < text.size() && (quoted || !blank(at)); ++at) {
+          if (text[at] == '\'') quoted = !quoted;
+          if (text.compare(at, 2, "${") == 0) {  // blanks in an expression belong to it
+            const auto end = text.find('}', at);
+            if (end != std::string::npos) {
+              p.fallback += text.substr(at, end - at);
+              at = end;
+            }
+          }
+          p.fallback += text[at];
+        }
+      }
+      if (p.name.empty() || p.block > 2)
+        fail("the parameters '" + text + "' of the macro are not understood");
+      out.push_back(std::move(p));
+    }
+  }
+
+  void define(const XMLElement& e, Frame& frame) {
+    std::string name = required(e, "name");
+    if (name.starts_with("xacro:")) name = name.substr(6);
+    if (name.find('.') != std::string::npos) fail("a macro's name may hold no '.': '" + name + "'");
+    Macro macro{parameters_of(e.Attribute("params") ? e.Attribute("params") : ""), &e, frame.file};
+    (*frame.names.macros)[name] = std::move(macro);
+  }
+
+  const Macro* find_macro(const std::string& name, const Frame& frame) const {
+    const auto dot = name.find('.');
+    if (dot != std::string::npos) {
+      const auto space = spaces_.find(name.substr(0, dot));
+      if (space == spaces_.end()) return nullptr;
+      const auto found = space->second.macros->find(name.substr(dot + 1));
+      return found == space->second.macros->end() ? nullptr : &found->second;
+    }
+    for (const auto* macros : {frame.names.macros, macros_.front().get()})
+      if (const auto found = macros->find(name); found != macros->end()) return &found->second;
+    return nullptr;
+  }
+
+  void call(const XMLElement& e, const std::string& name, XMLNode& out, Frame& frame,
+            const char* own_attribute) {
+    const Macro* found = find_macro(name, frame);
+    if (!found) {
+      std::vector<std::string> known;
+      for (const auto& [macro, body] : *frame.names.macros) known.push_back(macro);
+      fail("there is no macro '" + name + "'" + did_you_mean(name, known));
+    }
+    if (steps_.size() > kDeepest) fail("the macro '" + name + "' leads deeper and deeper into itself");
+    const Macro macro = *found;
+    XacroScope& scope = new_scope(frame.names.scope);
+    std::set<std::string> given;
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
+      const std::string key = a->Name();
+      if (own_attribute && key == own_attribute) continue;
+      const bool known = std::any_of(macro.parameters.begin(), macro.parameters.end(),
+                                     [&](const Parameter& p) { return p.block == 0 && p.name == key; });
+      if (!known) {
+        std::vector<std::string> names;
+        for (const Parameter& p : macro.parameters) names.push_back(p.name);
+        fail("the macro '" + name + "' has no parameter '" + key + "'" + did_you_mean(key, names));
+      }
+      const std::string written = a->Value();
+      scope.properties[key] = {
+          placed(written, [&] { return literal_of(evaluate(written, frame.names.scope)); }), false, false};
+      given.insert(key);
+    }
+    blocks(e, name, macro, scope, frame);
+    defaults(name, macro, scope, given, frame);
+    Frame inner{macro.file, {&scope, frame.names.macros}};
+    if (const auto dot = name.find('.'); dot != std::string::npos)  // what stands beside it in its name space
+      inner.names.macros = spaces_.at(name.substr(0, dot)).macros;
+    const Inside inside(*this, Step{frame.file, e.GetLineNum(), "in the macro '" + name + "'"});
+    children(*macro.body, out, inner);
+  }
+
+  /// The elements within a call, in the order of the parameters that take them.
+  void blocks(const XMLElement& e, const std::string& name, const Macro& macro, XacroScope& scope,
+              Frame& frame) {
+    const std::shared_ptr<XMLDocument> all = contents_of(e, frame, false);
+    const XMLElement* next = all->RootElement()->FirstChildElement();
+    for (const Parameter& p : macro.parameters) {
+      if (p.block == 0) continue;
+      if (!next) fail("the macro '" + name + "' was given no element for its block '" + p.name + "'");
+      auto holder = std::make_shared<XMLDocument>();
+      if (p.block == 2) {
+        holder->InsertEndChild(next->DeepClone(holder.get()));
+      } else {
+        XMLElement* outer = holder->NewElement("holder");
+        holder->InsertEndChild(outer);
+        outer->InsertEndChild(next->DeepClone(holder.get()));
+      }
+      scope.blocks[std::string(static_cast<std::size_t>(p.block), '*') + p.name] = holder;
+      next = next->NextSiblingElement();
+    }
+    if (next)
+      fail("the macro '" + name + "' has no parameter for the element <" + std::string(next->Name()) + ">");
+  }
+
+  void defaults(const std::string& name, const Macro& macro, XacroScope& scope,
+                const std::set<std::string>& given, Frame& frame) {
+    std::vector<std::string> missing;
+    for (const Parameter& p : macro.parameters) {
+      if (p.block > 0 || given.contains(p.name)) continue;
+      if (p.forwards)
+        if (const XacroValue* outer =
+                placed(p.name, [&] { return find_property(frame.names.scope, p.name); })) {
+          scope.properties[p.name] = {*outer, false, false};
+          continue;
+        }
+      if (p.has_fallback)
+        scope.properties[p.name] = {p.fallback, true, false};
+      else
+        missing.push_back(p.name);
+    }
+    if (!missing.empty()) fail("the macro '" + name + "' needs a value for " + join(missing, ", "));
+  }
+
+  // --- includes ---
+
+  void include(const XMLElement& e, XMLNode& out, Frame& frame) {
+    const std::string written = required(e, "filename");
+    const std::string name = text_of(written, frame.names.scope);
+    const bool optional =
+        e.Attribute("optional") && is_true(text_of(e.Attribute("optional"), frame.names.scope), "optional");
+    std::vector<fs::path> files;
+    const fs::path path = resolve(name);
+    std::error_code error;
+    if (name.find_first_of("*?[") != std::string::npos) {
+      files = matching(path);
+      if (files.empty() && !optional)
+        warnings_.warning("no-file", {frame.file.string(), e.GetLineNum()}, "no file matches '" + name + "'");
+    } else if (fs::is_regular_file(path, error)) {
+      files.push_back(path);
+    } else if (!optional) {
+      fail("there is no file '" + path.string() + "' to include");
+    }
+    const char* space = e.Attribute("ns");
+    for (const fs::path& file : files) {
+      for (const Step& step : steps_)
+        if (step.what == "included from here" && included_.size() > 500)
+          fail("files include each other without end");
+      included_.push_back(file);
+      if (included_.size() > 5000 || steps_.size() > kDeepest) fail("files include each other without end");
+      const Inside inside(*this, Step{frame.file, e.GetLineNum(), "included from here"});
+      const XMLElement* root = load(read_file(file), file);
+      Frame inner{file, frame.names};
+      if (space) {
+        const std::string word = text_of(space, frame.names.scope);
+        inner.names = {&new_scope(frame.names.scope), &new_macros()};
+        spaces_[word] = inner.names;
+      }
+      const Inside there(*this, Step{file, root->GetLineNum(), ""});
+      if (XMLElement* into = out.ToElement())
+        for (const tinyxml2::XMLAttribute* a = root->FirstAttribute(); a; a = a->Next())
+          if (std::string_view(a->Name()).starts_with("xmlns:") &&
+              std::string_view(a->Name()) != "xmlns:xacro" && !into->Attribute(a->Name()) &&
+              into->Parent() == &output_)
+            into->SetAttribute(a->Name(), a->Value());
+      children(*root, out, inner);
+    }
+  }
+
+  static bool matches(std::string_view pattern, std::string_view text) {
+    if (pattern.empty()) return text.empty();
+    if (pattern[0] == '*') {
+      for (std::size_t k = 0; k <= text.size(); ++k)
+        if (matches(pattern.substr(1), text.substr(k))) return true;
+      return false;
+    }
+    return !text.empty() && (pattern[0] == '?' || pattern[0] == text[0]) &&
+           matches(pattern.substr(1), text.substr(1));
+  }
+
+  static std::vector<fs::path> matching(const fs::path& pattern) {
+    std::vector<fs::path> out;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(pattern.parent_path(), error))
+      if (entry.is_regular_file(error) &&
+          matches(pattern.filename().string(), entry.path().filename().string()))
+        out.push_back(entry.path());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  const XacroOptions& options_;
+  Problems& warnings_;
+  XacroReport* report_;
+  PackageSearch find_package_;
+  XMLDocument output_;
+  std::vector<std::unique_ptr<XMLDocument>> documents_;
+  std::vector<std::unique_ptr<XacroScope>> scopes_;
+  std::vector<std::unique_ptr<std::map<std::string, Macro>>> macros_;
+  std::map<std::string, Names> spaces_;
+  std::map<std::string, std::string> arguments_;
+  std::map<std::string, XacroValue> yamls_;
+  std::vector<Step> steps_;
+  std::vector<fs::path> included_;
+  std::size_t elements_ = 0, evaluations_ = 0;
+  int depth_ = 0;
+};
+
+}  // namespace
+
+std::string expand_xacro_text(std::string_view text, const fs::path& file, const XacroOptions& options,
+                              Problems& warnings, XacroReport* report) {
+  return Expander(options, warnings, report).expand(text, file);
+}
+
+std::string expand_xacro(const fs::path& file, const XacroOptions& options, Problems& warnings,
+                         XacroReport* report) {
+  return expand_xacro_text(read_file(file), file, options, warnings, report);
+}
+
+bool uses_xacro(std::string_view text) {
+  return text.find("<xacro:") != std::string_view::npos || text.find("xmlns:xacro") != std::string_view::npos;
+}
+
+}  // namespace polyarm::description

@@ -1,0 +1,26 @@
+#pragma once
+/// What operators, functions and methods of xacro expressions do. Private to the room. Everything throws
+/// Error without a place for what cannot be.
+#include <string>
+#include <vector>
+
+#include "polyarm/description/xacro_value.hpp"
+
+namespace polyarm::description {
+
+/// + - * / // % ** and "neg", as Python has them.
+XacroValue arithmetic(const XacroValue& left, const std::string& sign, const XacroValue& right);
+/// < > <= >= == != in, not in, is, is not.
+bool compare(const XacroValue& left, const std::string& sign, const XacroValue& right);
+/// pi, e, tau, inf, nan.
+bool constant(const std::string& name, XacroValue& out);
+bool call_builtin(const std::string& name, const XacroList& arguments, XacroValue& out);
+std::vector<std::string> builtin_names();
+XacroValue call_method(const XacroValue& on, const std::string& name, const XacroList& arguments);
+/// What a `for` goes through: items, keys, letters.
+XacroList items_of(const XacroValue& value);
+XacroValue item_of(const XacroValue& on, const XacroValue& index);
+XacroValue slice_of(const XacroValue& on, const XacroValue& begin, const XacroValue& end);
+double number_of(const XacroValue& value);
+
+}  // namespace polyarm::description

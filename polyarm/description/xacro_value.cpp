@@ -1,0 +1,98 @@
+#include "polyarm/description/xacro_value.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::description {
+
+std::string float_text(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  char buffer[40];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::scientific).ptr;
+  std::string text(buffer, end);
+  const auto e = text.find('e');
+  const int exponent = std::stoi(text.substr(e + 1));
+  std::string sign = text[0] == '-' ? "-" : "", digits;
+  for (const char c : text.substr(0, e))
+    if (c >= '0' && c <= '9') digits += c;
+  if (exponent < -4 || exponent >= 16) {
+    std::string out = sign + digits.substr(0, 1);
+    if (digits.size() > 1) out += "." + digits.substr(1);
+    return out + (exponent < 0 ? "e-" : "e+") + (std::abs(exponent) < 10 ? "0" : "") +
+           std::to_string(std::abs(exponent));
+  }
+  if (exponent < 0) return sign + "0." + std::string(static_cast<std::size_t>(-exponent - 1), '0') + digits;
+  const auto whole = static_cast<std::size_t>(exponent) + 1;
+  if (digits.size() <= whole) return sign + digits + std::string(whole - digits.size(), '0') + ".0";
+  return sign + digits.substr(0, whole) + "." + digits.substr(whole);
+}
+
+std::string repr_of(const XacroValue& value) {
+  if (const std::string* text = value.text()) {
+    const char quote =
+        text->find('\'') != std::string::npos && text->find('"') == std::string::npos ? '"' : '\'';
+    std::string out(1, quote);
+    for (const char c : *text) {
+      if (c == quote || c == '\\') out += '\\';
+      if (c == '\n')
+        out += "\\n";
+      else
+        out += c;
+    }
+    return out + quote;
+  }
+  return str_of(value);
+}
+
+std::string str_of(const XacroValue& value) {
+  if (const std::string* text = value.text()) return *text;
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag ? "True" : "False";
+  if (const auto* whole = std::get_if<std::int64_t>(&value.data)) return std::to_string(*whole);
+  if (const auto* number = std::get_if<double>(&value.data)) return float_text(*number);
+  std::string out;
+  if (const XacroList* list = value.list()) {
+    for (const XacroValue& item : *list) out += (out.empty() ? "" : ", ") + repr_of(item);
+    return "[" + out + "]";
+  }
+  if (const XacroDict* dict = value.dict()) {
+    for (const auto& [key, item] : *dict)
+      out += (out.empty() ? "" : ", ") + repr_of(key) + ": " + repr_of(item);
+    return "{" + out + "}";
+  }
+  return "None";
+}
+
+bool truth_of(const XacroValue& value) {
+  if (const std::string* text = value.text()) return !text->empty();
+  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
+  if (const auto* whole = std::get_if<std::int64_t>(&value.data)) return *whole != 0;
+  if (const auto* number = std::get_if<double>(&value.data)) return *number != 0;
+  if (const XacroList* list = value.list()) return !list->empty();
+  if (const XacroDict* dict = value.dict()) return !dict->empty();
+  return std::holds_alternative<const XacroScope*>(value.data);
+}
+
+XacroValue literal_of(const XacroValue& value) {
+  const std::string* text = value.text();
+  if (!text) return value;
+  if (text->size() >= 2 && text->front() == '\'' && text->back() == '\'')
+    return text->substr(1, text->size() - 2);
+  const std::string word(trim(*text));
+  if (word.empty() || word.find('_') != std::string::npos) return value;
+  if (word == "true" || word == "True") return true;
+  if (word == "false" || word == "False") return false;
+  const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
+  const char* end = word.data() + word.size();
+  std::int64_t whole = 0;
+  if (const auto read = std::from_chars(begin, end, whole); read.ec == std::errc() && read.ptr == end)
+    return whole;
+  double number = 0;
+  if (const auto read = std::from_chars(begin, end, number); read.ec == std::errc() && read.ptr == end)
+    return number;
+  return value;
+}
+
+}  // namespace polyarm::description

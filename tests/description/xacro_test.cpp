@@ -1,0 +1,300 @@
+#include "polyarm/description/xacro.hpp"
+
+#include <gtest/gtest.h>
+#include <tinyxml2.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "polyarm/description/xacro_value.hpp"
+
+namespace polyarm::description {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of files that goes when the test ends.
+struct Files {
+  fs::path folder = fs::temp_directory_path() / ("polyarm_xacro_" + std::to_string(::getpid()));
+  Files() { fs::create_directories(folder); }
+  ~Files() { fs::remove_all(folder); }
+  fs::path add(const std::string& name, const std::string& text) const {
+    const fs::path path = folder / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+    return path;
+  }
+};
+
+std::string plain(const std::string& xml) {
+  tinyxml2::XMLDocument document;
+  EXPECT_EQ(document.Parse(xml.c_str()), tinyxml2::XML_SUCCESS) << xml;
+  tinyxml2::XMLPrinter printer(nullptr, true);
+  document.RootElement()->Accept(&printer);
+  return printer.CStr();
+}
+
+std::string wrapped(const std::string& inner) {
+  return "<a xmlns:xacro=\"http://www.ros.org/wiki/xacro\">" + inner + "</a>";
+}
+
+std::string expand(const std::string& inner, const XacroOptions& options = {}) {
+  Problems warnings;
+  return plain(expand_xacro_text(wrapped(inner), "robot.xacro", options, warnings));
+}
+
+void expect(const std::string& inner, const std::string& wanted, const XacroOptions& options = {}) {
+  EXPECT_EQ(expand(inner, options), plain("<a>" + wanted + "</a>")) << inner;
+}
+
+std::string complaint(const std::string& inner) {
+  try {
+    expand(inner);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+std::string value(const std::string& expression) {
+  XacroNames names;
+  names.property = [](const std::string& name, XacroValue& out) {
+    return name == "x" ? (out = std::int64_t{3}, true) : false;
+  };
+  names.function = [](const std::string&, const XacroList&, XacroValue&) { return false; };
+  names.member = [](const XacroScope*, const std::string&, XacroValue&) { return false; };
+  return repr_of(evaluate_expression(expression, names));
+}
+
+TEST(XacroExpressions, ReckonAsPythonDoes) {
+  for (const auto& [text, wanted] :
+       std::vector<std::pair<const char*, const char*>>{{"1 + 2 * 3", "7"},
+                                                        {"7 / 2", "3.5"},
+                                                        {"-7 // 2", "-4"},
+                                                        {"-7 % 3", "2"},
+                                                        {"2 ** 3 ** 2", "512"},
+                                                        {"-2 ** 2", "-4"},
+                                                        {"2 ** -1", "0.5"},
+                                                        {"10 ** 20", "1e+20"},
+                                                        {"0.1 + 0.2", "0.30000000000000004"},
+                                                        {"1e16", "1e+16"},
+                                                        {"1e15", "1000000000000000.0"},
+                                                        {"1e-5", "1e-05"},
+                                                        {"0.0001", "0.0001"},
+                                                        {"3.0", "3.0"},
+                                                        {"pi", "3.141592653589793"},
+                                                        {"math.pi / 2", "1.5707963267948966"},
+                                                        {"radians(180)", "3.141592653589793"},
+                                                        {"sqrt(x + 1)", "2.0"},
+                                                        {"1 < 2 < 3", "True"},
+                                                        {"1 < 3 < 2", "False"},
+                                                        {"not x == 3", "False"},
+                                                        {"x if x > 2 else y", "3"},
+                                                        {"True and 5", "5"},
+                                                        {"0 or 'a'", "'a'"},
+                                                        {"False and y", "False"},
+                                                        {"[1, 2, 3][-1]", "3"},
+                                                        {"[1, 2, 3][1:]", "[2, 3]"},
+                                                        {"'abc'[1]", "'b'"},
+                                                        {"'a' + 'b' * 2", "'abb'"},
+                                                        {"{'a': 1}['a']", "1"},
+                                                        {"dict(a=1, b=2)['b']", "2"},
+                                                        {"'b' in ['a', 'b']", "True"},
+                                                        {"'c' not in 'ab'", "True"},
+                                                        {"[i * i for i in range(4) if i != 1]", "[0, 4, 9]"},
+                                                        {"len('abc')", "3"},
+                                                        {"str(1.0)", "'1.0'"},
+                                                        {"int('5') + float('0.5')", "5.5"},
+                                                        {"max(1, 2.5)", "2.5"},
+                                                        {"sum([1, 2])", "3"},
+                                                        {"round(2.5)", "2"},
+                                                        {"round(3.14159, 2)", "3.14"},
+                                                        {"'a,b'.split(',')", "['a', 'b']"},
+                                                        {"'-'.join(['a', 'b'])", "'a-b'"},
+                                                        {"'{}_{}'.format('a', 1)", "'a_1'"},
+                                                        {"None == None", "True"},
+                                                        {"1 == 1.0", "True"},
+                                                        {"(1, 2)[0]", "1"},
+                                                        {"[k for k, v in zip('ab', [1, 2])]", "['a', 'b']"}})
+    EXPECT_EQ(value(text), wanted) << text;
+}
+
+TEST(XacroExpressions, NothingInThemRunsCodeOrTakesForEver) {
+  for (const char* text :
+       {"__import__('os')", "open('/etc/passwd')", "().__class__", "lambda: 1", "[].append(1)", "exec('1')",
+        "'a' * 10 ** 9", "range(10 ** 12)", "y", "1 +", "(1", "'open", "1 / 0", "sqrt(-1)", "x(1)", "x.y"})
+    EXPECT_THROW(value(text), Error) << text;
+  EXPECT_THROW(value(std::string(5000, '(') + "1" + std::string(5000, ')')), Error);
+  EXPECT_THROW(value(std::string(5000, '-') + "1"), Error);
+}
+
+TEST(Xacro, PropertiesAreEvaluatedWhenTheyAreAskedFor) {
+  expect("<xacro:property name='b' value='${a * 2}'/><xacro:property name='a' value='2'/><l v='${b}'/>",
+         "<l v='4'/>");
+  expect(
+      "<xacro:property name='a' value='1'/><xacro:property name='a' default='2'/><xacro:property name='c' "
+      "default='3'/><l v='${a} ${c}'/>",
+      "<l v='1 3'/>");
+  EXPECT_NE(
+      complaint("<xacro:property name='a' value='${b}'/><xacro:property name='b' value='${a}'/><l v='${a}'/>")
+          .find("made of itself"),
+      std::string::npos);
+}
+
+TEST(Xacro, TextsKeepTheirDollarsAndTypesTheirWords) {
+  expect("<l v='$${x} $$(x) $x $$ ${1 == 1} ${1.0} ${2}'/>", "<l v='${x} $(x) $x $$ True 1.0 2'/>");
+  expect("<l>a ${1 + 1} b</l>", "<l>a 2 b</l>");
+}
+
+TEST(Xacro, MacrosHaveParametersDefaultsAndBlocks) {
+  expect(
+      "<xacro:macro name='m' params='a b:=2 c:=${a + b}'><l v='${a} ${b} ${c}'/></xacro:macro><xacro:m "
+      "a='1'/><xacro:m a='5' b='6'/>",
+      "<l v='1 2 3'/><l v='5 6 11'/>");
+  expect(
+      "<xacro:property name='p' value='7'/><xacro:macro name='m' params='p:=^ q:=^|9'><l v='${p} "
+      "${q}'/></xacro:macro><xacro:m/>",
+      "<l v='7 9'/>");
+  expect(
+      "<xacro:macro name='m' params='*origin **rest'><j><xacro:insert_block "
+      "name='origin'/></j><k><xacro:insert_block name='rest'/></k></xacro:macro>"
+      "<xacro:m><o x='1'/><r><s/><t/></r></xacro:m>",
+      "<j><o x='1'/></j><k><s/><t/></k>");
+  expect("<xacro:macro name=\"m\" params=\"a:='two words' b:=x\"><l v='${a} ${b}'/></xacro:macro><xacro:m/>",
+         "<l v='two words x'/>");
+  expect(
+      "<xacro:macro name='m' params='n'><xacro:if value='${n > 0}'><l v='${n}'/><xacro:m n='${n - "
+      "1}'/></xacro:if></xacro:macro><xacro:m n='3'/>",
+      "<l v='3'/><l v='2'/><l v='1'/>");
+  expect(
+      "<xacro:macro name='m' params=''><l/></xacro:macro><xacro:property name='which' value='m'/><xacro:call "
+      "macro='${which}'/>",
+      "<l/>");
+}
+
+TEST(Xacro, ScopesAreKept) {
+  expect(
+      "<xacro:property name='a' value='1'/><xacro:macro name='m' params=''><xacro:property name='a' "
+      "value='2'/><l v='${a}'/></xacro:macro><xacro:m/><l v='${a}'/>",
+      "<l v='2'/><l v='1'/>");
+  expect(
+      "<xacro:macro name='m' params=''><xacro:property name='a' value='2' scope='parent'/><xacro:property "
+      "name='b' value='3' scope='global'/></xacro:macro><xacro:m/><l v='${a} ${b}'/>",
+      "<l v='2 3'/>");
+}
+
+TEST(Xacro, BlocksConditionsElementsAndAttributes) {
+  expect(
+      "<xacro:property name='b'><x/><y v='${z}'/></xacro:property><xacro:property name='z' "
+      "value='4'/><xacro:insert_block name='b'/>",
+      "<x/><y v='4'/>");
+  expect(
+      "<xacro:if value='true'><x/></xacro:if><xacro:if value='0'><y/></xacro:if><xacro:unless value='${1 == "
+      "2}'><z/></xacro:unless>",
+      "<x/><z/>");
+  expect("<xacro:element xacro:name='q' v='1'><xacro:attribute name='w' value='${2}'/></xacro:element>",
+         "<q v='1' w='2'/>");
+}
+
+TEST(Xacro, ArgumentsComeFromOutside) {
+  expect("<xacro:arg name='n' default='d'/><l v='$(arg n)'/>", "<l v='d'/>");
+  expect("<xacro:arg name='n' default='d'/><l v='$(arg n)'/>", "<l v='e'/>", {{{"n", "e"}}, {}});
+  expect("<xacro:arg name='n' default='3'/><l v='$(eval arg(\"n\") + \"1\")' w='$(eval n * 2)'/>",
+         "<l v='31' w='6'/>");
+  EXPECT_NE(complaint("<l v='$(arg missing)'/>").find("missing:=VALUE"), std::string::npos);
+}
+
+TEST(Xacro, IncludesFindTheirFilesAndPackages) {
+  const Files files;
+  files.add("pkg/package.xml", "<package><name>my_pkg</name></package>");
+  files.add("pkg/urdf/part.xacro",
+            "<p xmlns:xacro='x'><xacro:property name='size' value='5'/><xacro:macro name='part' "
+            "params=''><part s='${size}'/></xacro:macro></p>");
+  files.add("pkg/config/sizes.yaml", "arm: {length: 0.5, turns: !degrees 180, names: [a, b]}\n");
+  const fs::path robot =
+      files.add("pkg/urdf/robot.xacro",
+                wrapped("<xacro:include filename='$(find my_pkg)/urdf/part.xacro'/><xacro:include "
+                        "filename='part.xacro' ns='inner'/>"
+                        "<xacro:include filename='nowhere.xacro' optional='true'/>"
+                        "<xacro:property name='where' value='$(find my_pkg)/config/sizes.yaml'/>"
+                        "<xacro:property name='y' value='${xacro.load_yaml(where)}'/>"
+                        "<xacro:part/><xacro:inner.part/><l v=\"${inner.size} ${y['arm']['length']} "
+                        "${y.arm.names[1]} ${y.arm.turns}\"/>"));
+  Problems warnings;
+  XacroReport report;
+  EXPECT_EQ(plain(expand_xacro(robot, {}, warnings, &report)),
+            plain("<a><part s='5'/><part s='5'/><l v='5 0.5 b 3.141592653589793'/></a>"));
+  EXPECT_EQ(report.files.size(), 4u);
+}
+
+TEST(Xacro, ComplaintsNamePlaceAndChain) {
+  const Files files;
+  files.add("arm.xacro",
+            "<p xmlns:xacro='x'>\n<xacro:macro name='arm' params='n'>\n<l v='${n + "
+            "missing}'/>\n</xacro:macro></p>");
+  const fs::path robot =
+      files.add("robot.xacro", wrapped("\n<xacro:include filename='arm.xacro'/>\n<xacro:arm n='1'/>"));
+  Problems warnings;
+  try {
+    expand_xacro(robot, {}, warnings);
+    FAIL();
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("arm.xacro:3"), std::string::npos) << text;
+    EXPECT_NE(text.find("'missing' is not defined"), std::string::npos) << text;
+    EXPECT_NE(text.find("in the macro 'arm'"), std::string::npos) << text;
+    EXPECT_NE(text.find("robot.xacro:3"), std::string::npos) << text;
+  }
+  EXPECT_NE(complaint("<xacro:macro name='wheel' params='x'/><xacro:weel/>").find("did you mean 'wheel'"),
+            std::string::npos);
+  EXPECT_NE(
+      complaint("<xacro:macro name='m' params='length'/><xacro:m lenght='1'/>").find("did you mean 'length'"),
+      std::string::npos);
+  EXPECT_NE(complaint("<xacro:macro name='m' params='a b'/><xacro:m a='1'/>").find("needs a value for b"),
+            std::string::npos);
+  EXPECT_NE(complaint("<xacro:if value='maybe'/>").find("neither true nor false"), std::string::npos);
+  EXPECT_NE(complaint("<l v='$(find nowhere)'/>").find("--package nowhere="), std::string::npos);
+}
+
+TEST(Xacro, WhatNeverEndsIsStopped) {
+  const Files files;
+  const fs::path self = files.add("self.xacro", wrapped("<xacro:include filename='self.xacro'/>"));
+  Problems warnings;
+  EXPECT_THROW(expand_xacro(self, {}, warnings), Error);
+  EXPECT_NE(complaint("<xacro:macro name='m' params=''><xacro:m/></xacro:macro><xacro:m/>"), "none");
+}
+
+TEST(Xacro, RandomlyChangedFilesNeverCrash) {
+  const std::string good = wrapped(
+      "<xacro:property name='a' value='${1 + 2}'/><xacro:macro name='m' params='x:=^|3 *b'><l v='${x * "
+      "a}'/><xacro:insert_block name='b'/></xacro:macro>"
+      "<xacro:m x='${[i for i in range(3)][1]}'><q/></xacro:m><xacro:if value='${a == 3}'><z v='$(arg "
+      "k)'/></xacro:if><xacro:arg name='k' default='1'/>");
+  std::mt19937 random(11);
+  int read = 0;
+  for (int k = 0; k < 5000; ++k) {
+    std::string text = good;
+    for (int n = static_cast<int>(random() % 6) + 1; n > 0; --n) {
+      const std::size_t at = random() % text.size();
+      if (random() % 3 == 0)
+        text.erase(at, random() % 12);
+      else if (random() % 2)
+        text.insert(at, std::string(1, "${}()<>'\"/*[]x:=^|1. "[random() % 21]));
+      else
+        text[at] = static_cast<char>(random());
+      if (text.empty()) text = "<";
+    }
+    Problems warnings;
+    try {
+      expand_xacro_text(text, "robot.xacro", {}, warnings);
+      ++read;
+    } catch (const Error&) {
+    }
+  }
+  EXPECT_GT(read, 0);
+}
+
+}  // namespace
+}  // namespace polyarm::description
