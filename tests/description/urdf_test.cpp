@@ -230,7 +230,7 @@ std::vector<Bad> bad_files() {
        1, "xml-syntax", "not valid XML"},
       {"Xacro",
        "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n\n<xacro:include filename=\"x\"/>\n</robot>\n", 3,
-       "xacro", "run `xacro"},
+       "xacro", "name the xacro file itself"},
       {"XacroExpression", links_and("<!-- -->\n" + joint("j", "a", "b", "<origin xyz=\"${x} 0 0\"/>")), 5,
        "xacro", "expanded"},
       {"UnknownHardwareJoint",
