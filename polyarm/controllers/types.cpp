@@ -1,6 +1,7 @@
 #include "polyarm/controllers/types.hpp"
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
@@ -31,6 +32,8 @@ const std::vector<ControllerType>& controller_types() {
        "tells the states of the joints"},
       {"joint_state_controller/JointStateController", make<JointStateBroadcaster>,
        "tells the states of the joints (ros_control's name)"},
+      {"diff_drive_controller/DiffDriveController", make<DiffDriveController>,
+       "drives a base with wheels on two sides"},
       {"forward_command_controller/ForwardCommandController", make<Forward>,
        "hands numbers to one interface of several joints"},
       {"forward_command_controller/MultiInterfaceForwardCommandController", make<Forward>,
