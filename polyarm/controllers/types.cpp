@@ -2,10 +2,14 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/controllers/diff_drive_controller.hpp"
+#include "polyarm/controllers/force_torque_sensor_broadcaster.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
+#include "polyarm/controllers/gps_sensor_broadcaster.hpp"
+#include "polyarm/controllers/imu_sensor_broadcaster.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/controllers/simple_trajectory_controller.hpp"
+#include "polyarm/controllers/state_interfaces_broadcaster.hpp"
 
 namespace polyarm::controllers {
 
@@ -34,6 +38,18 @@ const std::vector<ControllerType>& controller_types() {
        "tells the states of the joints (ros_control's name)"},
       {"diff_drive_controller/DiffDriveController", make<DiffDriveController>,
        "drives a base with wheels on two sides"},
+      {"imu_sensor_broadcaster/IMUSensorBroadcaster", make<ImuSensorBroadcaster>,
+       "tells what an IMU measures"},
+      {"imu_sensor_controller/ImuSensorController", make<ImuSensorBroadcaster>,
+       "tells what an IMU measures (ros_control's name)"},
+      {"force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster", make<ForceTorqueSensorBroadcaster>,
+       "tells forces and torques"},
+      {"force_torque_sensor_controller/ForceTorqueSensorController", make<ForceTorqueSensorBroadcaster>,
+       "tells forces and torques (ros_control's name)"},
+      {"gps_sensor_broadcaster/GPSSensorBroadcaster", make<GpsSensorBroadcaster>,
+       "tells where a satellite receiver is"},
+      {"state_interfaces_broadcaster/StateInterfacesBroadcaster", make<StateInterfacesBroadcaster>,
+       "tells any states"},
       {"forward_command_controller/ForwardCommandController", make<Forward>,
        "hands numbers to one interface of several joints"},
       {"forward_command_controller/MultiInterfaceForwardCommandController", make<Forward>,
