@@ -4,6 +4,7 @@
 #include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/controllers/force_torque_sensor_broadcaster.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
+#include "polyarm/controllers/gpio_command_controller.hpp"
 #include "polyarm/controllers/gps_sensor_broadcaster.hpp"
 #include "polyarm/controllers/imu_sensor_broadcaster.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
@@ -50,6 +51,8 @@ const std::vector<ControllerType>& controller_types() {
        "tells where a satellite receiver is"},
       {"state_interfaces_broadcaster/StateInterfacesBroadcaster", make<StateInterfacesBroadcaster>,
        "tells any states"},
+      {"gpio_controllers/GpioCommandController", make<GpioCommandController>,
+       "writes and tells the values of gpios"},
       {"forward_command_controller/ForwardCommandController", make<Forward>,
        "hands numbers to one interface of several joints"},
       {"forward_command_controller/MultiInterfaceForwardCommandController", make<Forward>,
