@@ -13,6 +13,19 @@ std::string last_part(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
+/// The trap that users of ros_control know: gains beside a controller that only hands numbers on.
+void tell_gains(Parameters& p) {
+  for (auto entry = p.entries.begin(); entry != p.entries.end();) {
+    const bool gain = entry->first.starts_with("pid.") || entry->first.starts_with("gains.");
+    if (gain && entry->first.ends_with(".p"))
+      p.problems().warning("no-effect", entry->second.where,
+                           "'" + entry->first.substr(0, entry->first.size() - 2) +
+                               "' has no effect: this controller hands its commands on as they are",
+                           "effort_controllers/JointPositionController and JointVelocityController have a PID");
+    entry = gain ? p.entries.erase(entry) : std::next(entry);
+  }
+}
+
 std::vector<std::string> wanted_interfaces(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> joints, interfaces, names;
@@ -23,6 +36,7 @@ std::vector<std::string> wanted_interfaces(ControllerContext& context) {
   p.read("interface_names", names, {"several interfaces of the one joint, in the order of the values"});
   p.read("interfaces", interfaces, {"whole interface names, in place of joints"});
   if (!joint.empty()) joints.push_back(joint);
+  tell_gains(p);
   if (interface.empty() && names.empty() && !joints.empty()) interface = "position";
   if (!interface.empty()) names.push_back(interface);
   std::vector<std::string> out;

@@ -7,8 +7,11 @@
 #include "polyarm/controllers/gpio_command_controller.hpp"
 #include "polyarm/controllers/gps_sensor_broadcaster.hpp"
 #include "polyarm/controllers/imu_sensor_broadcaster.hpp"
+#include "polyarm/controllers/gripper_action_controller.hpp"
+#include "polyarm/controllers/joint_pid_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/controllers/pid_controller.hpp"
 #include "polyarm/controllers/simple_trajectory_controller.hpp"
 #include "polyarm/controllers/state_interfaces_broadcaster.hpp"
 
@@ -73,6 +76,26 @@ const std::vector<ControllerType>& controller_types() {
        make<Forward>,
        "hands velocities to joints",
        {{"interface_name", "velocity"}}},
+      {"effort_controllers/JointPositionController", make<JointPidController>, "a joint's position through a PID to an effort",
+       {{"reference", "position"}, {"command_interface", "effort"}}},
+      {"effort_controllers/JointVelocityController", make<JointPidController>, "a joint's velocity through a PID to an effort",
+       {{"reference", "velocity"}, {"command_interface", "effort"}}},
+      {"effort_controllers/JointGroupPositionController", make<JointPidController>, "joints' positions through PIDs to efforts",
+       {{"reference", "position"}, {"command_interface", "effort"}}},
+      {"effort_controllers/JointGroupVelocityController", make<JointPidController>, "joints' velocities through PIDs to efforts",
+       {{"reference", "velocity"}, {"command_interface", "effort"}}},
+      {"velocity_controllers/JointPositionController", make<JointPidController>, "a joint's position through a PID to a velocity",
+       {{"reference", "position"}, {"command_interface", "velocity"}}},
+      {"velocity_controllers/JointGroupPositionController", make<JointPidController>, "joints' positions through PIDs to velocities",
+       {{"reference", "position"}, {"command_interface", "velocity"}}},
+      {"effort_controllers/JointTrajectoryController", make<Trajectory>, "follows trajectories, commanding efforts",
+       {{"command_interfaces", "effort"}}},
+      {"velocity_controllers/JointTrajectoryController", make<Trajectory>, "follows trajectories, commanding velocities",
+       {{"command_interfaces", "velocity"}}},
+      {"pid_controller/PidController", make<PidController>, "a PID for each degree of freedom; can stand in a chain"},
+      {"parallel_gripper_action_controller/GripperActionController", make<GripperActionController>, "opens and closes a gripper"},
+      {"position_controllers/GripperActionController", make<GripperActionController>, "opens and closes a gripper"},
+      {"effort_controllers/GripperActionController", make<GripperActionController>, "opens and closes a gripper"},
       {"effort_controllers/JointEffortController",
        make<Forward>,
        "hands an effort to one joint",

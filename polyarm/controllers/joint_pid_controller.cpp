@@ -1,0 +1,153 @@
+#include "polyarm/controllers/joint_pid_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/controllers/pid_parameters.hpp"
+
+namespace polyarm::controllers {
+
+namespace {
+constexpr const char* kFields[] = {"set_point", "process_value", "process_value_dot", "error", "command", "p", "i", "d"};
+constexpr double kMoves = 1e-3;  // rad/s or m/s: slower is standing
+
+double shortest(double angle) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return angle - kTurn * std::round(angle / kTurn);
+}
+
+/// Where a joint's gains stand: `pid` for the only one, else under its name.
+std::string prefix_of(const Parameters& p, const std::string& joint, std::size_t count) {
+  const auto any = [&](const std::string& prefix) {
+    return std::any_of(p.entries.begin(), p.entries.end(),
+                       [&](const auto& entry) { return entry.first.starts_with(prefix + "."); });
+  };
+  for (const std::string& prefix : {joint + ".pid", "gains." + joint, "pid." + joint})
+    if (any(prefix)) return prefix;
+  return count == 1 || any("pid") ? "pid" : joint + ".pid";
+}
+}  // namespace
+
+CallbackReturn JointPidController::on_configure(ControllerContext& context) {
+  Parameters& p = context.parameters;
+  std::vector<std::string> names;
+  std::string one, reference = "position", command = "effort";
+  p.read("joint", one, {"the joint, where there is only one"});
+  p.read("joints", names, {"the joints, in the order of the values"});
+  p.read("reference", reference, {.text = "what is asked for", .choices = {"position", "velocity"}});
+  p.read("command_interface", command, {.text = "what is commanded", .choices = {"effort", "velocity"}});
+  if (!one.empty()) names.insert(names.begin(), one);
+  if (names.empty()) return CallbackReturn::failure;
+  position_ = reference == "position";
+  joints_.assign(names.size(), {});
+  gains_.assign(names.size(), {});
+  std::vector<std::string> fields;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const std::string whole = context.whole_joint(names[j], one.empty() ? "joints" : "joint");
+    const JointFacts& facts = *context.find_joint(whole);
+    Joint& joint = joints_[j];
+    joint.position = claim_state(whole + "/position");
+    joint.velocity = claim_state(whole + "/velocity");
+    joint.command = claim_command(whole + "/" + command);
+    joint.continuous = facts.continuous;
+    joint.lower = facts.lower;
+    joint.upper = facts.upper;
+    const std::string prefix = prefix_of(p, names[j], names.size());
+    if (!p.find_declared(prefix + ".p")) {
+      read_pid_gains(p, prefix, gains_[j]);
+      bool publish_state = false, windup = false;
+      p.read(prefix + ".publish_state", publish_state, {"the state can always be watched"});
+      p.read(prefix + ".antiwindup", windup, {"the integral itself is clamped, not only its share of the output"});
+      gains_[j].clamp_output_only = p.has(prefix + ".i_clamp") && !windup;
+    } else {
+      gains_[j] = gains_[0];  // one `pid` for all
+    }
+    joint.pid = Pid(gains_[j]);
+    for (const char* field : kFields) fields.push_back(names[j] + "." + field);
+  }
+  output_ = &add_output("state", "control_msgs/JointControllerState", std::move(fields));
+  inbox_.reset(std::vector<double>(names.size(), std::numeric_limits<double>::quiet_NaN()));
+  period_s_ = seconds(context.period);
+  return CallbackReturn::success;
+}
+
+void JointPidController::hold(Joint& joint) noexcept {
+  joint.set_point = position_ ? measured(joint) : 0;
+  joint.pid.reset();
+}
+
+CallbackReturn JointPidController::on_activate(const Cycle&) noexcept {
+  inbox_.fetch();  // what was sent while it was not active is forgotten
+  for (Joint& joint : joints_) {
+    hold(joint);
+    if (!std::isfinite(joint.set_point)) return CallbackReturn::error;
+    set_command(joint.command, 0);
+  }
+  stopped_ = false;
+  return CallbackReturn::success;
+}
+
+void JointPidController::on_deactivate(const Cycle&) noexcept {
+  for (const Joint& joint : joints_) set_command(joint.command, 0);
+}
+
+void JointPidController::on_parameters_changed() noexcept {
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].pid.set_gains(gains_[j]);
+}
+
+std::string JointPidController::refuse_changes(const std::vector<ParameterChange>& changes) const {
+  return refuse_pid_changes(changes, gains_);
+}
+
+ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
+  if (inbox_.fetch())
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      if (const double asked = inbox_.value()[j]; std::isfinite(asked))
+        joints_[j].set_point = position_ ? std::clamp(asked, joints_[j].lower, joints_[j].upper) : asked;
+  // A stop: from now on it is held where it is, and what was asked for does not come back.
+  if (verdict.speed <= 0 && !std::exchange(stopped_, true))
+    for (Joint& joint : joints_) hold(joint);
+  if (verdict.speed > 0) stopped_ = false;
+  standing_ = true;
+  for (Joint& joint : joints_) {
+    double error = joint.set_point - measured(joint);
+    if (position_ && joint.continuous) error = shortest(error);
+    const double speed = state(joint.velocity);
+    // Of a position the measured velocity is the derivative that is known best.
+    const double out = position_ ? joint.pid.compute(error, -speed, period_s_) : joint.pid.compute(error, period_s_);
+    if (std::isfinite(out)) set_command(joint.command, out);
+    if (!(std::abs(speed) < kMoves)) standing_ = false;
+  }
+  publish(cycle);
+  return ReturnType::ok;
+}
+
+void JointPidController::publish(const Cycle& cycle) noexcept {
+  if (!output_->wanted()) return;
+  double* out = output_->draft().values.data();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    for (const double value : {joint.set_point, measured(joint), state(joint.velocity), joint.set_point - measured(joint),
+                               joint.pid.last_output(), gains_[j].p, gains_[j].i, gains_[j].d})
+      *out++ = value;
+  }
+  output_->publish(cycle.time);
+}
+
+std::vector<InputPort> JointPidController::inputs() const {
+  return {{"commands", {"std_msgs/Float64MultiArray"}}, {"command", {"std_msgs/Float64"}}};
+}
+
+std::uint64_t JointPidController::receive(const std::string&, const Input& message, bool) {
+  const auto* numbers = std::get_if<Numbers>(&message);
+  if (!numbers) throw Error("wrong-message", "this controller takes numbers (std_msgs/Float64)");
+  if (numbers->values.size() != joints_.size())
+    throw Error("wrong-size", "the message has " + std::to_string(numbers->values.size()) + " values for " +
+                                  std::to_string(joints_.size()) + " joints");
+  inbox_.write(numbers->values);
+  return 0;
+}
+
+}  // namespace polyarm::controllers
