@@ -50,6 +50,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
+  app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
   app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")

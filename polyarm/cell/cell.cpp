@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -182,6 +183,8 @@ void Cell::tell_loop_events() {
         "the controller {} was stopped with what it works on", "the controller {} took over",
         "the hardware component {} failed", "the hardware component {} asked to be deactivated"};
     observer_.on_note(fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name));
+    if (hardware || event.kind == Kind::controller_failed) falling_ = hardware ? name : "";
+    if (event.kind == Kind::controller_stopped && !falling_.empty()) fallen_[falling_].push_back(name);
     if (event.kind == Kind::component_failed) loop_->hardware().recover_from_error(who);
     if (event.kind == Kind::component_deactivated)
       collect_quietly([&] { loop_->hardware().finish_deactivate(who); });
@@ -197,11 +200,23 @@ const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& 
   return out;
 }
 
+std::vector<std::string> Cell::take_fallen(const std::string& component) {
+  return std::exchange(fallen_[component], {});
+}
+
 Problems Cell::load_controller(const std::string& name, const std::string& type,
-                               controllers::Parameters parameters) {
-  Problems problems;
-  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, {}, options_.lock_step, observer_, problems);
+                               controllers::Parameters parameters, const std::string& file) {
+  Problems problems, found;
+  Observer nobody;
+  CellFile source = file_;
+  if (!file.empty()) {
+    source.controllers = {file};
+    source.launched = nullptr;
+  }
+  ControllerPlan plan = plan_controllers(source, robots_, *loop_, {}, options_.lock_step, nobody, problems);
+  std::vector<std::string> known;
   for (PlannedController& planned : plan.controllers) {
+    known.push_back(planned.context.name);
     if (type.empty() ? planned.context.name != name : &planned != &plan.controllers.front()) continue;
     if (!type.empty()) {
       planned.context.name = name;
@@ -210,16 +225,43 @@ Problems Cell::load_controller(const std::string& name, const std::string& type,
       planned.controller = controllers::make_controller(type, planned.context.parameters);
       planned.options = {};
       planned.options.lock_step = options_.lock_step;
+    } else {
+      for (auto& [key, entry] : parameters.entries)
+        planned.context.parameters.entries[key] = std::move(entry);
     }
-    loop_->controllers().load(std::move(planned.controller), std::move(planned.context),
-                              std::move(planned.options));
-    loop_->controllers().configure(name);
-    Problems found;
-    for (const Problem& problem : loop_->controllers().findings(name)) found.add(problem);
+    control::ControllerManager& manager = loop_->controllers();
+    manager.load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
+    goal_events_.erase(name);  // of another that had this name
+    try {
+      manager.configure(name);
+    } catch (const Error&) {
+      manager.unload(name);
+      throw;
+    }
+    for (const Problem& problem : manager.findings(name)) found.add(problem);
     return found;
   }
-  throw Error("unknown-controller", "no controllers file describes '" + name + "'",
+  problems.throw_if_errors();
+  throw Error("unknown-controller",
+              "no controllers file describes '" + name + "'" + did_you_mean(name, known),
               "say its type, or put it into the controllers file");
+}
+
+void Cell::unload_controller(const std::string& name) {
+  const controllers::Controller* leaving = loop_->controllers().find(name);
+  const auto in_use = [&](const std::string& by) {
+    throw Error("in-use", "the controller '" + name + "' cannot be unloaded: " + by + " works through it");
+  };
+  if (leaving && name == kIoController) in_use("the cell's tags");
+  for (std::size_t i = 0; leaving && i < trajectory_controllers_.size(); ++i)
+    if (trajectory_controllers_[i] == leaving && program_ && !program_->ended()) in_use("the program");
+  loop_->controllers().unload(name);
+  goal_events_.erase(name);
+  for (std::size_t i = 0; i < trajectory_controllers_.size(); ++i)
+    if (trajectory_controllers_[i] == leaving) {
+      trajectory_controllers_[i] = nullptr;
+      motions_[i].reset();
+    }
 }
 
 /// Messages that the cell file sends when the cell starts.
@@ -307,16 +349,27 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
       fail(now, std::move(problem));
     }
   }
-  if (snapshot.state == control::RunState::fault) {
-    const std::string who =
-        snapshot.cause == control::StopCause::component && snapshot.culprit >= 0
-            ? " (" + loop_->hardware().component_name(static_cast<std::size_t>(snapshot.culprit)) + ")"
-            : "";
-    fail(now, {"fault",
-               {},
-               std::string(control::name(snapshot.cause)) + who,
-               "see the recorded cycles of this run"});
-  }
+  watch_faults(now, snapshot);
+}
+
+/// A fault ends what works towards an end; a cell that waits for others is brought back by them.
+void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
+  const bool fault = snapshot.state == control::RunState::fault;
+  const bool news = fault && !std::exchange(in_fault_, fault);
+  in_fault_ = fault;
+  if (!news) return;
+  const std::string who =
+      snapshot.cause == control::StopCause::component && snapshot.culprit >= 0
+          ? " (" + loop_->hardware().component_name(static_cast<std::size_t>(snapshot.culprit)) + ")"
+          : "";
+  Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
+  const bool waits = !options_.lock_step && !program_ && file_.send.empty();
+  problem.advice =
+      waits ? "polyarm hardware list and polyarm hardware recover" : "see the recorded cycles of this run";
+  if (waits)
+    observer_.on_problem(now, problem);
+  else
+    fail(now, std::move(problem));
 }
 
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {

@@ -81,8 +81,14 @@ class Cell {
   Requests& requests() { return *requests_; }
   /// Makes and configures a controller while the cell runs: with the type and parameters given, or with those
   /// that the controllers' files have under its name. Returns the warnings.
+  /// `file`: a controllers file that is read instead of the cell's own; empty: those. Where configuring
+  /// fails, nothing is loaded.
   Problems load_controller(const std::string& name, const std::string& type,
-                           controllers::Parameters parameters);
+                           controllers::Parameters parameters, const std::string& file = {});
+  /// Takes away a controller that is not active; throws Error where the cell itself works through it.
+  void unload_controller(const std::string& name);
+  /// Names of the controllers that fell when the component failed, as far as not told yet.
+  std::vector<std::string> take_fallen(const std::string& component);
   /// What became of the latest goals of a controller, oldest first.
   const std::vector<controllers::GoalEvent>& goal_events(const std::string& controller);
   /// Tells what the loop did by itself, and lets components that failed decide what they become.
@@ -102,6 +108,7 @@ class Cell {
   void follow_strangers(const control::Snapshot& snapshot);
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
+  void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
   void fail(Nanoseconds now, Problem problem);
@@ -124,8 +131,10 @@ class Cell {
   std::unique_ptr<Task> program_, plc_;
   PartTracker parts_{scene_};
   std::map<std::string, std::vector<controllers::GoalEvent>> goal_events_;
+  std::map<std::string, std::vector<std::string>> fallen_;  // component → controllers
+  std::string falling_;                                     // component whose fall is being told
   std::unique_ptr<Requests> requests_;
-  bool started_ = false;
+  bool started_ = false, in_fault_ = false;
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;

@@ -1,5 +1,9 @@
 #include "polyarm/cell/requests.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
@@ -12,47 +16,147 @@ struct Row {
   Handler handler;
 };
 
+Poll help(Cell&, const Json&) {
+  Json out = Json::array();
+  for (const RequestInfo& info : request_table()) {
+    Json arguments = Json::array();
+    for (const RequestArgument& a : info.arguments)
+      arguments.push_back({{"name", a.name}, {"type", name(a.type)}, {"needed", a.needed}});
+    out.push_back({{"request", info.name},
+                   {"arguments", arguments},
+                   {"result", info.result},
+                   {"text", info.text},
+                   {"moves", info.moves}});
+  }
+  return at_once(std::move(out));
+}
+
+constexpr auto kText = ArgumentType::text;
+constexpr auto kNumber = ArgumentType::number;
+constexpr auto kFlag = ArgumentType::flag;
+constexpr auto kNames = ArgumentType::names;
+constexpr auto kMap = ArgumentType::map;
+
+const std::vector<RequestArgument> kName = {{"name", kText, true}};
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> table = {
-      {{"control.list", "", "the controllers: type, state, what they claim and offer", false}, control_list},
-      {{"control.types", "", "the controller types that there are", false}, control_types},
-      {{"control.chains", "", "which controllers work through which", false}, control_chains},
-      {{"control.switch",
-        "activate: [NAME], deactivate: [NAME], strictness: strict|best_effort|auto|force, dry",
-        "start and stop controllers in one step; dry: only say what would happen", true},
-       control_switch},
-      {{"control.load", "name, type, parameters: {KEY: VALUE}", "make and configure a controller", false},
-       control_load},
-      {{"control.unload", "name", "take a controller away that is not active", false}, control_unload},
-      {{"control.state", "name, state: unconfigured|inactive|active",
-        "take a controller to a state, through all that lie between", true},
-       control_state},
-      {{"control.hold", "", "stop on the path", true}, control_hold},
-      {{"control.stop", "", "stop at once", true}, control_stop},
-      {{"control.resume", "", "go on after a hold", true}, control_resume},
-      {{"control.discard", "", "forget what is left of a motion that is held", true}, control_discard},
-      {{"control.recover", "", "leave the fault state; nothing moves yet", true}, control_recover},
-      {{"hardware.list", "", "the hardware components: driver, state, interfaces", false}, hardware_list},
-      {{"hardware.state", "name, state: unconfigured|inactive|active|finalized",
-        "take a component to a state; controllers that use it are stopped first", true},
-       hardware_state},
-      {{"hardware.recover", "name", "bring a component back that has failed; no controller is started", true},
-       hardware_recover},
-      {{"interfaces", "", "every state and command interface: value, holder", false}, interfaces_list},
-      {{"health", "", "cycles, lateness, cost, faults", false}, health},
-      {{"limits", "", "which limits took hold of commands, how often, and the last time", false},
-       limits_list},
-      {{"param.list", "name", "the parameters of a controller: value, default, whether it can be changed",
+      {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
+      {{"control.list",
+        {},
+        "[{name, type, state, chained, async, rate, updates, missed, claimed, commands, states, references, "
+        "exported_states, fallback}]",
+        "the controllers, their states and what they claim and offer",
         false},
+       control_list},
+      {{"control.types", {}, "[{type, text}]", "the controller types that there are", false}, control_types},
+      {{"control.chains",
+        {},
+        "[{from, to, reference, active}]",
+        "which controllers work through which",
+        false},
+       control_chains},
+      {{"control.switch",
+        {{"activate", kNames}, {"deactivate", kNames}, {"strictness", kText}, {"dry", kFlag}},
+        "{ok, reason, advice, start, stop, left_out, chained, unchained}",
+        "start and stop controllers in one step between two cycles; `strictness` is strict, best_effort, "
+        "auto "
+        "or force; with `dry` it is only said what would happen, or why not",
+        true},
+       control_switch},
+      {{"control.load",
+        {{"name", kText, true}, {"type", kText}, {"file", kText}, {"parameters", kMap}},
+        "{name, state, warnings}",
+        "make and configure a controller: one of the cell's controllers files, one of `file`, or one of "
+        "`type`",
+        false},
+       control_load},
+      {{"control.configure", kName, "{name, state}", "unconfigured → inactive", false}, control_configure},
+      {{"control.cleanup", kName, "{name, state}", "inactive → unconfigured", false}, control_cleanup},
+      {{"control.unload", kName, "{name}", "take a controller away that is not active", false},
+       control_unload},
+      {{"control.state",
+        {{"name", kText, true}, {"state", kText, true}},
+        "{name, state}",
+        "take a controller to unconfigured, inactive or active, through all that lies between",
+        true},
+       control_state},
+      {{"control.hold", {}, "{asked}", "stop on the path", true}, control_hold},
+      {{"control.stop", {}, "{asked}", "stop at once, path or not", true}, control_stop},
+      {{"control.resume", {}, "{asked}", "go on along the path after a hold", true}, control_resume},
+      {{"control.discard", {}, "{asked}", "forget what is left of a motion that is held", true},
+       control_discard},
+      {{"control.recover", {}, "{asked}", "leave the fault state for held; nothing moves", true},
+       control_recover},
+      {{"hardware.list",
+        {},
+        "[{name, type, plugin, group, state, rate, async, missed, states, commands: [{name, claimed_by}]}]",
+        "the hardware components, their states and interfaces",
+        false},
+       hardware_list},
+      {{"hardware.state",
+        {{"name", kText, true}, {"state", kText, true}},
+        "{name, state, stopped}",
+        "take a component to unconfigured, inactive, active or finalized; controllers that use it are "
+        "stopped first, with their chains",
+        true},
+       hardware_state},
+      {{"hardware.recover", kName, "{name, state, fallen, next}",
+        "bring a component back that has failed; the controllers that fell with it are named, not started",
+        true},
+       hardware_recover},
+      {{"interfaces",
+        {},
+        "{states: [{name, value}], commands: [{name, value, claimed_by}]}",
+        "every state and command interface",
+        false},
+       interfaces_list},
+      {{"health",
+        {},
+        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, clamps}",
+        "how the control loop is doing",
+        false},
+       health},
+      {{"limits",
+        {},
+        "[{interface, limit, count, asked, given, time_s}]",
+        "which limits took hold of commands, how often, and the last time",
+        false},
+       limits_list},
+      {{"param.list", kName, "[{key, type, value, default, changeable, text, choices}]",
+        "the parameters of a controller", false},
        param_list},
-      {{"param.get", "name, key", "one parameter", false}, param_get},
-      {{"param.set", "name, values: {KEY: VALUE}", "change parameters between two cycles, all or none", true},
+      {{"param.get",
+        {{"name", kText, true}, {"key", kText, true}},
+        "{key, type, value, default, changeable, text, choices}",
+        "one parameter",
+        false},
+       param_get},
+      {{"param.set",
+        {{"name", kText, true}, {"values", kMap, true}},
+        "{changed}",
+        "change parameters between two cycles, all or none",
+        true},
        param_set},
-      {{"send", "to, message: TEXT, goal", "give a message to a controller; a goal is followed to its end",
+      {{"send",
+        {{"to", kText, true}, {"message", ArgumentType::message, true}, {"goal", kFlag}},
+        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance} and between {goal, "
+        "feedback}",
+        "give a message to a controller; a goal is followed to its end",
         true},
        send_message},
-      {{"goal.cancel", "to, goal: NUMBER", "end a goal", true}, goal_cancel},
-      {{"watch", "name, rate: HZ", "tell what a controller puts out, again and again", false}, watch_output},
+      {{"goal.cancel",
+        {{"to", kText, true}, {"goal", kNumber, true}},
+        "{asked}",
+        "end a goal that is under way",
+        true},
+       goal_cancel},
+      {{"watch",
+        {{"name", kText, true}, {"rate", kNumber}},
+        "the message in its ROS shape",
+        "tell what a controller puts out, `rate` times a second (10)",
+        false},
+       watch_output},
   };
   return table;
 }
@@ -78,6 +182,23 @@ const std::vector<RequestInfo>& request_table() {
     return out;
   }();
   return table;
+}
+
+const char* name(ArgumentType type) {
+  constexpr const char* kTypes[] = {"text", "number", "flag", "names", "map", "message"};
+  return kTypes[static_cast<std::size_t>(type)];
+}
+
+std::string request_reference() {
+  std::string out = "| request | arguments | result | what it does | may move |\n|---|---|---|---|---|\n";
+  for (const RequestInfo& info : request_table()) {
+    std::vector<std::string> arguments;
+    for (const RequestArgument& a : info.arguments)
+      arguments.push_back("`" + std::string(a.name) + "`" + (a.needed ? "" : "?") + ": " + name(a.type));
+    out += "| `" + std::string(info.name) + "` | " + join(arguments, ", ") + " | `" + info.result + "` | " +
+           info.text + " | " + (info.moves ? "yes" : "") + " |\n";
+  }
+  return out;
 }
 
 std::string text_argument(const Json& arguments, const char* name) {
@@ -126,73 +247,171 @@ Poll then(Poll first, std::function<Poll(Cell&)> second) {
   };
 }
 
+namespace {
+
+/// Brackets outside texts nested deeper than anything a request has: copying and printing JSON recurses.
+bool too_deep(const std::string& line) {
+  constexpr int kDeepest = 64;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '\\') ++i;
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepest) return true;
+  }
+  return false;
+}
+
+bool fits(const Json& value, ArgumentType type) {
+  const auto is_text = [](const Json& item) { return item.is_string(); };
+  switch (type) {
+    case ArgumentType::text:
+      return value.is_string();
+    case ArgumentType::number:
+      return value.is_number() && std::isfinite(value.get<double>());
+    case ArgumentType::flag:
+      return value.is_boolean();
+    case ArgumentType::names:
+      return value.is_string() || (value.is_array() && std::all_of(value.begin(), value.end(), is_text));
+    case ArgumentType::map:
+      return value.is_object();
+    case ArgumentType::message:
+      return value.is_string() || value.is_structured() || value.is_number();
+  }
+  return false;
+}
+
+/// Every argument must be one that the request has, of its type, and none that is needed may be missing.
+void check_arguments(const Json& request, const RequestInfo& info) {
+  std::vector<std::string> known;
+  for (const RequestArgument& a : info.arguments) {
+    known.emplace_back(a.name);
+    const auto found = request.find(a.name);
+    if (found == request.end() || found->is_null()) {
+      if (!a.needed) continue;
+      throw Error("bad-argument", std::string(info.name) + " needs '" + a.name + "' (" + name(a.type) + ")");
+    }
+    if (!fits(*found, a.type))
+      throw Error("bad-argument", std::string("'") + a.name + "' of " + info.name + " is no " + name(a.type));
+  }
+  for (const auto& [key, value] : request.items())
+    if (key != "request" && key != "id" && std::find(known.begin(), known.end(), key) == known.end())
+      throw Error("bad-argument",
+                  std::string(info.name) + " has no argument '" + key + "'" + did_you_mean(key, known),
+                  known.empty() ? "it takes none" : "it takes " + join(known, ", "));
+}
+
+Json parse_request(const std::string& line) {
+  const char* example = "for example {\"request\": \"control.list\"}";
+  if (too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep", example);
+  Json request = Json::parse(line, nullptr, false);
+  if (request.is_discarded() || !request.is_object())
+    throw Error("bad-request", "a request is one JSON object a line", example);
+  return request;
+}
+
+const Row& row_of(const Json& request) {
+  const std::string wanted = text_argument(request, "request");
+  std::vector<std::string> known;
+  for (const Row& row : rows()) {
+    if (wanted == row.info.name) return row;
+    known.emplace_back(row.info.name);
+  }
+  throw Error("unknown-request", "there is no request '" + wanted + "'" + did_you_mean(wanted, known),
+              "`help` lists them");
+}
+
+}  // namespace
+
 class Requests::Work {
  public:
   explicit Work(Cell& cell) : cell_(cell) {}
 
-  void handle(const std::string& line, Answer answer) {
+  void handle(const std::string& line, Answer answer, const void* from) {
     Open open;
     open.answer = std::move(answer);
-    try {
-      open.poll = begin(line, open.id);
-    } catch (const Error& e) {
-      refuse(open, e);
-      return;
-    }
+    open.from = from;
+    guarded(open, [&] {
+      open.request = parse_request(line);
+      if (const auto id = open.request.find("id"); id != open.request.end()) open.id = *id;
+      open.row = &row_of(open.request);
+      check_arguments(open.request, open.row->info);
+      if (open_.size() >= kMostOpen)
+        throw Error("busy", "more than " + std::to_string(kMostOpen) + " requests are open",
+                    "wait for answers, or end what goes on");
+    });
+    // A refusal waits for its turn, too; a stop never waits.
+    const bool urgent = open.row && (open.row->handler == control_hold || open.row->handler == control_stop);
+    if (!urgent && open_.size() < 2 * kMostOpen && must_wait(open_.size(), from))
+      return open_.push_back(std::move(open));
     if (!advance(open)) open_.push_back(std::move(open));
   }
 
   void tick() {
-    for (std::size_t i = 0; i < open_.size();)
-      if (advance(open_[i]))
-        open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(i));
-      else
-        ++i;
+    for (std::size_t i = 0; i < open_.size(); ++i)
+      if (open_[i].begun || !must_wait(i, open_[i].from)) open_[i].over = advance(open_[i]);
+    std::erase_if(open_, [](const Open& open) { return open.over; });
   }
+
+  std::size_t open() const { return open_.size(); }
 
  private:
   struct Open {
-    Json id;
+    Json id, request;
+    const Row* row = nullptr;
     Answer answer;
+    const void* from = nullptr;
     Poll poll;
+    std::optional<Json> refused;  // to be told when it is its turn
+    bool begun = false, answered = false, over = false;
   };
 
-  Poll begin(const std::string& line, Json& id) {
-    const Json request = Json::parse(line, nullptr, false);
-    if (request.is_discarded() || !request.is_object())
-      throw Error("bad-request", "a request is one JSON object a line",
-                  "for example {\"request\": \"control.list\"}");
-    if (request.contains("id")) id = request["id"];
-    const std::string name = text_argument(request, "request");
-    std::vector<std::string> known;
-    for (const Row& row : rows()) {
-      if (name == row.info.name) return row.handler(cell_, request);
-      known.emplace_back(row.info.name);
+  /// Has somebody before place `i` from the same asker not been answered yet?
+  bool must_wait(std::size_t i, const void* from) const {
+    if (!from) return false;
+    for (std::size_t k = 0; k < i; ++k)
+      if (open_[k].from == from && !open_[k].answered && !open_[k].over) return true;
+    return false;
+  }
+
+  /// Runs `step`; what it throws becomes the refusal of the request.
+  template <typename Step>
+  static void guarded(Open& open, Step step) {
+    try {
+      step();
+    } catch (const Error& e) {
+      open.refused = error_json(e);
+    } catch (const std::exception& e) {
+      open.refused = error_json(Error("internal", std::string("unexpected: ") + e.what()));
     }
-    throw Error("unknown-request", "there is no request '" + name + "'" + did_you_mean(name, known));
   }
 
   static bool send(Open& open, Json line) {
+    open.answered = true;
     if (!open.id.is_null()) line["id"] = open.id;
     return open.answer(line.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
 
-  static void refuse(Open& open, const Error& error) {
-    send(open, {{"ok", false}, {"error", error_json(error)}});
-  }
-
   /// True when it is over.
   bool advance(Open& open) {
-    try {
-      Progress progress = open.poll(cell_);
-      if (!progress.answer) return progress.over;
-      Json line{{"ok", true}, {"result", std::move(*progress.answer)}};
-      if (!progress.over) line["more"] = true;
-      return !send(open, std::move(line)) || progress.over;
-    } catch (const Error& e) {
-      refuse(open, e);
+    Progress progress;
+    guarded(open, [&] {
+      if (open.refused) return;
+      if (!std::exchange(open.begun, true)) open.poll = open.row->handler(cell_, open.request);
+      progress = open.poll(cell_);
+    });
+    if (open.refused) {
+      send(open, {{"ok", false}, {"error", *open.refused}});
       return true;
     }
+    if (!progress.answer) return progress.over;
+    Json line{{"ok", true}, {"result", std::move(*progress.answer)}};
+    if (!progress.over) line["more"] = true;
+    return !send(open, std::move(line)) || progress.over;
   }
 
   Cell& cell_;
@@ -201,11 +420,14 @@ class Requests::Work {
 
 Requests::Requests(Cell& cell) : work_(std::make_unique<Work>(cell)) {}
 Requests::~Requests() = default;
-void Requests::handle(const std::string& line, Answer answer) {
-  work_->handle(line, std::move(answer));
+void Requests::handle(const std::string& line, Answer answer, const void* from) {
+  work_->handle(line, std::move(answer), from);
 }
 void Requests::tick() {
   work_->tick();
+}
+std::size_t Requests::open() const {
+  return work_->open();
 }
 
 }  // namespace polyarm::cell

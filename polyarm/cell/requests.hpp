@@ -10,14 +10,28 @@ namespace polyarm::cell {
 
 class Cell;
 
+/// What an argument of a request may be: a text, a number, true or false, names (one text or a list of
+/// them), a map, or a message (a map, or a text in YAML or JSON).
+enum class ArgumentType { text, number, flag, names, map, message };
+const char* name(ArgumentType type);
+
+struct RequestArgument {
+  const char* name;
+  ArgumentType type;
+  bool needed = false;
+};
+
 /// A row of the table, for help and the reference page.
 struct RequestInfo {
-  const char* name;       ///< "control.switch"
-  const char* arguments;  ///< "activate: [NAME], deactivate: [NAME], strictness, dry"
-  const char* text;       ///< one sentence
-  bool moves;             ///< it may make something move, or stop
+  const char* name;  ///< "control.switch"
+  std::vector<RequestArgument> arguments;
+  const char* result;  ///< keys of the answer's `result`
+  const char* text;    ///< one sentence
+  bool moves;          ///< it may make something move, or stop
 };
 const std::vector<RequestInfo>& request_table();
+/// The table as Markdown, as docs/control.md has it.
+std::string request_reference();
 
 /// Takes an answer, one JSON object without line ends; false when nobody listens any more.
 using Answer = std::function<bool(const std::string& line)>;
@@ -25,14 +39,20 @@ using Answer = std::function<bool(const std::string& line)>;
 /// Cell thread. A request is `{"request": NAME, …arguments, "id": anything}`; its answer `{"id": …, "ok":
 /// true, "result": …}` or `{"id": …, "ok": false, "error": {code, what, advice, where}}`. What takes a few
 /// cycles is answered when it is done; what goes on (`watch`, goals) is answered again and again, with
-/// `"more": true`.
+/// `"more": true`. Requests of one asker are begun one after the other, each when the one before it has been
+/// answered (a `watch` or goal: when it has been answered first); only control.hold and control.stop pass.
 class Requests {
  public:
+  /// More requests than this are not kept open at the same time; the next is refused.
+  static constexpr std::size_t kMostOpen = 1000;
+
   explicit Requests(Cell& cell);
   ~Requests();
-  void handle(const std::string& line, Answer answer);
+  /// `from` tells askers apart (an address that is unique while the asker is there); null: nobody waits.
+  void handle(const std::string& line, Answer answer, const void* from = nullptr);
   /// Once each tick: goes on with what takes time.
   void tick();
+  std::size_t open() const;
 
  private:
   class Work;

@@ -71,7 +71,7 @@ std::size_t component_argument(Cell& cell, const Json& arguments) {
               "there is no hardware component '" + name + "'" + did_you_mean(name, known));
 }
 
-/// Active controllers that use a component.
+/// Active controllers that command a component; with `readers_too`, those that read it as well.
 std::vector<std::string> users_of(Cell& cell, std::size_t component, bool readers_too) {
   const hardware::HostedInfo info = cell.loop().hardware().info(component);
   const auto uses = [](const std::vector<std::string>& wanted, const std::vector<std::string>& offered) {
@@ -121,6 +121,24 @@ Poll walk(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   else
     hardware.activate(i);
   return on(cell);
+}
+
+/// {gains: {joint_1: {p: 3}}} → "gains.joint_1.p": 3, as controllers files have it.
+void flatten(const Json& map, const std::string& prefix, controllers::Parameters& out) {
+  const auto text = [](const Json& item) { return item.is_string() ? item.get<std::string>() : item.dump(); };
+  for (const auto& [key, value] : map.items()) {
+    if (value.is_object()) {
+      flatten(value, prefix + key + ".", out);
+      continue;
+    }
+    controllers::Parameters::Entry entry;
+    entry.list = value.is_array();
+    if (entry.list)
+      for (const Json& item : value) entry.values.push_back(text(item));
+    else
+      entry.values.push_back(text(value));
+    out.entries[prefix + key] = std::move(entry);
+  }
 }
 
 void request(Cell& cell, control::Request what) {
@@ -200,23 +218,30 @@ Poll control_switch(Cell& cell, const Json& arguments) {
 Poll control_load(Cell& cell, const Json& arguments) {
   controllers::Parameters parameters;
   if (const auto found = arguments.find("parameters"); found != arguments.end() && found->is_object())
-    for (const auto& [key, value] : found->items()) {
-      std::vector<std::string> values;
-      for (const Json& item : value.is_array() ? value : Json::array({value}))
-        values.push_back(item.is_string() ? item.get<std::string>() : item.dump());
-      parameters.set(key, values);
-    }
+    flatten(*found, "", parameters);
   const std::string name = text_argument(arguments, "name");
-  const Problems problems =
-      cell.load_controller(name, text_argument(arguments, "type", ""), std::move(parameters));
+  const Problems problems = cell.load_controller(name, text_argument(arguments, "type", ""),
+                                                 std::move(parameters), text_argument(arguments, "file", ""));
   Json warnings = Json::array();
   for (const Problem& problem : problems.list()) warnings.push_back(problem.text());
   return at_once({{"name", name}, {"state", hardware::name(state_of(cell, name))}, {"warnings", warnings}});
 }
 
+Poll control_configure(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  cell.loop().controllers().configure(name);
+  return at_once({{"name", name}, {"state", hardware::name(state_of(cell, name))}});
+}
+
+Poll control_cleanup(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  cell.loop().controllers().cleanup(name);
+  return at_once({{"name", name}, {"state", hardware::name(state_of(cell, name))}});
+}
+
 Poll control_unload(Cell& cell, const Json& arguments) {
   const std::string name = text_argument(arguments, "name");
-  cell.loop().controllers().unload(name);
+  cell.unload_controller(name);
   return at_once({{"name", name}});
 }
 
@@ -299,20 +324,24 @@ Poll hardware_state(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
   const LifecycleState wanted = state_argument(arguments);
   const LifecycleState now = cell.loop().hardware().state_of(i);
-  const bool goes_down = (now == LifecycleState::active && wanted != LifecycleState::active) ||
-                         (now == LifecycleState::inactive && wanted != LifecycleState::active);
+  const bool goes_down = wanted == LifecycleState::finalized || wanted < now;
+  // An inactive component is still read.
   const std::vector<std::string> users =
       goes_down ? users_of(cell, i, wanted != LifecycleState::inactive) : std::vector<std::string>{};
-  const Json answer{{"name", cell.loop().hardware().component_name(i)}, {"stopped", users}};
-  if (users.empty()) return walk(cell, i, wanted, answer);
-  return then(switch_controllers(cell, {{}, users, control::Strictness::automatic}, answer),
+  Json answer{{"name", cell.loop().hardware().component_name(i)}, {"stopped", Json::array()}};
+  if (users.empty()) return walk(cell, i, wanted, std::move(answer));
+  const control::SwitchRequest stop{{}, users, control::Strictness::automatic};
+  answer["stopped"] = cell.loop().controllers().plan(stop).stop;  // with those that work through them
+  return then(switch_controllers(cell, stop, Json::object()),
               [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); });
 }
 
 Poll hardware_recover(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
   cell.tell_loop_events();
-  const Json answer{{"name", cell.loop().hardware().component_name(i)},
+  const std::string name = cell.loop().hardware().component_name(i);
+  const Json answer{{"name", name},
+                    {"fallen", cell.take_fallen(name)},
                     {"next", "control recover, then start its controllers and resume"}};
   return walk(cell, i, LifecycleState::active, answer);
 }

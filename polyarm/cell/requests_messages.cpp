@@ -1,5 +1,6 @@
 /// Requests about parameters, messages to controllers, and what comes out of them.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -30,40 +31,78 @@ struct Address {
   std::string controller, port;
 };
 
-/// Where a name leads: "controller", "controller/port", "/namespace/controller/port", or "/port" where only
-/// one controller has it.
-template <typename Has>
-Address resolve(Cell& cell, const std::string& given, const char* kind, Has ports_of) {
+struct Ports {
+  std::string controller;
+  std::vector<std::string> names;
+};
+
+std::string listed(const std::vector<Address>& addresses) {
+  std::vector<std::string> out;
+  for (const Address& a : addresses) out.push_back(a.controller + "/" + a.port);
+  return join(out, ", ");
+}
+
+bool ends_with_words(const std::vector<std::string>& words, const std::vector<std::string>& ending) {
+  return words.size() >= ending.size() && std::equal(ending.rbegin(), ending.rend(), words.rbegin());
+}
+
+/// Where a name leads: "controller" (its first port), "controller/port", "/namespace/controller/port", or
+/// "/port" where only one controller has it. Topics of an action end in "/goal" in ROS 1.
+Address resolve(const std::string& given, const std::vector<Ports>& all, const char* kind) {
   std::vector<std::string> words = split_words(given, "/");
+  if (words.size() > 1 && words.back() == "goal") words.pop_back();
+  std::vector<Address> by_port, by_name;
   std::vector<std::string> known;
-  std::vector<Address> by_port;
-  for (const std::string& name : cell.loop().controllers().names()) {
-    const std::vector<std::string> ports = ports_of(*cell.loop().controllers().find(name));
-    if (ports.empty()) continue;
-    for (const std::string& port : ports) {
-      known.push_back(name + "/" + port);
-      const bool named = words.size() >= 2 && words.back() == port &&
-                         (words[words.size() - 2] == name || given == name + "/" + port);
-      if (named) return {name, port};
-      if (words.size() == 1 && words.back() == port) by_port.push_back({name, port});
+  for (const Ports& ports : all) {
+    std::vector<std::string> own = split_words(ports.controller, "/");
+    for (const std::string& port : ports.names) {
+      known.push_back(ports.controller + "/" + port);
+      own.push_back(port);
+      if (ends_with_words(words, own)) return {ports.controller, port};
+      if (words.size() == 1 && words.back() == port) by_port.push_back({ports.controller, port});
+      own.pop_back();
     }
-    if (!words.empty() && (words.back() == name || given == name)) return {name, ports.front()};
+    if (!ports.names.empty() && ends_with_words(words, own))
+      by_name.push_back({ports.controller, ports.names.front()});
   }
+  if (by_name.size() == 1) return by_name.front();
   if (by_port.size() == 1) return by_port.front();
   if (by_port.size() > 1)
     throw Error("which-controller", "several controllers have '" + given + "'",
-                "name one of them: " + by_port[0].controller + "/" + by_port[0].port);
+                "name one of them: " + listed(by_port));
   throw Error("unknown-name",
               std::string("nothing ") + kind + " is called '" + given + "'" + did_you_mean(given, known),
               known.empty() ? "" : "there are: " + join(known, ", "));
 }
 
 Address input_address(Cell& cell, const std::string& given) {
-  return resolve(cell, given, "that takes messages", [](const controllers::Controller& c) {
-    std::vector<std::string> out;
-    for (const controllers::InputPort& port : c.inputs()) out.push_back(port.name);
-    return out;
-  });
+  std::vector<Ports> all;
+  for (const std::string& name : cell.loop().controllers().names()) {
+    Ports& ports = all.emplace_back(Ports{name, {}});
+    for (const controllers::InputPort& port : cell.loop().controllers().find(name)->inputs())
+      ports.names.push_back(port.name);
+  }
+  return resolve(given, all, "that takes messages");
+}
+
+Address output_address(Cell& cell, const std::string& given) {
+  std::vector<Ports> all;
+  for (const std::string& name : cell.loop().controllers().names()) {
+    Ports& ports = all.emplace_back(Ports{name, {}});
+    for (const auto& output : cell.loop().controllers().find(name)->outputs())
+      ports.names.push_back(output->name());
+  }
+  return resolve(given, all, "that puts messages out");
+}
+
+/// What nobody listens to is refused, not swallowed.
+void require_active(Cell& cell, const std::string& controller) {
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    if (c.name == controller && c.state != hardware::LifecycleState::active)
+      throw Error(
+          "not-active",
+          "the controller '" + controller + "' is " + hardware::name(c.state) + " and takes no messages",
+          "start it: polyarm control state " + controller + " active");
 }
 
 const char* outcome_name(controllers::GoalOutcome outcome) {
@@ -108,7 +147,7 @@ Json json_of(const controllers::GoalEvent& event, const controllers::Controller&
 
 /// Follows a goal: feedback ten times a second, its result last.
 Poll follow_goal(const Address& to, std::uint64_t goal) {
-  return [to, goal, told = Nanoseconds{0}, accepted = false](Cell& cell) mutable {
+  return [to, goal, told = Nanoseconds{0}, sample = Nanoseconds{-1}, accepted = false](Cell& cell) mutable {
     controllers::Controller* controller = cell.loop().controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was taken away");
     for (const controllers::GoalEvent& event : cell.goal_events(to.controller)) {
@@ -119,7 +158,10 @@ Poll follow_goal(const Address& to, std::uint64_t goal) {
       return first ? Progress::more(std::move(out)) : Progress::done(std::move(out));
     }
     controllers::Output* state = controller->find_output("controller_state");
-    if (!state || cell.now() - told < 100'000'000 || !state->fetch()) return Progress{};
+    if (!accepted || !state || cell.now() - told < 100'000'000) return Progress{};
+    state->fetch();
+    if (state->value().time == sample) return Progress{};
+    sample = state->value().time;
     told = cell.now();
     return Progress::more({{"goal", goal}, {"feedback", Json::parse(message_json(*state))}});
   };
@@ -157,43 +199,51 @@ Poll param_set(Cell& cell, const Json& arguments) {
   };
 }
 
+namespace {
+/// The input that is meant, what it takes, and whether it is an action. A goal goes to the first action.
+controllers::InputPort port_of(const controllers::Controller& controller, Address& to, bool goal) {
+  const std::vector<controllers::InputPort> inputs = controller.inputs();
+  const auto named =
+      std::find_if(inputs.begin(), inputs.end(), [&](const auto& p) { return p.name == to.port; });
+  if (!goal || named->action) return *named;
+  for (const controllers::InputPort& port : inputs)
+    if (port.action) {
+      to.port = port.name;
+      return port;
+    }
+  throw Error("no-action", "'" + to.controller + "' takes no goals", "send it without a goal");
+}
+}  // namespace
+
 Poll send_message(Cell& cell, const Json& arguments) {
   Address to = input_address(cell, text_argument(arguments, "to"));
+  require_active(cell, to.controller);
   controllers::Controller& controller = *cell.loop().controllers().find(to.controller);
-  const bool goal = flag_argument(arguments, "goal");
-  std::vector<std::string> types;
-  bool action = false;
-  for (const controllers::InputPort& port : controller.inputs()) {
-    if (goal && port.action && !action) to.port = port.name;
-    if (port.name != to.port) continue;
-    types = port.types;
-    action = port.action;
-  }
-  if (goal && !action) throw Error("no-action", "'" + to.controller + "' takes no goals");
-  const controllers::Input message = read_message(text_argument(arguments, "message"), "the message", types);
-  const std::uint64_t id = controller.receive(to.port, message, action);
-  if (!action) return at_once({{"to", to.controller + "/" + to.port}});
-  return then(at_once(nullptr), [to, id](Cell&) { return follow_goal(to, id); });
+  const controllers::InputPort port = port_of(controller, to, flag_argument(arguments, "goal"));
+  const Json& given = arguments["message"];
+  const controllers::Input message =
+      read_message(given.is_string() ? given.get<std::string>() : given.dump(), "the message", port.types);
+  const std::uint64_t id = controller.receive(to.port, message, port.action);
+  if (!port.action) return at_once({{"to", to.controller + "/" + to.port}});
+  return follow_goal(to, id);
 }
 
 Poll goal_cancel(Cell& cell, const Json& arguments) {
   const Address to = input_address(cell, text_argument(arguments, "to"));
-  const auto goal = static_cast<std::uint64_t>(number_argument(arguments, "goal", 0));
-  if (!cell.loop().controllers().find(to.controller)->cancel(goal))
-    throw Error("no-goal", "there is no goal " + std::to_string(goal) + " under way");
+  const double number = number_argument(arguments, "goal", 0);
+  const bool whole = number >= 1 && number < 9e15 && number == std::floor(number);
+  if (!whole || !cell.loop().controllers().find(to.controller)->cancel(static_cast<std::uint64_t>(number)))
+    throw Error("no-goal", "there is no goal " + format_number(number) + " under way");
   return at_once({{"asked", "cancel"}});
 }
 
 Poll watch_output(Cell& cell, const Json& arguments) {
-  const Address from = resolve(cell, text_argument(arguments, "name"), "that puts messages out",
-                               [](const controllers::Controller& c) {
-                                 std::vector<std::string> out;
-                                 for (const auto& output : c.outputs()) out.push_back(output->name());
-                                 return out;
-                               });
+  const Address from = output_address(cell, text_argument(arguments, "name"));
   const double rate = number_argument(arguments, "rate", 10);
-  const Nanoseconds every = rate > 0 ? nanoseconds(1 / rate) : 0;
-  return [from, every, told = Nanoseconds{-1}, sample = Nanoseconds{-1}](Cell& c) mutable {
+  if (!(rate >= 0.001 && rate <= 10'000))
+    throw Error("bad-argument", "'rate' is " + format_number(rate) + " Hz", "it may be 0.001 to 10000");
+  const Nanoseconds every = nanoseconds(1 / rate);
+  return [from, every, told = Nanoseconds{-1}, sample = Nanoseconds{0}](Cell& c) mutable {
     controllers::Controller* controller = c.loop().controllers().find(from.controller);
     controllers::Output* output = controller ? controller->find_output(from.port) : nullptr;
     if (!output) throw Error("unloaded", "the controller was taken away");
@@ -201,7 +251,7 @@ Poll watch_output(Cell& cell, const Json& arguments) {
     const bool due = told < 0 || c.now() - told >= every;
     if (!due || output->value().time == sample) return Progress{};
     sample = output->value().time;
-    told = told < 0 || every == 0 ? c.now() : told + every * ((c.now() - told) / every);
+    told = told < 0 ? c.now() : told + every * ((c.now() - told) / every);
     return Progress::more(Json::parse(message_json(*output)));
   };
 }

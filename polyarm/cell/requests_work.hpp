@@ -47,6 +47,8 @@ Poll control_types(Cell&, const Json&);
 Poll control_chains(Cell&, const Json&);
 Poll control_switch(Cell&, const Json&);
 Poll control_load(Cell&, const Json&);
+Poll control_configure(Cell&, const Json&);
+Poll control_cleanup(Cell&, const Json&);
 Poll control_unload(Cell&, const Json&);
 Poll control_state(Cell&, const Json&);
 Poll control_hold(Cell&, const Json&);

@@ -96,10 +96,12 @@ class Runner {
  private:
   void lock_step() {
     control::ControlLoop& loop = cell_.loop();
+    const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {
         next_tick = loop.cycle().time + Cell::kTick;
+        if (door) door->serve(cell_.requests());
         after_tick(loop.cycle().time);
         if (over_) break;
       }
@@ -108,7 +110,7 @@ class Runner {
   }
 
   void wall_clock() {
-    std::unique_ptr<SocketDoor> door = open_door();
+    const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
     std::atomic<bool> done{false};
     EmptyLoop empty(cell_.loop().options().period);
     std::thread control([&] { control_thread(done); });
@@ -128,7 +130,6 @@ class Runner {
   }
 
   std::unique_ptr<SocketDoor> open_door() {
-    if (!options_.socket) return nullptr;
     try {
       auto door = std::make_unique<SocketDoor>(cell_.file().name);
       if (door->path().stem() != cell_.file().name)
@@ -224,7 +225,7 @@ class Runner {
     out.tracking_error_max = cell_.tracking_error_max();
     out.clamps = loop.limits().clamps();
     out.parts = cell_.parts().report();
-    out.repeatable = options_.fast && !cell_.files().has_outside_writers();
+    out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers();
     out.trace_hash = loop.trace().text();
     out.first_motion_s = first_motion_;
     for (const auto& robot : cell_.robots())

@@ -1,0 +1,534 @@
+#include "polyarm/cell/requests.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::FailingMock;
+using test::Json;
+using test::LockStepCell;
+
+constexpr const char* kControllers = R"(
+controller_manager:
+  ros__parameters:
+    update_rate: 1000
+    follow: {type: joint_trajectory_controller/JointTrajectoryController}
+    tail: {type: forward_command_controller/ForwardCommandController}
+    tail_too: {type: forward_command_controller/ForwardCommandController}
+    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
+follow:
+  ros__parameters:
+    joints: [joint_1, joint_2]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+tail:
+  ros__parameters:
+    joints: [joint_5, joint_6]
+    interface_name: position
+tail_too:
+  ros__parameters:
+    joints: [joint_6]
+    interface_name: position
+)";
+
+std::string error_of(const Json& answer) {
+  return answer.contains("error") ? answer["error"].value("code", "") : "none";
+}
+std::string what_of(const Json& answer) {
+  return answer.contains("error") ? answer["error"].value("what", "") : answer.dump();
+}
+
+Json trajectory(double to, double seconds) {
+  return {{"joint_names", {"joint_1", "joint_2"}},
+          {"points", {{{"positions", {to, -to}}, {"time_from_start", seconds}}}}};
+}
+
+class RequestsTest : public ::testing::Test {
+ protected:
+  LockStepCell cell{kControllers};
+};
+
+TEST_F(RequestsTest, EveryRowHasASentenceAndAnswersSomething) {
+  std::set<std::string> names;
+  for (const cell::RequestInfo& info : cell::request_table()) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name << " stands twice";
+    EXPECT_GT(std::string(info.text).size(), 8u) << info.name;
+    EXPECT_GT(std::string(info.result).size(), 1u) << info.name;
+    const auto answers = cell.give(Json{{"request", info.name}});
+    cell.tick();
+    cell.tick();
+    EXPECT_FALSE(answers->empty()) << info.name;
+  }
+  EXPECT_EQ(names.size(), cell.result({{"request", "help"}}).size());
+}
+
+TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.lst"}})), "unknown-request");
+  EXPECT_NE(what_of(cell.ask({{"request", "control.lst"}})).find("did you mean 'control.list'"),
+            std::string::npos);
+  EXPECT_NE(
+      what_of(cell.ask({{"request", "control.switch"}, {"activat", "tail"}})).find("did you mean 'activate'"),
+      std::string::npos);
+  EXPECT_NE(what_of(cell.ask({{"request", "control.unload"}})).find("needs 'name'"), std::string::npos);
+  EXPECT_NE(what_of(cell.ask({{"request", "watch"}, {"name", 3}})).find("'name' of watch is no text"),
+            std::string::npos);
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.unload"}, {"name", "tial"}})), "unknown-controller");
+  for (const char* line :
+       {"", "[]", "7", "\"control.list\"", "{", "{\"request\":", "{\"request\":null}", "\x01\xff"}) {
+    const auto answers = cell.give(std::string(line));
+    ASSERT_EQ(answers->size(), 1u) << line;
+    EXPECT_FALSE(answers->front()["ok"].get<bool>());
+  }
+}
+
+TEST_F(RequestsTest, AnIdComesBack) {
+  EXPECT_EQ(cell.ask({{"request", "health"}, {"id", {1, "a"}}})["id"], Json({1, "a"}));
+  EXPECT_EQ(cell.ask({{"request", "nothing"}, {"id", 7}})["id"], 7);
+}
+
+TEST_F(RequestsTest, DeepNestingIsRefusedAndDoesNotExhaustTheStack) {
+  for (const std::string& open : {std::string("["), std::string("{\"a\":")}) {
+    std::string deep;
+    for (int i = 0; i < 200'000; ++i) deep += open;
+    const auto answers = cell.give("{\"request\":\"health\",\"id\":" + deep);
+    ASSERT_EQ(answers->size(), 1u);
+    EXPECT_EQ(error_of(answers->front()), "bad-request");
+  }
+  std::string closed =
+      "{\"request\":\"health\",\"id\":" + std::string(1000, '[') + std::string(1000, ']') + "}";
+  EXPECT_EQ(error_of(cell.give(closed)->front()), "bad-request");
+  // Brackets in a text are no nesting.
+  EXPECT_TRUE(cell.ask({{"request", "health"}, {"id", std::string(1000, '[')}})["ok"].get<bool>());
+}
+
+TEST_F(RequestsTest, RandomRequestsAreAnsweredAndBreakNothing) {
+  std::mt19937 random(20);
+  const std::vector<std::string> words = {
+      "request", "name",       "activate", "deactivate", "follow", "tail",       "state",    "rate",
+      "goal",    "to",         "message",  "values",     "dry",    "nan",        "-1",       "1e308",
+      "active",  "strictness", "type",     "file",       "key",    "parameters", "inactive", "joint_states"};
+  const auto word = [&] { return words[random() % words.size()]; };
+  const auto value = [&]() -> Json {
+    switch (random() % 7) {
+      case 0:
+        return word();
+      case 1:
+        return 1e300 * (static_cast<double>(random() % 3) - 1);
+      case 2:
+        return nullptr;
+      case 3:
+        return random() % 2 == 0;
+      case 4:
+        return {word(), word()};
+      case 5:
+        return {{word(), word()}};
+      default:
+        return static_cast<int>(random() % 5) - 2;
+    }
+  };
+  const auto& table = cell::request_table();
+  for (int n = 0; n < 4000; ++n) {
+    const cell::RequestInfo& info = table[random() % table.size()];
+    Json request{{"request", info.name}};
+    for (const cell::RequestArgument& a : info.arguments)
+      if (random() % 5) request[a.name] = random() % 3 ? Json(word()) : value();
+    if (random() % 10 == 0) request[word()] = value();
+    std::string line = request.dump();
+    if (random() % 5 == 0) line[random() % line.size()] = static_cast<char>(random() % 256);
+    bool answered = false;
+    cell.cell().requests().handle(line, [&](const std::string&) {
+      answered = true;
+      return false;  // nobody listens on
+    });
+    if (n % 4 == 0) cell.tick();
+  }
+  EXPECT_TRUE(cell.ask({{"request", "control.list"}})["ok"].get<bool>());
+}
+
+TEST_F(RequestsTest, ListsControllersWithStateClaimsAndRate) {
+  bool found = false;
+  for (const Json& c : cell.result({{"request", "control.list"}}))
+    if (c["name"] == "follow") {
+      found = true;
+      EXPECT_EQ(c["type"], "joint_trajectory_controller/JointTrajectoryController");
+      EXPECT_EQ(c["state"], "active");
+      EXPECT_EQ(c["claimed"], Json({"arm/joint_1/position", "arm/joint_2/position"}));
+      EXPECT_EQ(c["rate"], 1000);
+    }
+  EXPECT_TRUE(found);
+  EXPECT_EQ(cell.state_of("tail"), "active");
+  EXPECT_EQ(cell.state_of("tail_too"), "inactive");  // joint_6 has one master
+}
+
+TEST_F(RequestsTest, ASwitchTakesEffectBetweenTwoCycles) {
+  const auto answers =
+      cell.give(Json{{"request", "control.switch"}, {"activate", "tail_too"}, {"deactivate", "tail"}});
+  EXPECT_TRUE(answers->empty()) << "the loop has not taken it yet";
+  for (int i = 0; i < 5; ++i) cell.tick();
+  ASSERT_EQ(answers->size(), 1u);
+  EXPECT_EQ(answers->front()["result"]["start"], Json({"tail_too"}));
+  EXPECT_EQ(answers->front()["result"]["stop"], Json({"tail"}));
+  EXPECT_EQ(cell.state_of("tail_too"), "active");
+  EXPECT_EQ(cell.state_of("tail"), "inactive");
+}
+
+TEST_F(RequestsTest, ADrySwitchSaysWhyNotAndChangesNothing) {
+  const Json plan = cell.result({{"request", "control.switch"}, {"activate", "tail_too"}, {"dry", true}});
+  EXPECT_FALSE(plan["ok"].get<bool>());
+  EXPECT_NE(plan["reason"].get<std::string>().find("arm/joint_6/position"), std::string::npos) << plan;
+  EXPECT_EQ(cell.state_of("tail_too"), "inactive");
+  const Json forced = cell.result(
+      {{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "force"}, {"dry", true}});
+  EXPECT_TRUE(forced["ok"].get<bool>());
+  EXPECT_EQ(forced["stop"], Json({"tail"}));
+  EXPECT_EQ(cell.state_of("tail"), "active");
+}
+
+TEST_F(RequestsTest, StrictnessesAreThoseOfTheReference) {
+  EXPECT_FALSE(cell.ask({{"request", "control.switch"}, {"activate", "tail_too"}})["ok"].get<bool>());
+  const Json best =
+      cell.result({{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "best-effort"}});
+  EXPECT_EQ(best["left_out"].size(), 1u) << best;
+  EXPECT_EQ(cell.state_of("tail_too"), "inactive");
+  EXPECT_TRUE(
+      cell.ask({{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "force"}})["ok"]
+          .get<bool>());
+  EXPECT_EQ(cell.state_of("tail_too"), "active");
+  EXPECT_EQ(
+      error_of(cell.ask({{"request", "control.switch"}, {"activate", "tail"}, {"strictness", "stict"}})),
+      "bad-argument");
+}
+
+TEST_F(RequestsTest, AControllerWalksThroughItsStates) {
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "unconfigured"}})["state"],
+            "unconfigured");
+  EXPECT_EQ(cell.state_of("tail"), "unconfigured");
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.cleanup"}, {"name", "tail"}})), "wrong-state");
+  EXPECT_EQ(cell.result({{"request", "control.configure"}, {"name", "tail"}})["state"], "inactive");
+  EXPECT_EQ(cell.result({{"request", "control.cleanup"}, {"name", "tail"}})["state"], "unconfigured");
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["state"],
+            "active");
+  EXPECT_EQ(cell.state_of("tail"), "active");
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "actve"}})),
+            "bad-argument");
+}
+
+TEST_F(RequestsTest, ControllersComeAndGoWhileItRuns) {
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.unload"}, {"name", "tail"}})), "wrong-state");
+  EXPECT_TRUE(
+      cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "inactive"}})["ok"].get<bool>());
+  EXPECT_TRUE(cell.ask({{"request", "control.unload"}, {"name", "tail"}})["ok"].get<bool>());
+  EXPECT_EQ(cell.state_of("tail"), "gone");
+  // As the file has it, then of another file, then by its type alone.
+  EXPECT_EQ(cell.result({{"request", "control.load"}, {"name", "tail"}})["state"], "inactive");
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["state"],
+            "active");
+  const std::string file = cell.folder().write(
+      "more.yaml",
+      "controller_manager:\n  ros__parameters:\n    extra: {type: "
+      "forward_command_controller/ForwardCommandController}\nextra:\n  ros__parameters: {joints: [joint_4], "
+      "interface_name: position}\n");
+  EXPECT_EQ(cell.result({{"request", "control.load"}, {"name", "extra"}, {"file", file}})["state"],
+            "inactive");
+  const Json typed = cell.result({{"request", "control.load"},
+                                  {"name", "typed"},
+                                  {"type", "forward_command_controller/ForwardCommandController"},
+                                  {"parameters", {{"joints", {"joint_3"}}, {"interface_name", "position"}}}});
+  EXPECT_EQ(typed["state"], "inactive") << typed;
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "typed"}, {"state", "active"}})["state"],
+            "active");
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.load"}, {"name", "unheard"}})), "unknown-controller");
+  EXPECT_EQ(error_of(cell.ask({{"request", "control.load"}, {"name", "x"}, {"type", "a/B"}})),
+            "unknown-controller-type");
+}
+
+TEST_F(RequestsTest, ALoadThatFailsLeavesNothingBehind) {
+  const Json request{{"request", "control.load"},
+                     {"name", "typed"},
+                     {"type", "forward_command_controller/ForwardCommandController"},
+                     {"parameters", {{"joints", {"joint_33"}}, {"interface_name", "position"}}}};
+  EXPECT_FALSE(cell.ask(request)["ok"].get<bool>());
+  EXPECT_EQ(cell.state_of("typed"), "gone");
+  EXPECT_NE(error_of(cell.ask(request)), "duplicate-controller");
+}
+
+TEST_F(RequestsTest, AHardwareComponentGoesDownWithItsControllersAndComesBack) {
+  const Json listed = cell.result({{"request", "hardware.list"}});
+  ASSERT_EQ(listed.size(), 1u);
+  const std::string name = listed[0]["name"];
+  EXPECT_EQ(listed[0]["state"], "active");
+  EXPECT_EQ(listed[0]["commands"][0]["claimed_by"], "follow");
+  // Inactive: nobody may command, all may read.
+  const Json inactive = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "inactive"}});
+  EXPECT_EQ(inactive["state"], "inactive") << inactive;
+  EXPECT_EQ(inactive["stopped"].size(), 2u) << inactive;
+  EXPECT_EQ(cell.state_of("follow"), "inactive");
+  EXPECT_EQ(cell.state_of("joint_state_broadcaster"), "active");
+  EXPECT_FALSE(
+      cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["ok"].get<bool>());
+  // Unconfigured: nobody may read.
+  const Json off = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "unconfigured"}});
+  EXPECT_EQ(off["state"], "unconfigured") << off;
+  EXPECT_EQ(off["stopped"], Json({"joint_state_broadcaster"}));
+  const Json on = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "active"}});
+  EXPECT_EQ(on["state"], "active") << on;
+  EXPECT_EQ(cell.state_of("follow"), "inactive") << "nothing is started by itself";
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "follow"}, {"state", "active"}})["state"],
+            "active");
+  // From active to unconfigured in one go; finalized is the end.
+  EXPECT_EQ(cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "unconfigured"}})["state"],
+            "unconfigured");
+  EXPECT_EQ(cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "finalized"}})["state"],
+            "finalized");
+  EXPECT_EQ(error_of(cell.ask({{"request", "hardware.state"}, {"name", name}, {"state", "active"}})),
+            "finalized");
+  EXPECT_EQ(error_of(cell.ask({{"request", "hardware.state"}, {"name", "nobody"}, {"state", "active"}})),
+            "unknown-component");
+}
+
+TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
+  const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
+  FailingMock::fails = true;
+  cell.run(0.02);
+  FailingMock::fails = false;
+  EXPECT_EQ(cell.state_of("follow"), "inactive");
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "fault");
+  EXPECT_EQ(cell.result({{"request", "hardware.list"}})[0]["state"], "unconfigured")
+      << "its on_error says so";
+  const Json back = cell.result({{"request", "hardware.recover"}, {"name", name}});
+  EXPECT_EQ(back["state"], "active") << back;
+  std::set<std::string> fallen;
+  for (const Json& controller : back["fallen"]) fallen.insert(controller);
+  EXPECT_EQ(fallen, (std::set<std::string>{"follow", "tail", "joint_state_broadcaster"}));
+  EXPECT_EQ(cell.state_of("follow"), "inactive") << "named, not started";
+  EXPECT_EQ(cell.result({{"request", "control.recover"}})["asked"], "recover");
+  cell.run(0.01);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "held");
+  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "follow"}, {"state", "active"}})["state"],
+            "active");
+  cell.result({{"request", "control.resume"}});
+  cell.run(0.01);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
+}
+
+TEST_F(RequestsTest, AMessageMovesTheJoints) {
+  EXPECT_EQ(cell.result({{"request", "send"}, {"to", "tail"}, {"message", {{"data", {0.25, -0.5}}}}})["to"],
+            "tail/commands");
+  cell.run(1);
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_5/position"), 0.25, 1e-9);
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_6/position"), -0.5, 1e-9);
+  // As text in YAML, as ROS 1 has it, to a topic.
+  EXPECT_TRUE(cell.ask({{"request", "send"}, {"to", "/tail/commands"}, {"message", "data: [0.1, 0.2]"}})["ok"]
+                  .get<bool>());
+  cell.run(1);
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_6/position"), 0.2, 1e-9);
+}
+
+TEST_F(RequestsTest, NamesOfRosLeadToControllers) {
+  const auto goes_to = [&](const std::string& to) {
+    const Json answer = cell.ask({{"request", "send"}, {"to", to}, {"message", trajectory(0.1, 1)}});
+    return answer["ok"].get<bool>() ? answer["result"].value("to", "") : what_of(answer);
+  };
+  EXPECT_EQ(goes_to("follow"), "follow/joint_trajectory");
+  EXPECT_EQ(goes_to("follow/joint_trajectory"), "follow/joint_trajectory");
+  EXPECT_EQ(goes_to("/follow/joint_trajectory"), "follow/joint_trajectory");
+  EXPECT_EQ(goes_to("/MyRobot/follow/command"), "follow/command");
+  EXPECT_EQ(goes_to("/joint_trajectory"), "follow/joint_trajectory");
+  EXPECT_NE(goes_to("/folow/joint_trajectory").find("did you mean 'follow/joint_trajectory'"),
+            std::string::npos);
+  EXPECT_EQ(error_of(cell.ask({{"request", "send"}, {"to", "/commands"}, {"message", "data: [1]"}})),
+            "which-controller");
+  EXPECT_EQ(error_of(cell.ask({{"request", "send"}, {"to", ""}, {"message", "data: [1]"}})), "unknown-name");
+}
+
+TEST_F(RequestsTest, WhoIsNotActiveTakesNoMessages) {
+  const Json answer = cell.ask({{"request", "send"}, {"to", "tail_too"}, {"message", "data: [0.1]"}});
+  EXPECT_EQ(error_of(answer), "not-active");
+  EXPECT_NE(answer["error"]["advice"].get<std::string>().find("polyarm control state tail_too active"),
+            std::string::npos);
+}
+
+TEST_F(RequestsTest, AGoalIsAcceptedFollowedAndFinished) {
+  const auto answers =
+      cell.give(Json{{"request", "send"}, {"to", "follow"}, {"message", trajectory(0.3, 1)}, {"goal", true}});
+  cell.run(1.2);
+  ASSERT_GE(answers->size(), 5u);
+  EXPECT_EQ(answers->front()["result"]["status"], "accepted");
+  int feedback = 0;
+  for (const Json& answer : *answers)
+    if (answer["result"].contains("feedback")) {
+      ++feedback;
+      EXPECT_TRUE(answer["more"].get<bool>());
+      EXPECT_TRUE(answer["result"]["feedback"]["joint_1"]["error"].contains("position"));
+    }
+  EXPECT_NEAR(feedback, 10, 3);  // ten times a second
+  EXPECT_EQ(answers->back()["result"]["status"], "succeeded");
+  EXPECT_EQ(answers->back()["result"]["error_code"], 0);
+  EXPECT_FALSE(answers->back().contains("more"));
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_2/position"), -0.3, 1e-6);
+}
+
+TEST_F(RequestsTest, AGoalIsCanceled) {
+  const auto answers =
+      cell.give(Json{{"request", "send"}, {"to", "follow"}, {"message", trajectory(1, 5)}, {"goal", true}});
+  cell.run(0.5);
+  const Json goal = answers->front()["result"]["goal"];
+  EXPECT_TRUE(cell.ask({{"request", "goal.cancel"}, {"to", "follow"}, {"goal", goal}})["ok"].get<bool>());
+  cell.run(0.2);
+  EXPECT_EQ(answers->back()["result"]["status"], "canceled") << answers->back();
+  EXPECT_EQ(answers->back()["result"]["error_code"], 0);
+  EXPECT_EQ(error_of(cell.ask({{"request", "goal.cancel"}, {"to", "follow"}, {"goal", 99}})), "no-goal");
+  EXPECT_EQ(error_of(cell.ask({{"request", "goal.cancel"}, {"to", "follow"}, {"goal", -1.5}})), "no-goal");
+}
+
+TEST_F(RequestsTest, ABadGoalIsRefusedAtOnce) {
+  Json wrong = trajectory(0.1, 1);
+  wrong["joint_names"][1] = "joint_9";
+  EXPECT_FALSE(cell.ask({{"request", "send"}, {"to", "follow"}, {"message", wrong}, {"goal", true}})["ok"]
+                   .get<bool>());
+  EXPECT_EQ(
+      error_of(cell.ask({{"request", "send"}, {"to", "tail"}, {"message", "data: [1, 2]"}, {"goal", true}})),
+      "no-action");
+}
+
+TEST_F(RequestsTest, AWatchGoesOnAtItsRateUntilNobodyListens) {
+  cell.run(0.05);
+  const auto answers = cell.give(Json{{"request", "watch"}, {"name", "joint_states"}, {"rate", 20}});
+  cell.run(1);
+  EXPECT_NEAR(static_cast<double>(answers->size()), 20, 2);
+  const Json& message = answers->back()["result"];
+  ASSERT_EQ(message["name"].size(), 6u);
+  EXPECT_EQ(message["name"][0], "joint_1");
+  EXPECT_EQ(message["position"].size(), 6u);
+  EXPECT_TRUE(message["effort"][0].is_null()) << "no number is null";
+  EXPECT_TRUE(message["header"]["stamp"].contains("nanosec"));
+  EXPECT_EQ(cell.cell().requests().open(), 1u);
+  int seen = 0;
+  cell.cell().requests().handle(R"({"request":"watch","name":"joint_states"})",
+                                [&](const std::string&) { return ++seen < 3; });
+  cell.run(1);
+  EXPECT_EQ(seen, 3);
+  EXPECT_EQ(cell.cell().requests().open(), 1u);
+  EXPECT_EQ(error_of(cell.ask({{"request", "watch"}, {"name", "joint_states"}, {"rate", 0}})),
+            "bad-argument");
+  EXPECT_EQ(error_of(cell.ask({{"request", "watch"}, {"name", "joint_sates"}})), "unknown-name");
+}
+
+TEST_F(RequestsTest, TwoWatchersAndAGoalSeeTheSameMessages) {
+  cell.run(0.05);
+  const Json request{{"request", "watch"}, {"name", "follow/controller_state"}, {"rate", 20}};
+  const auto one = cell.give(request), two = cell.give(request);
+  const auto goal =
+      cell.give(Json{{"request", "send"}, {"to", "follow"}, {"message", trajectory(0.3, 1)}, {"goal", true}});
+  cell.run(1.2);
+  EXPECT_EQ(one->size(), two->size());
+  EXPECT_NEAR(static_cast<double>(one->size()), 24, 3);
+  EXPECT_GE(goal->size(), 8u) << "its feedback does not go to the watchers";
+}
+
+TEST_F(RequestsTest, AnswersOfOneAskerComeInOrderAndAStopPasses) {
+  const int me = 0, other = 0;
+  std::vector<std::string> order;
+  const auto give = [&](const Json& request, const std::string& name, const void* from) {
+    cell.cell().requests().handle(
+        request.dump(),
+        [&order, name](const std::string&) {
+          order.push_back(name);
+          return true;
+        },
+        from);
+  };
+  give({{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "force"}}, "switch", &me);
+  give({{"request", "control.state"}, {"name", "tail_too"}, {"state", "unconfigured"}}, "state", &me);
+  give({{"request", "nonsense"}}, "nonsense", &me);
+  give({{"request", "health"}}, "health", &me);
+  give({{"request", "health"}}, "other", &other);
+  give({{"request", "control.hold"}}, "hold", &me);
+  EXPECT_EQ(order, (std::vector<std::string>{"other", "hold"}));
+  cell.run(0.1);
+  EXPECT_EQ(order, (std::vector<std::string>{"other", "hold", "switch", "state", "nonsense", "health"}));
+  EXPECT_EQ(cell.state_of("tail_too"), "unconfigured");
+}
+
+TEST_F(RequestsTest, TooManyOpenRequestsAreRefusedAndNotKept) {
+  const Json watch{{"request", "watch"}, {"name", "joint_states"}, {"rate", 0.001}};
+  for (std::size_t i = 0; i < cell::Requests::kMostOpen; ++i) cell.give(watch);
+  EXPECT_EQ(error_of(cell.give(watch)->front()), "busy");
+  EXPECT_EQ(cell.cell().requests().open(), cell::Requests::kMostOpen);
+}
+
+TEST_F(RequestsTest, APersonHoldsAndResumesAMotion) {
+  cell.give(Json{{"request", "send"}, {"to", "follow"}, {"message", trajectory(1, 2)}});
+  cell.run(0.5);
+  cell.result({{"request", "control.hold"}});
+  cell.run(3);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "held");
+  const double held = cell.value_of("states", "arm/joint_1/position");
+  EXPECT_GT(held, 0.05);
+  EXPECT_LT(held, 0.9);
+  cell.run(1);
+  EXPECT_EQ(cell.value_of("states", "arm/joint_1/position"), held) << "nothing resumes by itself";
+  cell.result({{"request", "control.resume"}});
+  cell.run(3);
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_1/position"), 1, 1e-6);
+  cell.result({{"request", "control.stop"}});
+  cell.run(0.5);
+  EXPECT_NE(cell.result({{"request", "health"}})["state"], "running");
+}
+
+TEST_F(RequestsTest, LimitsNameWhatTookHold) {
+  EXPECT_EQ(cell.result({{"request", "limits"}}).size(), 0u);
+  cell.result({{"request", "send"}, {"to", "tail"}, {"message", {{"data", {0, 100}}}}});
+  cell.run(3);
+  bool found = false;
+  for (const Json& limit : cell.result({{"request", "limits"}}))
+    if (limit["interface"] == "arm/joint_6/position") {
+      found = true;
+      EXPECT_GT(limit["count"].get<int>(), 0);
+      EXPECT_LT(limit["given"].get<double>(), limit["asked"].get<double>());
+    }
+  EXPECT_TRUE(found);
+  EXPECT_GT(cell.result({{"request", "health"}})["clamps"].get<int>(), 0);
+}
+
+TEST_F(RequestsTest, ParametersAreListedReadAndChanged) {
+  const Json listed = cell.result({{"request", "param.list"}, {"name", "follow"}});
+  std::set<std::string> keys;
+  for (const Json& p : listed) keys.insert(p["key"].get<std::string>());
+  EXPECT_TRUE(keys.contains("joints") && keys.contains("constraints.goal_time")) << listed;
+  EXPECT_EQ(cell.result({{"request", "param.get"},
+                         {"name", "follow"},
+                         {"key", "constraints.stopped_velocity_tolerance"}})["value"],
+            "0.01");
+  const Json change{
+      {"request", "param.set"}, {"name", "follow"}, {"values", {{"constraints.goal_time", 2.5}}}};
+  const auto answers = cell.give(change);
+  EXPECT_TRUE(answers->empty()) << "written between two cycles";
+  cell.run(0.01);
+  EXPECT_EQ(answers->front()["result"]["changed"], 1);
+  EXPECT_EQ(
+      cell.result({{"request", "param.get"}, {"name", "follow"}, {"key", "constraints.goal_time"}})["value"],
+      "2.5");
+  EXPECT_EQ(
+      error_of(cell.ask({{"request", "param.set"}, {"name", "follow"}, {"values", {{"joints", "joint_3"}}}})),
+      "not-changeable");
+  EXPECT_EQ(
+      error_of(cell.ask({{"request", "param.get"}, {"name", "follow"}, {"key", "constraints.gaol_time"}})),
+      "unknown-parameter");
+}
+
+TEST(RequestReference, TheDocsHaveTheTable) {
+  const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/control.md");
+  EXPECT_NE(page.find(cell::request_reference()), std::string::npos)
+      << "docs/control.md should have this table:\n"
+      << cell::request_reference();
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,132 @@
+#pragma once
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "drivers/mock/mock.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/requests.hpp"
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
+
+namespace polyarm::test {
+
+using Json = nlohmann::json;
+
+/// A folder of its own, gone at the end.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "polyarm_XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::string write(const std::string& name, const std::string& text) const {
+    write_file_atomically(path_ / name, text);
+    return (path_ / name).string();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The mock, which fails to be read when it is told to.
+class FailingMock : public drivers::MockComponent {
+ public:
+  static inline std::atomic<bool> fails{false};
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
+    return fails ? hardware::ReturnType::error : drivers::MockComponent::read(cycle, states);
+  }
+};
+
+/// The arm of examples/r6bot on the mock, with controllers as given, stepped in lock-step.
+class LockStepCell {
+ public:
+  explicit LockStepCell(const std::string& controllers) {
+    FailingMock::fails = false;
+    hardware::register_driver("failing",
+                              [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
+    const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    cell::Overrides overrides;
+    overrides.hardware = "failing";
+    cell::CellOptions options;
+    options.lock_step = true;
+    cell_ = std::make_unique<cell::Cell>(
+        cell::cell_from_description(urdf, {folder_.write("controllers.yaml", controllers)}, overrides),
+        description::Catalogue({}), options, observer_);
+    cell_->loop().begin();
+  }
+  ~LockStepCell() { cell_->loop().end(); }
+
+  /// One tick of the cell, and the cycles until the next.
+  void tick() {
+    const Nanoseconds until = cell_->loop().cycle().time + cell::Cell::kTick;
+    cell_->tick(cell_->loop().cycle().time);
+    while (cell_->loop().cycle().time < until) cell_->loop().step_next();
+  }
+  void run(double s) {
+    for (Nanoseconds end = cell_->loop().cycle().time + nanoseconds(s); cell_->loop().cycle().time < end;)
+      tick();
+  }
+
+  /// Gives a request; its answers come into the list.
+  std::shared_ptr<std::vector<Json>> give(const std::string& line, const void* from = nullptr) {
+    auto answers = std::make_shared<std::vector<Json>>();
+    cell_->requests().handle(
+        line,
+        [answers](const std::string& text) {
+          answers->push_back(Json::parse(text));
+          return true;
+        },
+        from);
+    return answers;
+  }
+  std::shared_ptr<std::vector<Json>> give(const Json& request, const void* from = nullptr) {
+    return give(request.dump(), from);
+  }
+  /// Steps until the last answer is there (at most 20 s of cell time) and returns it whole.
+  Json ask(const Json& request) {
+    const auto answers = give(request);
+    for (int ticks = 0; ticks < 10'000 && (answers->empty() || answers->back().value("more", false)); ++ticks)
+      tick();
+    return answers->empty() ? Json() : answers->back();
+  }
+  /// The result; the refusal where there is none, so that a test shows it.
+  Json result(const Json& request) {
+    const Json answer = ask(request);
+    return answer.value("ok", false) ? answer["result"] : answer;
+  }
+  std::string state_of(const std::string& controller) {
+    for (const Json& c : result({{"request", "control.list"}}))
+      if (c["name"] == controller) return c["state"];
+    return "gone";
+  }
+  double value_of(const std::string& kind, const std::string& interface) {
+    const Json all = result({{"request", "interfaces"}});
+    for (const Json& i : all[kind])
+      if (i["name"] == interface) return i["value"].is_null() ? NAN : i["value"].get<double>();
+    return NAN;
+  }
+  cell::Cell& cell() { return *cell_; }
+  const Folder& folder() const { return folder_; }
+
+ private:
+  Folder folder_;
+  cell::Observer observer_;
+  std::unique_ptr<cell::Cell> cell_;
+};
+
+}  // namespace polyarm::test
