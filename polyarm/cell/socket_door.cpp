@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -12,6 +13,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -24,7 +27,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLongestLine = 4 << 20, kMostUnread = 16 << 20, kMostClients = 64;
+constexpr std::size_t kLongestLine = 1 << 20, kMostUnread = 16 << 20, kMostClients = 64;
+/// Lines handed to the cell in one tick, and waiting for it before nothing more is read.
+constexpr std::size_t kLinesATick = 16, kMostWaiting = 64;
+/// Between looks at clients that have said all they will say and wait for their answers.
+constexpr int kPatience_ms = 1000, kFarewell_ms = 20;
 
 bool address_of(const fs::path& path, sockaddr_un& out) {
   out = {};
@@ -38,9 +45,10 @@ bool address_of(const fs::path& path, sockaddr_un& out) {
 bool answers(const fs::path& path) {
   sockaddr_un address;
   if (!address_of(path, address)) return false;
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;
-  const bool out = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool out = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+                   errno == EAGAIN;  // it is there and has its hands full
   ::close(fd);
   return out;
 }
@@ -58,10 +66,36 @@ void make_private(const fs::path& folder) {
                 "remove it, or set XDG_RUNTIME_DIR");
 }
 
+/// One at a time opens or removes sockets in a folder: else two cells that start together would take each
+/// other's name. A file lock, which the system gives back if its holder is killed.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : fd_(::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)) {
+    for (int tries = 0; tries < 200 && !held_; ++tries) {
+      held_ = fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) == 0;
+      if (!held_) ::poll(nullptr, 0, 5);
+    }
+  }
+  ~FolderLock() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  int fd_;
+  bool held_ = false;
+};
+
 struct Client {
   int fd = -1;
   std::string in;
-  std::mutex mutex;  // of what follows: the cell thread writes, the door's thread sends
+  bool ended = false;   // it sends no more, and may still read
+  std::string sending;  // the door's thread's: what it is sending, from `sent` on
+  std::size_t sent = 0;
+  std::mutex mutex;  // of `out`: the cell thread writes, the door's thread takes
   std::string out;
   std::atomic<bool> gone{false};
 };
@@ -72,16 +106,14 @@ class SocketDoor::Work {
  public:
   Work(const std::string& cell, const fs::path& folder) {
     make_private(folder);
-    std::string safe;
-    for (const char c : cell)
-      safe += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
-    if (safe.empty()) safe = "cell";
-    for (int n = 1; n < 100; ++n) {
-      path_ = folder / (safe + (n > 1 ? "-" + std::to_string(n) : "") + ".sock");
-      if (!answers(path_)) break;
-    }
-    listen_there();
+    const FolderLock lock(folder);
+    if (!lock.held())
+      throw Error("no-socket", "the folder " + folder.string() + " is locked by another program",
+                  "look for a process that was stopped while it started a cell");
+    path_ = free_path(cell, folder);
     wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (wake_ < 0) throw Error("no-socket", std::string("no event can be made: ") + std::strerror(errno));
+    listen_there();
     thread_ = std::thread([this] { run(); });
   }
 
@@ -89,51 +121,86 @@ class SocketDoor::Work {
     over_ = true;
     wake();
     thread_.join();
-    for (const auto& client : clients_) ::close(client->fd);
+    for (const auto& client : clients_) {
+      client->gone = true;
+      ::close(client->fd);
+    }
     ::close(listening_);
+    remove_own();
     ::close(wake_);
-    std::error_code error;
-    fs::remove(path_, error);
   }
 
   const fs::path& path() const { return path_; }
 
   void serve(Requests& requests) {
-    std::vector<std::pair<std::shared_ptr<Client>, std::string>> lines;
+    std::vector<Line> lines;
     {
       const std::lock_guard lock(mutex_);
-      lines.swap(lines_);
+      const auto end = lines_.begin() + static_cast<std::ptrdiff_t>(std::min(lines_.size(), kLinesATick));
+      lines.assign(std::make_move_iterator(lines_.begin()), std::make_move_iterator(end));
+      lines_.erase(lines_.begin(), end);
     }
-    for (auto& [client, line] : lines)
-      requests.handle(line, [this, c = client](const std::string& answer) {
-        if (c->gone) return false;
-        {
-          const std::lock_guard lock(c->mutex);
-          if (c->out.size() > kMostUnread) c->gone = true;  // it does not read
-          c->out += answer + "\n";
-        }
-        wake();
-        return !c->gone.load();
-      });
+    for (auto& [client, line] : lines) {
+      const void* from = client.get();
+      requests.handle(
+          line, [this, c = client](const std::string& answer) { return take_answer(*c, answer); }, from);
+    }
+    if (!lines.empty()) wake();  // there is room for more
   }
 
  private:
+  using Line = std::pair<std::shared_ptr<Client>, std::string>;
+
+  bool take_answer(Client& client, const std::string& answer) {
+    if (client.gone) return false;
+    {
+      const std::lock_guard lock(client.mutex);
+      if (client.out.size() > kMostUnread) client.gone = true;  // it does not read
+      client.out += answer + "\n";
+    }
+    wake();
+    return !client.gone.load();
+  }
+
+  /// `<cell>.sock`, or with the first number behind it that no living cell has.
+  static fs::path free_path(const std::string& cell, const fs::path& folder) {
+    std::string safe;
+    for (const char c : cell)
+      safe += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
+    if (safe.empty()) safe = "cell";
+    if (safe.size() > 60) safe.resize(60);
+    for (int n = 1; n < 100; ++n) {
+      const fs::path path = folder / (safe + (n > 1 ? "-" + std::to_string(n) : "") + ".sock");
+      if (!answers(path)) return path;
+    }
+    throw Error("no-socket", "a hundred cells called '" + cell + "' are running");
+  }
+
   void listen_there() {
     sockaddr_un address;
     if (!address_of(path_, address))
       throw Error("no-socket", "the path " + path_.string() + " is too long for a socket",
-                  "set XDG_RUNTIME_DIR");
+                  "set XDG_RUNTIME_DIR to a shorter one");
     ::unlink(path_.c_str());  // left by one that was killed
     listening_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const mode_t before = ::umask(0177);
+    // Nobody can connect before it listens, and by then it is the user's alone.
     const bool good = listening_ >= 0 &&
                       ::bind(listening_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-                      ::listen(listening_, 16) == 0;
-    ::umask(before);
+                      ::chmod(path_.c_str(), 0600) == 0 && ::listen(listening_, 64) == 0 &&
+                      ::lstat(path_.c_str(), &own_) == 0;
     if (good) return;
     const std::string why = std::strerror(errno);
     if (listening_ >= 0) ::close(listening_);
+    ::close(wake_);
     throw Error("no-socket", "the socket " + path_.string() + " cannot be opened: " + why);
+  }
+
+  /// Removes the socket, unless somebody else has put another one there.
+  void remove_own() const {
+    const FolderLock lock(path_.parent_path());
+    struct stat there {};
+    if (::lstat(path_.c_str(), &there) == 0 && there.st_ino == own_.st_ino && there.st_dev == own_.st_dev)
+      ::unlink(path_.c_str());
   }
 
   void wake() {
@@ -143,25 +210,46 @@ class SocketDoor::Work {
 
   void run() {
     while (!over_) {
+      int patience = kPatience_ms;
       std::vector<pollfd> waiting{{listening_, POLLIN, 0}, {wake_, POLLIN, 0}};
       for (const auto& client : clients_) {
-        const std::lock_guard lock(client->mutex);
-        waiting.push_back({client->fd, static_cast<short>(POLLIN | (client->out.empty() ? 0 : POLLOUT)), 0});
+        waiting.push_back({client->fd, events_of(*client), 0});
+        if (client->ended) patience = kFarewell_ms;
       }
-      ::poll(waiting.data(), waiting.size(), 1000);
+      ::poll(waiting.data(), waiting.size(), patience);
       std::uint64_t drained = 0;
       [[maybe_unused]] const auto got = ::read(wake_, &drained, sizeof drained);
-      for (std::size_t i = 0; i + 2 < waiting.size(); ++i) {
-        Client& client = *clients_[i];
-        if (waiting[i + 2].revents & (POLLIN | POLLHUP | POLLERR)) take(clients_[i]);
-        if (!client.gone) give(client);
-      }
+      for (std::size_t i = 0; i + 2 < waiting.size(); ++i) look_after(clients_[i], waiting[i + 2]);
       std::erase_if(clients_, [](const std::shared_ptr<Client>& client) {
         if (!client->gone) return false;
         ::close(client->fd);
         return true;
       });
       if (waiting[0].revents & POLLIN) welcome();
+    }
+  }
+
+  /// Nothing is read from anybody while the cell has enough to do, so that nobody can flood it.
+  short events_of(Client& client) {
+    bool room;
+    {
+      const std::lock_guard lock(mutex_);
+      room = lines_.size() < kMostWaiting;
+    }
+    return static_cast<short>((room && !client.ended ? POLLIN : 0) | (all_sent(client) ? 0 : POLLOUT));
+  }
+
+  void look_after(const std::shared_ptr<Client>& client, const pollfd& seen) {
+    const bool hung_up = seen.revents & (POLLHUP | POLLERR);
+    if ((seen.revents & POLLIN) || (hung_up && !client->ended))
+      take(client);
+    else if (hung_up)
+      client->gone = true;
+    if (!client->gone) give(*client);
+    // It has said all it had to say, and nothing is left to be answered.
+    if (client->ended && client.use_count() == 1) {
+      std::atomic_thread_fence(std::memory_order_acquire);
+      if (all_sent(*client)) client->gone = true;
     }
   }
 
@@ -183,24 +271,40 @@ class SocketDoor::Work {
   void take(const std::shared_ptr<Client>& client) {
     char buffer[65536];
     const ssize_t n = ::recv(client->fd, buffer, sizeof buffer, 0);
-    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) client->gone = true;
+    if (n < 0 && errno != EAGAIN && errno != EINTR) client->gone = true;
+    if (n == 0) client->ended = true;
     if (n <= 0) return;
     client->in.append(buffer, static_cast<std::size_t>(n));
     std::size_t begin = 0;
     for (std::size_t end; (end = client->in.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      if (end == begin) continue;
       const std::lock_guard lock(mutex_);
-      if (lines_.size() < 10'000) lines_.emplace_back(client, client->in.substr(begin, end - begin));
+      lines_.emplace_back(client, client->in.substr(begin, end - begin));
     }
     client->in.erase(0, begin);
-    if (client->in.size() > kLongestLine) client->gone = true;
+    if (client->in.size() <= kLongestLine) return;
+    take_answer(*client, R"({"ok":false,"error":{"code":"too-long","what":"a request may have 1 MB"}})");
+    give(*client);
+    client->gone = true;
   }
 
   static void give(Client& client) {
-    const std::lock_guard lock(client.mutex);
-    if (client.out.empty()) return;
-    const ssize_t n = ::send(client.fd, client.out.data(), client.out.size(), MSG_NOSIGNAL);
-    if (n > 0) client.out.erase(0, static_cast<std::size_t>(n));
+    if (client.sent == client.sending.size()) {
+      client.sending.clear();
+      client.sent = 0;
+      const std::lock_guard lock(client.mutex);
+      client.sending.swap(client.out);
+    }
+    if (client.sending.empty()) return;
+    const ssize_t n = ::send(client.fd, client.sending.data() + client.sent,
+                             client.sending.size() - client.sent, MSG_NOSIGNAL);
+    if (n > 0) client.sent += static_cast<std::size_t>(n);
     if (n < 0 && errno != EAGAIN && errno != EINTR) client.gone = true;
+  }
+
+  static bool all_sent(Client& client) {
+    const std::lock_guard lock(client.mutex);
+    return client.out.empty() && client.sent == client.sending.size();
   }
 
   fs::path path_;
@@ -208,7 +312,8 @@ class SocketDoor::Work {
   std::atomic<bool> over_{false};
   std::vector<std::shared_ptr<Client>> clients_;  // the thread's
   std::mutex mutex_;
-  std::vector<std::pair<std::shared_ptr<Client>, std::string>> lines_;
+  std::deque<Line> lines_;
+  struct stat own_ {};
   std::thread thread_;
 };
 

@@ -10,8 +10,9 @@ namespace polyarm::cell {
 
 class Requests;
 
-/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 4 MB; who does
-/// not read for long is dropped.
+/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 1 MB; who does
+/// not read for long is dropped; who has ended its side is answered and then let go. The cell is given at
+/// most 16 lines a tick, and nothing more is read while it is behind.
 class SocketDoor {
  public:
   /// Opens `<folder>/<cell>.sock` for this user alone; a name that a living cell has gets "-2", "-3", …
