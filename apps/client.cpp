@@ -58,7 +58,7 @@ Client::~Client() {
 }
 
 void Client::send(const Json& request) {
-  const std::string line = request.dump() + "\n";
+  const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(fd_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;

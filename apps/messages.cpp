@@ -51,11 +51,11 @@ void tell_goal(const Json& line, bool json) {
   if (json) {
     fmt::print("{}\n", line.dump());
   } else if (line.contains("feedback")) {
+    const Json& state = line["feedback"];
     std::string errors;
-    for (const auto& [joint, value] : line["feedback"].items())
-      if (value.is_object() && value.contains("error"))
-        errors += fmt::format("  {} {}", joint, shown(value["error"]["position"]));
-    fmt::print("{:8.3f} s  off by{}\n", line["feedback"].value("time_from_start", 0.0), errors);
+    for (std::size_t j = 0; j < state["joint_names"].size(); ++j)
+      errors += fmt::format("  {} {}", shown(state["joint_names"][j]), shown(state["error"]["positions"][j]));
+    fmt::print("{:>8} s  off by{}\n", shown(state["reference"]["time_from_start"]), errors);
   } else {
     fmt::print("goal {} {}{}\n", shown(line["goal"]), shown(line["status"]),
                line.contains("error") ? " (" + shown(line["error"]) + ")" : "");

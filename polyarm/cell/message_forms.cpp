@@ -18,10 +18,21 @@ namespace {
   throw Error(Problem{"bad-message", at.where(), std::move(what), std::move(advice)});
 }
 
+void check_keys(const Yaml& yaml, const std::vector<std::string>& known) {
+  Problems problems;
+  yaml.check_keys(known, problems);
+  if (!problems.list().empty()) throw Error(problems.list());
+}
+
+void require_map(const Yaml& yaml, const char* what, const char* example) {
+  if (!yaml.is_map()) refuse(yaml, std::string("this is no ") + what, std::string("write ") + example);
+}
+
 /// `{sec, nanosec}`, `{secs, nsecs}` or a number of seconds.
 double seconds_of(const Yaml& yaml, double fallback = 0) {
   if (!yaml.defined()) return fallback;
   if (!yaml.is_map()) return yaml.number();
+  check_keys(yaml, {"sec", "nanosec", "secs", "nsecs"});
   double out = 0;
   for (const auto& [whole, part] : {std::pair{"sec", "nanosec"}, {"secs", "nsecs"}}) {
     if (yaml.has(whole)) out += yaml[whole].number();
@@ -37,19 +48,14 @@ std::optional<Nanoseconds> stamp_of(const Yaml& header) {
   return nanoseconds(stamp);
 }
 
-void check_keys(const Yaml& yaml, const std::vector<std::string>& known) {
-  Problems problems;
-  yaml.check_keys(known, problems);
-  if (!problems.list().empty()) throw Error(problems.list());
-}
-
 trajectory::TrajectoryPoint point_of(const Yaml& yaml) {
+  require_map(yaml, "point", "{positions: [0.1, 0.2], time_from_start: 1.0}");
   check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "efforts", "time_from_start"});
   trajectory::TrajectoryPoint out;
   out.positions = yaml["positions"].numbers();
   out.velocities = yaml["velocities"].numbers();
   out.accelerations = yaml["accelerations"].numbers();
-  out.effort = yaml["effort"].numbers();
+  out.effort = yaml[yaml.has("efforts") ? "efforts" : "effort"].numbers();
   if (!yaml.has("time_from_start"))
     refuse(yaml, "the point has no time_from_start", "add time_from_start: 1.0");
   out.time_from_start = seconds_of(yaml["time_from_start"]);
@@ -57,10 +63,15 @@ trajectory::TrajectoryPoint point_of(const Yaml& yaml) {
 }
 
 controllers::TrajectoryMessage trajectory_of(const Yaml& yaml) {
+  require_map(yaml, "trajectory",
+              "{joint_names: [joint_1], points: [{positions: [0.1], time_from_start: 1.0}]}");
+  if (yaml.has("trajectory") || yaml.has("goal"))
+    refuse(yaml, "this is a goal around a trajectory", "send it as a goal: polyarm send … --goal");
   check_keys(yaml, {"header", "joint_names", "points"});
   controllers::TrajectoryMessage out;
   out.start = stamp_of(yaml["header"]);
-  out.joints = yaml["joint_names"].texts();
+  out.joints = yaml.required("joint_names").texts();
+  if (!yaml.has("points")) refuse(yaml, "the trajectory has no points");
   for (const Yaml& point : yaml["points"].items()) out.points.push_back(point_of(point));
   return out;
 }
@@ -68,6 +79,7 @@ controllers::TrajectoryMessage trajectory_of(const Yaml& yaml) {
 std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
   std::vector<controllers::JointTolerance> out;
   for (const Yaml& item : yaml.items()) {
+    require_map(item, "tolerance", "{name: joint_1, position: 0.01}");
     check_keys(item, {"name", "position", "velocity", "acceleration"});
     out.push_back({item.required("name").text(), item["position"].number(Dimension::none, 0),
                    item["velocity"].number(Dimension::none, 0),
@@ -109,49 +121,69 @@ Input twist_of(const Yaml& yaml) {
 Input numbers_of(const Yaml& yaml) {
   if (!yaml.is_map()) return controllers::Numbers{yaml.numbers()};
   check_keys(yaml, {"layout", "data", "factor", "header"});
-  return controllers::Numbers{yaml[yaml.has("factor") ? "factor" : "data"].numbers()};
+  const char* key = yaml.has("factor") ? "factor" : "data";
+  if (!yaml.has(key)) refuse(yaml, "the message has no data", "write {data: [1.0, 2.0]}, or {data: 1.0}");
+  return controllers::Numbers{yaml[key].numbers()};
 }
 
-/// DynamicJointState {joint_names, interface_values: [{interface_names, values}]} or MultiDOFCommand
-/// {dof_names, values, values_dot}, or simply a map of name to value.
-Input named_of(const Yaml& yaml) {
+/// Where the robot is: {x, y, yaw}.
+Input place_of(const Yaml& yaml) {
+  if (!yaml.is_map()) refuse(yaml, "this is no place", "write {x: 0, y: 0, yaw: 0}");
+  check_keys(yaml, {"x", "y", "yaw"});
+  const auto at = [&](const char* key) { return yaml[key].number(Dimension::none, 0); };
+  return controllers::Numbers{{at("x"), at("y"), at("yaw")}};
+}
+
+void require_as_many(const Yaml& at, std::size_t names, const std::string& of, std::size_t values,
+                     const std::string& what) {
+  if (names != values)
+    refuse(at, std::to_string(names) + " " + of + " stand beside " + std::to_string(values) + " " + what);
+}
+
+/// {joint_names, interface_values: [{interface_names, values}]}
+Input dynamic_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "joint_names", "interface_groups", "interface_values"});
+  const char* key = yaml.has("joint_names") ? "joint_names" : "interface_groups";
+  const std::vector<std::string> joints = yaml.required(key).texts();
+  const std::vector<Yaml> groups = yaml.required("interface_values").items();
+  require_as_many(yaml, joints.size(), key, groups.size(), "interface_values");
   controllers::NamedValues out;
-  if (yaml.has("interface_values") || yaml.has("joint_names")) {
-    check_keys(yaml, {"header", "joint_names", "interface_groups", "interface_values"});
-    const Yaml names = yaml[yaml.has("joint_names") ? "joint_names" : "interface_groups"];
-    const std::vector<std::string> joints = names.texts();
-    const std::vector<Yaml> groups = yaml["interface_values"].items();
-    if (joints.size() != groups.size())
-      refuse(yaml, std::to_string(joints.size()) + " names stand beside " + std::to_string(groups.size()) +
-                       " interface_values");
-    for (std::size_t i = 0; i < groups.size(); ++i) {
-      const std::vector<std::string> interfaces = groups[i]["interface_names"].texts();
-      const std::vector<double> values = groups[i]["values"].numbers();
-      if (interfaces.size() != values.size())
-        refuse(groups[i], std::to_string(interfaces.size()) + " interface_names stand beside " +
-                              std::to_string(values.size()) + " values");
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        out.names.push_back(joints[i] + "/" + interfaces[k]);
-        out.values.push_back(values[k]);
-      }
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    check_keys(groups[i], {"interface_names", "values"});
+    const std::vector<std::string> interfaces = groups[i]["interface_names"].texts();
+    const std::vector<double> values = groups[i]["values"].numbers();
+    require_as_many(groups[i], interfaces.size(), "interface_names", values.size(), "values");
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out.names.push_back(joints[i] + "/" + interfaces[k]);
+      out.values.push_back(values[k]);
     }
-    return out;
   }
-  if (yaml.has("dof_names")) {
-    check_keys(yaml, {"header", "dof_names", "values", "values_dot"});
-    const std::vector<std::string> names = yaml["dof_names"].texts();
-    for (const auto& [key, ending] : {std::pair{"values", ""}, {"values_dot", "/dot"}}) {
-      const std::vector<double> values = yaml[key].numbers();
-      if (!values.empty() && values.size() != names.size())
-        refuse(yaml[key], std::to_string(names.size()) + " dof_names stand beside " +
-                              std::to_string(values.size()) + " " + key);
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        out.names.push_back(names[k] + ending);
-        out.values.push_back(values[k]);
-      }
+  return out;
+}
+
+/// {dof_names, values, values_dot}
+Input dofs_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "dof_names", "values", "values_dot"});
+  const std::vector<std::string> names = yaml.required("dof_names").texts();
+  controllers::NamedValues out;
+  for (const auto& [key, ending] : {std::pair{"values", ""}, {"values_dot", "/dot"}}) {
+    const std::vector<double> values = yaml[key].numbers();
+    if (!values.empty()) require_as_many(yaml[key], names.size(), "dof_names", values.size(), key);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out.names.push_back(names[k] + ending);
+      out.values.push_back(values[k]);
     }
-    return out;
   }
+  return out;
+}
+
+/// DynamicJointState or MultiDOFCommand, or simply a map of name to value.
+Input named_of(const Yaml& yaml) {
+  require_map(yaml, "message of named values", "{joint_1/position: 0.1}");
+  if (yaml.has("interface_values") || yaml.has("joint_names") || yaml.has("interface_groups"))
+    return dynamic_of(yaml);
+  if (yaml.has("dof_names")) return dofs_of(yaml);
+  controllers::NamedValues out;
   for (const std::string& key : yaml.keys()) {
     out.names.push_back(key);
     out.values.push_back(yaml[key].number());
@@ -194,6 +226,7 @@ constexpr Form kForms[] = {
     {"std_msgs/Float64MultiArray", numbers_of},
     {"std_msgs/Float64", numbers_of},
     {"control_msgs/SpeedScalingFactor", numbers_of},
+    {"control_msgs/SetOdometry", place_of},
     {"control_msgs/DynamicJointState", named_of},
     {"control_msgs/DynamicInterfaceGroupValues", named_of},
     {"control_msgs/MultiDOFCommand", named_of},
@@ -206,33 +239,96 @@ nlohmann::json number(double value) {
   return value;
 }
 
-/// "pose.position.x": value → {"pose": {"position": {"x": value}}}; "covariance[3]" → an array.
+/// "pose.position.x": value → {"pose": {"position": {"x": value}}}; "covariance[3]" → an array, zero where
+/// nothing is said.
 void put(nlohmann::json& out, const std::string& field, double value) {
   nlohmann::json* at = &out;
   for (const std::string& word : split_words(field, ".")) {
     const auto bracket = word.find('[');
     at = &(*at)[word.substr(0, bracket)];
     if (bracket == std::string::npos) continue;
-    const auto index = static_cast<std::size_t>(
-        parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0));
-    at = &(*at)[index];
+    const double index = parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0);
+    while (at->size() <= static_cast<std::size_t>(index)) at->push_back(0.0);
+    at = &(*at)[static_cast<std::size_t>(index)];
   }
   *at = number(value);
 }
 
-nlohmann::json joint_states(const controllers::Output& output) {
-  nlohmann::json out{{"name", nlohmann::json::array()},
-                     {"position", nlohmann::json::array()},
-                     {"velocity", nlohmann::json::array()},
-                     {"effort", nlohmann::json::array()}};
-  for (std::size_t i = 0; i + 2 < output.fields().size(); i += 3) {
-    const std::string& field = output.fields()[i];
-    out["name"].push_back(field.substr(0, field.rfind('/')));
+using Fields = std::vector<std::string>;
+using Values = std::vector<double>;
+
+/// Three fields for each joint.
+void joint_states(nlohmann::json& out, const Fields& fields, const Values& values) {
+  for (const char* key : {"name", "position", "velocity", "effort"}) out[key] = nlohmann::json::array();
+  for (std::size_t i = 0; i + 2 < fields.size(); i += 3) {
+    out["name"].push_back(fields[i].substr(0, fields[i].rfind('/')));
     for (std::size_t k = 0; const char* quantity : {"position", "velocity", "effort"})
-      out[quantity].push_back(number(output.value().values[i + k++]));
+      out[quantity].push_back(number(values[i + k++]));
   }
-  return out;
 }
+
+/// "joint/interface": values of one joint beside each other.
+void dynamic_joint_states(nlohmann::json& out, const Fields& fields, const Values& values) {
+  nlohmann::json names = nlohmann::json::array(), groups = nlohmann::json::array();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const auto slash = fields[i].rfind('/');
+    const std::string joint = slash == std::string::npos ? "" : fields[i].substr(0, slash);
+    const auto found = std::find(names.begin(), names.end(), joint);
+    const auto place = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end()) {
+      names.push_back(joint);
+      groups.push_back({{"interface_names", nlohmann::json::array()}, {"values", nlohmann::json::array()}});
+    }
+    groups[place]["interface_names"].push_back(fields[i].substr(slash + 1));
+    groups[place]["values"].push_back(number(values[i]));
+  }
+  out["joint_names"] = names;
+  out["interface_values"] = groups;
+}
+
+void named_values(nlohmann::json& out, const Fields& fields, const Values& values) {
+  out["names"] = fields;
+  out["values"] = nlohmann::json::array();
+  for (const double value : values) out["values"].push_back(number(value));
+}
+
+/// "<joint>.reference.position" … and "time_from_start", as JointTrajectoryControllerState has them: one list
+/// for each quantity. What is commanded is `output`, a number for each joint.
+void trajectory_state(nlohmann::json& out, const Fields& fields, const Values& values) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> lists = {
+      {".reference.position", {"reference", "positions"}},
+      {".reference.velocity", {"reference", "velocities"}},
+      {".reference.acceleration", {"reference", "accelerations"}},
+      {".feedback.position", {"feedback", "positions"}},
+      {".feedback.velocity", {"feedback", "velocities"}},
+      {".error.position", {"error", "positions"}},
+      {".error.velocity", {"error", "velocities"}},
+      {".output", {"output"}}};
+  out["joint_names"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i] == "time_from_start") out["reference"]["time_from_start"] = number(values[i]);
+    for (const auto& [ending, path] : lists) {
+      if (!fields[i].ends_with(ending)) continue;
+      nlohmann::json* at = &out;
+      for (const char* word : path) at = &(*at)[word];
+      at->push_back(number(values[i]));
+      if (ending == ".output")
+        out["joint_names"].push_back(fields[i].substr(0, fields[i].size() - ending.size()));
+    }
+  }
+}
+
+struct Shape {
+  const char* type;
+  void (*write)(nlohmann::json& out, const Fields& fields, const Values& values);
+};
+
+constexpr Shape kShapes[] = {
+    {"sensor_msgs/JointState", joint_states},
+    {"control_msgs/DynamicJointState", dynamic_joint_states},
+    {"control_msgs/Float64Values", named_values},
+    {"control_msgs/JointTrajectoryControllerState", trajectory_state},
+};
 
 }  // namespace
 
@@ -264,19 +360,20 @@ std::string message_json(const controllers::Output& output) {
   nlohmann::json out;
   const Nanoseconds time = output.value().time;
   out["header"]["stamp"] = {{"sec", time / 1'000'000'000}, {"nanosec", time % 1'000'000'000}};
-  if (output.type() == "sensor_msgs/JointState") {
-    out.update(joint_states(output));
-  } else {
+  const auto shape = std::find_if(std::begin(kShapes), std::end(kShapes),
+                                  [&](const Shape& s) { return output.type() == s.type; });
+  if (shape != std::end(kShapes))
+    shape->write(out, output.fields(), output.value().values);
+  else
     for (std::size_t i = 0; i < output.fields().size(); ++i)
       put(out, output.fields()[i], output.value().values[i]);
-  }
   for (const auto& [key, text] : output.texts) {
     if (key == "frame_id")
       out["header"][key] = text;
     else
       out[key] = text;
   }
-  return out.dump();
+  return out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace polyarm::cell

@@ -54,13 +54,11 @@ Address resolve(const std::string& given, const std::vector<Ports>& all, const c
   std::vector<Address> by_port, by_name;
   std::vector<std::string> known;
   for (const Ports& ports : all) {
-    std::vector<std::string> own = split_words(ports.controller, "/");
+    const std::vector<std::string> own = split_words(ports.controller, "/");
     for (const std::string& port : ports.names) {
       known.push_back(ports.controller + "/" + port);
-      own.push_back(port);
-      if (ends_with_words(words, own)) return {ports.controller, port};
-      if (words.size() == 1 && words.back() == port) by_port.push_back({ports.controller, port});
-      own.pop_back();
+      if (ends_with_words(words, split_words(known.back(), "/"))) return {ports.controller, port};
+      if (words == split_words(port, "/")) by_port.push_back({ports.controller, port});
     }
     if (!ports.names.empty() && ends_with_words(words, own))
       by_name.push_back({ports.controller, ports.names.front()});

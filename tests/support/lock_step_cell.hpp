@@ -95,7 +95,7 @@ class LockStepCell {
     return answers;
   }
   std::shared_ptr<std::vector<Json>> give(const Json& request, const void* from = nullptr) {
-    return give(request.dump(), from);
+    return give(request.dump(-1, ' ', false, Json::error_handler_t::replace), from);
   }
   /// Steps until the last answer is there (at most 20 s of cell time) and returns it whole.
   Json ask(const Json& request) {
