@@ -120,7 +120,7 @@ class Planner {
     controllers::Parameters parameters = entry.parameters;
     double rate = entry.update_rate;
     const auto published = parameters.entries.find("publish_rate");
-    if (published != parameters.entries.end() && (entry.ros1 || controllers::is_publisher(entry.type))) {
+    if (published != parameters.entries.end() && controllers::is_publisher(entry.type)) {
       rate = parameters.number("publish_rate", 0);  // ros_control's name of it
       parameters.entries.erase(published);
     }

@@ -149,7 +149,7 @@ void narrow_by_hardware(const description::RobotModel& model, const std::string&
     for (const description::ComponentInfo& component : hardware.components)
       if (component.kind == "joint" && component.name == joint)
         for (const description::InterfaceInfo& interface : component.command_interfaces)
-          by_interface(interface, facts);
+          if (component.limits_enabled && interface.limits_enabled) by_interface(interface, facts);
 }
 
 void narrow_by_file(const JointLimitsSource& source, std::vector<JointFacts*>& joints, Problems& problems) {

@@ -269,8 +269,12 @@ class Components {
   }
 
   void host_options(const description::HardwareInfo& info, hardware::HostOptions& options) const {
-    (void)info;
-    (void)options;
+    const double rate = 1 / seconds(period_);
+    if (info.rw_rate > 0)  // never faster than the loop
+      options.divisor = static_cast<unsigned>(std::clamp(std::round(rate / info.rw_rate), 1.0, 1e6));
+    options.async = info.is_async;
+    options.thread.priority = info.thread_priority;
+    if (!info.affinity.empty()) options.thread.cpu = info.affinity.front();
   }
 
   /// Parts and machines are played once: by physics where there is some.

@@ -1,8 +1,8 @@
 #pragma once
 /// The robots that come with Polyarm: one data file for each, `robots/<maker>/<model>.yaml`, facts only.
 #include <filesystem>
-#include <optional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 

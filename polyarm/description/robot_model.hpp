@@ -77,6 +77,8 @@ struct Joint {
 struct InterfaceInfo {
   std::string name;
   std::string data_type = "double";
+  int size = 1;                ///< values of one interface
+  bool limits_enabled = true;  ///< `<limits enable="false"/>`
   std::optional<double> min, max, initial_value;
   std::map<std::string, std::string> parameters;
 };
@@ -86,12 +88,31 @@ struct ComponentInfo {
   std::string name;
   std::string kind;  ///< "joint", "sensor", "gpio"
   std::vector<InterfaceInfo> command_interfaces, state_interfaces;
+  std::optional<bool> mimic;   ///< `mimic=`: whether a joint that mimics another in the URDF does so here
+  bool limits_enabled = true;  ///< `<limits enable="false"/>`: min and max of its interfaces do not count
+  std::map<std::string, std::string> parameters;
+};
+
+/// One end of a transmission.
+struct TransmissionEnd {
+  std::string name, role;
+  double reduction = 1, offset = 0;
+};
+/// One `<transmission>` of a `<ros2_control>` block.
+struct TransmissionInfo {
+  std::string name, plugin;
+  std::vector<TransmissionEnd> joints, actuators;
   std::map<std::string, std::string> parameters;
 };
 
 /// One `<ros2_control>` block.
 struct HardwareInfo {
   std::string name, type, plugin, group;
+  int rw_rate = 0;            ///< Hz at which it is read and written; 0: that of the loop
+  bool is_async = false;      ///< on a thread of its own
+  int thread_priority = 0;    ///< SCHED_FIFO priority of that thread; 0: ordinary
+  std::vector<int> affinity;  ///< processors of that thread; empty: any
+  std::vector<TransmissionInfo> transmissions;
   std::map<std::string, std::string> parameters;
   std::vector<ComponentInfo> components;
   Location where;

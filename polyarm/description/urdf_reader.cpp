@@ -317,43 +317,156 @@ class UrdfReader {
         out[name] = std::string(trim(p->GetText() ? p->GetText() : ""));
   }
 
+  static std::string text_in(const XMLElement* e, const char* tag) {
+    const XMLElement* child = e ? e->FirstChildElement(tag) : nullptr;
+    return std::string(trim(child && child->GetText() ? child->GetText() : ""));
+  }
+
+  bool flag(const XMLElement& e, const char* name, bool fallback) {
+    const char* text = e.Attribute(name);
+    if (!text) return fallback;
+    const std::string value = lower(trim(text));
+    if (value != "true" && value != "false" && value != "1" && value != "0")
+      error(e, "bad-value", std::string(name) + "=\"" + text + "\" is neither true nor false");
+    return value == "true" || value == "1";
+  }
+
+  /// Children that <ros2_control> does not have are refused, as the reference refuses them.
+  void only(const XMLElement& e, const std::vector<std::string>& known) {
+    for (const XMLElement* c = e.FirstChildElement(); c; c = c->NextSiblingElement())
+      if (std::find(known.begin(), known.end(), c->Name()) == known.end())
+        error(*c, "unknown-tag",
+              std::string("<") + e.Name() + "> has no <" + c->Name() + ">" + did_you_mean(c->Name(), known),
+              "it can have " + join(known, ", "));
+  }
+
   void hardware(const XMLElement& e) {
     HardwareInfo out;
     out.where = at(e);
     out.name = attribute(e, "name");
     out.type = attribute(e, "type");
+    const std::vector<std::string> types{"system", "actuator", "sensor"};
+    if (!out.type.empty() && std::find(types.begin(), types.end(), out.type) == types.end())
+      error(e, "bad-type", "'" + out.type + "' is no type of hardware" + did_you_mean(out.type, types),
+            "write system, actuator or sensor");
+    only(e, {"hardware", "properties", "joint", "sensor", "gpio", "transmission"});
+    if (const auto rate = number(&e, "rw_rate")) {
+      if (*rate < 0 || *rate != std::floor(*rate) || *rate > 1e6)
+        error(e, "bad-value", "rw_rate is a whole number of Hz, 0 for that of the loop");
+      else
+        out.rw_rate = static_cast<int>(*rate);
+    }
+    out.is_async = flag(e, "is_async", false);
+    if (const auto priority = number(&e, "thread_priority"))
+      out.thread_priority = static_cast<int>(std::clamp(*priority, 0.0, 99.0));
+    async_properties(e, out);
     if (const XMLElement* h = e.FirstChildElement("hardware")) {
-      const XMLElement* plugin = h->FirstChildElement("plugin");
-      out.plugin = std::string(trim(plugin && plugin->GetText() ? plugin->GetText() : ""));
-      const XMLElement* group = h->FirstChildElement("group");
-      out.group = std::string(trim(group && group->GetText() ? group->GetText() : ""));
+      out.plugin = text_in(h, "plugin");
+      out.group = text_in(h, "group");
+      if (out.plugin.empty()) error(*h, "missing-tag", "the hardware '" + out.name + "' has no <plugin>");
       parameters(*h, out.parameters);
+    } else {
+      error(e, "missing-tag", "<ros2_control> '" + out.name + "' has no <hardware>",
+            "add <hardware><plugin>…</plugin></hardware>");
     }
     for (const char* kind : {"joint", "sensor", "gpio"})
-      for (const XMLElement* c = e.FirstChildElement(kind); c; c = c->NextSiblingElement(kind)) {
-        ComponentInfo component;
-        component.name = attribute(*c, "name");
-        component.kind = kind;
-        component_lines_[out.name + "/" + component.name] = at(*c);
-        parameters(*c, component.parameters);
-        interfaces(*c, "command_interface", component.command_interfaces);
-        interfaces(*c, "state_interface", component.state_interfaces);
-        out.components.push_back(std::move(component));
-      }
+      for (const XMLElement* c = e.FirstChildElement(kind); c; c = c->NextSiblingElement(kind))
+        component(*c, kind, out);
+    for (const XMLElement* t = e.FirstChildElement("transmission"); t;
+         t = t->NextSiblingElement("transmission"))
+      transmission(*t, out);
+    const auto joints = std::count_if(out.components.begin(), out.components.end(),
+                                      [](const ComponentInfo& c) { return c.kind == "joint"; });
+    if (out.type == "actuator" && joints != 1)
+      error(e, "bad-type", "the actuator '" + out.name + "' has " + std::to_string(joints) + " joints",
+            "an actuator has one; several make a system");
     model_.hardware.push_back(std::move(out));
   }
 
+  void async_properties(const XMLElement& e, HardwareInfo& out) {
+    const XMLElement* properties = e.FirstChildElement("properties");
+    const XMLElement* async = properties ? properties->FirstChildElement("async") : nullptr;
+    if (!async) return;
+    if (const auto priority = number(async, "thread_priority"))
+      out.thread_priority = static_cast<int>(std::clamp(*priority, 0.0, 99.0));
+    if (const char* affinity = async->Attribute("affinity"))
+      for (const std::string& word : split_words(affinity, "[], "))
+        if (const auto cpu = parse_number(word); cpu && *cpu >= 0 && *cpu < 4096)
+          out.affinity.push_back(static_cast<int>(*cpu));
+  }
+
+  void component(const XMLElement& c, const char* kind, HardwareInfo& out) {
+    ComponentInfo component;
+    component.name = attribute(c, "name");
+    component.kind = kind;
+    component_lines_[out.name + "/" + component.name] = at(c);
+    only(c, {"command_interface", "state_interface", "param", "limits"});
+    if (c.Attribute("mimic")) component.mimic = flag(c, "mimic", true);
+    if (const XMLElement* l = c.FirstChildElement("limits"))
+      component.limits_enabled = flag(*l, "enable", true);
+    parameters(c, component.parameters);
+    interfaces(c, "command_interface", component.command_interfaces);
+    interfaces(c, "state_interface", component.state_interfaces);
+    out.components.push_back(std::move(component));
+  }
+
+  void transmission_ends(const XMLElement& t, const char* tag, std::vector<TransmissionEnd>& out) {
+    for (const XMLElement* e = t.FirstChildElement(tag); e; e = e->NextSiblingElement(tag)) {
+      TransmissionEnd end;
+      end.name = attribute(*e, "name");
+      if (const char* role = e->Attribute("role")) end.role = role;
+      for (const auto& [name, value] :
+           {std::pair{"mechanical_reduction", &end.reduction}, {"offset", &end.offset}}) {
+        const std::string text = text_in(e, name);
+        if (text.empty()) continue;
+        if (const auto given = parse_number(text))
+          *value = *given;
+        else
+          error(*e, "bad-number", std::string(name) + " is '" + text + "', which is not a number");
+      }
+      if (end.reduction == 0)
+        error(*e, "bad-value", "the mechanical_reduction of '" + end.name + "' is 0", "1 leaves it as it is");
+      out.push_back(std::move(end));
+    }
+  }
+
+  void transmission(const XMLElement& t, HardwareInfo& out) {
+    TransmissionInfo info;
+    info.name = attribute(t, "name");
+    info.plugin = text_in(&t, "plugin");
+    if (info.plugin.empty()) error(t, "missing-tag", "the transmission '" + info.name + "' has no <plugin>");
+    transmission_ends(t, "joint", info.joints);
+    transmission_ends(t, "actuator", info.actuators);
+    parameters(t, info.parameters);
+    out.transmissions.push_back(std::move(info));
+  }
+
   void interfaces(const XMLElement& e, const char* tag, std::vector<InterfaceInfo>& out) {
+    static const std::vector<std::string> kTypes{"double", "float32", "bool",   "uint8", "int8",
+                                                 "uint16", "int16",   "uint32", "int32"};
     for (const XMLElement* i = e.FirstChildElement(tag); i; i = i->NextSiblingElement(tag)) {
       InterfaceInfo info;
       info.name = attribute(*i, "name");
       if (const char* type = i->Attribute("data_type")) info.data_type = type;
+      if (std::find(kTypes.begin(), kTypes.end(), info.data_type) == kTypes.end())
+        error(*i, "bad-type",
+              "'" + info.data_type + "' is no data_type" + did_you_mean(info.data_type, kTypes));
+      if (const auto size = number(i, "size")) {
+        if (*size < 1 || *size != std::floor(*size) || *size > 1000)
+          error(*i, "bad-value", "the size of '" + info.name + "' is a whole number from 1");
+        else
+          info.size = static_cast<int>(*size);
+      }
+      if (const XMLElement* l = i->FirstChildElement("limits"))
+        info.limits_enabled = flag(*l, "enable", true);
       parameters(*i, info.parameters);
       if (const char* initial = i->Attribute("initial_value")) info.parameters["initial_value"] = initial;
       for (const auto& [name, value] :
            {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
         if (const auto text = info.parameters.find(name); text != info.parameters.end()) {
           *value = parse_number(text->second);
+          if (lower(text->second) == "true") *value = 1;
+          if (lower(text->second) == "false") *value = 0;
           if (!*value && !text->second.empty() && info.data_type == "double")
             warnings_.warning("bad-number", at(*i),
                               std::string(name) + " of '" + info.name + "' is '" + text->second +
@@ -409,9 +522,30 @@ class UrdfReader {
     model_.named_states[attribute(e, "name")] = std::move(values);
   }
 
+  /// A joint that does not move cannot be commanded, and one that mimics another is not commanded by itself.
+  void check_component(const HardwareInfo& hardware, const ComponentInfo& component) {
+    const int found = component.kind == "joint" ? model_.find_joint(component.name) : -1;
+    if (found < 0) return;
+    const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
+    const Location& where = component_lines_[hardware.name + "/" + component.name];
+    if (!joint.moves())
+      problems_.error("fixed-joint", where,
+                      "<ros2_control> names the joint '" + component.name + "', which is fixed",
+                      "leave it out");
+    if (component.mimic.value_or(false) && !joint.mimic)
+      problems_.error("no-mimic", where,
+                      "the joint '" + component.name + "' has no <mimic> in the description",
+                      "add <mimic joint=…> to it, or leave mimic=\"true\" out");
+    if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty())
+      problems_.error("mimic-commanded", where,
+                      "the joint '" + component.name + "' follows another and cannot be commanded",
+                      "leave its command interfaces out, or write mimic=\"false\"");
+  }
+
   void check_hardware(const HardwareInfo& hardware) {
     std::vector<std::string> names;
     for (const Joint& joint : model_.joints) names.push_back(joint.name);
+    for (const ComponentInfo& component : hardware.components) check_component(hardware, component);
     for (const ComponentInfo& component : hardware.components)
       if (component.kind == "joint" && model_.find_joint(component.name) < 0)
         problems_.error("unknown-joint", component_lines_[hardware.name + "/" + component.name],

@@ -54,7 +54,8 @@ TEST(JointPid, HoldsWhereTheJointIsWhenItStartsAndAfterAStop) {
   EXPECT_NEAR(m.rig.command("arm/j1/velocity"), 0, 1e-9);
   m.rig.verdict.speed = 1;
   m.rig.step();
-  EXPECT_NEAR(m.rig.command("arm/j1/velocity"), 0, 1e-9) << "what was asked for before the stop does not come back";
+  EXPECT_NEAR(m.rig.command("arm/j1/velocity"), 0, 1e-9)
+      << "what was asked for before the stop does not come back";
   m.controller->on_deactivate(m.rig.cycle);
   EXPECT_EQ(m.rig.command("arm/j1/velocity"), 0);
 }
@@ -144,7 +145,8 @@ Made chainable() {
 TEST(PidController, OffersReferencesAndBeginsWhereItIs) {
   Made m = chainable();
   ASSERT_EQ(m.rig.configure(), CallbackReturn::success);
-  EXPECT_EQ(m.controller->reference_interfaces(), (std::vector<std::string>{"pid/j1/position", "pid/j1/velocity"}));
+  EXPECT_EQ(m.controller->reference_interfaces(),
+            (std::vector<std::string>{"pid/j1/position", "pid/j1/velocity"}));
   EXPECT_EQ(m.controller->exported_states(), std::vector<std::string>{"pid/j1/pid_error"});
   m.rig.state("arm/j1/position") = 2;
   m.controller->on_activate(m.rig.cycle);

@@ -9,7 +9,8 @@
 
 namespace polyarm::controllers {
 
-/// Joints of a robot `arm` with position, velocity and effort to read and to command; ten milliseconds a cycle.
+/// Joints of a robot `arm` with position, velocity and effort to read and to command; ten milliseconds a
+/// cycle.
 struct JointRig {
   static constexpr Nanoseconds kPeriod = 10'000'000;
   Controller& controller;
@@ -68,7 +69,8 @@ struct JointRig {
   }
 
  private:
-  static double& at(const std::vector<std::string>& names, std::vector<double>& values, const std::string& name) {
+  static double& at(const std::vector<std::string>& names, std::vector<double>& values,
+                    const std::string& name) {
     for (std::size_t i = 0; i < names.size(); ++i)
       if (names[i] == name) return values[i];
     ADD_FAILURE() << "nothing is called " << name;

@@ -235,7 +235,8 @@ std::vector<Bad> bad_files() {
        "xacro", "expanded"},
       {"UnknownHardwareJoint",
        links_and(joint("elbow", "a", "b") +
-                 "<ros2_control name=\"h\" type=\"system\">\n<joint name=\"elbw\"/>\n" + "</ros2_control>\n"),
+                 "<ros2_control name=\"h\" type=\"system\"><hardware><plugin>p</plugin></hardware>\n<joint name=\"elbw\"/>\n" +
+                 "</ros2_control>\n"),
        6, "unknown-joint", "did you mean 'elbow'"},
   };
 }

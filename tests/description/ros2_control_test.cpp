@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "polyarm/description/urdf.hpp"
+
+namespace polyarm::description {
+namespace {
+
+std::string robot(const std::string& blocks) {
+  return "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>"
+         "<joint name='j' type='revolute'><parent link='a'/><child link='b'/><limit lower='-1' upper='1' "
+         "velocity='1' effort='1'/></joint>"
+         "<joint name='m' type='revolute'><parent link='b'/><child link='c'/><limit lower='-1' upper='1' "
+         "velocity='1' effort='1'/><mimic joint='j'/></joint>"
+         "<joint name='f' type='fixed'><parent link='c'/><child link='d'/></joint>\n" +
+         blocks + "</robot>";
+}
+
+RobotModel read(const std::string& blocks) {
+  Problems warnings;
+  return read_urdf(robot(blocks), "r.urdf", warnings);
+}
+
+std::string refusal(const std::string& inner, const std::string& attributes = "name='h' type='system'") {
+  try {
+    read("<ros2_control " + attributes + "><hardware><plugin>p</plugin></hardware>" + inner +
+         "</ros2_control>");
+  } catch (const Error& e) {
+    EXPECT_GE(e.problems().front().where.line, 2);
+    return e.problems().front().code;
+  }
+  return "none";
+}
+
+TEST(Ros2Control, EveryAttributeIsRead) {
+  const RobotModel model = read(
+      "<ros2_control name='arm' type='system' rw_rate='500' is_async='true'><properties><async "
+      "affinity='[2,4]' thread_priority='60'/></properties>"
+      "<hardware><plugin>v/P</plugin><group>g</group><param name='port'> /dev/x </param></hardware>"
+      "<joint name='j'><limits enable='false'/><command_interface name='position'><param "
+      "name='min'>-0.5</param></command_interface>"
+      "<state_interface name='mode' data_type='uint8' size='3'><param "
+      "name='initial_value'>4</param></state_interface></joint>"
+      "<gpio name='io'><command_interface name='out' data_type='bool'/></gpio>"
+      "<transmission name='t'><plugin>transmission_interface/SimpleTransmission</plugin>"
+      "<joint name='j' "
+      "role='joint1'><mechanical_reduction>10</mechanical_reduction><offset>1</offset></joint><actuator "
+      "name='motor'/></transmission>"
+      "</ros2_control>"
+      "<ros2_control name='wrist' type='sensor'><hardware><plugin>v/S</plugin></hardware><sensor "
+      "name='ft'><state_interface name='force.x'/></sensor></ros2_control>");
+  ASSERT_EQ(model.hardware.size(), 2u);
+  const HardwareInfo& arm = model.hardware[0];
+  EXPECT_EQ(arm.rw_rate, 500);
+  EXPECT_TRUE(arm.is_async);
+  EXPECT_EQ(arm.thread_priority, 60);
+  EXPECT_EQ(arm.affinity, (std::vector<int>{2, 4}));
+  EXPECT_EQ(arm.group, "g");
+  EXPECT_EQ(arm.parameters.at("port"), "/dev/x");
+  EXPECT_FALSE(arm.components[0].limits_enabled);
+  EXPECT_EQ(arm.components[0].state_interfaces[0].size, 3);
+  EXPECT_EQ(arm.components[0].state_interfaces[0].initial_value, 4);
+  ASSERT_EQ(arm.transmissions.size(), 1u);
+  EXPECT_EQ(arm.transmissions[0].joints[0].reduction, 10);
+  EXPECT_EQ(arm.transmissions[0].joints[0].offset, 1);
+  EXPECT_EQ(arm.transmissions[0].actuators[0].name, "motor");
+  EXPECT_EQ(model.hardware[1].type, "sensor");
+}
+
+TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
+  EXPECT_EQ(refusal("<joint name='j'/>"), "none");
+  EXPECT_EQ(refusal("<joint name='jj'/>"), "unknown-joint");
+  EXPECT_EQ(refusal("<joint name='f'/>"), "fixed-joint");
+  EXPECT_EQ(refusal("<joint name='m'><command_interface name='position'/></joint>"), "mimic-commanded");
+  EXPECT_EQ(refusal("<joint name='m' mimic='false'><command_interface name='position'/></joint>"), "none");
+  EXPECT_EQ(refusal("<joint name='j' mimic='true'/>"), "no-mimic");
+  EXPECT_EQ(refusal("<jiont name='j'/>"), "unknown-tag");
+  EXPECT_EQ(refusal("<joint name='j'><comand_interface name='position'/></joint>"), "unknown-tag");
+  EXPECT_EQ(refusal("<joint name='j'><state_interface/></joint>"), "missing-attribute");
+  EXPECT_EQ(refusal("<joint name='j'><state_interface name='x' data_type='dobule'/></joint>"), "bad-type");
+  EXPECT_EQ(refusal("<joint name='j'><state_interface name='x' size='0'/></joint>"), "bad-value");
+  EXPECT_EQ(refusal("", "name='h' type='sytsem'"), "bad-type");
+  EXPECT_EQ(refusal("", "name='h' type='system' rw_rate='-3'"), "bad-value");
+  EXPECT_EQ(refusal("", "name='h' type='system' is_async='maybe'"), "bad-value");
+  EXPECT_EQ(refusal("", "name='h' type='actuator'"), "bad-type");
+  EXPECT_EQ(refusal("<transmission name='t'><plugin>p</plugin><joint "
+                    "name='j'><mechanical_reduction>0</mechanical_reduction></joint></transmission>"),
+            "bad-value");
+}
+
+}  // namespace
+}  // namespace polyarm::description
