@@ -72,7 +72,10 @@ Json Client::receive(int timeout_ms) {
     if (const auto end = in_.find('\n'); end != std::string::npos) {
       const std::string line = in_.substr(0, end);
       in_.erase(0, end + 1);
-      return Json::parse(line);
+      const Json answer = Json::parse(line, nullptr, false);
+      if (!answer.is_object())
+        throw Error("bad-answer", "this is no answer of a cell: " + line.substr(0, 80));
+      return answer;
     }
     pollfd waiting{fd_, POLLIN, 0};
     const int ready = ::poll(&waiting, 1, timeout_ms);
@@ -94,7 +97,8 @@ Json Client::result_of(const Json& answer) {
 Json Client::ask(Json request) {
   send(request);
   Json answer;
-  while (answer.is_null()) answer = receive(interrupted() ? 0 : -1);
+  for (int asked = 0; answer.is_null(); answer = receive(100))
+    if (interrupted() && ++asked > 20) throw Error("no-answer", "the cell has not answered");
   return result_of(answer);
 }
 
@@ -140,6 +144,7 @@ bool interrupted() {
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { interrupt = true; };
+  action.sa_flags = SA_RESETHAND;  // a second one ends the verb, whatever the cell does
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

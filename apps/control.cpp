@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "apps/client.hpp"
 
 namespace polyarm::apps {
@@ -9,7 +11,7 @@ namespace {
 struct Arguments {
   ClientOptions client;
   std::vector<std::string> activate, deactivate, parameters;
-  std::string strictness = "strict", name, type, state;
+  std::string strictness = "strict", name, type, file, state;
   bool dry = false;
 };
 
@@ -66,6 +68,7 @@ int act(const CLI::App& app, const Arguments& a) {
   if (!a.name.empty()) request["name"] = a.name;
   if (!a.state.empty()) request["state"] = a.state;
   if (action == "load" && !a.type.empty()) request["type"] = a.type;
+  if (action == "load" && !a.file.empty()) request["file"] = std::filesystem::absolute(a.file).string();
   if (action == "load" && !a.parameters.empty()) request["parameters"] = parameters_of(a.parameters);
   const Json result = client.ask(request);
   if (a.client.json) {
@@ -81,7 +84,7 @@ int act(const CLI::App& app, const Arguments& a) {
     if (result.empty()) fmt::print("no controller works through another\n");
   } else if (action == "switch") {
     tell_switch(result, a.dry);
-  } else if (action == "load" || action == "unload" || action == "state") {
+  } else if (!a.name.empty()) {
     fmt::print("{} is {}\n", a.name, action == "unload" ? "gone" : shown(result["state"]));
     for (const Json& warning : result.value("warnings", Json::array())) fmt::print("{}\n", shown(warning));
   } else {
@@ -110,8 +113,11 @@ int run_control(int argc, char** argv) {
   change->add_flag("--dry", a.dry, "only say what would happen, or why not");
   CLI::App* load = add("load", "make and configure a controller");
   load->add_option("name", a.name, "as in the controllers file, or a new name with --type")->required();
-  load->add_option("--type", a.type, "for one that the file does not describe");
+  load->add_option("--type", a.type, "for one that no file describes");
+  load->add_option("--file", a.file, "a controllers file that describes it, instead of the cell's own");
   load->add_option("-p,--param", a.parameters, "KEY=VALUE; lists as [a, b]");
+  add("configure", "unconfigured to inactive")->add_option("name", a.name)->required();
+  add("cleanup", "inactive to unconfigured")->add_option("name", a.name)->required();
   add("unload", "take a controller away that is not active")->add_option("name", a.name)->required();
   CLI::App* state = add("state", "take a controller to a state");
   state->add_option("name", a.name)->required();

@@ -10,7 +10,6 @@
 #include "apps/client.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 
 namespace polyarm::apps {
 
@@ -170,87 +169,6 @@ int run_watch(int argc, char** argv) {
     std::fflush(stdout);
   }
   return kOk;
-}
-
-int run_param(int argc, char** argv) {
-  CLI::App app("Parameters of the controllers of a running cell", "polyarm param");
-  ClientOptions options;
-  std::string name, key, file;
-  std::vector<std::string> values;
-  CLI::App* list = app.add_subcommand("list", "all parameters: value, default, what they are");
-  CLI::App* get = app.add_subcommand("get", "one parameter");
-  CLI::App* set =
-      app.add_subcommand("set", "change parameters that can be changed, all at once between two cycles");
-  CLI::App* load = app.add_subcommand("load", "change them to what a YAML file says");
-  CLI::App* dump = app.add_subcommand("dump", "print them as a controllers file has them");
-  for (CLI::App* sub : {list, get, set, load, dump}) {
-    options.add_to(*sub);
-    sub->add_option("controller", name)->required();
-  }
-  get->add_option("key", key)->required();
-  set->add_option("values", values, "KEY=VALUE, or KEY VALUE")->required();
-  load->add_option("file", file)->required();
-  app.footer(examples({"polyarm param list joint_trajectory_controller",
-                       "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
-                       "polyarm param dump pid > pid.yaml"}));
-  return run_actions(app, argc, argv, [&] {
-    const std::string action = app.get_subcommands().front()->get_name();
-    Client client(options.cell);
-    Json wanted = Json::object();
-    if (action == "set" && values.size() == 2 && values[0].find('=') == std::string::npos)
-      values = {values[0] + "=" + values[1]};
-    for (const std::string& word : values) {
-      const auto equals = word.find('=');
-      if (equals == std::string::npos) throw Error("bad-value", "'" + word + "' is not KEY=VALUE");
-      wanted[word.substr(0, equals)] = word.substr(equals + 1);
-    }
-    if (action == "load") {
-      const Yaml yaml = Yaml::load(file);
-      const Yaml own = yaml.has(name) ? yaml[name] : yaml;
-      const std::function<void(const std::string&, const Yaml&)> flatten = [&](const std::string& prefix,
-                                                                               const Yaml& at) {
-        for (const std::string& k : at.keys()) {
-          const std::string whole = prefix.empty() ? k : prefix + "." + k;
-          if (at[k].is_map())
-            flatten(whole, at[k]);
-          else if (at[k].is_scalar())
-            wanted[whole] = at[k].text();
-        }
-      };
-      flatten("", own.has("ros__parameters") ? own["ros__parameters"] : own);
-      Json changeable = Json::object();
-      for (const Json& p : client.ask({{"request", "param.list"}, {"name", name}}))
-        if (const auto found = wanted.find(shown(p["key"]));
-            found != wanted.end() && p["changeable"].get<bool>())
-          changeable[found.key()] = found.value();
-      wanted = changeable;
-    }
-    Json request{{"request", action == "load"   ? "param.set"
-                             : action == "dump" ? "param.list"
-                                                : "param." + action},
-                 {"name", name}};
-    if (!key.empty()) request["key"] = key;
-    if (!wanted.empty()) request["values"] = wanted;
-    const Json result = client.ask(request);
-    if (options.json) {
-      fmt::print("{}\n", result.dump(1));
-    } else if (action == "list") {
-      std::vector<std::vector<std::string>> rows;
-      for (const Json& p : result)
-        rows.push_back({shown(p["key"]), shown(p["value"]), shown(p["default"]),
-                        p["changeable"].get<bool>() ? "yes" : "", shown(p["text"])});
-      print_table({"PARAMETER", "VALUE", "DEFAULT", "CHANGEABLE", "WHAT"}, rows);
-    } else if (action == "dump") {
-      fmt::print("{}:\n  ros__parameters:\n", name);
-      for (const Json& p : result)
-        if (!shown(p["value"]).empty()) fmt::print("    {}: {}\n", shown(p["key"]), shown(p["value"]));
-    } else if (action == "get") {
-      fmt::print("{}\n", shown(result["value"]));
-    } else {
-      fmt::print("changed {} parameters\n", shown(result["changed"]));
-    }
-    return kOk;
-  });
 }
 
 }  // namespace polyarm::apps

@@ -94,6 +94,7 @@ int run_hardware(int argc, char** argv) {
 
 int run_interfaces(int argc, char** argv) {
   CLI::App app("Every state and command interface of a running cell", "polyarm interfaces");
+  app.footer(examples({"polyarm interfaces", "polyarm interfaces --cell r6bot --json"}));
   return ask(app, argc, argv, "interfaces", [](const Json& result) {
     std::vector<std::vector<std::string>> rows;
     for (const Json& i : result["commands"])
@@ -106,11 +107,13 @@ int run_interfaces(int argc, char** argv) {
 
 int run_health(int argc, char** argv) {
   CLI::App app("How the control loop of a running cell is doing", "polyarm health");
+  app.footer(examples({"polyarm health", "polyarm health --json"}));
   return ask(app, argc, argv, "health", print_health);
 }
 
 int run_limits(int argc, char** argv) {
   CLI::App app("Which limits took hold of commands in a running cell", "polyarm limits");
+  app.footer(examples({"polyarm limits", "polyarm limits --json"}));
   return ask(app, argc, argv, "limits", print_limits);
 }
 

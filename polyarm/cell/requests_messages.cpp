@@ -52,8 +52,9 @@ Address resolve(const std::string& given, const std::vector<Ports>& all, const c
   std::vector<std::string> words = split_words(given, "/");
   if (words.size() > 1 && words.back() == "goal") words.pop_back();
   std::vector<Address> by_port, by_name;
-  std::vector<std::string> known;
+  std::vector<std::string> known, hints;
   for (const Ports& ports : all) {
+    if (!ports.names.empty()) hints.push_back(ports.controller);
     const std::vector<std::string> own = split_words(ports.controller, "/");
     for (const std::string& port : ports.names) {
       known.push_back(ports.controller + "/" + port);
@@ -68,8 +69,9 @@ Address resolve(const std::string& given, const std::vector<Ports>& all, const c
   if (by_port.size() > 1)
     throw Error("which-controller", "several controllers have '" + given + "'",
                 "name one of them: " + listed(by_port));
+  hints.insert(hints.end(), known.begin(), known.end());
   throw Error("unknown-name",
-              std::string("nothing ") + kind + " is called '" + given + "'" + did_you_mean(given, known),
+              std::string("nothing ") + kind + " is called '" + given + "'" + did_you_mean(given, hints),
               known.empty() ? "" : "there are: " + join(known, ", "));
 }
 
