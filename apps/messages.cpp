@@ -24,8 +24,9 @@ struct SendArguments {
 
 std::string text_of(const std::string& file) {
   if (file == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-  if (file.find_first_of("{[\n") != std::string::npos && !std::ifstream(file))
-    return file;  // the message itself
+  const bool says_something = file.find_first_of("{[\n") != std::string::npos ||
+                              file.find(": ") != std::string::npos || parse_number(file);
+  if (says_something && !std::ifstream(file)) return file;  // the message itself
   return read_file(file);
 }
 

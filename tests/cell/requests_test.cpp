@@ -317,6 +317,48 @@ TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
   EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
 }
 
+TEST(RequestsOutside, AFaultEndsARunThatWorksTowardsAnEndButNotACellThatWaitsForOthers) {
+  for (const bool outside : {false, true}) {
+    LockStepCell cell(kControllers, outside);
+    const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
+    FailingMock::fails = true;
+    cell.run(0.02);
+    FailingMock::fails = false;
+    EXPECT_EQ(cell.result({{"request", "health"}})["state"], "fault");
+    EXPECT_EQ(cell.cell().failure().has_value(), !outside);
+    if (!outside) continue;
+    EXPECT_EQ(cell.result({{"request", "hardware.recover"}, {"name", name}})["state"], "active");
+    cell.result({{"request", "control.recover"}});
+    cell.result({{"request", "control.switch"}, {"activate", {"follow", "tail"}}});
+    cell.result({{"request", "control.resume"}});
+    EXPECT_TRUE(
+        cell.ask({{"request", "send"}, {"to", "tail"}, {"message", "data: [0.1, 0.1]"}})["ok"].get<bool>());
+    cell.run(1);
+    EXPECT_NEAR(cell.value_of("states", "arm/joint_6/position"), 0.1, 1e-9);
+    FailingMock::fails = true;  // and again
+    cell.run(0.02);
+    FailingMock::fails = false;
+    EXPECT_EQ(cell.result({{"request", "hardware.recover"}, {"name", name}})["fallen"].size(), 2u);
+  }
+}
+
+TEST(RequestsOutside, ALongMessageIsReadBesideTheTick) {
+  LockStepCell cell(kControllers, true);
+  Json points = Json::array();
+  for (int i = 1; i <= 2000; ++i)
+    points.push_back({{"positions", {1e-4 * i, 0}}, {"time_from_start", 0.001 * i}});
+  const auto answers =
+      cell.give(Json{{"request", "send"},
+                     {"to", "follow"},
+                     {"message", {{"joint_names", {"joint_1", "joint_2"}}, {"points", points}}}});
+  EXPECT_TRUE(answers->empty()) << "it is being read";
+  for (int ticks = 0; ticks < 10'000'000 && answers->empty(); ++ticks) cell.tick();
+  ASSERT_EQ(answers->size(), 1u);
+  EXPECT_TRUE(answers->front()["ok"].get<bool>()) << answers->front();
+  cell.run(3);
+  EXPECT_NEAR(cell.value_of("states", "arm/joint_1/position"), 0.2, 1e-6);
+}
+
 TEST_F(RequestsTest, AMessageMovesTheJoints) {
   EXPECT_EQ(cell.result({{"request", "send"}, {"to", "tail"}, {"message", {{"data", {0.25, -0.5}}}}})["to"],
             "tail/commands");

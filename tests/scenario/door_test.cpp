@@ -148,6 +148,10 @@ TEST_F(DoorTest, MessagesAreSentOnceAndAsAStream) {
       {"send", "/tail/commands", "data: [-0.2]\n---\ndata: [-0.1]\n---\ndata: [0.1]\n", "--rate", "100"});
   EXPECT_EQ(stream.exit_code, 0) << stream.output;
   EXPECT_TRUE(arrives(0.1)) << "the last of the stream";
+  EXPECT_EQ(run_command({"send", "/tail/command", "data: 0.05"}).exit_code, 0);
+  EXPECT_TRUE(arrives(0.05));
+  EXPECT_EQ(run_command({"send", "tail", "0.15"}).exit_code, 0);
+  EXPECT_NE(run_command({"send", "tail", "nothere.yaml"}).output.find("no such file"), std::string::npos);
   const Finished nothing = run_command({"send", "tail", "-"});
   EXPECT_EQ(nothing.exit_code, 1) << "there is nothing on standard input";
   EXPECT_NE(run_command({"send", "tial", "data: [1]"}).output.find("did you mean 'tail'"), std::string::npos);

@@ -55,7 +55,8 @@ class FailingMock : public drivers::MockComponent {
 /// The arm of examples/r6bot on the mock, with controllers as given, stepped in lock-step.
 class LockStepCell {
  public:
-  explicit LockStepCell(const std::string& controllers) {
+  /// `worked_from_outside`: as on the wall clock, where the cell waits for others and its worker is a thread.
+  explicit LockStepCell(const std::string& controllers, bool worked_from_outside = false) {
     FailingMock::fails = false;
     hardware::register_driver("failing",
                               [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
@@ -63,7 +64,7 @@ class LockStepCell {
     cell::Overrides overrides;
     overrides.hardware = "failing";
     cell::CellOptions options;
-    options.lock_step = true;
+    options.lock_step = !worked_from_outside;
     cell_ = std::make_unique<cell::Cell>(
         cell::cell_from_description(urdf, {folder_.write("controllers.yaml", controllers)}, overrides),
         description::Catalogue({}), options, observer_);
