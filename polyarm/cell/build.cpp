@@ -166,7 +166,8 @@ class Planner {
       controllers::Parameters parameters;
       std::vector<std::string> joints;
       for (const controllers::JointFacts& joint : robot->joints)
-        if (loop_.table().find_command(joint.name + "/position")) joints.push_back(joint.name);
+        if (loop_.table().find_command(joint.name + "/position"))
+          joints.push_back(joint.name.substr(robot->entry.name.size() + 1));  // its own robot's
       if (joints.empty()) continue;
       parameters.set("joints", joints);
       const std::string prefix = robots_.size() == 1 ? "" : robot->entry.name + "_";

@@ -79,6 +79,8 @@ class Cell {
 
   // For requests; cell thread.
   Requests& requests() { return *requests_; }
+  /// For what takes longer than a tick may; in lock-step it is done at once.
+  Worker& worker() { return *worker_; }
   /// Makes and configures a controller while the cell runs: with the type and parameters given, or with those
   /// that the controllers' files have under its name. Returns the warnings.
   /// `file`: a controllers file that is read instead of the cell's own; empty: those. Where configuring

@@ -1,11 +1,14 @@
 /// Requests about parameters, messages to controllers, and what comes out of them.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/message_forms.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/cell/worker.hpp"
 
 namespace polyarm::cell {
 
@@ -215,17 +218,57 @@ controllers::InputPort port_of(const controllers::Controller& controller, Addres
 }
 }  // namespace
 
+namespace {
+
+/// A message being read by the worker: a long one takes longer than a tick may.
+struct Reading {
+  std::optional<controllers::Input> message;
+  std::exception_ptr failed;
+  std::atomic<bool> done{false};
+};
+
+std::shared_ptr<Reading> begin_reading(Cell& cell, std::string text, std::vector<std::string> types) {
+  constexpr std::size_t kShort = 4096;
+  auto out = std::make_shared<Reading>();
+  const bool is_short = text.size() <= kShort;
+  const auto read = [out, text = std::move(text), types = std::move(types)] {
+    try {
+      out->message = read_message(text, "the message", types);
+    } catch (...) {
+      out->failed = std::current_exception();
+    }
+    out->done.store(true, std::memory_order_release);
+  };
+  if (is_short)
+    read();
+  else
+    cell.worker().post(read);
+  return out;
+}
+
+}  // namespace
+
 Poll send_message(Cell& cell, const Json& arguments) {
   Address to = input_address(cell, text_argument(arguments, "to"));
   require_active(cell, to.controller);
-  controllers::Controller& controller = *cell.loop().controllers().find(to.controller);
-  const controllers::InputPort port = port_of(controller, to, flag_argument(arguments, "goal"));
+  const controllers::InputPort port =
+      port_of(*cell.loop().controllers().find(to.controller), to, flag_argument(arguments, "goal"));
   const Json& given = arguments["message"];
-  const controllers::Input message =
-      read_message(given.is_string() ? given.get<std::string>() : given.dump(), "the message", port.types);
-  const std::uint64_t id = controller.receive(to.port, message, port.action);
-  if (!port.action) return at_once({{"to", to.controller + "/" + to.port}});
-  return follow_goal(to, id);
+  const auto reading =
+      begin_reading(cell, given.is_string() ? given.get<std::string>() : given.dump(), port.types);
+  return [to, action = port.action, reading, follow = Poll{}](Cell& c) mutable {
+    if (follow) return follow(c);
+    if (!reading->done.load(std::memory_order_acquire)) return Progress{};
+    if (reading->failed) std::rethrow_exception(reading->failed);
+    require_active(c, to.controller);
+    controllers::Controller* controller = c.loop().controllers().find(to.controller);
+    if (!controller) throw Error("unloaded", "the controller was taken away");
+    const std::uint64_t id = controller->receive(to.port, *reading->message, action);
+    reading->message.reset();
+    if (!action) return Progress::done({{"to", to.controller + "/" + to.port}});
+    follow = follow_goal(to, id);
+    return follow(c);
+  };
 }
 
 Poll goal_cancel(Cell& cell, const Json& arguments) {
