@@ -235,8 +235,8 @@ class Expander {
         if (close == std::string::npos)
           throw Error("bad-expression", std::string("a '$") + open + "' has no end");
         const std::string inner = text.substr(dollars + 1, close - dollars - 1);
-        only = open == '{' ? evaluate_expression(inner, names_for(scope))
-                           : substitution(str_of(evaluate(inner, scope)), scope);
+        const std::string resolved = str_of(evaluate(inner, scope));
+        only = open == '{' ? evaluate_expression(resolved, names_for(scope)) : substitution(resolved, scope);
         out += str_of(only);
         at = close + 1;
         continue;
@@ -395,7 +395,7 @@ class Expander {
     if (node.Tag() == "!degrees" || node.Tag() == "!radians") {
       const XacroValue value = evaluate_expression(text, names_for(nullptr));
       const double number = std::stod(float_text(value.is_number() ? to_double(value) : std::nan("")));
-      return node.Tag() == "!degrees" ? number * std::numbers::pi / 180 : number;
+      return node.Tag() == "!degrees" ? number * (std::numbers::pi / 180) : number;
     }
     if (node.Tag() == "!") return text;  // it was quoted
     const std::string word = lower(text);

@@ -203,6 +203,7 @@ TEST(Xacro, ArgumentsComeFromOutside) {
   expect("<xacro:arg name='n' default='d'/><l v='$(arg n)'/>", "<l v='e'/>", {{{"n", "e"}}, {}});
   expect("<xacro:arg name='n' default='3'/><l v='$(eval arg(\"n\") + \"1\")' w='$(eval n * 2)'/>",
          "<l v='31' w='6'/>");
+  expect("<xacro:arg name='n' default='3'/><l v=\"${'$(arg n)' + '1'} ${$(arg n) + 1}\"/>", "<l v='31 4'/>");
   EXPECT_NE(complaint("<l v='$(arg missing)'/>").find("missing:=VALUE"), std::string::npos);
 }
 
