@@ -42,10 +42,13 @@ struct JointNow {
   double velocity = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What may be commanded, and why not more; `cause` is the limit nearest to what was asked.
+/// What may be commanded, and why not more; `cause` is the limit nearest to what was asked. `fault`: the
+/// joint is measured further beyond its limits than kFaultBeyond, which no command explains; ros2_control
+/// throws there. A time step that is not above 0 leaves every command as it is.
 struct Allowed {
   double value;
   Limit cause = Limit::none;
+  bool fault = false;
 };
 
 /// Beyond its limits by less than this, rad or m, a joint may be moved inwards; beyond by more, a velocity is
@@ -75,15 +78,58 @@ struct Range {
   }
 };
 
-/// Speeds that the soft limits leave, between -velocity and velocity.
+/// Whether the joint is measured so far beyond its limits that something must be wrong with it.
+inline bool far_outside(const LimiterSettings& s, const JointNow& now) noexcept {
+  return now.position > s.upper + kFaultBeyond || now.position < s.lower - kFaultBeyond;
+}
+
+/// What slows a joint down is limited by the deceleration, or by the acceleration where there is none.
+inline double braking(const LimiterSettings& s) noexcept {
+  return s.deceleration > 0 && s.deceleration < kUnlimited ? s.deceleration : s.acceleration;
+}
+inline bool limits_changes(const LimiterSettings& s) noexcept {
+  return s.acceleration < kUnlimited || braking(s) < kUnlimited;
+}
+
+/// The lowest speed that can be reached from `speed` in `dt`: slowing down as far as rest, then backwards.
+/// (The highest one is -lowest_speed(s, -speed, dt).)
+inline double lowest_speed(const LimiterSettings& s, double speed, double dt) noexcept {
+  if (!(speed > 0)) return speed - s.acceleration * dt;
+  const double to_rest = speed / braking(s);
+  return to_rest < dt ? -s.acceleration * (dt - to_rest) : speed - braking(s) * dt;
+}
+
+/// The highest mean speed over the next `dt` after which a joint with `room` before it still stops in time,
+/// when its speed falls by braking * dt in each step after it. With w for the speed at that step's end, the
+/// room is (w + braking * dt)^2 / (2 braking).
+inline double highest_speed_before_stop(double braking, double room, double dt) noexcept {
+  if (room <= 0.5 * braking * dt * dt) return room / dt;
+  return std::sqrt(2 * braking * room) - 0.5 * braking * dt;
+}
+
+/// The speeds that the acceleration leaves after `last`, each end with its own limit.
+inline void narrow_by_acceleration(Range& range, const LimiterSettings& s, double last, double offset,
+                                   double scale, double dt) noexcept {
+  const Limit slows = s.deceleration < kUnlimited ? Limit::deceleration : Limit::acceleration;
+  range.narrow(offset + lowest_speed(s, last, dt) * scale, kUnlimited,
+               last > 0 ? slows : Limit::acceleration);
+  range.narrow(-kUnlimited, offset - lowest_speed(s, -last, dt) * scale,
+               last < 0 ? slows : Limit::acceleration);
+}
+
+/// Speeds that the soft limits leave, between -velocity and velocity. Without a k_position nothing is slowed
+/// down before the edge (ros2_control would allow no motion at all).
 inline Range soft_speeds(const LimiterSettings& s, double position) noexcept {
   Range out;
   out.narrow(-s.velocity, s.velocity, Limit::velocity);
   if (!s.soft || !std::isfinite(position)) return out;
   const SoftLimits& soft = s.soft_limits;
   const auto within = [&](double v) { return std::clamp(v, -s.velocity, s.velocity); };
-  double low = within(-soft.k_position * (position - soft.lower));
-  double high = within(-soft.k_position * (position - soft.upper));
+  const double k = soft.k_position;
+  double low = k > 0 ? within(k * (soft.lower - position)) : position < soft.lower ? s.velocity : -s.velocity;
+  double high = k > 0                   ? within(k * (soft.upper - position))
+                : position > soft.upper ? -s.velocity
+                                        : s.velocity;
   if (position < soft.lower || position > soft.upper || position < s.lower || position > s.upper) {
     low = std::copysign(kSoftReturn, low);
     high = std::copysign(kSoftReturn, high);
@@ -95,14 +141,13 @@ inline Range soft_speeds(const LimiterSettings& s, double position) noexcept {
 }
 
 /// A position. `last` is the last command (at first the measured position), `last_velocity` the speed of the
-/// last commands where accelerations are limited, else anything.
+/// last commands where accelerations are limited, else anything. Where an acceleration is limited, a joint
+/// slows down in time for its position limits; where the limits contradict each other, the position's hold.
 inline Allowed allow_position(const LimiterSettings& s, const JointNow& now, double asked, double last,
                               double last_velocity, double dt) noexcept {
   if (!std::isfinite(asked)) return {last, Limit::not_a_number};
+  if (!(dt > 0)) return {asked};
   Range range;
-  // A joint beyond its limits may stay where it is and come back, not go further out.
-  const double lower = std::min(s.lower, last), upper = std::max(s.upper, last);
-  range.narrow(lower, upper, last < s.lower || last > s.upper ? Limit::out_of_range : Limit::position);
   if (s.soft) {
     const Range speeds = soft_speeds(s, last);
     range.narrow(std::min(s.soft_limits.lower, last), std::max(s.soft_limits.upper, last),
@@ -111,38 +156,49 @@ inline Allowed allow_position(const LimiterSettings& s, const JointNow& now, dou
       range.narrow(last + speeds.low * dt, last + speeds.high * dt, Limit::soft_position);
   }
   if (s.velocity < kUnlimited) range.narrow(last - s.velocity * dt, last + s.velocity * dt, Limit::velocity);
-  if (s.acceleration < kUnlimited && std::isfinite(last_velocity)) {
-    const double slower = s.deceleration < kUnlimited ? s.deceleration : s.acceleration;
-    const double down = last_velocity > 0 ? slower : s.acceleration,
-                 up = last_velocity < 0 ? slower : s.acceleration;
-    range.narrow(last + (last_velocity - down * dt) * dt, last + (last_velocity + up * dt) * dt,
-                 Limit::acceleration);
+  if (limits_changes(s) && std::isfinite(last_velocity)) {
+    const double brake = braking(s);
+    if (last > s.lower && last < s.upper)
+      range.narrow(last - highest_speed_before_stop(brake, last - s.lower, dt) * dt,
+                   last + highest_speed_before_stop(brake, s.upper - last, dt) * dt, Limit::position);
+    narrow_by_acceleration(range, s, last_velocity, last, dt, dt);
   }
-  (void)now;
-  return range.apply(asked);
+  // A joint beyond its limits may stay where it is and come back, not go further out.
+  range.narrow(std::min(s.lower, last), std::max(s.upper, last),
+               last < s.lower || last > s.upper ? Limit::out_of_range : Limit::position);
+  Allowed out = range.apply(asked);
+  out.fault = far_outside(s, now);
+  return out;
+}
+
+/// What the limits of position leave of the speeds. Beyond its limits by a little a joint may come back; by
+/// more it stands.
+inline void narrow_by_position(Range& range, const LimiterSettings& s, double position, double dt) noexcept {
+  const double out = std::max(s.lower - position, position - s.upper);
+  if (out > kExpectedBeyond)
+    range.narrow(0, 0, Limit::out_of_range);
+  else if (position > s.upper)
+    range.narrow(-kUnlimited, 0, Limit::out_of_range);
+  else if (position < s.lower)
+    range.narrow(0, kUnlimited, Limit::out_of_range);
+  else
+    range.narrow((s.lower - position) / dt, (s.upper - position) / dt, Limit::position);
 }
 
 /// A velocity. `last` is the velocity commanded last.
 inline Allowed allow_velocity(const LimiterSettings& s, const JointNow& now, double asked, double last,
                               double dt) noexcept {
   if (!std::isfinite(asked)) return {0, Limit::not_a_number};
+  if (!(dt > 0)) return {asked};
   Range range = soft_speeds(s, now.position);
-  if (s.acceleration < kUnlimited && std::isfinite(last)) {
-    const double slower = s.deceleration < kUnlimited ? s.deceleration : s.acceleration;
-    const double down = last > 0 ? slower : s.acceleration, up = last < 0 ? slower : s.acceleration;
-    range.narrow(last - down * dt, last + up * dt, Limit::acceleration);
-  }
-  if (std::isfinite(now.position) && (s.lower > -kUnlimited || s.upper < kUnlimited)) {
-    const double out = std::max(s.lower - now.position, now.position - s.upper);
-    if (out > kExpectedBeyond)
-      range.narrow(0, 0, Limit::out_of_range);
-    else if (out > 0)  // inwards only
-      now.position > s.upper ? range.narrow(-kUnlimited, 0, Limit::out_of_range)
-                             : range.narrow(0, kUnlimited, Limit::out_of_range);
-    else
-      range.narrow((s.lower - now.position) / dt, (s.upper - now.position) / dt, Limit::position);
-  }
-  return range.apply(asked);
+  if (limits_changes(s) && std::isfinite(last)) narrow_by_acceleration(range, s, last, 0, 1, dt);
+  const SoftLimits& soft = s.soft_limits;
+  if (s.soft && now.position >= soft.lower && now.position <= soft.upper)
+    range.narrow((soft.lower - now.position) / dt, (soft.upper - now.position) / dt, Limit::soft_position);
+  if (std::isfinite(now.position)) narrow_by_position(range, s, now.position, dt);
+  Allowed out = range.apply(asked);
+  out.fault = far_outside(s, now);
+  return out;
 }
 
 /// An acceleration: what slows down is limited by the deceleration where there is one, and only then.
@@ -155,7 +211,7 @@ inline Allowed allow_acceleration(const LimiterSettings& s, const JointNow& now,
     range.narrow(-s.deceleration, s.deceleration, Limit::deceleration);
   else if (s.acceleration < kUnlimited)
     range.narrow(-s.acceleration, s.acceleration, Limit::acceleration);
-  if (s.jerk < kUnlimited && std::isfinite(last))
+  if (s.jerk < kUnlimited && std::isfinite(last) && dt > 0)
     range.narrow(last - s.jerk * dt, last + s.jerk * dt, Limit::jerk);
   return range.apply(asked);
 }
@@ -183,21 +239,61 @@ inline Allowed allow_effort(const LimiterSettings& s, const JointNow& now, doubl
   return range.apply(asked);
 }
 
-/// One point of a trajectory: position, velocity and acceleration after `dt` that keep the limits, coming
-/// from `position` and `velocity`, on the way to `asked_velocity`.
+/// One point of a trajectory. NaN in what is asked: not stated.
+struct AskedPoint {
+  double position = std::numeric_limits<double>::quiet_NaN();
+  double velocity = std::numeric_limits<double>::quiet_NaN();
+};
 struct LimitedPoint {
   double position, velocity, acceleration;
+  Limit cause = Limit::none;  ///< the last limit that took hold
 };
+
+/// The point that follows `position` and `velocity` when their rate changes by `acceleration` for `dt`.
+inline LimitedPoint point_after(const LimiterSettings& s, double position, double velocity,
+                                double acceleration, double dt, Limit cause) noexcept {
+  const double p = position + velocity * dt + 0.5 * acceleration * dt * dt;
+  const double inside = std::clamp(p, std::min(s.lower, position), std::max(s.upper, position));
+  return {inside, velocity + acceleration * dt, acceleration, inside != p ? Limit::position : cause};
+}
+
+/// Whether a joint that goes on from here can still stop before its limits of position.
+inline bool stops_in_time(const LimiterSettings& s, const LimitedPoint& point) noexcept {
+  const double room = point.velocity > 0 ? s.upper - point.position : point.position - s.lower;
+  return point.velocity == 0 || !(point.velocity * point.velocity / (2 * braking(s)) > room);
+}
+
+/// The point `dt` after (`position`, `velocity`), as near to what is asked as the limits allow; a velocity
+/// that is not stated, or 0 with a position elsewhere, is the one that leads to the position. Who could not
+/// stop before a limit of position slows down instead. Without a dt above 0: the present point.
+inline LimitedPoint limit_point(const LimiterSettings& s, double position, double velocity,
+                                const AskedPoint& asked, double dt) noexcept {
+  if (!(dt > 0)) return {position, velocity, 0};
+  const bool placed = std::isfinite(asked.position);
+  const double target = placed ? std::clamp(asked.position, s.lower, s.upper) : position;
+  const double step = s.velocity * dt;
+  Limit cause = placed && target != asked.position ? Limit::position : Limit::none;
+  double wanted = asked.velocity;
+  if (!std::isfinite(wanted) || (placed && wanted == 0)) wanted = (target - position) / dt;
+  if (!placed && !std::isfinite(asked.velocity)) cause = Limit::not_a_number;
+  const double speed = std::clamp(wanted, -s.velocity, s.velocity);
+  if (speed != wanted || std::abs(target - position) > step) cause = Limit::velocity;
+  const double a = (speed - velocity) / dt;
+  const bool slows = a * velocity < 0 && s.deceleration < kUnlimited;
+  const double most = slows ? s.deceleration : s.acceleration;
+  LimitedPoint out{placed ? std::clamp(target, position - step, position + step) : position, speed, a, cause};
+  if (std::abs(a) > most)
+    out = point_after(s, position, velocity, std::copysign(most, a), dt,
+                      slows ? Limit::deceleration : Limit::acceleration);
+  else if (!placed)
+    out = point_after(s, position, velocity, a, dt, cause);
+  if (stops_in_time(s, out)) return out;
+  const double stop = std::min(std::abs(velocity) / dt, braking(s));
+  return point_after(s, position, velocity, -std::copysign(stop, velocity), dt, Limit::position);
+}
 inline LimitedPoint limit_point(const LimiterSettings& s, double position, double velocity,
                                 double asked_velocity, double dt) noexcept {
-  const double wanted = std::clamp(asked_velocity, -s.velocity, s.velocity);
-  double a = (wanted - velocity) / dt;
-  const bool slows = a * velocity < 0;
-  const double most = slows && s.deceleration < kUnlimited ? s.deceleration : s.acceleration;
-  a = std::clamp(a, -most, most);
-  const double p = std::clamp(position + velocity * dt + 0.5 * a * dt * dt, std::min(s.lower, position),
-                              std::max(s.upper, position));
-  return {p, velocity + a * dt, a};
+  return limit_point(s, position, velocity, {.velocity = asked_velocity}, dt);
 }
 
 }  // namespace polyarm::controllers

@@ -137,6 +137,103 @@ TEST(SaturationLimits, NoCommandWhateverItIsLeavesThem) {
   }
 }
 
+TEST(SaturationLimits, AJointThatIsDrivenAtALimitStopsInTimeForIt) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> value(0.5, 40);
+  for (int round = 0; round < 200; ++round) {
+    LimiterSettings s = limits(3, 2);
+    s.acceleration = value(random);
+    s.deceleration = value(random);
+    Positions joint{s};
+    joint.dt = 0.01;
+    double speed = 0;
+    for (int k = 0; k < 2000; ++k) {
+      const double before = joint.last;
+      joint.ask(k < 1000 ? 10 : -10);
+      ASSERT_LE(std::abs(joint.last), 3);
+      const double faster = (joint.last - before) / joint.dt;
+      const bool slows = std::abs(faster) < std::abs(speed);
+      const double most = slows ? s.deceleration : std::max(s.acceleration, s.deceleration);
+      ASSERT_LE(std::abs(faster - speed), most * joint.dt + 1e-9) << round << " at step " << k;
+      speed = faster;
+    }
+    EXPECT_NEAR(joint.last, -3, 1e-9) << "and it gets there";
+  }
+}
+
+TEST(SaturationLimits, ABrakingThatEndsAtALimitIsUntouched) {
+  LimiterSettings s = limits(1, 2);
+  s.acceleration = 4 * (1 + 1e-9);
+  s.deceleration = 2 * (1 + 1e-9);
+  const double dt = 1e-3;
+  double last = 0, before = 0;
+  for (int k = 1; k <= 1000; ++k) {  // to 1 with an acceleration of 0, then -2: rest after 1 s
+    const double t = k * dt, asked = 2 * t - t * t;
+    const double speed = k == 1 ? 2 : (last - before) / dt;
+    ASSERT_EQ(allow_position(s, {last, 0}, asked, last, speed, dt).value, asked) << k;
+    before = last;
+    last = asked;
+  }
+}
+
+TEST(SaturationLimits, ThroughRestAJointIsNoFasterThanItsAcceleration) {
+  LimiterSettings s;
+  s.acceleration = 1;
+  s.deceleration = 10;
+  const Allowed given = allow_velocity(s, {0, 0.5}, -9, 0.5, 0.1);  // at rest after 0.05 s
+  EXPECT_NEAR(given.value, -0.05, 1e-12);
+  EXPECT_EQ(given.cause, Limit::deceleration);
+  EXPECT_NEAR(allow_velocity(s, {0, 0}, -9, 0, 0.1).value, -0.1, 1e-12);
+  EXPECT_EQ(allow_velocity(s, {0, 0}, -9, 0, 0.1).cause, Limit::acceleration);
+  EXPECT_NEAR(allow_velocity(s, {0, -2}, 9, -2, 0.1).value, -1, 1e-12);
+}
+
+TEST(SaturationLimits, FarOutsideIsAFault) {
+  const LimiterSettings s = limits(5, 1);
+  EXPECT_FALSE(allow_position(s, {5.008, 0}, 0, 5.008, 0, 1).fault);
+  EXPECT_TRUE(allow_position(s, {5.009, 0}, 0, 5.009, 0, 1).fault);
+  EXPECT_TRUE(allow_position(s, {-5.009, 0}, 0, -5.009, 0, 1).fault);
+  EXPECT_LT(allow_position(s, {5.009, 0}, 9, 5.009, 0, 1).value, 5.01) << "no further out";
+  EXPECT_TRUE(allow_velocity(s, {5.009, 0}, -1, 0, 1).fault);
+  EXPECT_EQ(allow_velocity(s, {5.009, 0}, -1, 0, 1).value, 0);
+  EXPECT_FALSE(allow_position(s, {kNone, 0}, 0, 0, 0, 1).fault);
+  EXPECT_FALSE(allow_position({}, {1e300, 0}, 0, 0, 0, 1).fault);
+}
+
+TEST(SaturationLimits, WithoutTimeNothingIsTouched) {
+  LimiterSettings s = limits(5, 1);
+  s.acceleration = s.jerk = 1;
+  for (const double dt : {0.0, -1.0, kNone}) {
+    EXPECT_EQ(allow_position(s, {0, 0}, 77, 0, 0, dt).value, 77);
+    EXPECT_EQ(allow_position(s, {0, 0}, 77, 0, 0, dt).cause, Limit::none);
+    EXPECT_EQ(allow_velocity(s, {5, 0}, 77, 0, dt).value, 77);
+    EXPECT_EQ(allow_acceleration(s, {0, 0}, 0.7, 0, dt).value, 0.7);
+  }
+}
+
+TEST(SaturationLimits, NoLimitsAndMeasurementsWhateverTheyAreGiveWhatIsNoNumber) {
+  std::mt19937 random(8);
+  const double values[] = {0, -0.0, 1, -1, 1e-300, 1e308, -1e308, kUnlimited, -kUnlimited, kNone};
+  std::uniform_int_distribution<std::size_t> any(0, std::size(values) - 1), limit(0, 7);
+  const auto value = [&] { return values[any(random)]; };
+  for (int k = 0; k < 300'000; ++k) {
+    LimiterSettings s;
+    s.lower = -std::abs(values[limit(random)]), s.upper = std::abs(values[limit(random)]);
+    for (double* field : {&s.velocity, &s.acceleration, &s.deceleration, &s.jerk, &s.effort})
+      *field = std::abs(values[limit(random)]);
+    s.soft = k % 2;
+    s.soft_limits = {-std::abs(values[limit(random)]), std::abs(values[limit(random)]),
+                     std::abs(values[limit(random)]), std::abs(values[limit(random)])};
+    const JointNow now{value(), value()};
+    const double asked = value(), last = values[limit(random)], speed = value();
+    const double dt = std::abs(values[limit(random)]);
+    ASSERT_FALSE(std::isnan(allow_position(s, now, asked, last, speed, dt).value)) << k;
+    ASSERT_FALSE(std::isnan(allow_velocity(s, now, asked, speed, dt).value)) << k;
+    ASSERT_FALSE(std::isnan(allow_acceleration(s, now, asked, speed, dt).value)) << k;
+    ASSERT_FALSE(std::isnan(allow_effort(s, now, asked).value)) << k;
+  }
+}
+
 // --- soft limits ------------------------------------------------------------------------------------------
 
 LimiterSettings soft(double lower, double upper, double k) {
@@ -182,6 +279,19 @@ TEST(SoftLimits, WhereNothingReachableIsSoftTheNearestOfItIsTaken) {
   EXPECT_LE(given, 1) << "no faster than its velocity";
 }
 
+TEST(SoftLimits, WithoutAGainTheyAreEdgesAndFreezeNothing) {
+  const LimiterSettings s = soft(-2, 4, 0);
+  EXPECT_EQ(allow_velocity(s, {0, 0}, 0.7, 0, 0.01).value, 0.7);
+  EXPECT_NEAR(allow_velocity(s, {3.999, 0}, 0.7, 0, 0.01).value, 0.1, 1e-9);
+  EXPECT_EQ(allow_velocity(s, {4.0, 0}, 0.7, 0, 0.01).value, 0);
+  EXPECT_NEAR(allow_velocity(s, {4.8, 0}, 0.7, 0, 0.01).value, -kPi / 180, 1e-12);
+  Positions joint{s};
+  joint.last = joint.before = 3;
+  EXPECT_EQ(joint.ask(3.5), 3.5);
+  EXPECT_EQ(joint.ask(9), 4);
+  EXPECT_EQ(joint.ask(3.2), 3.2);
+}
+
 TEST(SoftLimits, AnEffortBrakesWhatIsFasterThanTheEdgeAllows) {
   LimiterSettings s = soft(-2, 4, 1);
   s.effort = 200;
@@ -202,6 +312,63 @@ TEST(TrajectoryPoints, KeepTheAccelerationOnTheWay) {
   EXPECT_NEAR(slower.position, .315625, 1e-12);
   EXPECT_NEAR(slower.velocity, .125, 1e-12);
   EXPECT_NEAR(slower.acceleration, -7.5, 1e-12);
+}
+
+LimiterSettings of_points() {
+  LimiterSettings s = limits(5, 2);
+  s.acceleration = 5;
+  s.deceleration = 7.5;
+  return s;
+}
+
+TEST(TrajectoryPoints, TellWhichLimitTookHold) {
+  const LimiterSettings s = of_points();
+  const LimitedPoint faster = limit_point(s, .1, .1, AskedPoint{.125, .5}, .05);
+  EXPECT_NEAR(faster.position, .11125, 1e-12);
+  EXPECT_NEAR(faster.velocity, .35, 1e-12);
+  EXPECT_NEAR(faster.acceleration, 5, 1e-12);
+  EXPECT_EQ(faster.cause, Limit::acceleration);
+  EXPECT_EQ(limit_point(s, .3, .5, .1, .05).cause, Limit::deceleration);
+  EXPECT_EQ(limit_point(s, 0, 1.95, 3, .05).cause, Limit::velocity);
+  EXPECT_NEAR(limit_point(s, 0, 1.95, 3, .05).velocity, 2, 1e-12);
+  EXPECT_EQ(limit_point(s, 0, 0, kNone, .05).cause, Limit::not_a_number);
+  EXPECT_EQ(limit_point(s, 0, 0, AskedPoint{0.004, .16}, .05).cause, Limit::none);
+  EXPECT_EQ(limit_point(s, 0, 0, AskedPoint{0.004, .16}, .05).position, 0.004);
+}
+
+TEST(TrajectoryPoints, TakeTheVelocityThatLeadsToThePosition) {
+  const LimitedPoint point = limit_point(of_points(), 1, 1, AskedPoint{1.055, kNone}, .05);
+  EXPECT_NEAR(point.velocity, 1.1, 1e-12);
+  EXPECT_EQ(point.position, 1.055);
+  LimiterSettings fast = of_points();
+  fast.acceleration = fast.deceleration = kUnlimited;
+  const LimitedPoint jump = limit_point(fast, 0, 0, AskedPoint{3, .1}, .05);
+  EXPECT_NEAR(jump.position, 0.1, 1e-12) << "a velocity that belies its position makes no jump";
+  EXPECT_EQ(jump.cause, Limit::velocity);
+}
+
+TEST(TrajectoryPoints, StopBeforeTheLimitsWhateverIsAsked) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(-20, 20);
+  const LimiterSettings s = of_points();
+  for (int round = 0; round < 50; ++round) {
+    LimitedPoint now{0, 0, 0};
+    const AskedPoint always{any(random), any(random)};
+    for (int k = 0; k < 500; ++k) {
+      const AskedPoint asked = round % 2 ? always : AskedPoint{any(random), any(random)};
+      const LimitedPoint next = limit_point(s, now.position, now.velocity, asked, .05);
+      ASSERT_LE(std::abs(next.position), 5 + 1e-12);
+      ASSERT_LE(std::abs(next.velocity), 2 + 1e-12);
+      ASSERT_LE(std::abs(next.velocity - now.velocity), 7.5 * .05 + 1e-9);
+      now = next;
+    }
+  }
+}
+
+TEST(TrajectoryPoints, WithoutTimeStayWhereTheyAre) {
+  const LimitedPoint point = limit_point(of_points(), 1, 2, AskedPoint{4, 4}, 0);
+  EXPECT_EQ(point.position, 1);
+  EXPECT_EQ(point.velocity, 2);
 }
 
 }  // namespace
