@@ -95,8 +95,9 @@ inline bool limits_changes(const LimiterSettings& s) noexcept {
 /// (The highest one is -lowest_speed(s, -speed, dt).)
 inline double lowest_speed(const LimiterSettings& s, double speed, double dt) noexcept {
   if (!(speed > 0)) return speed - s.acceleration * dt;
-  const double to_rest = speed / braking(s);
-  return to_rest < dt ? -s.acceleration * (dt - to_rest) : speed - braking(s) * dt;
+  const double brake = braking(s);
+  if (speed >= brake * dt) return speed - brake * dt;
+  return -s.acceleration * (dt - speed / brake);
 }
 
 /// The highest mean speed over the next `dt` after which a joint with `room` before it still stops in time,
@@ -105,6 +106,21 @@ inline double lowest_speed(const LimiterSettings& s, double speed, double dt) no
 inline double highest_speed_before_stop(double braking, double room, double dt) noexcept {
   if (room <= 0.5 * braking * dt * dt) return room / dt;
   return std::sqrt(2 * braking * room) - 0.5 * braking * dt;
+}
+
+/// The positions from which a joint inside its limits still stops before the one that it goes for. Far from
+/// it, that is every position it can reach.
+inline void narrow_before_stop(Range& range, const LimiterSettings& s, bool upwards, double last,
+                               double last_velocity, double dt) noexcept {
+  const double room = upwards ? s.upper - last : last - s.lower;
+  const double brake = braking(s), speed = upwards ? last_velocity : -last_velocity;
+  const double fastest = std::max(speed, 0.0) + (std::max(s.acceleration, brake) + 0.5 * brake) * dt;
+  if (!(room > 0) || fastest * fastest <= 2 * brake * room) return;
+  const double step = highest_speed_before_stop(brake, room, dt) * dt;
+  if (upwards)
+    range.narrow(-kUnlimited, last + step, Limit::position);
+  else
+    range.narrow(last - step, kUnlimited, Limit::position);
 }
 
 /// The speeds that the acceleration leaves after `last`, each end with its own limit.
@@ -157,10 +173,7 @@ inline Allowed allow_position(const LimiterSettings& s, const JointNow& now, dou
   }
   if (s.velocity < kUnlimited) range.narrow(last - s.velocity * dt, last + s.velocity * dt, Limit::velocity);
   if (limits_changes(s) && std::isfinite(last_velocity)) {
-    const double brake = braking(s);
-    if (last > s.lower && last < s.upper)
-      range.narrow(last - highest_speed_before_stop(brake, last - s.lower, dt) * dt,
-                   last + highest_speed_before_stop(brake, s.upper - last, dt) * dt, Limit::position);
+    narrow_before_stop(range, s, asked >= last, last, last_velocity, dt);
     narrow_by_acceleration(range, s, last_velocity, last, dt, dt);
   }
   // A joint beyond its limits may stay where it is and come back, not go further out.

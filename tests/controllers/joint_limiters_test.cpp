@@ -360,6 +360,8 @@ TEST(TrajectoryPoints, StopBeforeTheLimitsWhateverIsAsked) {
       ASSERT_LE(std::abs(next.position), 5 + 1e-12);
       ASSERT_LE(std::abs(next.velocity), 2 + 1e-12);
       ASSERT_LE(std::abs(next.velocity - now.velocity), 7.5 * .05 + 1e-9);
+      const double to_rest = next.velocity * std::abs(next.velocity) / (2 * 7.5);
+      ASSERT_LE(std::abs(next.position + to_rest), 5 + 1e-9) << "too fast to stop in time";
       now = next;
     }
   }
