@@ -18,10 +18,11 @@ void tell_gains(Parameters& p) {
   for (auto entry = p.entries.begin(); entry != p.entries.end();) {
     const bool gain = entry->first.starts_with("pid.") || entry->first.starts_with("gains.");
     if (gain && entry->first.ends_with(".p"))
-      p.problems().warning("no-effect", entry->second.where,
-                           "'" + entry->first.substr(0, entry->first.size() - 2) +
-                               "' has no effect: this controller hands its commands on as they are",
-                           "effort_controllers/JointPositionController and JointVelocityController have a PID");
+      p.problems().warning(
+          "no-effect", entry->second.where,
+          "'" + entry->first.substr(0, entry->first.size() - 2) +
+              "' has no effect: this controller hands its commands on as they are",
+          "effort_controllers/JointPositionController and JointVelocityController have a PID");
     entry = gain ? p.entries.erase(entry) : std::next(entry);
   }
 }

@@ -10,11 +10,14 @@ CallbackReturn GripperActionController::on_configure(ControllerContext& context)
   std::string joint, speed, effort;
   double monitor = 20;
   p.read("joint", joint, {"the joint of the gripper"});
-  p.read("goal_tolerance", tolerance_, {.text = "how near the goal is reached, rad or m", .changeable = true, .least = 0});
-  p.read("allow_stalling", allow_stalling_, {.text = "a gripper that stalls has reached its goal", .changeable = true});
+  p.read("goal_tolerance", tolerance_,
+         {.text = "how near the goal is reached, rad or m", .changeable = true, .least = 0});
+  p.read("allow_stalling", allow_stalling_,
+         {.text = "a gripper that stalls has reached its goal", .changeable = true});
   p.read("stall_velocity_threshold", stall_velocity_,
          {.text = "slower than this it stalls, rad/s or m/s", .changeable = true, .least = 0});
-  p.read("stall_timeout", stall_timeout_, {.text = "s for which it is slow before it has stalled", .changeable = true, .least = 0});
+  p.read("stall_timeout", stall_timeout_,
+         {.text = "s for which it is slow before it has stalled", .changeable = true, .least = 0});
   p.read("max_effort", max_effort_, {.text = "N m or N, where a goal says none", .least = 0});
   p.read("max_velocity", max_velocity_, {.text = "rad/s or m/s, where a goal says none", .least = 0});
   p.read("max_effort_interface", effort, {"command interface that is told the effort"});
@@ -26,11 +29,13 @@ CallbackReturn GripperActionController::on_configure(ControllerContext& context)
   lower_ = facts.lower;
   upper_ = facts.upper;
   position_ = claim_state(whole + "/position");
-  velocity_ = context.has_state(whole + "/velocity") ? static_cast<int>(claim_state(whole + "/velocity")) : -1;
+  velocity_ =
+      context.has_state(whole + "/velocity") ? static_cast<int>(claim_state(whole + "/velocity")) : -1;
   command_ = claim_command(whole + "/position");
   speed_command_ = speed.empty() ? -1 : static_cast<int>(claim_command(context.whole_name(speed)));
   effort_command_ = effort.empty() ? -1 : static_cast<int>(claim_command(context.whole_name(effort)));
-  output_ = &add_output("gripper_state", "control_msgs/GripperCommand", {"position", "velocity", "reference", "active"});
+  output_ = &add_output("gripper_state", "control_msgs/GripperCommand",
+                        {"position", "velocity", "reference", "active"});
   period_s_ = seconds(context.period);
   return CallbackReturn::success;
 }
@@ -54,7 +59,8 @@ void GripperActionController::end(GoalOutcome outcome, int code) noexcept {
 
 ReturnType GripperActionController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
   const double at = state(position_);
-  const double speed = velocity_ >= 0 ? state(static_cast<std::size_t>(velocity_)) : (at - last_position_) / period_s_;
+  const double speed =
+      velocity_ >= 0 ? state(static_cast<std::size_t>(velocity_)) : (at - last_position_) / period_s_;
   last_position_ = at;
   for (std::uint64_t id = 0; cancels_.pop(id);)
     if (id == goal_) {
@@ -70,9 +76,10 @@ ReturnType GripperActionController::update(const Cycle& cycle, const Verdict& ve
     slow_for_ = 0;
     events_.push(GoalEvent{goal_, GoalOutcome::accepted});
   }
-  if (verdict.speed <= 0 && goal_ != 0) {  // a stop: it holds where it is
+  if (verdict.speed <= 0 &&
+      goal_ != 0) {  // a stop: what moves stays where it is, what grips goes on gripping
     end(GoalOutcome::aborted, -1);
-    wanted_ = at;
+    if (std::abs(speed) > stall_velocity_) wanted_ = at;
   }
   if (goal_ != 0) {
     slow_for_ = std::abs(speed) > stall_velocity_ ? 0 : slow_for_ + period_s_;

@@ -8,9 +8,9 @@
 namespace polyarm::controllers {
 
 /// Opens and closes a gripper, as parallel_gripper_action_controller/GripperActionController does: the action
-/// `gripper_cmd` ends when the joint is within `goal_tolerance`, or has stalled for `stall_timeout` (which is a
-/// success where `allow_stalling` says so). It commands the joint's position. A new goal replaces the one under
-/// way; a cancel holds the joint where it is.
+/// `gripper_cmd` ends when the joint is within `goal_tolerance`, or has stalled for `stall_timeout` (which is
+/// a success where `allow_stalling` says so). It commands the joint's position. A new goal replaces the one
+/// under way; a cancel holds the joint where it is.
 class GripperActionController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
@@ -32,7 +32,8 @@ class GripperActionController : public Controller {
 
   std::size_t position_ = 0, command_ = 0;
   int velocity_ = -1, speed_command_ = -1, effort_command_ = -1;
-  double tolerance_ = 0.01, stall_velocity_ = 0.001, stall_timeout_ = 1, max_effort_ = 10, max_velocity_ = 0.1;
+  double tolerance_ = 0.01, stall_velocity_ = 0.001, stall_timeout_ = 1, max_effort_ = 10,
+         max_velocity_ = 0.1;
   bool allow_stalling_ = false;
   double period_s_ = 1e-3, lower_ = 0, upper_ = 0;
 

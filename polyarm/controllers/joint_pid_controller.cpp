@@ -10,7 +10,8 @@
 namespace polyarm::controllers {
 
 namespace {
-constexpr const char* kFields[] = {"set_point", "process_value", "process_value_dot", "error", "command", "p", "i", "d"};
+constexpr const char* kFields[] = {
+    "set_point", "process_value", "process_value_dot", "error", "command", "p", "i", "d"};
 constexpr double kMoves = 1e-3;  // rad/s or m/s: slower is standing
 
 double shortest(double angle) {
@@ -59,7 +60,8 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
       read_pid_gains(p, prefix, gains_[j]);
       bool publish_state = false, windup = false;
       p.read(prefix + ".publish_state", publish_state, {"the state can always be watched"});
-      p.read(prefix + ".antiwindup", windup, {"the integral itself is clamped, not only its share of the output"});
+      p.read(prefix + ".antiwindup", windup,
+             {"the integral itself is clamped, not only its share of the output"});
       gains_[j].clamp_output_only = p.has(prefix + ".i_clamp") && !windup;
     } else {
       gains_[j] = gains_[0];  // one `pid` for all
@@ -108,7 +110,8 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
         joints_[j].set_point = position_ ? std::clamp(asked, joints_[j].lower, joints_[j].upper) : asked;
   // A stop: from now on it is held where it is, and what was asked for does not come back.
   if (verdict.speed <= 0 && !std::exchange(stopped_, true))
-    for (Joint& joint : joints_) hold(joint);
+    for (Joint& joint : joints_)
+      joint.set_point = position_ ? measured(joint) : 0;  // its integral carries it
   if (verdict.speed > 0) stopped_ = false;
   standing_ = true;
   for (Joint& joint : joints_) {
@@ -116,8 +119,9 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
     if (position_ && joint.continuous) error = shortest(error);
     const double speed = state(joint.velocity);
     // Of a position the measured velocity is the derivative that is known best.
-    const double out = position_ ? joint.pid.compute(error, -speed, period_s_) : joint.pid.compute(error, period_s_);
-    if (std::isfinite(out)) set_command(joint.command, out);
+    const double out =
+        position_ ? joint.pid.compute(error, -speed, period_s_) : joint.pid.compute(error, period_s_);
+    set_command(joint.command, std::isfinite(out) ? out : 0);  // what is not measured is not pushed
     if (!(std::abs(speed) < kMoves)) standing_ = false;
   }
   publish(cycle);
@@ -129,8 +133,9 @@ void JointPidController::publish(const Cycle& cycle) noexcept {
   double* out = output_->draft().values.data();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
-    for (const double value : {joint.set_point, measured(joint), state(joint.velocity), joint.set_point - measured(joint),
-                               joint.pid.last_output(), gains_[j].p, gains_[j].i, gains_[j].d})
+    for (const double value :
+         {joint.set_point, measured(joint), state(joint.velocity), joint.set_point - measured(joint),
+          joint.pid.last_output(), gains_[j].p, gains_[j].i, gains_[j].d})
       *out++ = value;
   }
   output_->publish(cycle.time);

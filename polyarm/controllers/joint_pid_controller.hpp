@@ -9,8 +9,8 @@ namespace polyarm::controllers {
 /// quantities do: effort_controllers/JointPositionController, velocity_controllers/JointPositionController,
 /// effort_controllers/JointVelocityController and their groups. `reference` (position or velocity) and
 /// `command_interface` come with the type's name. Parameters: `joint` or `joints`; the gains under `pid`, or
-/// `gains.<joint>`, `<joint>.pid` for several. When it starts it holds: a position where the joint is, a velocity of
-/// zero. Inputs `commands`, `command`; output `state`.
+/// `gains.<joint>`, `<joint>.pid` for several. When it starts it holds: a position where the joint is, a
+/// velocity of zero. Inputs `commands`, `command`; output `state`.
 class JointPidController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
@@ -31,7 +31,9 @@ class JointPidController : public Controller {
     double set_point = 0;
     Pid pid;
   };
-  double measured(const Joint& joint) const noexcept { return state(position_ ? joint.position : joint.velocity); }
+  double measured(const Joint& joint) const noexcept {
+    return state(position_ ? joint.position : joint.velocity);
+  }
   void hold(Joint& joint) noexcept;
   void publish(const Cycle& cycle) noexcept;
 

@@ -20,17 +20,20 @@ CallbackReturn PidController::on_configure(ControllerContext& context) {
   std::string command;
   bool forward = false, publish = false;
   p.read("dof_names", names, {"the degrees of freedom that are commanded"});
-  p.read("reference_and_state_dof_names", others, {"names of their references and states, where these are others"});
+  p.read("reference_and_state_dof_names", others,
+         {"names of their references and states, where these are others"});
   p.read("command_interface", command, {"the interface that is commanded"});
-  p.read("reference_and_state_interfaces", interfaces, {"what is asked for and measured; the second is its derivative"});
+  p.read("reference_and_state_interfaces", interfaces,
+         {"what is asked for and measured; the second is its derivative"});
   p.read("use_external_measured_states", external_, {"measured states come as messages"});
   p.read("set_current_state_as_first_setpoint", start_here_, {"begin by holding what is measured"});
   p.read("enable_feedforward", forward, {"feed forward is used where feedforward_gain is not 0"});
   p.read("activate_state_publisher", publish, {"the state can always be watched"});
-  if (names.empty() || command.empty() || interfaces.empty() || interfaces.size() > 2) return CallbackReturn::failure;
+  if (names.empty() || command.empty() || interfaces.empty() || interfaces.size() > 2)
+    return CallbackReturn::failure;
   if (!others.empty() && others.size() != names.size())
-    throw Error("wrong-size", "reference_and_state_dof_names has " + std::to_string(others.size()) + " names for " +
-                                  std::to_string(names.size()) + " dof_names");
+    throw Error("wrong-size", "reference_and_state_dof_names has " + std::to_string(others.size()) +
+                                  " names for " + std::to_string(names.size()) + " dof_names");
   width_ = interfaces.size();
   dofs_.assign(names.size(), {});
   gains_.assign(names.size(), {});
@@ -39,6 +42,7 @@ CallbackReturn PidController::on_configure(ControllerContext& context) {
     Dof& dof = dofs_[i];
     dof.name = others.empty() ? names[i] : others[i];
     dof.command = claim_command(context.whole_name(names[i] + "/" + command));
+    dof.pushes = command != "position";
     for (const std::string& interface : interfaces) {
       if (!external_) dof.states.push_back(claim_state(context.whole_name(dof.name + "/" + interface)));
       dof.references.push_back(export_reference(context.name + "/" + dof.name + "/" + interface));
@@ -68,7 +72,9 @@ CallbackReturn PidController::on_configure(ControllerContext& context) {
 void PidController::set_first_references() noexcept {
   for (const Dof& dof : dofs_)
     for (std::size_t k = 0; k < width_; ++k)
-      set_reference(dof.references[k], !start_here_ || external_ ? kNone : k == 0 ? state(dof.states[0]) : 0.0);
+      set_reference(dof.references[k], !start_here_ || external_ ? kNone
+                                       : k == 0                  ? state(dof.states[0])
+                                                                 : 0.0);
 }
 
 CallbackReturn PidController::on_activate(const Cycle&) noexcept {
@@ -79,7 +85,8 @@ CallbackReturn PidController::on_activate(const Cycle&) noexcept {
 }
 
 void PidController::on_deactivate(const Cycle&) noexcept {
-  for (const Dof& dof : dofs_) set_command(dof.command, 0);
+  for (const Dof& dof : dofs_)
+    if (dof.pushes) set_command(dof.command, 0);  // a position stays where it was commanded last
 }
 
 void PidController::on_parameters_changed() noexcept {
@@ -91,7 +98,8 @@ std::string PidController::refuse_changes(const std::vector<ParameterChange>& ch
 }
 
 ReturnType PidController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
-  if (external_states_.fetch()) measured_ = external_states_.value();  // of the same size: nothing is allocated
+  if (external_states_.fetch())
+    measured_ = external_states_.value();  // of the same size: nothing is allocated
   const bool stop = verdict.speed <= 0;
   const bool fresh = references_.fetch();
   if (fresh && !chained() && !stop)
@@ -102,17 +110,23 @@ ReturnType PidController::update(const Cycle& cycle, const Verdict& verdict) noe
   double* told = output_->draft().values.data();
   for (std::size_t i = 0; i < dofs_.size(); ++i) {
     Dof& dof = dofs_[i];
-    const auto measured = [&](std::size_t k) { return external_ ? measured_[i * width_ + k] : state(dof.states[k]); };
+    const auto measured = [&](std::size_t k) {
+      return external_ ? measured_[i * width_ + k] : state(dof.states[k]);
+    };
     const double reference = Controller::reference(dof.references[0]);
     double error = reference - measured(0);
     if (dof.wraps) error -= 2 * std::numbers::pi * std::round(error / (2 * std::numbers::pi));
     double out = kNone;
     if (std::isfinite(error)) {
       const double change = width_ > 1 ? Controller::reference(dof.references[1]) - measured(1) : kNone;
-      out = std::isfinite(change) ? dof.pid.compute(error, change, period_s_) : dof.pid.compute(error, period_s_);
+      out = std::isfinite(change) ? dof.pid.compute(error, change, period_s_)
+                                  : dof.pid.compute(error, period_s_);
       out += dof.feed_forward * reference;
     }
-    if (std::isfinite(out)) set_command(dof.command, out);
+    if (std::isfinite(out))
+      set_command(dof.command, out);
+    else if (dof.pushes)
+      set_command(dof.command, 0);  // what is not measured is not pushed
     set_exported(dof.told_error, error);
     for (const double value : {reference, measured(0), error, out}) *told++ = value;
   }
@@ -121,12 +135,14 @@ ReturnType PidController::update(const Cycle& cycle, const Verdict& verdict) noe
 }
 
 std::vector<InputPort> PidController::inputs() const {
-  return {{"reference", {"control_msgs/MultiDOFCommand"}}, {"measured_state", {"control_msgs/MultiDOFCommand"}}};
+  return {{"reference", {"control_msgs/MultiDOFCommand"}},
+          {"measured_state", {"control_msgs/MultiDOFCommand"}}};
 }
 
 std::vector<double> PidController::read_values(const Input& message) const {
   const auto* named = std::get_if<NamedValues>(&message);
-  if (!named) throw Error("wrong-message", "this controller takes named values (control_msgs/MultiDOFCommand)");
+  if (!named)
+    throw Error("wrong-message", "this controller takes named values (control_msgs/MultiDOFCommand)");
   std::vector<double> out(dofs_.size() * width_, kNone);
   std::vector<std::string> known;
   for (const Dof& dof : dofs_) known.push_back(dof.name);

@@ -6,10 +6,11 @@
 namespace polyarm::controllers {
 
 /// A PID for each degree of freedom, as ros2_control's PidController is: parameters `dof_names`,
-/// `reference_and_state_dof_names`, `command_interface`, `reference_and_state_interfaces` (one, or two of which the
-/// second is the derivative), `gains.<dof>`. Chainable: references `<controller>/<dof>/<interface>`; exported state
-/// `<controller>/<dof>/pid_error`. Input `reference` (MultiDOFCommand: values, and values_dot), which is not used
-/// while another controller writes the references; `measured_state` with `use_external_measured_states`.
+/// `reference_and_state_dof_names`, `command_interface`, `reference_and_state_interfaces` (one, or two of
+/// which the second is the derivative), `gains.<dof>`. Chainable: references
+/// `<controller>/<dof>/<interface>`; exported state
+/// `<controller>/<dof>/pid_error`. Input `reference` (MultiDOFCommand: values, and values_dot), which is not
+/// used while another controller writes the references; `measured_state` with `use_external_measured_states`.
 class PidController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
@@ -29,6 +30,7 @@ class PidController : public Controller {
     std::size_t told_error = 0;
     double feed_forward = 0;
     bool wraps = false, keeps_integral = true;
+    bool pushes = true;  // a velocity or an effort: nothing is asked for by 0
     Pid pid;
   };
   void set_first_references() noexcept;
