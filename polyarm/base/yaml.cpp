@@ -130,6 +130,11 @@ std::vector<Yaml> Yaml::items() const {
   return out;
 }
 
+std::string Yaml::tag() const {
+  const std::string out = defined() ? data_->node.Tag() : std::string();
+  return out == "?" || out == "!" ? std::string() : out;
+}
+
 std::string Yaml::text() const {
   if (!is_scalar()) throw Error(Problem{"bad-value", where(), "a single value is expected here", {}});
   return data_->node.Scalar();

@@ -43,6 +43,8 @@ class Yaml {
   std::vector<Entry> entries() const;
   std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one; undefined as none
 
+  /// The tag written before the node ("!degrees"); empty where there is none.
+  std::string tag() const;
   std::string text() const;
   std::string text(std::string fallback) const;
   double number(Dimension dimension = Dimension::none) const;

@@ -9,6 +9,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/description/xacro.hpp"
 
@@ -298,6 +299,16 @@ std::vector<fs::path> default_catalogue_folders() {
   return out;
 }
 
+void add_srdf_beside(const fs::path& description, RobotModel& model, Problems& warnings) {
+  const fs::path file = srdf_beside(description);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return;
+  Problems problems;
+  read_srdf(read_file(file), file.string(), model, problems);
+  problems.throw_if_errors();
+  for (const Problem& warning : problems.list()) warnings.add(warning);
+}
+
 /// A description file, expanded first where it is xacro; places then are those of the expanded text.
 static RobotModel read_description(const fs::path& path, Problems& warnings,
                                    const std::map<std::string, std::string>& arguments) {
@@ -317,8 +328,11 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
     throw Error("launch-file", path.string() + " is a launch file of ROS, not a description",
                 "type " + find_in_launch_file(read_file(path)).line());
   if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
-      extension == ".xml")
-    return read_description(path, warnings, arguments);
+      extension == ".xml") {
+    RobotModel model = read_description(path, warnings, arguments);
+    add_srdf_beside(path, model, warnings);
+    return model;
+  }
   return catalogue.load(name_or_path);
 }
 

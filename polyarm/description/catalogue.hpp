@@ -43,7 +43,11 @@ std::vector<std::filesystem::path> default_catalogue_folders();
 /// Reads one robot file of ours (`polyarm: robot/1`). Throws Error with everything wrong in it.
 RobotModel read_robot_file(const std::filesystem::path& path);
 
-/// A catalogue name, or the path of a URDF or robot file.
+/// Reads `<name>.srdf` beside a description into the model, where there is one. Throws Error with what is
+/// wrong in it.
+void add_srdf_beside(const std::filesystem::path& description, RobotModel& model, Problems& warnings);
+
+/// A catalogue name, or the path of a URDF (with an SRDF beside it, where there is one) or robot file.
 RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings,
                       const std::map<std::string, std::string>& arguments = {});
 

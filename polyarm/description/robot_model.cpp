@@ -1,12 +1,32 @@
 #include "polyarm/description/robot_model.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 namespace polyarm::description {
 
 const char* name(JointType type) {
   constexpr const char* kNames[] = {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"};
   return kNames[static_cast<std::size_t>(type)];
+}
+
+const std::vector<std::string>& data_types() {
+  static const std::vector<std::string> kTypes{"double", "float32", "bool",   "uint8", "int8",
+                                               "uint16", "int16",   "uint32", "int32"};
+  return kTypes;
+}
+
+std::optional<double> default_value(std::string_view data_type) {
+  if (data_type == "double" || data_type == "float32") return std::numeric_limits<double>::quiet_NaN();
+  if (data_type == "bool") return 0;
+  if (data_type == "uint8") return std::numeric_limits<std::uint8_t>::max();
+  if (data_type == "int8") return std::numeric_limits<std::int8_t>::max();
+  if (data_type == "uint16") return std::numeric_limits<std::uint16_t>::max();
+  if (data_type == "int16") return std::numeric_limits<std::int16_t>::max();
+  if (data_type == "uint32") return std::numeric_limits<std::uint32_t>::max();
+  if (data_type == "int32") return std::numeric_limits<std::int32_t>::max();
+  return std::nullopt;
 }
 
 int RobotModel::find_link(std::string_view link) const {

@@ -35,11 +35,18 @@ struct Shape {
   Vec3 scale{1, 1, 1};
 };
 
+/// How a link rubs, from `<gazebo reference="link">`. Empty means not stated.
+struct Contact {
+  std::optional<double> mu1, mu2;    ///< Coulomb friction along the two directions of a contact
+  std::optional<bool> self_collide;  ///< collides with other links of its own robot
+};
+
 struct Link {
   std::string name;
   std::optional<Inertial> inertial;
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
+  Contact contact;
   int parent_joint = -1;  ///< index into RobotModel::joints; -1 for the root
 };
 
@@ -52,6 +59,14 @@ struct JointLimits {
   std::optional<double> velocity, effort;
   std::optional<double> acceleration,
       jerk;  ///< not part of URDF; from catalogue, joint_limits.yaml or ros2_control
+  std::optional<double> deceleration;  ///< as the acceleration where not stated
+};
+
+/// `<safety_controller>`: a range inside the hard one, whose ends slow the joint down.
+struct SoftLimits {
+  std::optional<double> lower, upper;  ///< rad or m
+  double k_position = 0;               ///< 1/s: velocity allowed for each rad (m) to the end of the range
+  double k_velocity = 0;  ///< N m s/rad (N s/m): effort allowed for each rad/s (m/s) to the bound
 };
 
 struct Mimic {
@@ -68,6 +83,7 @@ struct Joint {
   Pose origin;         ///< T_parent_joint at zero
   Vec3 axis{1, 0, 0};  ///< unit, in the joint frame
   JointLimits limits;
+  std::optional<SoftLimits> soft_limits;
   double damping = 0, friction = 0;
   std::optional<Mimic> mimic;
   bool moves() const { return type != JointType::fixed; }
@@ -77,45 +93,76 @@ struct Joint {
 struct InterfaceInfo {
   std::string name;
   std::string data_type = "double";
-  int size = 1;                ///< values of one interface
-  bool limits_enabled = true;  ///< `<limits enable="false"/>`
-  std::optional<double> min, max, initial_value;
-  std::map<std::string, std::string> parameters;
+  std::optional<double> min, max, initial_value;  ///< initial_value of a bool: 0 or 1
+  std::map<std::string, std::string> parameters;  ///< as written, min, max and initial_value among them
+  int size = 1;                                   ///< how many values it has
+  bool limits_enabled = true;  ///< false where it or its component says <limits enable="false">
+  Location where;
 };
+
+/// The types an interface may have: "double", "float32", "bool", "uint8" … "int32".
+const std::vector<std::string>& data_types();
+/// The value of an interface that nothing has been written to: NaN for double and float32, false for bool,
+/// the largest value for integers. Nothing for a type that is not known.
+std::optional<double> default_value(std::string_view data_type);
 
 /// One `<joint>`, `<sensor>` or `<gpio>` of `<ros2_control>`.
 struct ComponentInfo {
   std::string name;
   std::string kind;  ///< "joint", "sensor", "gpio"
   std::vector<InterfaceInfo> command_interfaces, state_interfaces;
-  std::optional<bool> mimic;   ///< `mimic=`: whether a joint that mimics another in the URDF does so here
-  bool limits_enabled = true;  ///< `<limits enable="false"/>`: min and max of its interfaces do not count
   std::map<std::string, std::string> parameters;
+  std::optional<bool>
+      mimic;  ///< as stated; false: commanded on its own although the joint of the robot mimics
+  bool limits_enabled = true;  ///< false: no limit of this joint is kept
+  Location where;
 };
 
-/// One end of a transmission.
+/// One joint or actuator of a transmission.
 struct TransmissionEnd {
-  std::string name, role;
-  double reduction = 1, offset = 0;
+  std::string name;
+  std::string role;                     ///< "joint1", "actuator2"; may be empty where there is only one
+  double reduction = 1;                 ///< actuator turns for each turn of the joint
+  double offset = 0;                    ///< rad or m
+  bool read_only = false;               ///< takes no commands
+  std::vector<std::string> interfaces;  ///< ROS 1: its hardwareInterface elements
 };
-/// One `<transmission>` of a `<ros2_control>` block.
+
+/// One `<transmission>`, of a `<ros2_control>` block or (ROS 1) of the robot.
 struct TransmissionInfo {
-  std::string name, plugin;
+  std::string name;
+  std::string plugin;  ///< "transmission_interface/SimpleTransmission"; ROS 1: its <type>
   std::vector<TransmissionEnd> joints, actuators;
   std::map<std::string, std::string> parameters;
+  Location where;
 };
 
 /// One `<ros2_control>` block.
 struct HardwareInfo {
   std::string name, type, plugin, group;
-  int rw_rate = 0;            ///< Hz at which it is read and written; 0: that of the loop
-  bool is_async = false;      ///< on a thread of its own
-  int thread_priority = 0;    ///< SCHED_FIFO priority of that thread; 0: ordinary
-  std::vector<int> affinity;  ///< processors of that thread; empty: any
-  std::vector<TransmissionInfo> transmissions;
   std::map<std::string, std::string> parameters;
   std::vector<ComponentInfo> components;
   Location where;
+  int rw_rate = 0;            ///< Hz; 0 means that of the control loop
+  bool is_async = false;      ///< on a thread of its own
+  int thread_priority = 0;    ///< SCHED_FIFO priority of that thread; 0: not stated, an ordinary one
+  std::vector<int> affinity;  ///< processors of that thread; empty: any
+  std::string scheduling_policy = "synchronized";  ///< of that thread, or "detached"
+  bool print_warnings = true;                      ///< of that thread, when it is late
+  std::vector<TransmissionInfo> transmissions;
+};
+
+/// Joints that belong together, from SRDF. Indices, ascending.
+struct GroupInfo {
+  std::string name;
+  std::vector<int> joints;
+  std::vector<int> links;
+};
+
+/// A group that is carried at the end of another one, from SRDF.
+struct EndEffectorInfo {
+  std::string name, group, parent_group;  ///< parent_group may be empty
+  int parent_link = -1;
 };
 
 /// Facts of the catalogue beside the geometry.
@@ -135,6 +182,9 @@ struct RobotModel {
   /// Indices of the joints that have a value of their own (not fixed, not mimic), parents before children.
   std::vector<int> actuated;
   std::vector<HardwareInfo> hardware;
+  std::vector<TransmissionInfo> transmissions;  ///< of the robot itself, as in ROS 1
+  std::vector<GroupInfo> groups;
+  std::vector<EndEffectorInfo> end_effectors;
   Provenance provenance;
   /// Pairs of links (indices, smaller first) whose collision shapes are never compared.
   std::vector<std::array<int, 2>> allowed_collisions;

@@ -14,7 +14,8 @@ struct UrdfOptions {
   std::vector<std::filesystem::path> package_folders;
 };
 
-/// Reads URDF with its <ros2_control> blocks. Odd but legal files are accepted: axes that are not unit,
+/// Reads URDF with its <ros2_control> blocks, <transmission>, <safety_controller> and what <gazebo> says of
+/// friction, damping and self-collision. Odd but legal files are accepted: axes that are not unit,
 /// missing inertials and limits, any order. Warnings are added; throws Error with line and reason for what
 /// cannot be a robot: syntax, several roots, unknown or duplicated names, circles, numbers that are none,
 /// xacro that has not been expanded.
@@ -22,8 +23,9 @@ RobotModel read_urdf(std::string_view text, const std::string& file, Problems& w
                      const UrdfOptions& options = {});
 
 /// URDF that reads back equal. What URDF does not have is written in elements that other readers pass over:
-/// capsules as <capsule radius length/>, limits of acceleration and jerk as attributes of <limit>, and
-/// provenance, named states, allowed collisions and estimated inertias in one <polyarm version="1">.
+/// capsules as <capsule radius length/>, limits of acceleration, deceleration and jerk as attributes of
+/// <limit>, and provenance, named states, groups, allowed collisions and estimated inertias in one
+/// <polyarm version="1">.
 std::string write_urdf(const RobotModel& model);
 
 /// What a ROS launch file (XML or Python) mentions, so that a user can be told what to type instead.

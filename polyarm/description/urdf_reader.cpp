@@ -1,12 +1,11 @@
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/gazebo_reader.hpp"
 #include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/ros2_control_reader.hpp"
 #include "polyarm/description/urdf.hpp"
 
 namespace polyarm::description {
@@ -16,19 +15,21 @@ namespace {
 using tinyxml2::XMLElement;
 
 /// Reads one description; complaints carry the line of the element.
-class UrdfReader {
+class UrdfReader : private XmlReader {
  public:
-  UrdfReader(const std::string& file, Problems& warnings, const UrdfOptions& options)
-      : file_(file), warnings_(warnings), options_(options) {}
+  UrdfReader(const std::string& file, Problems& problems, Problems& warnings, const UrdfOptions& options)
+      : XmlReader(file, problems, warnings),
+        options_(options),
+        control_(file, problems, warnings),
+        gazebo_(file, problems, warnings) {}
 
   RobotModel read(std::string_view text) {
     tinyxml2::XMLDocument document;
-    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
-      throw Error(Problem{"xml-syntax",
-                          {file_, document.ErrorLineNum()},
-                          "not valid XML: " + std::string(document.ErrorName()),
-                          "check that every element is closed and every quote has its partner"});
+    parse(document, text, file_);
     const XMLElement* robot = document.FirstChildElement("robot");
+    if (const XMLElement* sdf = document.FirstChildElement("sdf"))
+      throw Error(Problem{"no-robot", at(*sdf), "this is SDF, which is not read",
+                          "name the URDF or xacro file that it was made from"});
     if (!robot)
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
     if (const XMLElement* macro = unexpanded(*robot))
@@ -39,7 +40,8 @@ class UrdfReader {
     problems_.throw_if_errors();
     tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_);
     problems_.throw_if_errors();
-    for (const HardwareInfo& hardware : model_.hardware) check_hardware(hardware);
+    check_hardware(model_, problems_, warnings_);
+    gazebo_.finish(model_);
     problems_.throw_if_errors();
     if (facts_) read_facts(*facts_);
     problems_.throw_if_errors();
@@ -48,11 +50,6 @@ class UrdfReader {
   }
 
  private:
-  Location at(const XMLElement& e) const { return {file_, e.GetLineNum()}; }
-  void error(const XMLElement& e, std::string code, std::string what, std::string advice = {}) {
-    problems_.error(std::move(code), at(e), std::move(what), std::move(advice));
-  }
-
   /// The first element that only xacro understands: a tag of its own, or `${…}` in an attribute. Comments and
   /// the name space that xacro leaves behind in what it expands do not count.
   static const XMLElement* unexpanded(const XMLElement& e) {
@@ -71,27 +68,15 @@ class UrdfReader {
     else if (tag == "joint")
       joint(e);
     else if (tag == "ros2_control")
-      hardware(e);
+      model_.hardware.push_back(control_.hardware(e));
+    else if (tag == "transmission")
+      model_.transmissions.push_back(control_.robot_transmission(e));
+    else if (tag == "gazebo")
+      gazebo_.add(e);
     else if (tag == "polyarm")
       facts_ = &e;
-    else if (tag != "material" && tag != "gazebo" && tag != "transmission" && passed_over_.insert(tag).second)
+    else if (tag != "material" && passed_over_.insert(tag).second)
       warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
-  }
-
-  std::string attribute(const XMLElement& e, const char* name) {
-    const char* value = e.Attribute(name);
-    const std::string text(value ? trim(value) : "");
-    if (text.empty())
-      error(e, "missing-attribute", std::string("<") + e.Name() + "> has no attribute '" + name + "'");
-    return text;
-  }
-
-  std::optional<double> number(const XMLElement* e, const char* name) {
-    const char* text = e ? e->Attribute(name) : nullptr;
-    if (!text) return std::nullopt;
-    const auto value = parse_number(text);
-    if (!value) error(*e, "bad-number", std::string(name) + "=\"" + text + "\" is not a number");
-    return value;
   }
 
   Vec3 vector(const XMLElement& e, const char* name, const Vec3& fallback) {
@@ -256,6 +241,7 @@ class UrdfReader {
     out.joint.origin = origin(e);
     axis(e, out.joint);
     limits(e, out.joint);
+    soft_limits(e, out.joint);
     if (const XMLElement* d = e.FirstChildElement("dynamics")) {
       out.joint.damping = number(d, "damping").value_or(0);
       out.joint.friction = number(d, "friction").value_or(0);
@@ -304,176 +290,28 @@ class UrdfReader {
     for (const auto& [name, value] : {std::pair{"velocity", &joint.limits.velocity},
                                       {"effort", &joint.limits.effort},
                                       {"acceleration", &joint.limits.acceleration},
+                                      {"deceleration", &joint.limits.deceleration},
                                       {"jerk", &joint.limits.jerk}})
       if (const auto stated = number(l, name); stated && *stated > 0) *value = *stated;
   }
 
-  // --- <ros2_control>
-  // -----------------------------------------------------------------------------------------
-
-  static void parameters(const XMLElement& e, std::map<std::string, std::string>& out) {
-    for (const XMLElement* p = e.FirstChildElement("param"); p; p = p->NextSiblingElement("param"))
-      if (const char* name = p->Attribute("name"))
-        out[name] = std::string(trim(p->GetText() ? p->GetText() : ""));
-  }
-
-  static std::string text_in(const XMLElement* e, const char* tag) {
-    const XMLElement* child = e ? e->FirstChildElement(tag) : nullptr;
-    return std::string(trim(child && child->GetText() ? child->GetText() : ""));
-  }
-
-  bool flag(const XMLElement& e, const char* name, bool fallback) {
-    const char* text = e.Attribute(name);
-    if (!text) return fallback;
-    const std::string value = lower(trim(text));
-    if (value != "true" && value != "false" && value != "1" && value != "0")
-      error(e, "bad-value", std::string(name) + "=\"" + text + "\" is neither true nor false");
-    return value == "true" || value == "1";
-  }
-
-  /// Children that <ros2_control> does not have are refused, as the reference refuses them.
-  void only(const XMLElement& e, const std::vector<std::string>& known) {
-    for (const XMLElement* c = e.FirstChildElement(); c; c = c->NextSiblingElement())
-      if (std::find(known.begin(), known.end(), c->Name()) == known.end())
-        error(*c, "unknown-tag",
-              std::string("<") + e.Name() + "> has no <" + c->Name() + ">" + did_you_mean(c->Name(), known),
-              "it can have " + join(known, ", "));
-  }
-
-  void hardware(const XMLElement& e) {
-    HardwareInfo out;
-    out.where = at(e);
-    out.name = attribute(e, "name");
-    out.type = attribute(e, "type");
-    const std::vector<std::string> types{"system", "actuator", "sensor"};
-    if (!out.type.empty() && std::find(types.begin(), types.end(), out.type) == types.end())
-      error(e, "bad-type", "'" + out.type + "' is no type of hardware" + did_you_mean(out.type, types),
-            "write system, actuator or sensor");
-    only(e, {"hardware", "properties", "joint", "sensor", "gpio", "transmission"});
-    if (const auto rate = number(&e, "rw_rate")) {
-      if (*rate < 0 || *rate != std::floor(*rate) || *rate > 1e6)
-        error(e, "bad-value", "rw_rate is a whole number of Hz, 0 for that of the loop");
-      else
-        out.rw_rate = static_cast<int>(*rate);
-    }
-    out.is_async = flag(e, "is_async", false);
-    if (const auto priority = number(&e, "thread_priority"))
-      out.thread_priority = static_cast<int>(std::clamp(*priority, 0.0, 99.0));
-    async_properties(e, out);
-    if (const XMLElement* h = e.FirstChildElement("hardware")) {
-      out.plugin = text_in(h, "plugin");
-      out.group = text_in(h, "group");
-      if (out.plugin.empty()) error(*h, "missing-tag", "the hardware '" + out.name + "' has no <plugin>");
-      parameters(*h, out.parameters);
-    } else {
-      error(e, "missing-tag", "<ros2_control> '" + out.name + "' has no <hardware>",
-            "add <hardware><plugin>…</plugin></hardware>");
-    }
-    for (const char* kind : {"joint", "sensor", "gpio"})
-      for (const XMLElement* c = e.FirstChildElement(kind); c; c = c->NextSiblingElement(kind))
-        component(*c, kind, out);
-    for (const XMLElement* t = e.FirstChildElement("transmission"); t;
-         t = t->NextSiblingElement("transmission"))
-      transmission(*t, out);
-    const auto joints = std::count_if(out.components.begin(), out.components.end(),
-                                      [](const ComponentInfo& c) { return c.kind == "joint"; });
-    if (out.type == "actuator" && joints != 1)
-      error(e, "bad-type", "the actuator '" + out.name + "' has " + std::to_string(joints) + " joints",
-            "an actuator has one; several make a system");
-    model_.hardware.push_back(std::move(out));
-  }
-
-  void async_properties(const XMLElement& e, HardwareInfo& out) {
-    const XMLElement* properties = e.FirstChildElement("properties");
-    const XMLElement* async = properties ? properties->FirstChildElement("async") : nullptr;
-    if (!async) return;
-    if (const auto priority = number(async, "thread_priority"))
-      out.thread_priority = static_cast<int>(std::clamp(*priority, 0.0, 99.0));
-    if (const char* affinity = async->Attribute("affinity"))
-      for (const std::string& word : split_words(affinity, "[], "))
-        if (const auto cpu = parse_number(word); cpu && *cpu >= 0 && *cpu < 4096)
-          out.affinity.push_back(static_cast<int>(*cpu));
-  }
-
-  void component(const XMLElement& c, const char* kind, HardwareInfo& out) {
-    ComponentInfo component;
-    component.name = attribute(c, "name");
-    component.kind = kind;
-    component_lines_[out.name + "/" + component.name] = at(c);
-    only(c, {"command_interface", "state_interface", "param", "limits"});
-    if (c.Attribute("mimic")) component.mimic = flag(c, "mimic", true);
-    if (const XMLElement* l = c.FirstChildElement("limits"))
-      component.limits_enabled = flag(*l, "enable", true);
-    parameters(c, component.parameters);
-    interfaces(c, "command_interface", component.command_interfaces);
-    interfaces(c, "state_interface", component.state_interfaces);
-    out.components.push_back(std::move(component));
-  }
-
-  void transmission_ends(const XMLElement& t, const char* tag, std::vector<TransmissionEnd>& out) {
-    for (const XMLElement* e = t.FirstChildElement(tag); e; e = e->NextSiblingElement(tag)) {
-      TransmissionEnd end;
-      end.name = attribute(*e, "name");
-      if (const char* role = e->Attribute("role")) end.role = role;
-      for (const auto& [name, value] :
-           {std::pair{"mechanical_reduction", &end.reduction}, {"offset", &end.offset}}) {
-        const std::string text = text_in(e, name);
-        if (text.empty()) continue;
-        if (const auto given = parse_number(text))
-          *value = *given;
-        else
-          error(*e, "bad-number", std::string(name) + " is '" + text + "', which is not a number");
-      }
-      if (end.reduction == 0)
-        error(*e, "bad-value", "the mechanical_reduction of '" + end.name + "' is 0", "1 leaves it as it is");
-      out.push_back(std::move(end));
-    }
-  }
-
-  void transmission(const XMLElement& t, HardwareInfo& out) {
-    TransmissionInfo info;
-    info.name = attribute(t, "name");
-    info.plugin = text_in(&t, "plugin");
-    if (info.plugin.empty()) error(t, "missing-tag", "the transmission '" + info.name + "' has no <plugin>");
-    transmission_ends(t, "joint", info.joints);
-    transmission_ends(t, "actuator", info.actuators);
-    parameters(t, info.parameters);
-    out.transmissions.push_back(std::move(info));
-  }
-
-  void interfaces(const XMLElement& e, const char* tag, std::vector<InterfaceInfo>& out) {
-    static const std::vector<std::string> kTypes{"double", "float32", "bool",   "uint8", "int8",
-                                                 "uint16", "int16",   "uint32", "int32"};
-    for (const XMLElement* i = e.FirstChildElement(tag); i; i = i->NextSiblingElement(tag)) {
-      InterfaceInfo info;
-      info.name = attribute(*i, "name");
-      if (const char* type = i->Attribute("data_type")) info.data_type = type;
-      if (std::find(kTypes.begin(), kTypes.end(), info.data_type) == kTypes.end())
-        error(*i, "bad-type",
-              "'" + info.data_type + "' is no data_type" + did_you_mean(info.data_type, kTypes));
-      if (const auto size = number(i, "size")) {
-        if (*size < 1 || *size != std::floor(*size) || *size > 1000)
-          error(*i, "bad-value", "the size of '" + info.name + "' is a whole number from 1");
-        else
-          info.size = static_cast<int>(*size);
-      }
-      if (const XMLElement* l = i->FirstChildElement("limits"))
-        info.limits_enabled = flag(*l, "enable", true);
-      parameters(*i, info.parameters);
-      if (const char* initial = i->Attribute("initial_value")) info.parameters["initial_value"] = initial;
-      for (const auto& [name, value] :
-           {std::pair{"min", &info.min}, {"max", &info.max}, {"initial_value", &info.initial_value}})
-        if (const auto text = info.parameters.find(name); text != info.parameters.end()) {
-          *value = parse_number(text->second);
-          if (lower(text->second) == "true") *value = 1;
-          if (lower(text->second) == "false") *value = 0;
-          if (!*value && !text->second.empty() && info.data_type == "double")
-            warnings_.warning("bad-number", at(*i),
-                              std::string(name) + " of '" + info.name + "' is '" + text->second +
-                                  "', which is not a number; it is passed over");
-        }
-      out.push_back(std::move(info));
-    }
+  /// A range of nothing, which is what the format says for one that is not stated, means no range.
+  void soft_limits(const XMLElement& e, Joint& joint) {
+    const XMLElement* s = e.FirstChildElement("safety_controller");
+    if (!s || !joint.moves()) return;
+    SoftLimits out;
+    out.lower = number(s, "soft_lower_limit");
+    out.upper = number(s, "soft_upper_limit");
+    out.k_position = number(s, "k_position").value_or(0);
+    out.k_velocity = number(s, "k_velocity").value_or(0);
+    if (out.lower && out.upper && *out.lower > *out.upper)
+      error(*s, "bad-limit",
+            "the soft lower limit " + format_number(*out.lower) + " of '" + joint.name +
+                "' is above its soft upper limit " + format_number(*out.upper));
+    if (out.lower == out.upper) out.lower = out.upper = std::nullopt;
+    if (out.k_position < 0 || out.k_velocity < 0)
+      error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' have to be zero or more");
+    joint.soft_limits = out;
   }
 
   // --- <polyarm>, written by write_urdf
@@ -490,6 +328,10 @@ class UrdfReader {
       const std::string_view tag = c->Name();
       if (tag == "note" && c->GetText()) p.notes.emplace_back(c->GetText());
       if (tag == "state") read_state(*c);
+      if (tag == "group") read_group(*c);
+      if (tag == "end_effector")
+        model_.end_effectors.push_back({attribute(*c, "name"), attribute(*c, "group"),
+                                        optional_attribute(*c, "parent_group"), index_of(*c, "parent_link")});
       if (tag == "allowed_collision") {
         const auto [low, high] = std::minmax({index_of(*c, "link1"), index_of(*c, "link2")});
         model_.allowed_collisions.push_back({low, high});
@@ -508,6 +350,19 @@ class UrdfReader {
     return std::max(found, 0);
   }
 
+  void read_group(const XMLElement& e) {
+    GroupInfo out;
+    out.name = attribute(e, "name");
+    for (const XMLElement* j = e.FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
+      const std::string joint = attribute(*j, "name");
+      out.joints.push_back(model_.find_joint(joint));
+      if (out.joints.back() < 0) error(*j, "unknown-joint", "there is no joint '" + joint + "'");
+    }
+    for (const XMLElement* l = e.FirstChildElement("link"); l; l = l->NextSiblingElement("link"))
+      out.links.push_back(index_of(*l, "name"));
+    model_.groups.push_back(std::move(out));
+  }
+
   void read_state(const XMLElement& e) {
     const std::vector<std::string> names = model_.joint_names();
     std::vector<double> values(names.size(), 0.0);
@@ -522,45 +377,12 @@ class UrdfReader {
     model_.named_states[attribute(e, "name")] = std::move(values);
   }
 
-  /// A joint that does not move cannot be commanded, and one that mimics another is not commanded by itself.
-  void check_component(const HardwareInfo& hardware, const ComponentInfo& component) {
-    const int found = component.kind == "joint" ? model_.find_joint(component.name) : -1;
-    if (found < 0) return;
-    const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
-    const Location& where = component_lines_[hardware.name + "/" + component.name];
-    if (!joint.moves())
-      problems_.error("fixed-joint", where,
-                      "<ros2_control> names the joint '" + component.name + "', which is fixed",
-                      "leave it out");
-    if (component.mimic.value_or(false) && !joint.mimic)
-      problems_.error("no-mimic", where,
-                      "the joint '" + component.name + "' has no <mimic> in the description",
-                      "add <mimic joint=…> to it, or leave mimic=\"true\" out");
-    if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty())
-      problems_.error("mimic-commanded", where,
-                      "the joint '" + component.name + "' follows another and cannot be commanded",
-                      "leave its command interfaces out, or write mimic=\"false\"");
-  }
-
-  void check_hardware(const HardwareInfo& hardware) {
-    std::vector<std::string> names;
-    for (const Joint& joint : model_.joints) names.push_back(joint.name);
-    for (const ComponentInfo& component : hardware.components) check_component(hardware, component);
-    for (const ComponentInfo& component : hardware.components)
-      if (component.kind == "joint" && model_.find_joint(component.name) < 0)
-        problems_.error("unknown-joint", component_lines_[hardware.name + "/" + component.name],
-                        "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
-                            "', which the robot does not have" + did_you_mean(component.name, names));
-  }
-
-  std::string file_;
-  Problems& warnings_;
   const UrdfOptions& options_;
+  Ros2ControlReader control_;
+  GazeboReader gazebo_;
   RobotModel model_;
   std::vector<NamedJoint> joints_;
-  Problems problems_;
   std::set<std::string> passed_over_, link_names_;
-  std::map<std::string, Location> component_lines_;
   const XMLElement* facts_ = nullptr;  ///< <polyarm>: what URDF has no place for
 };
 
@@ -568,7 +390,8 @@ class UrdfReader {
 
 RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
                      const UrdfOptions& options) {
-  return UrdfReader(file, warnings, options).read(text);
+  Problems problems;
+  return UrdfReader(file, problems, warnings, options).read(text);
 }
 
 }  // namespace polyarm::description

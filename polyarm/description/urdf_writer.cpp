@@ -20,6 +20,8 @@ class UrdfWriter {
     open("robot", {{"name", model.name}});
     for (const Link& link : model.links) write_link(link);
     for (const Joint& joint : model.joints) write_joint(model, joint);
+    for (const Link& link : model.links) write_contact(link);
+    for (const TransmissionInfo& transmission : model.transmissions) write_robot_transmission(transmission);
     for (const HardwareInfo& hardware : model.hardware) write_hardware(hardware);
     write_facts(model);
     xml_.CloseElement();
@@ -93,9 +95,11 @@ class UrdfWriter {
                                       {"velocity", l.velocity},
                                       {"effort", l.effort},
                                       {"acceleration", l.acceleration},
+                                      {"deceleration", l.deceleration},
                                       {"jerk", l.jerk}})
       if (value) limit.emplace_back(name, format_number(*value));
     if (!limit.empty()) leaf("limit", limit);
+    if (joint.soft_limits) write_soft(*joint.soft_limits);
     if (joint.damping != 0 || joint.friction != 0)
       leaf("dynamics",
            {{"damping", format_number(joint.damping)}, {"friction", format_number(joint.friction)}});
@@ -103,6 +107,23 @@ class UrdfWriter {
       leaf("mimic", {{"joint", model.joints[static_cast<std::size_t>(joint.mimic->joint)].name},
                      {"multiplier", format_number(joint.mimic->multiplier)},
                      {"offset", format_number(joint.mimic->offset)}});
+    xml_.CloseElement();
+  }
+  void write_soft(const SoftLimits& soft) {
+    Attributes out;
+    if (soft.lower) out.emplace_back("soft_lower_limit", format_number(*soft.lower));
+    if (soft.upper) out.emplace_back("soft_upper_limit", format_number(*soft.upper));
+    out.emplace_back("k_position", format_number(soft.k_position));
+    out.emplace_back("k_velocity", format_number(soft.k_velocity));
+    leaf("safety_controller", out);
+  }
+  void write_contact(const Link& link) {
+    const Contact& c = link.contact;
+    if (!c.mu1 && !c.mu2 && !c.self_collide) return;
+    open("gazebo", {{"reference", link.name}});
+    if (c.mu1) write_text("mu1", format_number(*c.mu1));
+    if (c.mu2) write_text("mu2", format_number(*c.mu2));
+    if (c.self_collide) write_text("selfCollide", *c.self_collide ? "true" : "false");
     xml_.CloseElement();
   }
   void write_parameters(const std::map<std::string, std::string>& parameters) {
@@ -118,27 +139,83 @@ class UrdfWriter {
     xml_.PushText(text.c_str());
     xml_.CloseElement();
   }
-  void write_interfaces(const char* tag, const std::vector<InterfaceInfo>& interfaces) {
+  void write_limits(bool enabled) {
+    if (!enabled) leaf("limits", {{"enable", "false"}});
+  }
+  void write_interfaces(const char* tag, const ComponentInfo& component,
+                        const std::vector<InterfaceInfo>& interfaces) {
     for (const InterfaceInfo& i : interfaces) {
       open(tag, {{"name", i.name}, {"data_type", i.data_type}});
+      if (i.size != 1) xml_.PushAttribute("size", i.size);
+      if (component.limits_enabled) write_limits(i.limits_enabled);
       write_parameters(i.parameters);
       xml_.CloseElement();
     }
   }
+  void write_component(const ComponentInfo& component) {
+    open(component.kind.c_str(), {{"name", component.name}});
+    if (component.mimic) xml_.PushAttribute("mimic", *component.mimic);
+    write_limits(component.limits_enabled);
+    write_parameters(component.parameters);
+    write_interfaces("command_interface", component, component.command_interfaces);
+    write_interfaces("state_interface", component, component.state_interfaces);
+    xml_.CloseElement();
+  }
+  void write_async(const HardwareInfo& async) {
+    std::string list;
+    for (const int processor : async.affinity) list += (list.empty() ? "" : ",") + std::to_string(processor);
+    open("properties");
+    open("async", {{"scheduling_policy", async.scheduling_policy}});
+    if (async.thread_priority > 0) xml_.PushAttribute("thread_priority", async.thread_priority);
+    xml_.PushAttribute("print_warnings", async.print_warnings);
+    if (!list.empty()) xml_.PushAttribute("affinity", ("[" + list + "]").c_str());
+    xml_.CloseElement();
+    xml_.CloseElement();
+  }
   void write_hardware(const HardwareInfo& hardware) {
     open("ros2_control", {{"name", hardware.name}, {"type", hardware.type}});
+    if (hardware.rw_rate > 0) xml_.PushAttribute("rw_rate", hardware.rw_rate);
+    if (hardware.is_async) xml_.PushAttribute("is_async", true);
     open("hardware");
     write_text("plugin", hardware.plugin);
     write_text("group", hardware.group);
     write_parameters(hardware.parameters);
     xml_.CloseElement();
-    for (const ComponentInfo& component : hardware.components) {
-      open(component.kind.c_str(), {{"name", component.name}});
-      write_parameters(component.parameters);
-      write_interfaces("command_interface", component.command_interfaces);
-      write_interfaces("state_interface", component.state_interfaces);
-      xml_.CloseElement();
-    }
+    if (hardware.is_async) write_async(hardware);
+    for (const ComponentInfo& component : hardware.components) write_component(component);
+    for (const TransmissionInfo& transmission : hardware.transmissions) write_transmission(transmission);
+    xml_.CloseElement();
+  }
+  void write_transmission(const TransmissionInfo& transmission) {
+    open("transmission", {{"name", transmission.name}});
+    write_text("plugin", transmission.plugin);
+    for (const auto& [tag, ends] :
+         {std::pair{"joint", &transmission.joints}, {"actuator", &transmission.actuators}})
+      for (const TransmissionEnd& end : *ends) {
+        open(tag, {{"name", end.name}, {"role", end.role}});
+        if (end.read_only) xml_.PushAttribute("read_only", true);
+        write_text("mechanical_reduction", format_number(end.reduction));
+        write_text("offset", format_number(end.offset));
+        xml_.CloseElement();
+      }
+    write_parameters(transmission.parameters);
+    xml_.CloseElement();
+  }
+  /// The form of ROS 1.
+  void write_robot_transmission(const TransmissionInfo& transmission) {
+    open("transmission", {{"name", transmission.name}});
+    write_text("type", transmission.plugin);
+    for (const auto& [tag, ends] :
+         {std::pair{"joint", &transmission.joints}, {"actuator", &transmission.actuators}})
+      for (const TransmissionEnd& end : *ends) {
+        open(tag, {{"name", end.name}});
+        write_text("role", end.role);
+        for (const std::string& interface : end.interfaces) write_text("hardwareInterface", interface);
+        if (end.reduction != 1) write_text("mechanicalReduction", format_number(end.reduction));
+        if (end.offset != 0) write_text("offset", format_number(end.offset));
+        xml_.CloseElement();
+      }
+    write_parameters(transmission.parameters);
     xml_.CloseElement();
   }
 
@@ -157,8 +234,22 @@ class UrdfWriter {
     for (const auto& [first, second] : model.allowed_collisions)
       leaf("allowed_collision", {{"link1", model.links[static_cast<std::size_t>(first)].name},
                                  {"link2", model.links[static_cast<std::size_t>(second)].name}});
+    for (const GroupInfo& group : model.groups) write_group(model, group);
+    for (const EndEffectorInfo& e : model.end_effectors)
+      leaf("end_effector", {{"name", e.name},
+                            {"group", e.group},
+                            {"parent_link", model.links[static_cast<std::size_t>(e.parent_link)].name},
+                            {"parent_group", e.parent_group}});
     for (const Link& link : model.links)
       if (link.inertial && link.inertial->estimated) leaf("estimated", {{"link", link.name}});
+    xml_.CloseElement();
+  }
+  void write_group(const RobotModel& model, const GroupInfo& group) {
+    open("group", {{"name", group.name}});
+    for (const int joint : group.joints)
+      leaf("joint", {{"name", model.joints[static_cast<std::size_t>(joint)].name}});
+    for (const int link : group.links)
+      leaf("link", {{"name", model.links[static_cast<std::size_t>(link)].name}});
     xml_.CloseElement();
   }
   void write_state(const RobotModel& model, const std::string& name, const std::vector<double>& values) {

@@ -1,0 +1,90 @@
+#include "polyarm/description/gazebo_reader.hpp"
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::description {
+
+void GazeboReader::finish(RobotModel& model) {
+  for (const Element* e : elements_) apply(*e, model);
+  if (!passed_over_.empty())
+    warnings_.warning("gazebo", first_, "<gazebo>: " + join(passed_over_, ", ") + " passed over",
+                      "only mu1, mu2, selfCollide, damping and friction are read");
+}
+
+void GazeboReader::apply(const Element& e, RobotModel& model) {
+  const std::string reference = optional_attribute(e, "reference");
+  const int link_index = model.find_link(reference), joint_index = model.find_joint(reference);
+  if (!reference.empty() && link_index < 0 && joint_index < 0) {
+    std::vector<std::string> names;
+    for (const Link& l : model.links) names.push_back(l.name);
+    for (const Joint& j : model.joints) names.push_back(j.name);
+    return warning(
+        e, "unknown-link",
+        "<gazebo> names '" + reference + "', which is no link and no joint" + did_you_mean(reference, names));
+  }
+  for (const Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
+    bool taken = reference.empty() && whole_robot(*c, model);
+    if (link_index >= 0) taken = link(*c, model.links[static_cast<std::size_t>(link_index)]);
+    if (!taken && joint_index >= 0) taken = joint(*c, model.joints[static_cast<std::size_t>(joint_index)]);
+    if (!taken) pass_over(*c);
+  }
+}
+
+/// Counts for every link that does not say its own.
+bool GazeboReader::whole_robot(const Element& e, RobotModel& model) {
+  const std::string_view tag = e.Name();
+  if (tag != "self_collide" && tag != "selfCollide") return false;
+  const auto value = boolean_inside(e);
+  for (Link& l : model.links)
+    if (!l.contact.self_collide) l.contact.self_collide = value;
+  return true;
+}
+
+bool GazeboReader::link(const Element& e, Link& link) {
+  const std::string_view tag = e.Name();
+  if (tag == "mu1" || tag == "mu")
+    link.contact.mu1 = amount(e);
+  else if (tag == "mu2")
+    link.contact.mu2 = amount(e);
+  else if (tag == "selfCollide" || tag == "self_collide")
+    link.contact.self_collide = boolean_inside(e);
+  else
+    return false;
+  return true;
+}
+
+bool GazeboReader::joint(const Element& e, Joint& joint) {
+  const std::string_view tag = e.Name();
+  if (tag == "damping") {
+    joint.damping = amount(e).value_or(joint.damping);
+  } else if (tag == "friction") {
+    joint.friction = amount(e).value_or(joint.friction);
+  } else if (tag == "dynamics") {
+    for (const auto& [name, value] : {std::pair{"damping", &joint.damping}, {"friction", &joint.friction}}) {
+      *value = number(&e, name).value_or(*value);
+      if (const Element* inside = e.FirstChildElement(name)) *value = amount(*inside).value_or(*value);
+    }
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// A number of at least zero, inside or in the attribute `value`.
+std::optional<double> GazeboReader::amount(const Element& e) {
+  const auto out = e.Attribute("value") ? number(&e, "value") : number_inside(e);
+  if (!out || *out >= 0) return out;
+  error(e, "bad-number", std::string("<") + e.Name() + "> is " + format_number(*out) + ", below zero");
+  return std::nullopt;
+}
+
+void GazeboReader::pass_over(const Element& e) {
+  if (std::find(tags_.begin(), tags_.end(), e.Name()) != tags_.end()) return;
+  if (tags_.empty()) first_ = at(e);
+  tags_.emplace_back(e.Name());
+  passed_over_.push_back("<" + tags_.back() + "> (line " + std::to_string(e.GetLineNum()) + ")");
+}
+
+}  // namespace polyarm::description

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <set>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/ros2_control_reader.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+class HardwareCheck {
+ public:
+  HardwareCheck(const RobotModel& model, Problems& problems, Problems& warnings)
+      : model_(model), problems_(problems), warnings_(warnings) {
+    for (const Joint& joint : model.joints) joints_.push_back(joint.name);
+  }
+
+  void block(const HardwareInfo& hardware) {
+    if (!hardware.name.empty() && !blocks_.insert(hardware.name).second)
+      problems_.error("duplicate-name", hardware.where,
+                      "two <ros2_control> are called '" + hardware.name + "'", "rename one of them");
+    std::set<std::pair<std::string, std::string>> names;
+    for (const ComponentInfo& component : hardware.components) {
+      if (!component.name.empty() && !names.emplace(component.kind, component.name).second)
+        problems_.error(
+            "duplicate-name", component.where,
+            "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name + "\">",
+            "put their interfaces into one");
+      if (component.kind == "joint") joint(hardware, component);
+    }
+    shape(hardware);
+    for (const TransmissionInfo& t : hardware.transmissions) transmission(hardware, t);
+  }
+
+  void transmission_of_robot(const TransmissionInfo& t) {
+    for (const TransmissionEnd& end : t.joints)
+      if (model_.find_joint(end.name) < 0)
+        warnings_.warning("unknown-joint", t.where,
+                          "the transmission '" + t.name + "' names the joint '" + end.name +
+                              "', which the robot does not have" + did_you_mean(end.name, joints_));
+  }
+
+ private:
+  void joint(const HardwareInfo& hardware, const ComponentInfo& component) {
+    const int found = model_.find_joint(component.name);
+    if (found < 0)
+      return problems_.error("unknown-joint", component.where,
+                             "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
+                                 "', which the robot does not have" + did_you_mean(component.name, joints_),
+                             "write the name of a <joint> of the robot");
+    const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
+    if (!joint.moves())
+      return problems_.error("fixed-joint", component.where,
+                             "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
+                                 "', which is fixed and has nothing to read or command",
+                             "remove it here, or give the robot's joint another type");
+    mimic(component, joint);
+  }
+
+  void mimic(const ComponentInfo& component, const Joint& joint) {
+    if (component.mimic.value_or(false) && !joint.mimic)
+      problems_.error("no-mimic", component.where,
+                      "'" + component.name + "' says mimic=\"true\", but the robot's joint follows no other",
+                      "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
+    if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty())
+      problems_.error(
+          "bad-mimic", component.command_interfaces.front().where,
+          "'" + component.name + "' follows another joint, so that it cannot have command interfaces",
+          "remove them, or write mimic=\"false\" to command it on its own");
+    if (component.parameters.contains("mimic") && !joint.mimic)
+      warnings_.warning(
+          "superseded", component.where,
+          "the parameter 'mimic' of '" + component.name + "' has no effect any more",
+          "write <mimic joint=\"" + component.parameters.at("mimic") + "\"/> into the robot's <joint>");
+  }
+
+  void shape(const HardwareInfo& hardware) {
+    const auto joints = std::count_if(hardware.components.begin(), hardware.components.end(),
+                                      [](const ComponentInfo& c) { return c.kind == "joint"; });
+    if (hardware.type == "actuator" && joints != 1)
+      problems_.error("bad-type", hardware.where,
+                      "the actuator '" + hardware.name + "' has " + std::to_string(joints) +
+                          " joints, an actuator moves one",
+                      "write type=\"system\", or one <ros2_control> for each joint");
+    if (hardware.type != "sensor") return;
+    for (const ComponentInfo& c : hardware.components)
+      if (!c.command_interfaces.empty())
+        warnings_.warning(
+            "no-effect", c.command_interfaces.front().where,
+            "'" + hardware.name + "' is a sensor: the commands to '" + c.name + "' reach nothing",
+            "write type=\"system\" to command it");
+  }
+
+  void transmission(const HardwareInfo& hardware, const TransmissionInfo& t) {
+    std::vector<std::string> names;
+    for (const ComponentInfo& c : hardware.components)
+      if (c.kind == "joint") names.push_back(c.name);
+    for (const TransmissionEnd& end : t.joints)
+      if (std::find(names.begin(), names.end(), end.name) == names.end())
+        problems_.error("unknown-joint", t.where,
+                        "the transmission '" + t.name + "' moves the joint '" + end.name +
+                            "', which its <ros2_control> '" + hardware.name + "' does not have" +
+                            did_you_mean(end.name, names),
+                        "add <joint name=\"" + end.name + "\"> to the same <ros2_control>");
+  }
+
+  const RobotModel& model_;
+  Problems& problems_;
+  Problems& warnings_;
+  std::vector<std::string> joints_;
+  std::set<std::string> blocks_;
+};
+
+}  // namespace
+
+void check_hardware(const RobotModel& model, Problems& problems, Problems& warnings) {
+  HardwareCheck check(model, problems, warnings);
+  for (const HardwareInfo& hardware : model.hardware) check.block(hardware);
+  for (const TransmissionInfo& t : model.transmissions) check.transmission_of_robot(t);
+}
+
+}  // namespace polyarm::description
