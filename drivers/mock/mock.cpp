@@ -112,13 +112,16 @@ void MockComponent::add_declared(const hardware::RobotInstance& robot,
                                  const description::HardwareInfo& info) {
   const std::size_t first = parts_.size();
   std::vector<std::string> names;
+  std::vector<bool> follows;
   for (const ComponentInfo& component : info.components) {
     add_component(robot, component);
-    if (component.kind == "joint") names.push_back(component.name);
+    if (component.kind != "joint") continue;
+    names.push_back(component.name);
+    follows.push_back(component.mimic.value_or(true));
   }
   for (std::size_t k = 0; k < names.size(); ++k) {
     const int joint = robot.model->find_joint(names[k]);
-    if (joint < 0 || !robot.model->joints[static_cast<std::size_t>(joint)].mimic) continue;
+    if (!follows[k] || joint < 0 || !robot.model->joints[static_cast<std::size_t>(joint)].mimic) continue;
     const description::Mimic& mimic = *robot.model->joints[static_cast<std::size_t>(joint)].mimic;
     const std::string& source = robot.model->joints[static_cast<std::size_t>(mimic.joint)].name;
     const auto found = std::find(names.begin(), names.end(), source);

@@ -182,7 +182,10 @@ void Cell::tell_loop_events() {
         "the controller {} failed and is inactive, with all that works through it",
         "the controller {} was stopped with what it works on", "the controller {} took over",
         "the hardware component {} failed", "the hardware component {} asked to be deactivated"};
-    observer_.on_note(fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name));
+    std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
+    if (const std::string reason = hardware ? loop_->hardware().reason(who) : ""; !reason.empty())
+      text += ": " + reason;
+    observer_.on_note(text);
     if (hardware || event.kind == Kind::controller_failed) falling_ = hardware ? name : "";
     if (event.kind == Kind::controller_stopped && !falling_.empty()) fallen_[falling_].push_back(name);
     if (event.kind == Kind::component_failed) loop_->hardware().recover_from_error(who);

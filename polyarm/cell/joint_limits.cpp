@@ -134,7 +134,14 @@ class JointReader {
     out.upper = std::min(number("soft_upper_limit").value_or(facts_.upper), facts_.upper);
     out.k_position = number("k_position").value_or(0);
     out.k_velocity = number("k_velocity").value_or(0);
-    facts_.soft = out;
+    if (out.k_position > 0) {
+      facts_.soft = out;
+      return;
+    }
+    facts_.soft.reset();
+    problems_.warning("bad-limit", yaml_.where(),
+                      "the soft limits of '" + facts_.name + "' have no k_position above zero and no effect",
+                      "write k_position: the velocity allowed for each rad (m) to the soft limit, 1/s");
   }
 
   const Yaml& yaml_;

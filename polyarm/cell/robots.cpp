@@ -12,6 +12,7 @@
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/hardware/transmitted_component.hpp"
 
 namespace polyarm::cell {
 
@@ -33,6 +34,10 @@ controllers::JointFacts facts_of(const std::string& robot, const description::Jo
   out.velocity = positive_or(joint.limits.velocity, kInfinity);
   out.effort = positive_or(joint.limits.effort, kInfinity);
   out.states_velocity = std::isfinite(out.velocity);
+  if (joint.soft_limits && joint.soft_limits->k_position > 0)  // else they say nothing, as in ros2_control
+    out.soft = {std::max(joint.soft_limits->lower.value_or(out.lower), out.lower),
+                std::min(joint.soft_limits->upper.value_or(out.upper), out.upper),
+                joint.soft_limits->k_position, joint.soft_limits->k_velocity};
   return out;
 }
 
@@ -171,8 +176,12 @@ class Components {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
     for (Planned& planned : planned_)
-      collect(problems,
-              [&] { hardware.add(hardware::make_driver(planned.driver), planned.context, planned.options); });
+      collect(problems, [&] {
+        auto component = hardware::make_driver(planned.driver);
+        if (planned.driver != "mujoco")  // physics knows joints alone
+          component = hardware::through_transmissions(std::move(component), planned.context);
+        hardware.add(std::move(component), planned.context, planned.options);
+      });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
       for (const std::string& name : *names)
         if (hardware.find(name) < 0)

@@ -64,7 +64,7 @@ class HardwareCheck {
                       "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
     if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty())
       problems_.error(
-          "bad-mimic", component.command_interfaces.front().where,
+          "mimic-commanded", component.command_interfaces.front().where,
           "'" + component.name + "' follows another joint, so that it cannot have command interfaces",
           "remove them, or write mimic=\"false\" to command it on its own");
     if (component.parameters.contains("mimic") && !joint.mimic)

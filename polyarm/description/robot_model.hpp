@@ -46,8 +46,8 @@ struct Link {
   std::optional<Inertial> inertial;
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
-  Contact contact;
   int parent_joint = -1;  ///< index into RobotModel::joints; -1 for the root
+  Contact contact;
 };
 
 enum class JointType { fixed, revolute, continuous, prismatic, planar, floating };

@@ -96,6 +96,16 @@ class Component {
   virtual const WorldState* world() const noexcept { return nullptr; }
   /// Names for Contact::a and b.
   virtual std::vector<std::string> world_names() const { return {}; }
+  /// Does it drive something that is not simulated? Such a component is armed by a person before it may move.
+  /// Valid after construction: a cell asks before it decides whether the component runs at all.
+  virtual bool real() const noexcept { return false; }
+  /// Do read and write wait for a device (a bus, a socket)? Such a component gets a thread of its own, unless
+  /// its description decides otherwise. Valid after construction.
+  virtual bool blocks() const noexcept { return false; }
+  /// Why the last callback, read or write failed: one sentence that names joint and device, and what to do;
+  /// may be empty. Called from the thread that builds or switches, while the control thread may be in read
+  /// or write: keep the reason as an atomic number and make the text here.
+  virtual std::string reason() const { return {}; }
   /// What is worth one line at the start of a run ("MuJoCo 2.2.2, step 1 ms"); may be empty.
   virtual std::string summary() const { return {}; }
 };

@@ -36,6 +36,13 @@ class Hardware::Letting : public realtime::Job {
   bool reading_, writing_;
 };
 
+namespace {
+std::string because(const Component& component) {
+  const std::string reason = component.reason();
+  return reason.empty() ? reason : ": " + reason;
+}
+}  // namespace
+
 Hardware::~Hardware() {
   shut_down();
 }
@@ -43,8 +50,11 @@ Hardware::~Hardware() {
 void Hardware::add(std::unique_ptr<Component> component, const ComponentContext& context,
                    HostOptions options) {
   if (component->on_init(context) != CallbackReturn::success)
-    throw Error("component-failed", "the hardware component '" + context.name + "' could not be initialised",
-                "check its parameters");
+    throw Error(
+        "component-failed",
+        "the hardware component '" + context.name + "' could not be initialised" + because(*component),
+        "check its parameters");
+  if (component->blocks()) options.async = true;
   auto hosted = std::make_unique<Hosted>();
   hosted->name = context.name;
   hosted->component = std::move(component);
@@ -95,10 +105,10 @@ void Hardware::advance(Hosted& hosted, CallbackReturn (Component::*step)(), Life
                                                                    : LifecycleState::finalized;
   }
   hosted.state.store(then, std::memory_order_release);
-  throw Error(
-      "component-failed",
-      "the hardware component '" + hosted.name + "' could not be " + step_name + " and is " + name(then),
-      "check that it is connected and that its parameters are right");
+  throw Error("component-failed",
+              "the hardware component '" + hosted.name + "' could not be " + step_name + " and is " +
+                  name(then) + because(*hosted.component),
+              "check that it is connected and that its parameters are right");
 }
 
 std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
@@ -310,6 +320,10 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
     if (!fault) fault = failed;
   }
   return fault;
+}
+
+std::string Hardware::reason(std::size_t i) const {
+  return hosted_[i]->component->reason();
 }
 
 bool Hardware::prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {

@@ -114,6 +114,8 @@ class Hardware {
   int component_of_command(std::size_t index) const;
   int find(std::string_view name) const;
   std::vector<std::string> summaries() const;
+  /// Why the component failed last, in its own words; may be empty.
+  std::string reason(std::size_t i) const;
 
  private:
   struct Hosted {

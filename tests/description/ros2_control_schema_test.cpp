@@ -274,7 +274,7 @@ std::vector<Bad> bad_blocks() {
       {"TwoBlocksOfOneName",
        block("</ros2_control>\n<ros2_control name=\"h\" "
              "type=\"system\"><hardware><plugin>p</plugin></hardware>\n"),
-       11, "duplicate-name", "two <ros2_control> are called 'h'", "rename"},
+       12, "duplicate-name", "two <ros2_control> are called 'h'", "rename"},
       {"ActuatorOfTwoJoints",
        block("<joint name=\"one\"/><joint name=\"two\"/>\n", "name=\"h\" type=\"actuator\""), 10, "bad-type",
        "has 2 joints", "type=\"system\""},

@@ -1,0 +1,75 @@
+#include "polyarm/hardware/device_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::hardware {
+
+namespace {
+namespace fs = std::filesystem;
+
+/// Locks of all users lie in one place, since two users may share a port.
+fs::path folder() {
+  std::error_code error;
+  for (const char* place : {"/run/lock", "/tmp"})
+    if (access(place, W_OK | X_OK) == 0) return place;
+  return fs::temp_directory_path(error);
+}
+
+fs::path lock_file(const std::string& device) {
+  std::error_code error;
+  const fs::path resolved = fs::weakly_canonical(device, error);
+  std::string name = !error && fs::exists(resolved, error) ? resolved.string() : device;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.' && c != '_') c = '_';
+  return folder() / ("polyarm" + (name.front() == '_' ? name : "_" + name) + ".lock");
+}
+
+std::string holder_in(int file) {
+  char text[256] = {};
+  const ssize_t length = pread(file, text, sizeof(text) - 1, 0);
+  return length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "another process";
+}
+}  // namespace
+
+DeviceLock::DeviceLock(const std::string& device, const std::string& holder) {
+  const fs::path path = lock_file(device);
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (file_ < 0)
+    throw Error("lock-failed",
+                "the lock " + path.string() + " of " + device + " cannot be made: " + std::strerror(errno),
+                "remove that file, or run as the user who made it");
+  fchmod(file_, 0666);  // whoever comes next may be another user
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    const std::string other = holder_in(file_);
+    close(std::exchange(file_, -1));
+    throw Error("device-in-use", device + " is in use by " + other,
+                "end that first: a device has one master");
+  }
+  const std::string text = holder + " (process " + std::to_string(getpid()) + ")";
+  if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) < 0) return;  // a nameless lock
+}
+
+DeviceLock::~DeviceLock() {
+  if (file_ >= 0) close(file_);
+}
+
+DeviceLock::DeviceLock(DeviceLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+
+DeviceLock& DeviceLock::operator=(DeviceLock&& other) noexcept {
+  std::swap(file_, other.file_);
+  return *this;
+}
+
+}  // namespace polyarm::hardware
