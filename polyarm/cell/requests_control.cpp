@@ -375,8 +375,8 @@ Poll health(Cell& cell, const Json&) {
                   {"standing", seen.standing},
                   {"time_s", seconds(seen.cycle.time)},
                   {"rate_hz", 1 / seconds(cell.loop().options().period)},
-                  {"cycles", h.cycles},
-                  {"late", h.late},
+                  {"cycles", std::uint64_t{h.cycles}},
+                  {"late", std::uint64_t{h.late}},
                   {"cost", histogram(h.cost)},
                   {"wake_up", histogram(h.wake_up)},
                   {"clamps", cell.loop().limits().clamps()}});

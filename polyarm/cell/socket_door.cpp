@@ -143,7 +143,8 @@ class SocketDoor::Work {
     for (auto& [client, line] : lines) {
       const void* from = client.get();
       requests.handle(
-          line, [this, c = client](const std::string& answer) { return take_answer(*c, answer); }, from);
+          line, [this, c = client](const std::string& answer) { return !c->gone && take_answer(*c, answer); },
+          from);
     }
     if (!lines.empty()) wake();  // there is room for more
   }

@@ -42,9 +42,10 @@ class BlackBox {
   std::size_t width_ = 0, capacity_ = 0, next_ = 0, filled_ = 0;
 };
 
+/// Raised by the control thread, read by any.
 struct Health {
-  std::uint64_t cycles = 0;
-  std::uint64_t late = 0;       ///< cycles that woke more than half a period late or were skipped whole
+  realtime::Counter cycles;
+  realtime::Counter late;       ///< cycles that woke more than half a period late or were skipped whole
   realtime::Histogram cost;     ///< of step(), ns
   realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
 };

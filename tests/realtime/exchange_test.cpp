@@ -90,6 +90,23 @@ TEST(Histogram, PercentilesAreWithinABucket) {
   EXPECT_EQ(histogram.percentile(1.0), INT64_MAX);
 }
 
+TEST(Histogram, IsReadWhileAnotherThreadAdds) {
+  constexpr std::uint64_t kAdded = 200'000;
+  Histogram histogram;
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kAdded; ++i) histogram.add(static_cast<Nanoseconds>(i % 1000));
+  });
+  for (std::uint64_t seen = 0; seen < kAdded;) {
+    const std::uint64_t now = histogram.count();
+    EXPECT_GE(now, seen);
+    EXPECT_LE(histogram.percentile(0.5), 999);
+    seen = now;
+  }
+  writer.join();
+  EXPECT_EQ(histogram.count(), kAdded);
+  EXPECT_EQ(histogram.max(), 999);
+}
+
 TEST(Periodic, ReportsWhatItSkippedAndDoesNotCatchUp) {
   Periodic periodic(1'000'000);
   periodic.start();
