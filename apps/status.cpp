@@ -66,12 +66,15 @@ int run_hardware(int argc, char** argv) {
   CLI::App* change =
       app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
   CLI::App* recover = app.add_subcommand("recover", "bring a component back that has failed");
-  for (CLI::App* sub : {list, change, recover}) options.add_to(*sub);
+  CLI::App* reload =
+      app.add_subcommand("reload", "make a component anew from its description as the file is now");
+  for (CLI::App* sub : {list, change, recover, reload}) options.add_to(*sub);
   change->add_option("name", name)->required();
   change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();
   recover->add_option("name", name)->required();
-  app.footer(examples(
-      {"polyarm hardware list", "polyarm hardware state R6Bot inactive", "polyarm hardware recover R6Bot"}));
+  reload->add_option("name", name)->required();
+  app.footer(examples({"polyarm hardware list", "polyarm hardware state R6Bot inactive",
+                       "polyarm hardware recover R6Bot", "polyarm hardware reload R6Bot"}));
   return run_actions(app, argc, argv, [&] {
     const std::string action = app.get_subcommands().front()->get_name();
     Json request{{"request", "hardware." + action}};
@@ -86,6 +89,7 @@ int run_hardware(int argc, char** argv) {
       fmt::print("{} is {}\n", name, shown(result["state"]));
       if (!result.value("stopped", Json::array()).empty())
         fmt::print("stopped {}\n", shown(result["stopped"]));
+      for (const Json& warning : result.value("warnings", Json::array())) fmt::print("{}\n", shown(warning));
       if (result.contains("next")) fmt::print("next: {}\n", shown(result["next"]));
     }
     return kOk;

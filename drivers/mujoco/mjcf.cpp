@@ -15,6 +15,7 @@ using description::ShapeKind;
 
 namespace {
 
+constexpr double kLinkFriction = 0.5;  // where a description states none
 constexpr double kArmature =
     0.08;  // kg m², of a motor and its gear seen from the joint; makes the servo stiff
 constexpr double kHingeMargin = 0.05;   // rad, and
@@ -121,7 +122,8 @@ class Writer {
       line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"1e-4 1e-4 1e-4\"/>", kSmallestMass);
     }
     for (std::size_t s = 0; s < link.collisions.size(); ++s)
-      geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose, 0.5);
+      geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose,
+           link.contact.mu1.value_or(kLinkFriction));
     if (index == model.tool_link()) tool(r);
     for (std::size_t j = 0; j < model.joints.size(); ++j)
       if (model.joints[j].parent_link == index) child(r, static_cast<int>(j));
@@ -285,6 +287,10 @@ class Writer {
           add(static_cast<int>(a), static_cast<int>(b));
       }
     for (const auto& [a, b] : model.allowed_collisions) add(a, b);
+    const auto spares_its_own = [&](std::size_t i) { return model.links[i].contact.self_collide == false; };
+    for (std::size_t a = 0; a < model.links.size(); ++a)
+      for (std::size_t b = a + 1; b < model.links.size(); ++b)
+        if (spares_its_own(a) || spares_its_own(b)) add(static_cast<int>(a), static_cast<int>(b));
     for (const auto& [a, b] : pairs)
       line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
     world_excludes(r, rigid);

@@ -35,7 +35,7 @@ void collect_quietly(Step step) {
 
 Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
            Observer& observer)
-    : file_(file), options_(std::move(options)), observer_(observer) {
+    : file_(file), options_(std::move(options)), observer_(observer), catalogue_(catalogue) {
   Problems problems;
   std::vector<std::string> notes = file_.notes;
   robots_ = resolve_robots(file_, catalogue, problems, notes);
@@ -73,6 +73,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   std::vector<controllers::JointFacts> joints;
   for (const auto& robot : robots_) joints.insert(joints.end(), robot->joints.begin(), robot->joints.end());
   loop_->prepare(joints);
+  offer_named_states();
   collect(problems, [&] { build_programs(problems); });
   problems.throw_if_errors();
   for (const Problem& problem : problems.list()) observer_.on_problem(0, problem);
@@ -113,6 +114,25 @@ void Cell::build_controllers(Problems& problems) {
     motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(*robot->facts, *follower) : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
   }
+}
+
+/// The named states of descriptions (SRDF, catalogue) are points that a program may move to; names from its
+/// data files go before them. In a cell of several robots the robot's name stands before the state's.
+void Cell::offer_named_states() {
+  for (const auto& robot : robots_)
+    for (const auto& [state, positions] : robot->model.named_states)
+      store_.set(robots_.size() == 1 ? state : robot->entry.name + "_" + state,
+                 data::JointState{robot->model.joint_names(), positions}, robot->entry.name);
+}
+
+Problems Cell::reload_component(const std::string& name) {
+  Problems problems;
+  std::vector<std::string> notes;
+  CellRobots robots = resolve_robots(file_, catalogue_, problems, notes);
+  problems.throw_if_errors();
+  cell::reload_component(loop_->hardware(), name, robots, scene_, loop_->options().period);
+  reloaded_.push_back(std::move(robots));
+  return problems;
 }
 
 void Cell::build_programs(Problems& problems) {

@@ -77,6 +77,10 @@ class Cell {
   std::optional<std::uint64_t> first_motion_cycle() const;
   Nanoseconds now() const { return now_; }
 
+  /// Reads the descriptions again and makes the unconfigured component of that name anew from them.
+  /// Kinematics and limits stay those that the cell started with. Returns the warnings.
+  Problems reload_component(const std::string& name);
+
   // For requests; cell thread.
   Requests& requests() { return *requests_; }
   /// For what takes longer than a tick may; in lock-step it is done at once.
@@ -102,6 +106,7 @@ class Cell {
 
  private:
   void build_controllers(Problems& problems);
+  void offer_named_states();
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
@@ -118,7 +123,9 @@ class Cell {
   CellFile file_;
   CellOptions options_;
   Observer& observer_;
+  description::Catalogue catalogue_;
   CellRobots robots_;
+  std::vector<CellRobots> reloaded_;  ///< what components that were reloaded refer to
   description::Scene scene_;
   std::unique_ptr<control::ControlLoop> loop_;
   std::unique_ptr<Worker> worker_;

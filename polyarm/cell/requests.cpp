@@ -105,6 +105,11 @@ const std::vector<Row>& rows() {
         "bring a component back that has failed; the controllers that fell with it are named, not started",
         true},
        hardware_recover},
+      {{"hardware.reload", kName, "{name, state, stopped, warnings, next}",
+        "make a component anew from its description as it is now, with the same interfaces; controllers that "
+        "use it are stopped and not started again",
+        true},
+       hardware_reload},
       {{"interfaces",
         {},
         "{states: [{name, value}], commands: [{name, value, claimed_by}]}",
@@ -237,14 +242,19 @@ double number_argument(const Json& arguments, const char* name, double fallback)
   return found->get<double>();
 }
 
-Poll then(Poll first, std::function<Poll(Cell&)> second) {
+Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second) {
   return [first = std::move(first), second = std::move(second), next = Poll{}](Cell& cell) mutable {
     if (next) return next(cell);
     Progress progress = first(cell);
     if (!progress.over) return Progress{};
-    next = second(cell);
+    next = second(cell, progress.answer ? std::move(*progress.answer) : Json());
     return next(cell);
   };
+}
+
+Poll then(Poll first, std::function<Poll(Cell&)> second) {
+  return then_with(std::move(first),
+                   [second = std::move(second)](Cell& cell, const Json&) { return second(cell); });
 }
 
 namespace {

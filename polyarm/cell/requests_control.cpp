@@ -100,7 +100,7 @@ Poll walk(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   const auto on = [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); };
   if (now == LifecycleState::finalized)
     throw Error("finalized", "the component is finalized and comes back only by a reload",
-                "start the cell again");
+                "polyarm hardware reload NAME");
   if (wanted == LifecycleState::finalized)
     return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
       c.loop().hardware().finish_shutdown(i);
@@ -320,9 +320,9 @@ Poll hardware_list(Cell& cell, const Json&) {
   return at_once(std::move(out));
 }
 
-Poll hardware_state(Cell& cell, const Json& arguments) {
-  const std::size_t i = component_argument(cell, arguments);
-  const LifecycleState wanted = state_argument(arguments);
+namespace {
+/// Stops who uses the component, then walks.
+Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
   const LifecycleState now = cell.loop().hardware().state_of(i);
   const bool goes_down = wanted == LifecycleState::finalized || wanted < now;
   // An inactive component is still read.
@@ -334,6 +334,32 @@ Poll hardware_state(Cell& cell, const Json& arguments) {
   answer["stopped"] = cell.loop().controllers().plan(stop).stop;  // with those that work through them
   return then(switch_controllers(cell, stop, Json::object()),
               [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); });
+}
+
+/// After the reload: back to where the component was.
+Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
+  const std::string name = answer["name"];
+  answer["warnings"] = Json::array();
+  for (const Problem& warning : cell.reload_component(name).list())
+    answer["warnings"].push_back(warning.text());
+  answer["next"] = "start its controllers: polyarm control switch --start NAME";
+  return walk(cell, i, wanted, std::move(answer));
+}
+}  // namespace
+
+Poll hardware_state(Cell& cell, const Json& arguments) {
+  const std::size_t i = component_argument(cell, arguments);
+  return take_to(cell, i, state_argument(arguments));
+}
+
+Poll hardware_reload(Cell& cell, const Json& arguments) {
+  const std::size_t i = component_argument(cell, arguments);
+  const LifecycleState was = cell.loop().hardware().state_of(i);
+  if (was == LifecycleState::unconfigured || was == LifecycleState::finalized)
+    return make_anew(cell, i, LifecycleState::unconfigured,
+                     {{"name", cell.loop().hardware().component_name(i)}, {"stopped", Json::array()}});
+  return then_with(take_to(cell, i, LifecycleState::unconfigured),
+                   [i, was](Cell& c, Json answer) { return make_anew(c, i, was, std::move(answer)); });
 }
 
 Poll hardware_recover(Cell& cell, const Json& arguments) {

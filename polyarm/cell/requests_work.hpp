@@ -39,8 +39,9 @@ double number_argument(const Json& arguments, const char* name, double fallback)
 
 /// A switch that is begun again when the loop changed something by itself meanwhile.
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
-/// Two steps one after the other.
+/// Two steps one after the other; the second may be told what the first answered.
 Poll then(Poll first, std::function<Poll(Cell&)> second);
+Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second);
 
 Poll control_list(Cell&, const Json&);
 Poll control_types(Cell&, const Json&);
@@ -59,6 +60,7 @@ Poll control_recover(Cell&, const Json&);
 Poll hardware_list(Cell&, const Json&);
 Poll hardware_state(Cell&, const Json&);
 Poll hardware_recover(Cell&, const Json&);
+Poll hardware_reload(Cell&, const Json&);
 Poll interfaces_list(Cell&, const Json&);
 Poll health(Cell&, const Json&);
 Poll limits_list(Cell&, const Json&);

@@ -176,17 +176,23 @@ class Components {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
     for (Planned& planned : planned_)
-      collect(problems, [&] {
-        auto component = hardware::make_driver(planned.driver);
-        if (planned.driver != "mujoco")  // physics knows joints alone
-          component = hardware::through_transmissions(std::move(component), planned.context);
-        hardware.add(std::move(component), planned.context, planned.options);
-      });
+      collect(problems, [&] { hardware.add(make(planned), planned.context, planned.options); });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
       for (const std::string& name : *names)
         if (hardware.find(name) < 0)
           problems.warning("unknown-component", {},
                            "hardware_components_initial_state names '" + name + "', which there is not");
+  }
+
+  void reload(hardware::Hardware& hardware, const std::string& name) {
+    for (const auto& robot : robots_) take(*robot);
+    give_the_scene();
+    for (Planned& planned : planned_)
+      if (planned.context.name == name)
+        return hardware.replace(static_cast<std::size_t>(hardware.find(name)), make(planned),
+                                planned.context);
+    throw Error("unknown-component", "no description declares '" + name + "' any more",
+                "start the cell again to run without it");
   }
 
  private:
@@ -195,6 +201,12 @@ class Components {
     hardware::ComponentContext context;
     hardware::HostOptions options;
   };
+
+  static std::unique_ptr<hardware::Component> make(const Planned& planned) {
+    auto component = hardware::make_driver(planned.driver);
+    if (planned.driver == "mujoco") return component;  // physics knows joints alone
+    return hardware::through_transmissions(std::move(component), planned.context);
+  }
 
   Planned& component(const std::string& driver, const std::string& name) {
     for (Planned& planned : planned_)
@@ -309,6 +321,12 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
                     Nanoseconds period, bool lock_step, const ManagerParameters& manager,
                     Problems& problems) {
   Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
+}
+
+void reload_component(hardware::Hardware& hardware, const std::string& name, const CellRobots& robots,
+                      const description::Scene& scene, Nanoseconds period) {
+  const ManagerParameters manager;
+  Components(robots, scene, period, false, manager).reload(hardware, name);
 }
 
 }  // namespace polyarm::cell

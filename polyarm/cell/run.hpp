@@ -12,14 +12,14 @@ enum class Outcome { completed, stopped, failed };
 const char* name(Outcome outcome);
 
 struct RunOptions {
-  bool fast = false;        ///< lock-step, as fast as the machine allows
-  double seconds = 0;       ///< of cell time after which the run ends; 0: no limit
-  int priority = 0;         ///< SCHED_FIFO priority of the control thread
-  int cpu = -1;             ///< processor of the control thread
-  bool socket = true;       ///< other programs of the same user may ask and tell
-  bool fast_socket = false; ///< in lock-step, too; such a run is not repeatable
-  bool console = true;      ///< typed lines (resume, discard, stop, answers) are read
-  Nanoseconds started = 0;  ///< wall time at which the user gave the command; 0: unknown
+  bool fast = false;         ///< lock-step, as fast as the machine allows
+  double seconds = 0;        ///< of cell time after which the run ends; 0: no limit
+  int priority = 0;          ///< SCHED_FIFO priority of the control thread
+  int cpu = -1;              ///< processor of the control thread
+  bool socket = true;        ///< other programs of the same user may ask and tell
+  bool fast_socket = false;  ///< in lock-step, too; such a run is not repeatable
+  bool console = true;       ///< typed lines (resume, discard, stop, answers) are read
+  Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
 };
 
 struct LoopHealth {

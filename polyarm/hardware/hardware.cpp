@@ -119,7 +119,7 @@ std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool 
 
 void Hardware::note_world() {
   for (const auto& hosted : hosted_)
-    if (!world_ && hosted->component->world()) {
+    if (!world() && hosted->component->world()) {
       world_ = hosted->component->world();
       world_names_ = hosted->component->world_names();
     }
@@ -130,6 +130,7 @@ void Hardware::configure(std::size_t i) {
   require(hosted, LifecycleState::unconfigured, "configured");
   advance(hosted, &Component::on_configure, LifecycleState::inactive, LifecycleState::unconfigured,
           "configured");
+  note_world();
   let(hosted, true, false);
 }
 
@@ -202,10 +203,9 @@ void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, cons
               hosted.name);
   expect_same(component->command_interfaces(), table_.command_names(), hosted.first_command, hosted.commands,
               hosted.name);
-  const bool was_world = world_ && hosted.component->world() == world_;
-  hosted.component = std::move(component);
+  if (world() && hosted.component->world() == world()) world_ = nullptr;
+  retired_.push_back(std::exchange(hosted.component, std::move(component)));
   hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
-  if (was_world) world_ = nullptr;
 }
 
 void Hardware::configure_and_activate() {

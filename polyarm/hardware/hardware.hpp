@@ -102,7 +102,7 @@ class Hardware {
   bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) noexcept;
 
   /// The first simulated world among the components, or null.
-  const WorldState* world() const noexcept { return world_; }
+  const WorldState* world() const noexcept { return world_.load(std::memory_order_acquire); }
   const std::vector<std::string>& world_names() const { return world_names_; }
   std::size_t size() const noexcept { return hosted_.size(); }
   const std::string& component_name(std::size_t i) const { return hosted_[i]->name; }
@@ -151,7 +151,8 @@ class Hardware {
   realtime::Jobs& jobs_;
   std::vector<std::unique_ptr<Hosted>> hosted_;
   std::vector<ForcedValue> forced_;
-  const WorldState* world_ = nullptr;
+  std::atomic<const WorldState*> world_ = nullptr;
+  std::vector<std::unique_ptr<Component>> retired_;  ///< replaced; the control thread may look at one's world
   std::vector<std::string> world_names_;
 };
 

@@ -178,6 +178,52 @@ TEST(MujocoJoints, AMimicJointCarriesItsOwnWeight) {
   EXPECT_NEAR(std::abs(rig.state("arm/left/effort")), kGravity * 0.1, 0.02);
 }
 
+// --- what <gazebo> says of links
+
+/// The right arm's box meets the left arm's where both turn inwards.
+description::RobotModel crossing() {
+  description::RobotModel model = mirrored({0, 0, 1});
+  model.links[1].collisions = {box({0.02, 0.02, 0.02}, {0.2, 0, 0})};
+  model.joints[0].origin.position.y = 0.1;
+  model.joints[1].origin.position.y = -0.1;
+  return model;
+}
+
+TEST(MujocoLinks, MeetUnlessTheDescriptionSaysThatTheirRobotSparesItself) {
+  for (const bool spared : {false, true}) {
+    Stage stage;
+    stage.model = crossing();
+    if (spared) stage.model.links[1].contact.self_collide = false;
+    stage.scene.floor = false;
+    Rig rig = physics(stage);
+    rig.move({{"arm/left/position", -0.5}}, 0.5);
+    EXPECT_EQ(rig.findings().find("arm/left touches arm/right") == std::string::npos &&
+                  rig.findings().find("arm/right touches arm/left") == std::string::npos,
+              spared)
+        << rig.findings();
+  }
+}
+
+TEST(MujocoLinks, HoldOnASlopeAsMuchAsTheyRub) {
+  for (const double mu : {0.1, 0.8}) {  // the slope has 0.3 rad, whose tangent is 0.31
+    Stage stage;
+    stage.model = gantry();
+    stage.model.links[0].collisions = {box({0.6, 0.6, 0.02}, {1, 0, 0.5})};
+    stage.model.links[0].collisions[0].pose.rotation = pose_xyz_rpy({}, {0, 0.3, 0}).rotation;
+    stage.model.links[0].contact.mu1 = mu;
+    stage.scene.parts = {cube("cube", {1, 0, 0.5 + 0.03 / std::cos(0.3)})};
+    stage.scene.parts[0].friction = 0.01;
+    stage.scene.parts[0].start.rotation = stage.model.links[0].collisions[0].pose.rotation;
+    Rig rig = physics(stage);
+    rig.run(0.5);
+    const double slid = rig.part(0).pose.position.x - 1;
+    if (mu > 0.31)
+      EXPECT_LT(slid, 2e-3);
+    else
+      EXPECT_GT(slid, 0.05);
+  }
+}
+
 // --- parts
 // ------------------------------------------------------------------------------------------------------
 

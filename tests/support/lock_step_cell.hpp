@@ -70,6 +70,17 @@ class LockStepCell {
         description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
+  /// Any description, on what it declares.
+  LockStepCell(const std::filesystem::path& description, const std::string& controllers) {
+    cell::CellOptions options;
+    options.lock_step = true;
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    cell::CellFile file =
+        cell::cell_from_description(description, {folder_.write("controllers.yaml", controllers)}, {});
+    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
+    cell_->loop().begin();
+  }
   ~LockStepCell() { cell_->loop().end(); }
 
   /// One tick of the cell, and the cycles until the next.
