@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <iostream>
 
 #include "apps/client.hpp"
 
@@ -93,6 +95,33 @@ int act(const CLI::App& app, const Arguments& a) {
   return a.dry && !result.value("ok", true) ? kFailed : kOk;
 }
 
+/// Shows what is measured beside what is expected, and lets a person at a terminal decide.
+int arm(const Arguments& a) {
+  Client client(a.client.cell);
+  const Json seen = client.ask({{"request", "control.arm"}});
+  if (seen.value("armed", false)) {
+    fmt::print("armed already\n");
+    return kOk;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& joint : seen["joints"])
+    rows.push_back({shown(joint["joint"]), shown(joint["measured"]), shown(joint["expected"])});
+  print_table({"JOINT", "MEASURED", "EXPECTED"}, rows);
+  if (::isatty(STDIN_FILENO) == 0)
+    throw Error("nobody-there", "only a person at a terminal arms real hardware", "run this in a terminal");
+  fmt::print("Is nobody within reach of the robot, and is this where it stands? Type yes to arm it: ");
+  std::fflush(stdout);
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (answer != "yes") {
+    fmt::print("not armed\n");
+    return kFailed;
+  }
+  const Json done = client.ask({{"request", "control.arm"}, {"confirmed", true}});
+  fmt::print("armed; started {}\n", shown(done["started"]));
+  return kOk;
+}
+
 }  // namespace
 
 int run_control(int argc, char** argv) {
@@ -122,6 +151,7 @@ int run_control(int argc, char** argv) {
   CLI::App* state = add("state", "take a controller to a state");
   state->add_option("name", a.name)->required();
   state->add_option("state", a.state, "unconfigured, inactive or active")->required();
+  add("arm", "let real hardware move: shows where it is measured and expected, and asks you");
   add("hold", "stop on the path; resume goes on");
   add("stop", "stop at once");
   add("resume", "go on after a hold");
@@ -133,7 +163,9 @@ int run_control(int argc, char** argv) {
                 "polyarm control load forward --type forward_command_controller/ForwardCommandController "
                 "-p joints=[joint_1] -p interface_name=position",
                 "polyarm control state forward active"}));
-  return run_actions(app, argc, argv, [&] { return act(app, a); });
+  return run_actions(app, argc, argv, [&] {
+    return app.get_subcommands().front()->get_name() == "arm" ? arm(a) : act(app, a);
+  });
 }
 
 }  // namespace polyarm::apps

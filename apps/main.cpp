@@ -21,6 +21,7 @@ const std::vector<Verb>& verbs() {
       {"fk", "forward kinematics: joint values to a pose", run_fk},
       {"ik", "inverse kinematics: a pose to joint values", run_ik},
       {"xacro", "expand a description in xacro to URDF", run_xacro},
+      {"replay", "play the last cycles before a fault again", run_replay},
       {"control", "controllers of a running cell: list, switch, load, state, hold, resume", run_control},
       {"hardware", "hardware components of a running cell: list, state, recover", run_hardware},
       {"interfaces", "every state and command interface of a running cell", run_interfaces},

@@ -4,13 +4,13 @@
 #include <signal.h>
 
 #include <cstdlib>
-#include <fstream>
 
 #include "apps/options.hpp"
 #include "apps/run_output.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
+#include "polyarm/cell/fault_record.hpp"
 #include "polyarm/description/urdf.hpp"
 
 namespace polyarm::apps {
@@ -38,6 +38,12 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
   app.add_option("--hardware", a.overrides.hardware, "declared, mock or mujoco, for every robot")
       ->check(CLI::IsMember({"declared", "mock", "mujoco"}));
+  app.add_flag("--real", a.cell_options.real,
+               "drive the hardware that the cell declares as real; it moves after you type 'arm'");
+  app.add_flag(
+      "--full-speed", a.cell_options.full_speed,
+      "real hardware moves at full speed from the first pass on (else at most 250 mm/s and a tenth of "
+      "the joints' speed)");
   app.add_flag("--fast", a.run.fast, "in lock-step, as fast as the machine allows; repeatable");
   app.add_option("--cycles", a.cell_options.cycles,
                  "end after this many passes of the program's outermost while");
@@ -112,40 +118,15 @@ void on_signal(int) {
   cell::request_stop();
 }
 
-std::vector<std::string> first(const std::vector<std::string>& names, std::size_t count) {
-  return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
-}
-
-/// Everything that is needed to run a failed run again, in one folder.
-std::string keep_failure(const cell::Cell& cell, const cell::RunResult& result, const std::string& command,
-                         control::ControlLoop& loop) {
-  try {
-    const fs::path base = cell.file().folder / ".state" / "failures";
-    fs::path folder;
-    for (int n = 1; n < 100000 && (folder.empty() || fs::exists(folder)); ++n)
-      folder = base / fmt::format("{:04}", n);
-    fs::create_directories(folder);
-    write_file_atomically(cell.file().folder / ".state" / ".gitignore", "*\n");
-    for (const auto& entry : fs::directory_iterator(cell.file().folder))
-      if (entry.is_regular_file() && entry.file_size() < 10'000'000)
-        fs::copy_file(entry.path(), folder / entry.path().filename());
-    for (const auto& robot : cell.robots())
-      write_file_atomically(folder / (robot->entry.name + ".urdf"), description::write_urdf(robot->model));
-    write_file_atomically(folder / "command.txt", command + "\n");
-    write_file_atomically(folder / "result.json", result_json(result, folder.string()) + "\n");
-    std::ofstream cycles(folder / "last_cycles.csv");
-    cycles << join(first(loop.table().state_names(), loop.table().built_states()), ",") << ",command:"
-           << join(first(loop.table().command_names(), loop.table().built_commands()), ",command:") << "\n";
-    for (std::size_t i = 0; i < loop.black_box().rows(); ++i) {
-      std::string row;
-      for (const double value : loop.black_box().row(i))
-        row += (row.empty() ? "" : ",") + format_number(value);
-      cycles << row << "\n";
-    }
-    return folder.string();
-  } catch (const std::exception&) {
-    return {};  // the result stands without it
-  }
+/// Everything that is needed to look at a failed run, and to run it again, in one folder.
+std::string keep_failure(cell::Cell& cell, const cell::RunResult& result, const std::string& command) {
+  const Problem problem =
+      result.problems.empty() ? Problem{"failed", {}, "the run failed", {}} : result.problems.front();
+  cell::FaultRecord record = cell::begin_record(cell, problem);
+  record.rows = &cell.loop().black_box();
+  record.files["command.txt"] = command + "\n";
+  record.files["result.json"] = result_json(result, "") + "\n";
+  return cell::write_record(record, "failures").string();
 }
 
 cell::CellFile open_cell(const RunArguments& a) {
@@ -208,7 +189,7 @@ int execute(RunArguments& a, const std::string& command) {
   }
   const cell::RunResult result = cell::run(*cell, a.run, *observer);
   std::string folder;
-  if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command, cell->loop());
+  if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command);
   return report(result, folder, a.json);
 }
 

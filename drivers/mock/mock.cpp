@@ -46,6 +46,7 @@ void MockComponent::add_plain(const hardware::RobotInstance& robot) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const std::string name = robot.name + "/" + joints[j];
     Part part;
+    part.name = joints[j];
     part.position = part.last_position = j < robot.initial_positions.size() ? robot.initial_positions[j] : 0;
     part.position_state = state(name + "/position", part.position);
     part.velocity_state = state(name + "/velocity", 0);
@@ -60,6 +61,7 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   const bool joint = info.kind == "joint";
   const std::vector<std::string> actuated = robot.model->joint_names();
   Part part;
+  part.name = info.name;
   const auto at = std::find(actuated.begin(), actuated.end(), info.name);
   if (joint && at != actuated.end() &&
       static_cast<std::size_t>(at - actuated.begin()) < robot.initial_positions.size())
@@ -148,8 +150,22 @@ CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context)
     for (const description::HardwareInfo& info : robot.hardware) add_declared(robot, info);
   }
   world_ = std::make_unique<MockWorld>(context, states_, commands_);
+  if (const auto faults = context.parameters.find("inject"); faults != context.parameters.end()) {
+    std::vector<std::string> joints;
+    std::vector<int> positions;
+    for (const Part& part : parts_) {
+      joints.push_back(part.name);
+      positions.push_back(part.position_state);
+    }
+    injection_.parse(faults->second, joints, positions, states_.size());
+  }
   asked_.assign(commands_.size(), kNone);
   stopped_.assign(commands_.size(), 0);
+  return CallbackReturn::success;
+}
+
+CallbackReturn MockComponent::on_activate() {
+  injection_.begin();
   return CallbackReturn::success;
 }
 
@@ -257,7 +273,8 @@ ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> s
     states[static_cast<std::size_t>(mirror.state)] = mirror.value;
   }
   world_->step(cycle, asked_, states);
-  return broken_ ? ReturnType::error : ReturnType::ok;
+  if (broken_) return ReturnType::error;
+  return injection_.empty() ? ReturnType::ok : injection_.after_read(states);
 }
 
 ReturnType MockComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
@@ -265,7 +282,7 @@ ReturnType MockComponent::write(const hardware::Cycle&, std::span<const double> 
     if (std::isinf(commands[i])) broken_ = true;
     if (std::isfinite(commands[i]) && !stopped_[i]) asked_[i] = commands[i];
   }
-  return broken_ ? ReturnType::error : ReturnType::ok;
+  return broken_ ? ReturnType::error : injection_.after_write();
 }
 
 }  // namespace polyarm::drivers

@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include "drivers/mock/injection.hpp"
 #include "drivers/mock/mock_world.hpp"
 #include "polyarm/hardware/component.hpp"
 
@@ -11,14 +12,15 @@ namespace polyarm::drivers {
 /// mock_components/GenericSystem of ros2_control. Parameters: `calculate_dynamics`, `disable_commands`,
 /// `position_state_following_offset`, `custom_interface_with_following_offset` (a state interface that takes
 /// the offset in place of the position), `mock_sensor_commands`, `mock_gpio_commands`; and
-/// `integrate_velocity`, with which positions that are commanded are passed over and the velocity leads, as the
-/// RobotSystem of ros2_control's example 7 does. A robot without
-/// <ros2_control> gets a position command, and position and velocity states, for each actuated joint; there
-/// the velocity state is the difference quotient of positions. Tools, feeders, outfeeds, movers and parts are
-/// played by MockWorld.
+/// `integrate_velocity`, with which positions that are commanded are passed over and the velocity leads, as
+/// the RobotSystem of ros2_control's example 7 does. A robot without <ros2_control> gets a position command,
+/// and position and velocity states, for each actuated joint; there the velocity state is the difference
+/// quotient of positions. `inject` makes faults on purpose (Injection). Tools, feeders, outfeeds, movers and
+/// parts are played by MockWorld.
 class MockComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_activate() override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   /// With dynamics, a joint takes one of position, velocity and acceleration at a time.
@@ -32,11 +34,13 @@ class MockComponent : public hardware::Component {
                              std::span<const double> commands) noexcept override;
   const hardware::WorldState* world() const noexcept override { return world_ ? &world_->state() : nullptr; }
   std::vector<std::string> world_names() const override { return {}; }
+  std::string reason() const override { return injection_.reason(); }
   std::string summary() const override { return "mock hardware: states follow commands at once, no physics"; }
 
  private:
   /// One joint, sensor or gpio; the indices are places in the spans of read and write, -1 for none.
   struct Part {
+    std::string name;  ///< as its robot calls it
     int position_state = -1, velocity_state = -1, acceleration_state = -1, effort_state = -1;
     int position_command = -1, velocity_command = -1, acceleration_command = -1, effort_command = -1;
     int custom_state = -1;  ///< takes the position with the following offset
@@ -64,7 +68,9 @@ class MockComponent : public hardware::Component {
   std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
   std::vector<char> stopped_;  // commands that lead no longer
   std::unique_ptr<MockWorld> world_;
-  bool dynamics_ = false, disabled_ = false, velocity_leads_ = false, mirror_sensors_ = false, mirror_gpios_ = false, broken_ = false;
+  Injection injection_;
+  bool dynamics_ = false, disabled_ = false, velocity_leads_ = false, mirror_sensors_ = false,
+       mirror_gpios_ = false, broken_ = false;
   double following_offset_ = 0;
   std::string custom_interface_;
 };

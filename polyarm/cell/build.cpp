@@ -254,20 +254,30 @@ ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, 
   return Planner(file, robots, loop, lock_step, observer, problems).plan(io_commands);
 }
 
+std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const CellFile& file) {
+  std::vector<std::string> out;
+  for (const PlannedController& planned : plan.controllers) {
+    const std::string& name = planned.context.name;
+    const bool asked = file.activate.empty() || name == kIoController ||
+                       std::find(file.activate.begin(), file.activate.end(), name) != file.activate.end();
+    if (planned.start && asked) out.push_back(name);
+  }
+  return out;
+}
+
 void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
                        Observer& observer, Problems& problems) {
   control::ControllerManager& manager = loop.controllers();
   std::vector<std::string> names;
   control::SwitchRequest request;
   request.strictness = control::Strictness::best_effort;
+  const std::vector<std::string> wanted = wanted_controllers(plan, file);
   for (PlannedController& planned : plan.controllers) {
     const std::string name = planned.context.name;
-    const bool asked = file.activate.empty() || name == kIoController ||
-                       std::find(file.activate.begin(), file.activate.end(), name) != file.activate.end();
     collect(problems, [&] {
       manager.load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
       names.push_back(name);
-      if (planned.start && asked) request.activate.push_back(name);
+      if (std::find(wanted.begin(), wanted.end(), name) != wanted.end()) request.activate.push_back(name);
     });
   }
   for (const std::string& name : file.activate)
@@ -284,12 +294,15 @@ void start_controllers(ControllerPlan plan, const CellFile& file, control::Contr
 }
 
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
-                                                                 const control::ControllerManager& manager) {
+                                                                 const control::ControllerManager& manager,
+                                                                 bool or_inactive) {
+  using hardware::LifecycleState;
   std::vector<std::string> wanted;
   for (const controllers::JointFacts& joint : robot.joints) wanted.push_back(joint.name);
   for (const auto& listed : manager.list()) {
     auto* follower = dynamic_cast<controllers::JointTrajectoryController*>(manager.find(listed.name));
-    if (follower && listed.state == hardware::LifecycleState::active && follower->joints() == wanted)
+    if (follower && follower->joints() == wanted &&
+        (listed.state == LifecycleState::active || (or_inactive && listed.state == LifecycleState::inactive)))
       return follower;
   }
   return nullptr;

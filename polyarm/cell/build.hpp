@@ -45,11 +45,14 @@ ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, 
 /// run together; who has to stay inactive is told. What is wrong joins the problems.
 void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
                        Observer& observer, Problems& problems);
+/// Those of the plan that would be started if nothing were in their way.
+std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const CellFile& file);
 
 /// The active controller that follows trajectories of all joints of the robot in the model's order; null if
-/// none.
+/// none. `or_inactive`: one that is configured will do, since it is started when the robot is armed.
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
-                                                                 const control::ControllerManager& manager);
+                                                                 const control::ControllerManager& manager,
+                                                                 bool or_inactive = false);
 
 struct Programs {
   std::optional<program::Program> program, plc;

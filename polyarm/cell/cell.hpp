@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "polyarm/cell/camera.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
+#include "polyarm/cell/fault_record.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
@@ -25,6 +27,8 @@ namespace polyarm::cell {
 struct CellOptions {
   bool lock_step = false;                ///< one thread, files inline, the cell cannot fall silent
   bool keep = false;                     ///< go on from what the last run left in .state/
+  bool real = false;                     ///< real hardware is driven, after somebody has armed it
+  bool full_speed = false;               ///< real hardware moves as fast as it may from the first pass on
   bool allow_contact = false;            ///< contacts are reported and do not end the run
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
@@ -81,6 +85,22 @@ class Cell {
   /// Kinematics and limits stay those that the cell started with. Returns the warnings.
   Problems reload_component(const std::string& name);
 
+  // Arming of real hardware; cell thread.
+  /// Components that wait to be armed; empty for a cell without real hardware.
+  const std::vector<std::size_t>& disarmed() const { return disarmed_; }
+  bool armed() const { return disarmed_.empty() || armed_; }
+  /// What a person sees before arming: each joint, where it is measured and where the cell expects it.
+  struct Expected {
+    std::string joint;
+    double measured, expected;  ///< rad or m; measured is NaN where nothing is measured yet
+  };
+  std::vector<Expected> expected_positions();
+  /// Throws Error("unverified") for a robot whose facts nobody accepted.
+  void require_verified() const;
+  /// The controllers that begin when the cell is armed.
+  const std::vector<std::string>& armed_controllers() const { return wanted_controllers_; }
+  void set_armed();
+
   // For requests; cell thread.
   Requests& requests() { return *requests_; }
   /// For what takes longer than a tick may; in lock-step it is done at once.
@@ -107,6 +127,8 @@ class Cell {
  private:
   void build_controllers(Problems& problems);
   void offer_named_states();
+  void find_real_hardware();
+  void govern_speed(Nanoseconds now);
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
@@ -116,6 +138,8 @@ class Cell {
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
+  void keep_record(Nanoseconds now);
+  void tell_record();
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
   void fail(Nanoseconds now, Problem problem);
@@ -143,6 +167,15 @@ class Cell {
   std::map<std::string, std::vector<std::string>> fallen_;  // component → controllers
   std::string falling_;                                     // component whose fall is being told
   std::unique_ptr<Requests> requests_;
+  std::vector<std::size_t> disarmed_;
+  std::vector<std::string> wanted_controllers_;
+  bool armed_ = false, reduced_ = false;
+  double share_ = 1;  ///< of the planned speed, in reduced mode
+  std::vector<Vec3> tcp_before_;
+  Nanoseconds tcp_before_at_ = 0;
+  std::unique_ptr<FaultRecord> record_;
+  Nanoseconds record_at_ = 0;
+  std::future<std::filesystem::path> recorded_;
   bool started_ = false, in_fault_ = false;
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;

@@ -1,6 +1,7 @@
 #include "polyarm/cell/cell_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
@@ -12,19 +13,54 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
-  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters"},
+  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
+                   "accept_unverified"},
                   problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
   collect(problems, [&] { robot.model = yaml.required("model").text(); });
   collect(problems, [&] { robot.base = yaml.pose(); });
   collect(problems, [&] { robot.hardware = yaml["hardware"].text("mock"); });
+  collect(problems, [&] {
+    if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
+  });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });
   if (name.find_first_of("/ \t") != std::string::npos)
     problems.error("bad-name", robot.where, "a robot's name may hold no '/' and no blanks: '" + name + "'");
   return robot;
+}
+
+LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
+  LoopEntry out;
+  if (!yaml.defined()) return out;
+  yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after"}, problems);
+  const auto whole = [&](const char* key, double fallback, double lowest, double highest) {
+    double value = fallback;
+    collect(problems, [&] { value = yaml[key].number(Dimension::none, fallback); });
+    if (value >= lowest && value <= highest && value == std::floor(value)) return static_cast<int>(value);
+    problems.error("bad-value", yaml[key].where(),
+                   std::string(key) + " is a whole number from " + format_number(lowest) + " to " +
+                       format_number(highest));
+    return static_cast<int>(fallback);
+  };
+  out.priority = whole("priority", 0, 0, 99);
+  out.cpu = whole("cpu", -1, -1, 1023);
+  out.overrun_after = static_cast<unsigned>(whole("overrun_after", 10, 1, 1'000'000));
+  collect(problems, [&] {
+    if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
+  });
+  std::string overrun = "report";
+  collect(problems, [&] { overrun = yaml["overrun"].text("report"); });
+  const std::vector<std::string> known = {"report", "hold", "fault"};
+  const auto found = std::find(known.begin(), known.end(), overrun);
+  if (found == known.end())
+    problems.error("bad-value", yaml["overrun"].where(),
+                   "overrun is '" + overrun + "'" + did_you_mean(overrun, known), "report, hold or fault");
+  else
+    out.overrun = static_cast<control::Overrun>(found - known.begin());
+  return out;
 }
 
 MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
@@ -96,7 +132,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "signals",
-                   "program", "plc", "motion"},
+                   "program", "plc", "motion", "loop"},
                   problems);
   cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
@@ -121,6 +157,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("program", cell.program, cell.program_where);
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
+  cell.loop = read_loop(yaml["loop"], problems);
   apply(overrides, cell, problems);
   problems.throw_if_errors();
   return cell;

@@ -9,6 +9,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
+#include "polyarm/control/control_loop.hpp"
 
 namespace polyarm::cell {
 
@@ -22,7 +23,8 @@ struct RobotEntry {
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::map<std::string, std::string> parameters;  ///< of the hardware
   std::map<std::string, std::string> arguments;   ///< NAME:=VALUE for a description in xacro
-  std::string text;  ///< the description itself, where `model` names the file that it stands in
+  bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
+  std::string text;                ///< the description itself, where `model` names the file that it stands in
   Location where;
 };
 
@@ -31,6 +33,15 @@ struct MotionEntry {
   double speed = 1;                    ///< share of the limits, (0, 1]
   std::optional<double> seconds;       ///< every move takes at least this long
   std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
+};
+
+/// How the control loop runs on the wall clock. What the machine refuses is told and does without.
+struct LoopEntry {
+  int priority = 0;                 ///< SCHED_FIFO priority of the control thread; 0: ordinary
+  int cpu = -1;                     ///< processor of the control thread; -1: any
+  std::optional<bool> lock_memory;  ///< by default with a priority
+  control::Overrun overrun = control::Overrun::report;
+  unsigned overrun_after = 10;  ///< late cycles in a row
 };
 
 /// A robot program or PLC file as the cell names it, and the folder beside which its files are looked for.
@@ -50,6 +61,7 @@ struct CellFile {
   std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
+  LoopEntry loop;
 };
 
 /// What the command line puts over the file.

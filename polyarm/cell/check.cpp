@@ -37,7 +37,7 @@ class Checker {
     collect(problems_, [&] { file_ = read_cell_file(path, overrides_); });
     if (!problems_.has_errors()) {
       std::vector<std::string> notes;
-      robots_ = resolve_robots(file_, catalogue_, problems_, notes);
+      robots_ = resolve_robots(file_, catalogue_, false, problems_, notes);
       files();
       programs();
       points();

@@ -82,6 +82,14 @@ const std::vector<Row>& rows() {
         true},
        control_state},
       {{"control.hold", {}, "{asked}", "stop on the path", true}, control_hold},
+      {{"control.arm",
+        {{"confirmed", kFlag}},
+        "{armed, joints: [{joint, measured, expected}], started}",
+        "without 'confirmed': where real joints are measured and expected; with it: a person at a terminal "
+        "has "
+        "compared them, the hardware is activated and its controllers start",
+        true},
+       control_arm},
       {{"control.stop", {}, "{asked}", "stop at once, path or not", true}, control_stop},
       {{"control.resume", {}, "{asked}", "go on along the path after a hold", true}, control_resume},
       {{"control.discard", {}, "{asked}", "forget what is left of a motion that is held", true},

@@ -372,6 +372,43 @@ Poll hardware_recover(Cell& cell, const Json& arguments) {
   return walk(cell, i, LifecycleState::active, answer);
 }
 
+namespace {
+/// The components one after the other, then the controllers, then the programs may begin.
+Poll arm_from(Cell& cell, std::size_t next) {
+  if (next < cell.disarmed().size())
+    return then(walk(cell, cell.disarmed()[next], LifecycleState::active, Json::object()),
+                [next](Cell& c) { return arm_from(c, next + 1); });
+  std::vector<std::string> idle;
+  for (const std::string& name : cell.armed_controllers())
+    if (state_of(cell, name) == LifecycleState::inactive) idle.push_back(name);
+  const Json answer{{"armed", true}, {"started", idle}};
+  const auto finish = [answer](Cell& c) {
+    c.set_armed();
+    return at_once(answer);
+  };
+  if (idle.empty()) return finish(cell);
+  return then(switch_controllers(cell, {idle, {}, control::Strictness::best_effort}, Json::object()), finish);
+}
+}  // namespace
+
+Poll control_arm(Cell& cell, const Json& arguments) {
+  Json seen = Json::array();
+  for (const Cell::Expected& joint : cell.expected_positions())
+    seen.push_back(
+        {{"joint", joint.joint}, {"measured", number(joint.measured)}, {"expected", number(joint.expected)}});
+  if (cell.disarmed().empty())
+    throw Error("not-real", "nothing in this cell is real hardware that could be armed",
+                "polyarm run --real drives what the cell declares as real");
+  if (!flag_argument(arguments, "confirmed")) return at_once({{"armed", cell.armed()}, {"joints", seen}});
+  if (cell.armed()) return at_once({{"armed", true}, {"started", Json::array()}});
+  cell.require_verified();
+  const control::RunState state = cell.snapshot().state;
+  if (state != control::RunState::running && state != control::RunState::held)
+    throw Error("wrong-state", std::string("the loop is at ") + control::name(state),
+                "polyarm control recover, then arm");
+  return arm_from(cell, 0);
+}
+
 Poll interfaces_list(Cell& cell, const Json&) {
   const hardware::InterfaceTable& table = cell.loop().table();
   const control::Snapshot& seen = cell.snapshot();

@@ -52,6 +52,7 @@ Poll control_configure(Cell&, const Json&);
 Poll control_cleanup(Cell&, const Json&);
 Poll control_unload(Cell&, const Json&);
 Poll control_state(Cell&, const Json&);
+Poll control_arm(Cell&, const Json&);
 Poll control_hold(Cell&, const Json&);
 Poll control_stop(Cell&, const Json&);
 Poll control_resume(Cell&, const Json&);

@@ -76,12 +76,28 @@ std::vector<double> start_of(const description::RobotModel& model,
   return out;
 }
 
+bool drives_real_hardware(const std::string& driver) {
+  if (driver == "mock" || driver == "mujoco") return false;
+  return hardware::make_driver(driver)->real();
+}
+
+/// A driver of real hardware is replaced unless real hardware was asked for.
+std::string unless_real(const std::string& driver, const std::string& who, bool real,
+                        std::vector<std::string>& notes) {
+  if (real || driver == "declared" || !drives_real_hardware(driver)) return driver;
+  const std::string simulated = hardware::driver_available("mujoco") ? "mujoco" : "mock";
+  notes.push_back(who + ": " + driver + " drives real hardware; it is played by " +
+                  (simulated == "mujoco" ? "physics (mujoco)" : simulated) + " unless --real is given");
+  return simulated;
+}
+
 /// What plays the robot: the drivers of its blocks, or one for the whole of it.
-void choose_drivers(CellRobot& robot, std::vector<std::string>& notes) {
-  const std::string& asked = robot.entry.hardware;
+void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
+  const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
   for (const description::HardwareInfo& info : robot.model.hardware) {
     HardwareChoice choice{asked, "", ""};
     if (asked == "declared") choice = choose_hardware(info.plugin, info.name);
+    choice.driver = unless_real(choice.driver, info.name, real, notes);
     if (!choice.note.empty()) notes.push_back(choice.note);
     robot.blocks.push_back({&info, choice.driver, choice.flag});
   }
@@ -125,7 +141,7 @@ void read_joints(CellRobot& robot, const std::vector<JointLimitsSource>& files, 
 
 std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
-                                   Problems& problems, std::vector<std::string>& notes) {
+                                   bool real, Problems& problems, std::vector<std::string>& notes) {
   auto robot = std::make_unique<CellRobot>();
   robot->entry = entry;
   const auto beside = file.folder / entry.model;
@@ -136,14 +152,14 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
-  choose_drivers(*robot, notes);
+  choose_drivers(*robot, real, notes);
   robot->facts = motion_facts(*robot);
   return robot;
 }
 }  // namespace
 
-CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, Problems& problems,
-                          std::vector<std::string>& notes) {
+CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
+                          Problems& problems, std::vector<std::string>& notes) {
   CellRobots out;
   std::vector<JointLimitsSource> limits;
   collect(problems, [&] {
@@ -152,7 +168,7 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
   });
   for (const RobotEntry& entry : file.robots) {
     try {
-      out.push_back(resolve(file, limits, entry, catalogue, problems, notes));
+      out.push_back(resolve(file, limits, entry, catalogue, real, problems, notes));
     } catch (const Error& e) {
       for (Problem problem : e.problems()) {
         if (problem.where.file.empty()) problem.where = entry.where;
@@ -175,8 +191,7 @@ class Components {
   void add_to(hardware::Hardware& hardware, Problems& problems) {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
-    for (Planned& planned : planned_)
-      collect(problems, [&] { hardware.add(make(planned), planned.context, planned.options); });
+    for (Planned& planned : planned_) collect(problems, [&] { add(hardware, planned); });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
       for (const std::string& name : *names)
         if (hardware.find(name) < 0)
@@ -201,6 +216,17 @@ class Components {
     hardware::ComponentContext context;
     hardware::HostOptions options;
   };
+
+  void add(hardware::Hardware& hardware, Planned& planned) {
+    auto component = make(planned);
+    if (component->real() && lock_step_)
+      throw Error("real-and-fast",
+                  "'" + planned.context.name + "' is real hardware, which cannot run in lock-step",
+                  "leave --fast out");
+    if (component->real() && planned.options.initial == hardware::LifecycleState::active)
+      planned.options.initial = hardware::LifecycleState::inactive;  // until it is armed
+    hardware.add(std::move(component), planned.context, planned.options);
+  }
 
   static std::unique_ptr<hardware::Component> make(const Planned& planned) {
     auto component = hardware::make_driver(planned.driver);

@@ -34,14 +34,16 @@ struct CellRobot {
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 
-/// Loads models and tools and picks drivers. Problems are added with their places; a robot that cannot be had
-/// is left out. `notes` gets one line for every replaced component.
-CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, Problems& problems,
-                          std::vector<std::string>& notes);
+/// Loads models and tools and picks drivers. Drivers of real hardware are taken where `real` says so, else
+/// something simulated plays their part, which a note tells. Problems are added with their places; a robot
+/// that cannot be had is left out. `notes` gets one line for every replaced component.
+CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
+                          Problems& problems, std::vector<std::string>& notes);
 
 /// Adds the components: one for each block that a description declares, named as the block; all that physics
 /// plays is one component, since it is one world. The scene goes to physics where there is some. `initial`
-/// says which components stay unconfigured or inactive at the start.
+/// says which components stay unconfigured or inactive at the start; those of real hardware are at most
+/// inactive, until somebody arms them. Real hardware in lock-step is an error.
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
                     Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems);
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "polyarm/base/text.hpp"
@@ -17,9 +18,8 @@ namespace {
 std::atomic<control::Supervisor*> running_supervisor{nullptr};
 std::atomic<int> stops_asked{0};
 
-/// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a sleeping
-/// laptop. Ordinary lateness on a busy machine stays below it.
-constexpr Nanoseconds kGap = 500'000'000;
+/// The loop is silent when no cycle has ended for this long.
+constexpr Nanoseconds kLoopSilence = 200'000'000;
 /// A stopped robot must stand within this time, or the run ends all the same.
 constexpr double kStopPatience = 3;
 
@@ -120,6 +120,7 @@ class Runner {
       cell_.loop().outbox().fetch();
       const hardware::Cycle seen = cell_.snapshot().cycle;
       if (door) door->serve(cell_.requests());
+      watch_loop();
       after_tick(seen.time + seen.period);
       while (const auto line = console_.line()) typed(*line);
     }
@@ -142,17 +143,40 @@ class Runner {
   }
 
   void control_thread(const std::atomic<bool>& done) {
-    const realtime::ThreadOptions thread{options_.priority, options_.cpu, options_.priority > 0};
+    const LoopEntry& stated = cell_.file().loop;
+    const realtime::ThreadOptions thread{
+        options_.priority > 0 ? options_.priority : stated.priority,
+        options_.cpu >= 0 ? options_.cpu : stated.cpu,
+        stated.lock_memory.value_or(options_.priority + stated.priority > 0)};
     refused_ = realtime::apply(thread);
     control::ControlLoop& loop = cell_.loop();
-    control::Health& health = loop.health();
-    const Nanoseconds period = loop.options().period;
-    realtime::Periodic clock(period);
+    realtime::Periodic clock(loop.options().period);
     for (clock.start(); !done.load(std::memory_order_relaxed);) {
-      const realtime::WakeUp wake = clock.wait();
-      health.wake_up.add(wake.latency);
-      health.late += (wake.latency > period / 2 ? 1 : 0) + wake.skipped;
-      loop.step_next(static_cast<Nanoseconds>(wake.skipped) * period >= kGap);
+      const auto paced = loop.hardware().await_cycle(2 * loop.options().period);
+      const realtime::WakeUp wake = paced ? clock.woken() : clock.wait();
+      loop.step_next(loop.woke(wake.latency, wake.skipped));
+    }
+  }
+
+  /// The loop watches the cell thread; here the cell thread watches the loop, and can only tell.
+  void watch_loop() {
+    const std::uint64_t cycles = cell_.loop().health().cycles;
+    const Nanoseconds now = realtime::monotonic_now();
+    if (cycles != seen_cycles_) {
+      if (loop_silent_)
+        observer_.on_note("the control loop goes on after " +
+                          format_number(std::round(seconds(now - cycles_seen_at_) * 10) / 10) + " s");
+      loop_silent_ = false;
+      seen_cycles_ = cycles;
+      cycles_seen_at_ = now;
+    } else if (!loop_silent_ &&
+               now - cycles_seen_at_ > std::max(kLoopSilence, 5 * cell_.loop().options().period)) {
+      loop_silent_ = true;
+      const int who = cell_.loop().hardware().in_call();
+      observer_.on_note(who < 0 ? "the control loop stands still"
+                                : "the control loop stands still: it waits for the hardware component " +
+                                      cell_.loop().hardware().component_name(static_cast<std::size_t>(who)) +
+                                      "; give it is_async=\"true\"");
     }
   }
 
@@ -165,6 +189,13 @@ class Runner {
       cell_.loop().post(control::Request::discard);
     } else if (line == "recover") {
       cell_.loop().post(control::Request::recover);
+    } else if (line == "arm" && !cell_.disarmed().empty()) {
+      cell_.requests().handle(R"({"request": "control.arm", "confirmed": true})",
+                              [this](const std::string& answer) {
+                                if (answer.find("\"ok\":true") == std::string::npos)
+                                  observer_.on_note("not armed: " + answer);
+                                return true;
+                              });
     } else if (line == "hold") {
       cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
     } else if (line == "stop") {
@@ -273,6 +304,9 @@ class Runner {
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
   const char* refused_ = "";
+  std::uint64_t seen_cycles_ = 0;
+  Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
+  bool loop_silent_ = false;
   bool over_ = false, stopping_ = false, cut_short_ = false;
 };
 

@@ -2,29 +2,47 @@
 
 #include <algorithm>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::control {
 
-void BlackBox::build(std::size_t values, std::size_t rows) {
-  width_ = values;
+void BlackBox::build(std::size_t states, std::size_t commands, std::size_t rows) {
+  states_ = states;
+  width_ = states + commands;
   capacity_ = rows;
-  data_.assign(values * rows, 0.0);
+  heads_.assign(rows, {});
+  data_.assign(width_ * rows, 0.0);
   next_ = filled_ = 0;
 }
 
-void BlackBox::record(std::span<const double> states, std::span<const double> commands) noexcept {
+BlackBox BlackBox::empty_one() const {
+  BlackBox out;
+  out.build(states_, width_ - states_, capacity_);
+  return out;
+}
+
+void BlackBox::record(const Row& row) noexcept {
   if (capacity_ == 0) return;
-  double* row = data_.data() + next_ * width_;
-  row = std::copy(states.begin(), states.end(), row);
-  std::copy(commands.begin(), commands.end(), row);
+  heads_[next_] = {row.cycle, row.state, row.cause, row.request};
+  double* to = data_.data() + next_ * width_;
+  to = std::copy(row.states.begin(), row.states.end(), to);
+  std::copy(row.commands.begin(), row.commands.end(), to);
   next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
   filled_ = std::min(filled_ + 1, capacity_);
 }
 
-std::span<const double> BlackBox::row(std::size_t i) const noexcept {
-  const std::size_t first = filled_ < capacity_ ? 0 : next_;
-  return {data_.data() + ((first + i) % capacity_) * width_, width_};
+BlackBox::Row BlackBox::row(std::size_t i) const noexcept {
+  const std::size_t at = ((filled_ < capacity_ ? 0 : next_) + i) % capacity_;
+  const Head& head = heads_[at];
+  const std::span<const double> values{data_.data() + at * width_, width_};
+  return {head.cycle, head.state, head.cause, head.request, values.first(states_), values.subspan(states_)};
+}
+
+std::shared_ptr<ControlLoop::TakeBlackBox> ControlLoop::take_black_box() {
+  auto job = std::make_shared<TakeBlackBox>(black_box_);
+  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
+  return job;
 }
 
 ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
@@ -42,11 +60,17 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   controllers_.bind_all();
   limits_.build(table_, joints, options_.period);
   traced_.clear();
+  std::vector<hardware::WatchedJoint> watched;
   for (const controllers::JointFacts& joint : joints)
-    if (const auto index = table_.find_state(joint.name + "/position"))
+    if (const auto index = table_.find_state(joint.name + "/position")) {
       traced_.push_back(static_cast<std::uint32_t>(*index));
+      const auto command = table_.find_command(joint.name + "/position");
+      watched.push_back({*index, command ? static_cast<int>(*command) : -1,
+                         joint.states_velocity ? joint.velocity : controllers::kUnlimited});
+    }
+  hardware_.watch(watched, options_.period);
   const std::size_t states = table_.built_states(), commands = table_.built_commands();
-  black_box_.build(states + commands, options_.black_box_rows);
+  black_box_.build(states, commands, options_.black_box_rows);
   Snapshot empty;
   empty.states.assign(table_.states().begin(), table_.states().end());
   empty.commands.assign(table_.commands().begin(), table_.commands().end());
@@ -66,10 +90,10 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
     limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
   if (const hardware::Fault failed = hardware_.write(cycle)) {
     take_off_failed(cycle);
-    supervisor_.raise(StopCause::component, failed.component);
+    supervisor_.raise(cause_of(failed), failed.component);
   }
   if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
-  if (options_.publish) publish(cycle);  // snapshot, and the ring of cycle records
+  if (options_.publish) publish(cycle, request);  // snapshot, and the ring of cycle records
   return verdict;
 }
 
@@ -78,6 +102,21 @@ void ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
   for (std::size_t i = 0; i < hardware_.size(); ++i)
     if (const Fall fall = hardware_.newly_failed(i); fall != Fall::none)
       controllers_.component_failed(i, fall == Fall::deactivated, cycle);
+}
+
+bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
+  const bool late = latency > options_.period / 2 || skipped > 0;
+  health_.wake_up.add(latency);
+  health_.late += (latency > options_.period / 2 ? 1 : 0) + skipped;
+  late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
+  if (late_in_a_row_ >= options_.overrun_after && options_.overrun != Overrun::report) {
+    late_in_a_row_ = 0;
+    if (options_.overrun == Overrun::fault)
+      supervisor_.raise(StopCause::late, -1);
+    else
+      supervisor_.hold(StopCause::late);
+  }
+  return static_cast<Nanoseconds>(skipped) * options_.period >= kGap;
 }
 
 controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
@@ -90,10 +129,11 @@ controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
   return verdict;
 }
 
-void ControlLoop::publish(const hardware::Cycle& cycle) noexcept {
+void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcept {
   const std::span<const double> states = table_.states(), commands = table_.commands();
   for (const std::uint32_t index : traced_) trace_.add(states[index]);
-  black_box_.record(states.first(table_.built_states()), commands.first(table_.built_commands()));
+  black_box_.record({cycle.index, supervisor_.state(), supervisor_.cause(), request,
+                     states.first(table_.built_states()), commands.first(table_.built_commands())});
   Snapshot& draft = outbox_.draft();
   draft.cycle = cycle;
   draft.state = supervisor_.state();

@@ -27,19 +27,35 @@ struct Snapshot {
   hardware::WorldState world;
 };
 
-/// The last cycles, each a row of all states and commands as they were given; read it with the loop stopped.
+/// The last cycles: what was measured, what was commanded, and what the loop made of it. One thread records;
+/// read what the recording thread has let go of.
 class BlackBox {
  public:
-  void build(std::size_t values, std::size_t rows);
-  void record(std::span<const double> states, std::span<const double> commands) noexcept;
+  struct Row {
+    std::uint64_t cycle = 0;
+    RunState state = RunState::running;
+    StopCause cause = StopCause::none;
+    Request request = Request::none;  ///< that was taken in this cycle
+    std::span<const double> states, commands;
+  };
+  void build(std::size_t states, std::size_t commands, std::size_t rows);
+  void record(const Row& row) noexcept;
   std::size_t rows() const noexcept { return filled_; }
-  std::size_t width() const noexcept { return width_; }
   /// Row 0 is the oldest kept.
-  std::span<const double> row(std::size_t i) const noexcept;
+  Row row(std::size_t i) const noexcept;
+  /// An empty one of the same size.
+  BlackBox empty_one() const;
 
  private:
+  struct Head {
+    std::uint64_t cycle;
+    RunState state;
+    StopCause cause;
+    Request request;
+  };
+  std::vector<Head> heads_;
   std::vector<double> data_;
-  std::size_t width_ = 0, capacity_ = 0, next_ = 0, filled_ = 0;
+  std::size_t states_ = 0, width_ = 0, capacity_ = 0, next_ = 0, filled_ = 0;
 };
 
 /// Raised by the control thread, read by any.
@@ -50,12 +66,18 @@ struct Health {
   realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
 };
 
+/// What follows when cycles are late one after the other: it is counted; the robot stops on its path and is
+/// held; it is a fault. (A single late cycle is always only counted, a gap of half a second always holds.)
+enum class Overrun : std::uint8_t { report, hold, fault };
+
 struct LoopOptions {
   Nanoseconds period = 1'000'000;
   std::size_t black_box_rows = 10'000;
   bool measure = true;  ///< measure the cost of each cycle
   bool limits = true;   ///< restrict commands; off only to measure what that costs
-  bool publish = true;  ///< snapshot and cycle records; off only to measure what that costs
+  Overrun overrun = Overrun::report;
+  unsigned overrun_after = 10;  ///< late cycles in a row
+  bool publish = true;          ///< snapshot and cycle records; off only to measure what that costs
 };
 
 /// One control loop: its table, hardware, controllers and supervisor, and the one function that a cycle is.
@@ -69,8 +91,14 @@ class ControlLoop {
   hardware::Hardware& hardware() { return hardware_; }
   ControllerManager& controllers() { return controllers_; }
   Supervisor& supervisor() { return supervisor_; }
+  CommandLimits& limits() { return limits_; }
   const CommandLimits& limits() const { return limits_; }
+  /// For when nobody steps any more.
   const BlackBox& black_box() const { return black_box_; }
+  /// Takes what was recorded so far out of the running loop, which goes on with an empty one. The box is the
+  /// caller's once the job is done. Throws Error("busy").
+  class TakeBlackBox;
+  std::shared_ptr<TakeBlackBox> take_black_box();
   const LoopOptions& options() const { return options_; }
 
   /// Configures and activates the hardware, reads it once, and makes everything that a cycle needs.
@@ -88,7 +116,14 @@ class ControlLoop {
   controllers::Verdict step(const hardware::Cycle& cycle, bool gap = false) noexcept;
   /// One cycle at the loop's own time, which advances by one period.
   controllers::Verdict step_next(bool gap = false) noexcept;
+  /// Tells before a cycle how it woke up; what it means is decided by the options. `skipped`: whole periods
+  /// that passed meanwhile. Returns whether wall time has gone missing.
+  bool woke(Nanoseconds latency, std::uint64_t skipped) noexcept;
   hardware::Cycle cycle() const noexcept { return cycle_; }
+
+  /// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a
+  /// sleeping laptop. Ordinary lateness on a busy machine stays below it.
+  static constexpr Nanoseconds kGap = 500'000'000;
 
   /// From one other thread: at most one request is taken each cycle.
   bool post(Request request) { return inbox_.push(request); }
@@ -98,7 +133,7 @@ class ControlLoop {
   const TraceHash& trace() const noexcept { return trace_; }
 
  private:
-  void publish(const hardware::Cycle& cycle) noexcept;
+  void publish(const hardware::Cycle& cycle, Request request) noexcept;
   void take_off_failed(const hardware::Cycle& cycle) noexcept;
 
   LoopOptions options_;
@@ -115,6 +150,19 @@ class ControlLoop {
   realtime::Queue<Request> inbox_{64};
   realtime::Latest<Snapshot> outbox_;
   hardware::Cycle cycle_;
+  unsigned late_in_a_row_ = 0;
+};
+
+class ControlLoop::TakeBlackBox : public realtime::Job {
+ public:
+  explicit TakeBlackBox(BlackBox& running) : running_(running), box(running.empty_one()) {}
+  void run() noexcept override { std::swap(running_, box); }
+
+ private:
+  BlackBox& running_;
+
+ public:
+  BlackBox box;
 };
 
 }  // namespace polyarm::control

@@ -48,7 +48,8 @@ void CommandLimits::add(const hardware::InterfaceTable& table, const controllers
   if (kind == Quantity::position && !settings.soft && settings.acceleration == controllers::kUnlimited)
     plain_.push_back({index, position, settings.lower, settings.upper, settings.velocity * dt_, kNone});
   else
-    full_.push_back({index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone});
+    full_.push_back(
+        {index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone});
 }
 
 void CommandLimits::build(const hardware::InterfaceTable& table,
@@ -82,7 +83,9 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
                         std::uint64_t cycle) noexcept {
   const double asked = commands[f.command];
   if (std::isnan(asked) && std::isnan(f.given)) return;  // never commanded
-  const auto state = [&](std::int32_t place) { return place < 0 ? kNone : states[static_cast<std::size_t>(place)]; };
+  const auto state = [&](std::int32_t place) {
+    return place < 0 ? kNone : states[static_cast<std::size_t>(place)];
+  };
   const controllers::JointNow now{state(f.position), state(f.velocity)};
   controllers::Allowed allowed{asked};
   switch (f.quantity) {
@@ -113,6 +116,7 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
 
 void CommandLimits::restrict(std::span<double> commands, std::span<const double> states,
                              std::uint64_t cycle) noexcept {
+  const double share = share_.load(std::memory_order_relaxed);
   for (Plain& p : plain_) {
     const double asked = commands[p.command];
     if (std::isnan(asked) && std::isnan(p.given)) continue;  // never commanded
@@ -122,14 +126,21 @@ void CommandLimits::restrict(std::span<double> commands, std::span<const double>
                     : asked;
     double given = std::isfinite(asked) ? asked : p.given;
     const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
-    given = std::clamp(inside, p.given - p.step, p.given + p.step);
+    given = std::clamp(inside, p.given - p.step * share, p.given + p.step * share);
     if (given != asked)
       note(cycle, p.command,
-           !std::isfinite(asked) ? Limit::not_a_number : given != inside ? Limit::velocity : Limit::position, asked,
-           given);
+           !std::isfinite(asked) ? Limit::not_a_number
+           : given != inside     ? Limit::velocity
+                                 : Limit::position,
+           asked, given);
     commands[p.command] = p.given = given;
   }
-  for (Full& f : full_) one(f, commands, states, cycle);
+  for (Full& f : full_) {
+    const double velocity = f.settings.velocity;
+    f.settings.velocity *= share;
+    one(f, commands, states, cycle);
+    f.settings.velocity = velocity;
+  }
 }
 
 std::vector<Clamp> CommandLimits::report() const {
@@ -138,8 +149,8 @@ std::vector<Clamp> CommandLimits::report() const {
     for (std::size_t k = 0; k < controllers::kLimits; ++k) {
       const Record& record = records_[i * controllers::kLimits + k];
       if (record.count.load(std::memory_order_relaxed) == 0) continue;
-      out.push_back({names_[i], static_cast<Limit>(k), record.asked.load(), record.given.load(), record.count.load(),
-                     record.cycle.load()});
+      out.push_back({names_[i], static_cast<Limit>(k), record.asked.load(), record.given.load(),
+                     record.count.load(), record.cycle.load()});
     }
   std::sort(out.begin(), out.end(), [](const Clamp& a, const Clamp& b) { return a.cycle > b.cycle; });
   return out;

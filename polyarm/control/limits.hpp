@@ -20,14 +20,17 @@ struct Clamp {
   std::uint64_t count = 0, cycle = 0;
 };
 
-/// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is no
-/// number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can be read
-/// while the loop runs. restrict(): control thread; build(): before the loop runs; report(): any thread.
+/// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is
+/// no number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can
+/// be read while the loop runs. restrict(): control thread; build(): before the loop runs; report(): any
+/// thread.
 class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
+  /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
+  void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   /// All clamps so far.
   std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
   /// Those that happened, newest first.
@@ -62,9 +65,10 @@ class CommandLimits {
   std::vector<Plain> plain_;
   std::vector<Full> full_;
   double dt_ = 1e-3;
-  std::vector<std::string> names_;       // of the limited commands
-  std::vector<std::int32_t> place_;      // of each command in names_
-  std::unique_ptr<Record[]> records_;    // kLimits for each name
+  std::atomic<double> share_{1};
+  std::vector<std::string> names_;     // of the limited commands
+  std::vector<std::int32_t> place_;    // of each command in names_
+  std::unique_ptr<Record[]> records_;  // kLimits for each name
   std::atomic<std::uint64_t> clamps_{0};
 };
 

@@ -21,8 +21,27 @@ const char* name(StopCause cause) {
       "a hardware component failed",
       "a controller failed",
       "the program ended",
+      "cycles were late, one after the other",
+      "a measured joint position is no number",
+      "a measured joint position jumped",
+      "a joint does not follow its command",
+      "a joint is far outside its limits",
   };
   return kNames[static_cast<std::size_t>(cause)];
+}
+
+StopCause cause_of(const hardware::Fault& fault) noexcept {
+  using hardware::FaultKind;
+  switch (fault.kind) {
+    case FaultKind::not_a_number:
+      return StopCause::not_a_number;
+    case FaultKind::jump:
+      return StopCause::jump;
+    case FaultKind::not_following:
+      return StopCause::not_following;
+    default:
+      return StopCause::component;
+  }
 }
 
 void Supervisor::enter(Event event, StopCause cause) noexcept {
@@ -44,7 +63,7 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
                                        bool standing, Request request) noexcept {
   controllers::Verdict verdict;
   const realtime::StopKind stop = latch_.requested();
-  if (fault) raise(StopCause::component, fault.component);
+  if (fault) raise(cause_of(fault), fault.component);
   if (stop != realtime::StopKind::none) enter(Event::stop, StopCause::asked);
   if (gap) enter(Event::stop, StopCause::gap);
   if (watch_cell && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
@@ -53,7 +72,7 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
   if (request == Request::resume && stop == realtime::StopKind::none) enter(Event::resume, StopCause::none);
   if (request == Request::recover) enter(Event::recover, StopCause::none);
   verdict.discard = request == Request::discard && state() == RunState::held;
-  verdict.speed = state() == RunState::running ? 1 : 0;
+  verdict.speed = state() == RunState::running ? share() : 0;
   verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault;
   return verdict;
 }

@@ -33,8 +33,24 @@ constexpr RunState next(RunState state, Event event) {
 }
 
 /// Why the robot is not running.
-enum class StopCause : std::uint8_t { none, asked, gap, cell_silent, component, controller, program };
+enum class StopCause : std::uint8_t {
+  none,
+  asked,
+  gap,
+  cell_silent,
+  component,
+  controller,
+  program,
+  late,
+  not_a_number,
+  jump,
+  not_following,
+  limit,
+};
+constexpr int kStopCauses = 12;
 const char* name(StopCause cause);
+/// What a fault of the hardware is to the loop.
+StopCause cause_of(const hardware::Fault& fault) noexcept;
 
 /// What a person or the cell asks of the supervisor; taken once each cycle.
 enum class Request : std::uint8_t { none, resume, discard, recover };
@@ -55,11 +71,16 @@ class Supervisor {
                              bool standing, Request request) noexcept;
   /// A fault found after judging, for the next cycle.
   void raise(StopCause cause, std::int32_t who) noexcept;
+  /// A reason to stop on the path and hold, found outside of judging. Control thread.
+  void hold(StopCause cause) noexcept { enter(Event::stop, cause); }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
   /// Index of the component or controller at fault, -1 for none.
   std::int32_t culprit() const noexcept { return culprit_.load(std::memory_order_acquire); }
+  /// How much of the planned speed may be used while running, (0, 1]. Any thread.
+  void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
+  double share() const noexcept { return share_.load(std::memory_order_relaxed); }
   bool watch_cell = true;  ///< off in lock-step, where the cell cannot fall silent
 
  private:
@@ -70,6 +91,7 @@ class Supervisor {
   std::atomic<RunState> state_{RunState::running};
   std::atomic<StopCause> cause_{StopCause::none};
   std::atomic<std::int32_t> culprit_{-1};
+  std::atomic<double> share_{1};
 };
 
 }  // namespace polyarm::control

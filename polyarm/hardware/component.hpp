@@ -102,6 +102,12 @@ class Component {
   /// Do read and write wait for a device (a bus, a socket)? Such a component gets a thread of its own, unless
   /// its description decides otherwise. Valid after construction.
   virtual bool blocks() const noexcept { return false; }
+  /// Does the device have a clock that the control loop follows? Then await_cycle() paces the loop while the
+  /// component is active; the loop's rate has to be the device's. Valid after construction.
+  virtual bool paces() const noexcept { return false; }
+  /// Waits until the device begins its next cycle, at most `timeout` ns; false when it did not. Control
+  /// thread; the one call that may wait, and no longer than it is told to.
+  virtual bool await_cycle(Nanoseconds timeout) noexcept { return false; }
   /// Why the last callback, read or write failed: one sentence that names joint and device, and what to do;
   /// may be empty. Called from the thread that builds or switches, while the control thread may be in read
   /// or write: keep the reason as an atomic number and make the text here.

@@ -1,6 +1,7 @@
 #include "polyarm/hardware/hardware.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -27,6 +28,12 @@ class Hardware::Letting : public realtime::Job {
   Letting(Hosted& hosted, bool reading, bool writing)
       : hosted_(hosted), reading_(reading), writing_(writing) {}
   void run() noexcept override {
+    if (reading_ && !hosted_.reading) {  // it may stand anywhere now
+      hosted_.ran.store(false, std::memory_order_relaxed);
+      for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (writing_ && !hosted_.writing)
+      for (Watch& watch : hosted_.watched) watch.behind = 0;
     hosted_.reading = reading_;
     hosted_.writing = writing_;
   }
@@ -55,6 +62,15 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
         "the hardware component '" + context.name + "' could not be initialised" + because(*component),
         "check its parameters");
   if (component->blocks()) options.async = true;
+  if (component->real()) options.following_error = kRealFollowingError;
+  if (const auto stated = context.parameters.find("following_error"); stated != context.parameters.end()) {
+    const auto value = parse_number(stated->second);
+    if (!value || !(*value > 0))
+      throw Error("bad-value",
+                  "following_error of '" + context.name + "' is '" + stated->second + "', not above zero",
+                  "write how far a joint may be from its command, rad or m");
+    options.following_error = *value;
+  }
   auto hosted = std::make_unique<Hosted>();
   hosted->name = context.name;
   hosted->component = std::move(component);
@@ -69,6 +85,14 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
     table_.add_command(std::move(d.name));
   hosted->commands = table_.commands().size() - hosted->first_command;
   if (hosted->options.async) make_runner(*hosted);
+  if (hosted->component->paces()) {
+    if (pacer_ >= 0)
+      throw Error("two-clocks",
+                  "'" + hosted->name + "' and '" + hosted_[static_cast<std::size_t>(pacer_)]->name +
+                      "' both pace the control loop",
+                  "run them in two cells: a loop has one clock");
+    pacer_ = static_cast<int>(hosted_.size());
+  }
   hosted_.push_back(std::move(hosted));
 }
 
@@ -82,6 +106,7 @@ void Hardware::make_runner(Hosted& hosted) {
         ReturnType result = own->component->write(own->own_cycle, own->own_commands);
         if (result == ReturnType::ok) result = own->component->read(own->own_cycle, own->own_states);
         own->own_result.store(result, std::memory_order_release);
+        own->ran.store(true, std::memory_order_release);
       },
       hosted.options.lock_step, hosted.options.thread);
 }
@@ -128,6 +153,7 @@ void Hardware::note_world() {
 void Hardware::configure(std::size_t i) {
   Hosted& hosted = *hosted_[i];
   require(hosted, LifecycleState::unconfigured, "configured");
+  hosted.bad_state.store(-1, std::memory_order_relaxed);
   advance(hosted, &Component::on_configure, LifecycleState::inactive, LifecycleState::unconfigured,
           "configured");
   note_world();
@@ -261,7 +287,7 @@ Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept 
 }
 
 ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> states) noexcept {
-  if (!hosted.runner->idle()) return ReturnType::ok;
+  if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
   std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
   return hosted.own_result.load(std::memory_order_acquire);
 }
@@ -274,6 +300,60 @@ void Hardware::write_async(Hosted& hosted, const Cycle& cycle, std::span<const d
   hosted.runner->trigger();
 }
 
+std::optional<bool> Hardware::await_cycle(Nanoseconds timeout) noexcept {
+  if (pacer_ < 0) return std::nullopt;
+  Hosted& hosted = *hosted_[static_cast<std::size_t>(pacer_)];
+  if (!hosted.writing) return std::nullopt;
+  in_call_.store(pacer_, std::memory_order_relaxed);
+  const bool came = hosted.component->await_cycle(timeout);
+  in_call_.store(-1, std::memory_order_relaxed);
+  return came;
+}
+
+void Hardware::watch(const std::vector<WatchedJoint>& joints, Nanoseconds period) {
+  following_cycles_ = static_cast<std::uint32_t>(kFollowingTime / period);
+  for (const auto& hosted : hosted_) {
+    hosted->watched.clear();
+    const double between = seconds(period) * hosted->options.divisor * (hosted->options.async ? 50 : 1);
+    for (const WatchedJoint& joint : joints)
+      if (joint.state >= hosted->first_state && joint.state < hosted->first_state + hosted->states)
+        hosted->watched.push_back(
+            {joint.state, joint.command, kJumpFactor * joint.velocity * between + kJumpFloor});
+  }
+}
+
+/// What was just read of a component: is it possible?
+FaultKind Hardware::judge_states(Hosted& hosted) noexcept {
+  const std::span<const double> states = table_.states();
+  for (Watch& watch : hosted.watched) {
+    const double now = states[watch.state];
+    FaultKind kind = FaultKind::none;
+    if (!std::isfinite(now) && !std::isnan(watch.last)) kind = FaultKind::not_a_number;
+    if (std::abs(now - watch.last) > watch.step) kind = FaultKind::jump;
+    if (std::isfinite(now)) watch.last = now;
+    if (kind == FaultKind::none) continue;
+    hosted.bad_kind.store(kind, std::memory_order_relaxed);
+    hosted.bad_state.store(static_cast<int>(watch.state), std::memory_order_release);
+    return kind;
+  }
+  return FaultKind::none;
+}
+
+/// Are all joints near where they are commanded to be?
+bool Hardware::follows(Hosted& hosted) noexcept {
+  for (Watch& watch : hosted.watched) {
+    if (watch.command < 0) continue;
+    const double wanted = table_.commands()[static_cast<std::size_t>(watch.command)];
+    const bool far = std::abs(wanted - table_.states()[watch.state]) > hosted.options.following_error;
+    watch.behind = far ? watch.behind + 1 : 0;
+    if (watch.behind < following_cycles_) continue;
+    hosted.bad_kind.store(FaultKind::not_following, std::memory_order_relaxed);
+    hosted.bad_state.store(static_cast<int>(watch.state), std::memory_order_release);
+    return false;
+  }
+  return true;
+}
+
 Fault Hardware::read(const Cycle& cycle) noexcept {
   Fault fault;
   const std::span<double> states = table_.states();
@@ -282,6 +362,7 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
     if (!hosted.reading || !due(hosted, cycle)) continue;
     const auto own = states.subspan(hosted.first_state, hosted.states);
     ReturnType result;
+    in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
     if (hosted.runner) {
       result = read_async(hosted, cycle, own);
     } else if (hosted.options.divisor == 1) {
@@ -291,10 +372,13 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
       longer.period *= hosted.options.divisor;
       result = hosted.component->read(longer, own);
     }
-    if (result == ReturnType::ok) continue;
-    const Fault failed = fail(i, result, FaultKind::component_read);
+    const FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
+    if (result == ReturnType::ok && impossible == FaultKind::none) continue;
+    const Fault failed = impossible != FaultKind::none ? fail(i, ReturnType::error, impossible)
+                                                       : fail(i, result, FaultKind::component_read);
     if (!fault) fault = failed;
   }
+  in_call_.store(-1, std::memory_order_relaxed);
   for (const ForcedValue& forced : forced_)
     if (forced.state) states[forced.index] = forced.value;
   return fault;
@@ -309,21 +393,36 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
     Hosted& hosted = *hosted_[i];
     if (!hosted.reading || !due(hosted, cycle)) continue;
     const auto own = commands.subspan(hosted.first_command, hosted.commands);
-    if (hosted.runner) {
+    ReturnType result = ReturnType::ok;
+    in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
+    if (hosted.runner)
       write_async(hosted, cycle, own);
-      continue;
-    }
-    if (!hosted.writing) continue;
-    const ReturnType result = hosted.component->write(cycle, own);
-    if (result == ReturnType::ok) continue;
-    const Fault failed = fail(i, result, FaultKind::component_write);
+    else if (hosted.writing)
+      result = hosted.component->write(cycle, own);
+    const bool behind = result == ReturnType::ok && hosted.writing &&
+                        std::isfinite(hosted.options.following_error) && !follows(hosted);
+    if (result == ReturnType::ok && !behind) continue;
+    const Fault failed = behind ? fail(i, ReturnType::error, FaultKind::not_following)
+                                : fail(i, result, FaultKind::component_write);
     if (!fault) fault = failed;
   }
+  in_call_.store(-1, std::memory_order_relaxed);
   return fault;
 }
 
 std::string Hardware::reason(std::size_t i) const {
-  return hosted_[i]->component->reason();
+  const Hosted& hosted = *hosted_[i];
+  const int state = hosted.bad_state.load(std::memory_order_acquire);
+  std::string own = hosted.component->reason();
+  if (state < 0) return own;
+  const std::string& name = table_.state_names()[static_cast<std::size_t>(state)];
+  const FaultKind kind = hosted.bad_kind.load(std::memory_order_relaxed);
+  std::string seen = kind == FaultKind::not_a_number ? name + " was measured and is no number any more"
+                     : kind == FaultKind::jump
+                         ? name + " changed by more between two reads than the joint can have moved"
+                         : name + " is more than " + format_number(hosted.options.following_error) +
+                               " from its command for " + format_number(seconds(kFollowingTime)) + " s";
+  return own.empty() ? seen : seen + " (" + own + ")";
 }
 
 bool Hardware::prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +21,9 @@ enum class FaultKind : std::uint8_t {
   component_read,
   component_write,
   component_deactivated,
-  bad_state
+  not_a_number,   ///< a joint's measured position was a number and is none any more
+  jump,           ///< a joint's measured position changed by more than it can have moved
+  not_following,  ///< a joint is far from where it is commanded to be, for too long
 };
 
 /// What went wrong in a cycle, as numbers; texts are made outside the loop.
@@ -28,6 +31,13 @@ struct Fault {
   FaultKind kind = FaultKind::none;
   std::int32_t component = -1;  ///< index of the component
   explicit operator bool() const noexcept { return kind != FaultKind::none; }
+};
+
+/// A joint whose measured position is watched, and told from what is possible.
+struct WatchedJoint {
+  std::size_t state = 0;  ///< index of its position among the states
+  int command = -1;       ///< index of its position command; -1: none
+  double velocity = 0;    ///< rad/s or m/s, infinite where nobody states one
 };
 
 /// A value that a test of a fault forces onto an interface, over whatever hardware or controllers say.
@@ -46,7 +56,15 @@ struct HostOptions {
   std::string group;                                ///< components of one group fail together
   std::string plugin, type;                         ///< as the description has them, for listing
   LifecycleState initial = LifecycleState::active;  ///< what configure_and_activate() takes it to
+  /// How far a joint may be from its command for kFollowingTime, rad or m; infinite: as far as it likes. The
+  /// component's parameter `following_error`; without it kRealFollowingError for what is real, else infinite.
+  double following_error = std::numeric_limits<double>::infinity();
 };
+inline constexpr double kRealFollowingError = 0.35;
+inline constexpr Nanoseconds kFollowingTime = 250'000'000;
+/// Between two reads a joint's measured position changes by at most this many times what its velocity allows,
+/// and kJumpFloor (rad or m) of noise and rounding.
+inline constexpr double kJumpFactor = 5, kJumpFloor = 0.02;
 
 /// A component as others may see it.
 struct HostedInfo {
@@ -114,10 +132,26 @@ class Hardware {
   int component_of_command(std::size_t index) const;
   int find(std::string_view name) const;
   std::vector<std::string> summaries() const;
-  /// Why the component failed last, in its own words; may be empty.
+  /// From here on the positions of these joints are watched; one that cannot be true is a fault of its
+  /// component, as if it had failed itself.
+  void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
+  /// The component whose read or write the control thread is in; -1: none. Any thread.
+  int in_call() const noexcept { return in_call_.load(std::memory_order_relaxed); }
+  /// Waits for the active component that paces the loop, if there is one: nothing where there is none.
+  /// Control thread.
+  std::optional<bool> await_cycle(Nanoseconds timeout) noexcept;
+  bool real(std::size_t i) const { return hosted_[i]->component->real(); }
+  /// Why the component failed last: what was watched, else its own words; may be empty.
   std::string reason(std::size_t i) const;
 
  private:
+  struct Watch {
+    std::size_t state;
+    int command;
+    double step;  ///< largest change between two reads
+    double last = std::numeric_limits<double>::quiet_NaN();
+    std::uint32_t behind = 0;  ///< cycles in which it was too far from its command
+  };
   struct Hosted {
     std::string name;
     std::unique_ptr<Component> component;
@@ -128,7 +162,11 @@ class Hardware {
     std::vector<double> own_states, own_commands;  // of an async component
     Cycle own_cycle;
     std::atomic<ReturnType> own_result{ReturnType::ok};
+    std::atomic<bool> ran{false};    // an async component has read since it was let in
+    std::atomic<int> bad_state{-1};  // what was watched and found impossible
+    std::atomic<FaultKind> bad_kind{FaultKind::none};
     // the control thread's
+    std::vector<Watch> watched;
     bool reading = false, writing = false;
     Fall newly_failed = Fall::none;
   };
@@ -139,6 +177,8 @@ class Hardware {
                LifecycleState otherwise, const char* step_name);
   void note_world();
   void make_runner(Hosted& hosted);
+  FaultKind judge_states(Hosted& hosted) noexcept;
+  bool follows(Hosted& hosted) noexcept;
   Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;
   static void take_off(Hosted& hosted, Fall fall) noexcept;
   bool due(const Hosted& hosted, const Cycle& cycle) const noexcept {
@@ -151,6 +191,9 @@ class Hardware {
   realtime::Jobs& jobs_;
   std::vector<std::unique_ptr<Hosted>> hosted_;
   std::vector<ForcedValue> forced_;
+  std::atomic<int> in_call_{-1};
+  int pacer_ = -1;  ///< component that paces the loop
+  std::uint32_t following_cycles_ = 250;
   std::atomic<const WorldState*> world_ = nullptr;
   std::vector<std::unique_ptr<Component>> retired_;  ///< replaced; the control thread may look at one's world
   std::vector<std::string> world_names_;

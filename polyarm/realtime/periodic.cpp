@@ -37,6 +37,14 @@ WakeUp Periodic::wait() noexcept {
   return out;
 }
 
+WakeUp Periodic::woken() noexcept {
+  const Nanoseconds woke = monotonic_now();
+  WakeUp out{due_, std::max<Nanoseconds>(0, woke - due_), 0};
+  if (woke - due_ >= period_) out.skipped = static_cast<std::uint64_t>((woke - due_) / period_);
+  due_ = woke + period_;
+  return out;
+}
+
 const char* apply(const ThreadOptions& options) noexcept {
   const char* refused = "";
   if (options.cpu >= 0) {

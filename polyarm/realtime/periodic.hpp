@@ -25,6 +25,8 @@ class Periodic {
   explicit Periodic(Nanoseconds period) : period_(period) {}
   void start() noexcept { due_ = monotonic_now() + period_; }
   WakeUp wait() noexcept;
+  /// Somebody else's clock has woken the thread: the grid goes on from now. How it lies to the grid so far.
+  WakeUp woken() noexcept;
 
  private:
   Nanoseconds period_;

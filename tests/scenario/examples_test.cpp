@@ -99,7 +99,7 @@ TEST(PickAndPlace, WithoutVacuumFailsAndSaysWhoWaitsForWhat) {
   EXPECT_NE(result["error"].get<std::string>().find("PartHeld"), std::string::npos);
   const std::filesystem::path folder = result["failure_folder"].get<std::string>();
   for (const char* file :
-       {"cell.yaml", "plc.script", "command.txt", "result.json", "last_cycles.csv", "arm.urdf"})
+       {"cell.yaml", "plc.script", "command.txt", "result.json", "cycles.csv", "arm.urdf"})
     EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
 }
 

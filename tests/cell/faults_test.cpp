@@ -1,0 +1,303 @@
+/// Every fault ends in the same way: what works on it lies still, a person brings it back step by step, and
+/// it goes on from where it is measured.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "polyarm/cell/fault_record.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Folder;
+using test::Json;
+using test::LockStepCell;
+
+const std::string kControllers = R"(
+controller_manager:
+  ros__parameters:
+    update_rate: 1000
+    follow: {type: joint_trajectory_controller/JointTrajectoryController}
+    states: {type: joint_state_broadcaster/JointStateBroadcaster}
+follow:
+  ros__parameters:
+    joints: [a, b]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+)";
+
+std::string description(const std::string& parameters) {
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return "<joint name='" + name + "' type='revolute'><parent link='" + parent + "'/><child link='" + child +
+           "'/><axis xyz='0 0 1'/><limit lower='-3' upper='3' velocity='2' effort='10'/></joint>";
+  };
+  const auto driven = [&](const std::string& name) {
+    return "<joint name='" + name +
+           "'><command_interface name='position'/><state_interface name='position'/>"
+           "<state_interface name='velocity'/></joint>";
+  };
+  return "<robot name='arm'><link name='l0'/><link name='l1'/><link name='l2'/>" + joint("a", "l0", "l1") +
+         joint("b", "l1", "l2") +
+         "<ros2_control name='drives' "
+         "type='system'><hardware><plugin>mock_components/GenericSystem</plugin>" +
+         parameters + "</hardware>" + driven("a") + driven("b") + "</ros2_control></robot>";
+}
+
+std::string injected(const std::string& faults, const std::string& more = "") {
+  return description("<param name='inject'>" + faults + "</param>" + more);
+}
+
+const Json kMove = {
+    {"request", "send"},
+    {"to", "follow"},
+    {"message",
+     {{"joint_names", {"a", "b"}}, {"points", {{{"positions", {1.5, -1.5}}, {"time_from_start", 2.0}}}}}}};
+
+struct Row {
+  const char* name;
+  std::string inject;
+  std::string more;   ///< parameters
+  std::string cause;  ///< as health tells it
+  std::string told;   ///< part of why the component failed
+};
+
+class FaultTable : public testing::TestWithParam<Row> {};
+
+TEST_P(FaultTable, EndsTheSameWay) {
+  const Folder folder;
+  LockStepCell cell(folder.write("arm.urdf", injected(GetParam().inject, GetParam().more)), kControllers);
+  cell.give(kMove);
+  cell.run(1.2);
+  Json health = cell.result({{"request", "health"}});
+  ASSERT_EQ(health["state"], "fault") << health;
+  EXPECT_EQ(health["cause"], GetParam().cause);
+  EXPECT_EQ(cell.state_of("follow"), "inactive") << "its component is gone";
+  const std::string reason = cell.cell().loop().hardware().reason(0);
+  EXPECT_NE(reason.find(GetParam().told), std::string::npos) << reason;
+
+  // No single request moves it.
+  cell.result({{"request", "control.resume"}});
+  cell.run(0.02);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "fault");
+  cell.ask({{"request", "hardware.state"}, {"name", "drives"}, {"state", "active"}});
+  cell.run(0.02);
+  const double at = cell.value_of("states", "arm/a/position");
+  cell.result({{"request", "control.recover"}});
+  cell.run(0.02);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "held");
+  cell.result({{"request", "control.switch"}, {"activate", {"follow"}}});
+  EXPECT_EQ(cell.state_of("follow"), "active");
+  cell.run(0.05);
+  EXPECT_NEAR(cell.value_of("states", "arm/a/position"), at, 1e-9) << "held";
+  cell.result({{"request", "control.resume"}});
+  cell.run(0.1);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
+  EXPECT_NEAR(cell.value_of("states", "arm/a/position"), at, 1e-9) << "the old motion is forgotten";
+}
+
+const std::string kFailed = "a hardware component failed";
+INSTANTIATE_TEST_SUITE_P(
+    All, FaultTable,
+    testing::Values(Row{"read", "read_error@500", "", kFailed, "told to do this: read_error"},
+                    Row{"write", "write_error@500", "", kFailed, ""},
+                    Row{"deactivate", "deactivate@500", "", kFailed, "deactivate at cycle 500"},
+                    Row{"nan", "nan@500:b", "", "a measured joint position is no number",
+                        "arm/b/position was measured and is no number"},
+                    Row{"jump", "jump@500:a=0.6", "", "a measured joint position jumped",
+                        "arm/a/position changed by more"},
+                    Row{"freeze", "freeze@300", "<param name='following_error'>0.2</param>",
+                        "a joint does not follow its command", "arm/a/position is more than 0.2"}),
+    [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
+
+TEST(Faults, ASmallStepIsNoJump) {
+  const Folder folder;
+  LockStepCell cell(folder.write("arm.urdf", injected("jump@500:a=0.015")), kControllers);
+  cell.give(kMove);
+  cell.run(1);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
+}
+
+TEST(Faults, ASlowReadIsCountedAndNothingElse) {
+  const Folder folder;
+  LockStepCell cell(folder.write("arm.urdf", injected("slow@500=2")), kControllers);
+  cell.give(kMove);
+  cell.run(1);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
+  EXPECT_GT(cell.result({{"request", "health"}})["cost"]["max_ns"].get<double>(), 2e6);
+}
+
+TEST(Faults, WhatCannotBeInjectedIsRefusedWithWhatCan) {
+  for (const std::string& wrong : {"nann@500", "nan@x", "nan@5:elbow", "jump@1:a=much", "slow@-1"}) {
+    const Folder folder;
+    try {
+      LockStepCell cell(folder.write("arm.urdf", injected(wrong)), kControllers);
+      FAIL() << wrong;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.problems().at(0).code, "bad-value") << wrong;
+    }
+  }
+}
+
+/// A real component is one that says so.
+class RealMock : public drivers::MockComponent {
+ public:
+  bool real() const noexcept override { return true; }
+};
+
+std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full_speed,
+                                      cell::Observer& observer, bool lock_step = false) {
+  hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
+  std::string text = description("");
+  text.replace(text.find("mock_components/GenericSystem"), 29, "real_mock");
+  cell::CellOptions options;
+  options.real = real;
+  options.full_speed = full_speed;
+  options.lock_step = lock_step;
+  auto out = std::make_unique<cell::Cell>(
+      cell::cell_from_description(folder.write("arm.urdf", text), {folder.write("c.yaml", kControllers)}, {}),
+      description::Catalogue({}), options, observer);
+  out->loop().begin();
+  return out;
+}
+
+void run(cell::Cell& cell, double s) {
+  for (const Nanoseconds end = cell.loop().cycle().time + nanoseconds(s); cell.loop().cycle().time < end;) {
+    cell.tick(cell.loop().cycle().time);
+    for (int k = 0; k < 2; ++k) cell.loop().step_next();
+  }
+}
+
+Json ask(cell::Cell& cell, const Json& request) {
+  auto out = std::make_shared<Json>();
+  cell.requests().handle(request.dump(), [out](const std::string& line) {
+    *out = Json::parse(line);
+    return true;
+  });
+  for (int k = 0; k < 200 && out->is_null(); ++k) run(cell, 0.002);
+  return *out;
+}
+
+double position(cell::Cell& cell) {
+  cell.loop().outbox().fetch();
+  return cell.snapshot().states[*cell.loop().table().find_state("arm/a/position")];
+}
+
+TEST(Arming, WithoutRealTheCellIsSimulatedAndSaysSo) {
+  const Folder folder;
+  struct Notes : cell::Observer {
+    std::string all;
+    void on_note(const std::string& text) override { all += text + "\n"; }
+  } notes;
+  const auto cell = real_cell(folder, false, false, notes);
+  EXPECT_TRUE(cell->armed());
+  EXPECT_NE(notes.all.find("real_mock drives real hardware; it is played by"), std::string::npos)
+      << notes.all;
+  EXPECT_EQ(ask(*cell, {{"request", "control.arm"}})["error"]["code"], "not-real");
+  cell->loop().end();
+}
+
+TEST(Arming, NothingMovesBeforeAPersonHasArmedIt) {
+  const Folder folder;
+  cell::Observer nobody;
+  const auto cell = real_cell(folder, true, true, nobody);
+  EXPECT_FALSE(cell->armed());
+  run(*cell, 0.05);
+  EXPECT_EQ(ask(*cell, kMove)["ok"], false) << "its controller is not active";
+  run(*cell, 0.5);
+  EXPECT_EQ(position(*cell), 0);
+  const Json seen = ask(*cell, {{"request", "control.arm"}});
+  EXPECT_EQ(seen["result"]["armed"], false) << "asking is not confirming";
+  EXPECT_EQ(seen["result"]["joints"].size(), 2u);
+  const Json armed = ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
+  EXPECT_EQ(armed["result"]["started"].dump(), R"(["follow"])") << armed;
+  EXPECT_TRUE(cell->armed());
+  EXPECT_EQ(ask(*cell, kMove)["ok"], true);
+  run(*cell, 2.5);
+  EXPECT_NEAR(position(*cell), 1.5, 1e-6);
+  cell->loop().end();
+}
+
+TEST(Arming, TheFirstPassIsATenthOfTheSpeed) {
+  const Folder folder;
+  cell::Observer nobody;
+  const auto cell = real_cell(folder, true, false, nobody);
+  run(*cell, 0.01);
+  ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
+  ask(*cell, kMove);
+  double fastest = 0, before = position(*cell);
+  for (int k = 0; k < 1000; ++k) {
+    run(*cell, 0.002);
+    const double now = position(*cell);
+    fastest = std::max(fastest, std::abs(now - before) / 0.002);
+    before = now;
+  }
+  EXPECT_GT(fastest, 0.05) << "it does move";
+  EXPECT_LE(fastest, 0.2 * 1.001) << "a tenth of 2 rad/s";
+  cell->loop().end();
+}
+
+TEST(Arming, RealHardwareDoesNotRunInLockStep) {
+  const Folder folder;
+  cell::Observer nobody;
+  try {
+    real_cell(folder, true, false, nobody, true);
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().at(0).code, "real-and-fast");
+  }
+}
+
+TEST(FaultRecord, IsWrittenWithEveryFaultAndPlaysAgain) {
+  const Folder folder;
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  const std::string urdf = folder.write("arm.urdf", injected("read_error@700"));
+  struct Notes : cell::Observer {
+    std::string all;
+    void on_note(const std::string& text) override { all += text + "\n"; }
+  } notes;
+  cell::CellFile file = cell::cell_from_description(urdf, {folder.write("c.yaml", kControllers)}, {});
+  file.folder = folder.path();
+  cell::Cell cell(file, description::Catalogue({}), {}, notes);  // on the wall clock: the run goes on
+  cell.loop().begin();
+  ask(cell, kMove);
+  for (int k = 0; k < 2000 && notes.all.find("polyarm replay ") == std::string::npos; ++k) run(cell, 0.01);
+  cell.loop().end();
+  const std::filesystem::path record = folder.path() / ".state/faults/0001";
+  ASSERT_TRUE(std::filesystem::exists(record / "cycles.csv")) << notes.all;
+  const cell::Replay replay = cell::replay_record(record, "mock");
+  EXPECT_NE(replay.problem.find("a hardware component failed"), std::string::npos) << replay.problem;
+  EXPECT_GT(replay.recorded.rows.size(), 700u);
+  ASSERT_EQ(replay.joints.size(), 2u);
+  // The recorded robot followed at once, and so does the one that is given its commands again, until the
+  // fault cut the recorded one off.
+  EXPECT_LT(replay.joints[0].worst, 2e-2);
+  bool fault = false;
+  for (const auto& row : replay.recorded.rows) fault = fault || row.state == "fault";
+  EXPECT_TRUE(fault);
+}
+
+TEST(FaultRecord, WhatIsNoRecordIsRefusedByLine) {
+  const Folder folder;
+  const auto code = [&](const std::string& text) {
+    folder.write("cycles.csv", text);
+    try {
+      cell::read_cycles(folder.path() / "cycles.csv");
+      return std::string("none");
+    } catch (const Error& e) {
+      return e.problems().at(0).code;
+    }
+  };
+  const std::string head = "cycle,state,cause,request,arm/a/position,command:arm/a/position\n";
+  EXPECT_EQ(code(""), "no-record");
+  EXPECT_EQ(code("a,b\n"), "no-record");
+  EXPECT_EQ(code(head), "no-record") << "no cycles";
+  EXPECT_EQ(code(head + "1,running,0,none,0.5\n"), "no-record");
+  EXPECT_EQ(code(head + "1,running,0,none,0.5,x\n"), "no-record");
+  EXPECT_EQ(code(head + "-1,running,0,none,0.5,0\n"), "no-record");
+  EXPECT_EQ(code(head + "1,running,0,none,0.5,nan\n"), "none");
+}
+
+}  // namespace
+}  // namespace polyarm
