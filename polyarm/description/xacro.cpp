@@ -22,49 +22,46 @@ using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
+/// What names mean at a place: of a file, of a macro that is being expanded, or of an include with a name
+/// space.
 struct XacroScope {
   struct Property {
     XacroValue value;
     bool raw = false;      // a text that is evaluated when it is first asked for
     bool working = false;  // it is being evaluated
   };
+  struct Parameter {
+    std::string name;
+    int block = 0;  // stars
+    bool forwards = false;
+    std::optional<std::string> fallback;
+  };
+  struct Macro {
+    std::vector<Parameter> parameters;
+    const XMLElement* body = nullptr;
+    fs::path file;
+  };
   XacroScope* parent = nullptr;
+  XacroScope* otherwise = nullptr;  // where properties are looked for that neither this nor its parents have
+  bool is_space = false;
   std::map<std::string, Property> properties;
   std::map<std::string, std::shared_ptr<XMLDocument>> blocks;  // "*name": whole, "**name": its contents
+  std::map<std::string, Macro> macros;
 };
 
 namespace {
 
+using Parameter = XacroScope::Parameter;
+using Macro = XacroScope::Macro;
+
 constexpr int kDeepest = 150;
 constexpr std::size_t kMostElements = 2'000'000;
 
-struct Parameter {
-  std::string name;
-  int block = 0;  // stars
-  bool has_default = false, forwards = false;
-  std::string fallback;
-  bool has_fallback = false;
-};
-
-struct Macro {
-  std::vector<Parameter> parameters;
-  const XMLElement* body = nullptr;
-  fs::path file;
-};
-
-/// What belongs together under one name space: properties and macros.
-struct Names {
-  XacroScope* scope = nullptr;
-  std::map<std::string, Macro>* macros = nullptr;
-};
-
 bool is_true(const XacroValue& value, const std::string& written) {
-  if (const auto* flag = std::get_if<bool>(&value.data)) return *flag;
-  if (const auto* number = std::get_if<std::int64_t>(&value.data)) return *number != 0;
-  if (const auto* number = std::get_if<double>(&value.data)) return *number != 0;
-  const std::string text(trim(str_of(value)));
-  if (text == "true" || text == "True" || text == "1") return true;
-  if (text == "false" || text == "False" || text == "0") return false;
+  if (!value.text()) return truth_of(value);
+  const std::string text(trim(*value.text()));
+  if (text == "true" || text == "True") return true;
+  if (text == "false" || text == "False") return false;
   if (const XacroValue literal = literal_of(text); literal.is_number()) return truth_of(literal);
   throw Error("bad-condition", "'" + written + "' is neither true nor false (it is '" + text + "')");
 }
@@ -79,7 +76,7 @@ class Expander {
   std::string expand(std::string_view text, const fs::path& file) {
     find_package_ = packages_near(file, options_.packages);
     const XMLElement* root = load(text, file);
-    Frame frame{file, {&new_scope(nullptr), &new_macros()}};
+    Frame frame{file, &new_scope(nullptr)};
     XMLElement* out = output_.NewElement(root->Name());
     output_.InsertEndChild(out);
     const Inside inside(*this, Step{file, root->GetLineNum(), ""});
@@ -95,7 +92,7 @@ class Expander {
  private:
   struct Frame {
     fs::path file;
-    Names names;
+    XacroScope* scope = nullptr;
   };
   struct Step {
     fs::path file;
@@ -159,13 +156,11 @@ class Expander {
     scopes_.back()->parent = parent;
     return *scopes_.back();
   }
-  std::map<std::string, Macro>& new_macros() {
-    return *macros_.emplace_back(std::make_unique<std::map<std::string, Macro>>());
-  }
 
   // --- texts ---
 
   XacroValue* find_property(XacroScope* scope, const std::string& name) {
+    const XacroScope* asked = scope;
     for (; scope; scope = scope->parent) {
       const auto found = scope->properties.find(name);
       if (found == scope->properties.end()) continue;
@@ -180,15 +175,13 @@ class Expander {
       }
       return &property.value;
     }
-    return nullptr;
+    return asked && asked->otherwise ? find_property(asked->otherwise, name) : nullptr;
   }
 
   XacroNames names_for(XacroScope* scope) {
     XacroNames out;
     out.property = [this, scope](const std::string& name, XacroValue& value) {
       if (const XacroValue* found = find_property(scope, name)) return value = *found, true;
-      if (const auto space = spaces_.find(name); space != spaces_.end())
-        return value = static_cast<const XacroScope*>(space->second.scope), true;
       return false;
     };
     out.function = [this, scope](const std::string& name, const XacroList& arguments, XacroValue& value) {
@@ -261,6 +254,11 @@ class Expander {
 
   std::string text_of(const std::string& text, XacroScope* scope) {
     return placed(text, [&] { return str_of(evaluate(text, scope)); });
+  }
+
+  /// What a property or a parameter becomes that is given this text.
+  XacroValue value_of_text(const std::string& text, XacroScope* scope) {
+    return placed(text, [&] { return literal_of(evaluate(text, scope)); });
   }
 
   /// `$(arg x)`, `$(find p)`, `$(env V)`, `$(eval …)` and their like.
@@ -422,7 +420,7 @@ class Expander {
     for (const tinyxml2::XMLAttribute* a = in.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
       if (name.starts_with("xmlns:xacro")) continue;
-      out.SetAttribute(name.c_str(), text_of(a->Value(), frame.names.scope).c_str());
+      out.SetAttribute(name.c_str(), text_of(a->Value(), frame.scope).c_str());
     }
   }
 
@@ -431,7 +429,7 @@ class Expander {
       if (const XMLElement* e = child->ToElement()) {
         element(*e, out, frame);
       } else if (const tinyxml2::XMLText* text = child->ToText()) {
-        const std::string value = text_of(text->Value(), frame.names.scope);
+        const std::string value = text_of(text->Value(), frame.scope);
         tinyxml2::XMLText* made = output_.NewText(value.c_str());
         made->SetCData(text->CData());
         out.InsertEndChild(made);
@@ -460,7 +458,7 @@ class Expander {
     if (name == "element") return made_element(e, out, frame);
     if (name == "attribute") return made_attribute(e, out, frame);
     if (name == "call") {
-      const std::string called = text_of(required(e, "macro"), frame.names.scope);
+      const std::string called = text_of(required(e, "macro"), frame.scope);
       return call(e, called, out, frame, "macro");
     }
     call(e, name, out, frame, nullptr);
@@ -485,39 +483,61 @@ class Expander {
   }
 
   void property(const XMLElement& e, Frame& frame) {
-    const std::string name = text_of(required(e, "name"), frame.names.scope);
-    if (name.empty() || !(std::isalpha(static_cast<unsigned char>(name[0])) || name[0] == '_'))
-      fail("'" + name + "' is no name for a property");
+    const std::string name = text_of(required(e, "name"), frame.scope);
+    if (!is_identifier(name)) fail("'" + name + "' is no name for a property");
     const char* value = e.Attribute("value");
     const char* fallback = e.Attribute("default");
-    const std::string where = e.Attribute("scope") ? e.Attribute("scope") : "";
-    XacroScope* target = frame.names.scope;
-    if (where == "parent" && target->parent) target = target->parent;
-    if (where == "global")
-      while (target->parent) target = target->parent;
-    if (!where.empty() && where != "parent" && where != "global")
-      fail("the scope of '" + name + "' is '" + where + "'", "it can be parent or global");
-    if (e.Attribute("remove") &&
-        is_true(text_of(e.Attribute("remove"), frame.names.scope), e.Attribute("remove"))) {
-      target->properties.erase(name);
+    if (flag(e, "remove", false, frame)) {
+      if (value || fallback) fail("'" + name + "' is removed and given a value at once");
+      for (XacroScope* scope = frame.scope; scope; scope = scope->parent) scope->properties.erase(name);
       return;
     }
     if (!value && fallback) {
-      if (has_property(frame.names.scope, name)) return;
+      if (has_property(frame.scope, name)) return;
       value = fallback;
     }
+    bool lazy = flag(e, "lazy_eval", true, frame);
+    XacroScope& target = target_of(e, name, frame, lazy);
     if (!value) {  // a block, evaluated where it is inserted
       auto holder = std::make_shared<XMLDocument>();
       holder->InsertEndChild(e.DeepClone(holder.get()));
-      target->blocks["**" + name] = holder;
+      target.blocks["**" + name] = holder;
       return;
     }
-    const bool lazy = where.empty();
-    if (lazy)
-      target->properties[name] = {std::string(value), true, false};
-    else
-      target->properties[name] = {
-          placed(value, [&] { return literal_of(evaluate(value, frame.names.scope)); }), false, false};
+    const XacroValue given = lazy ? literal_of(std::string(value)) : value_of_text(value, frame.scope);
+    target.properties[name] = {given, lazy && given.text(), false};
+  }
+
+  /// The scope that a property goes to. What leaves its own is evaluated at once.
+  XacroScope& target_of(const XMLElement& e, const std::string& name, Frame& frame, bool& lazy) {
+    const std::string where = e.Attribute("scope") ? e.Attribute("scope") : "";
+    XacroScope* target = frame.scope;
+    if (where == "global") {
+      while (target->parent) target = target->parent;
+    } else if (where == "parent") {
+      if (target->parent) target = target->parent;
+      if (!frame.scope->is_space)
+        while (target->is_space) target = target->parent;  // to who called the macro
+    } else {
+      if (!where.empty() && where != "local")
+        warnings_.warning("xacro-scope", {frame.file.string(), e.GetLineNum()},
+                          "the scope of '" + name + "' is '" + where + "', not parent or global");
+      return *target;
+    }
+    lazy = false;
+    return *target;
+  }
+
+  bool flag(const XMLElement& e, const char* name, bool otherwise, Frame& frame) {
+    const char* written = e.Attribute(name);
+    return written ? placed(written, [&] { return is_true(evaluate(written, frame.scope), written); })
+                   : otherwise;
+  }
+
+  static bool is_identifier(const std::string& name) {
+    const auto letter = [](unsigned char c) { return std::isalnum(c) || c == '_' || c > 127; };
+    return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) && !name.starts_with("__") &&
+           std::all_of(name.begin(), name.end(), letter);
   }
 
   static bool has_property(const XacroScope* scope, const std::string& name) {
@@ -527,21 +547,18 @@ class Expander {
   }
 
   void argument(const XMLElement& e, Frame& frame) {
-    const std::string name = text_of(required(e, "name"), frame.names.scope);
+    const std::string name = text_of(required(e, "name"), frame.scope);
     if (arguments_.contains(name)) return;
-    if (const char* fallback = e.Attribute("default"))
-      arguments_[name] = text_of(fallback, frame.names.scope);
+    if (const char* fallback = e.Attribute("default")) arguments_[name] = text_of(fallback, frame.scope);
   }
 
   void condition(const XMLElement& e, XMLNode& out, Frame& frame, bool wanted) {
-    const std::string written = required(e, "value");
-    const bool value =
-        placed(written, [&] { return is_true(evaluate(written, frame.names.scope), written); });
-    if (value == wanted) children(e, out, frame);
+    required(e, "value");
+    if (flag(e, "value", false, frame) == wanted) children(e, out, frame);
   }
 
   void made_element(const XMLElement& e, XMLNode& out, Frame& frame) {
-    const std::string name = text_of(required(e, "xacro:name"), frame.names.scope);
+    const std::string name = text_of(required(e, "xacro:name"), frame.scope);
     if (name.empty()) fail("<xacro:element> has an empty name");
     XMLElement* made = output_.NewElement(name.c_str());
     out.InsertEndChild(made);
@@ -551,17 +568,17 @@ class Expander {
   }
 
   void made_attribute(const XMLElement& e, XMLNode& out, Frame& frame) {
-    const std::string name = text_of(required(e, "name"), frame.names.scope);
-    const std::string value = text_of(required(e, "value"), frame.names.scope);
+    const std::string name = text_of(required(e, "name"), frame.scope);
+    const std::string value = text_of(required(e, "value"), frame.scope);
     XMLElement* parent = out.ToElement();
     if (name.empty() || !parent) fail("<xacro:attribute> has no element to belong to, or no name");
     parent->SetAttribute(name.c_str(), value.c_str());
   }
 
   void insert_block(const XMLElement& e, XMLNode& out, Frame& frame) {
-    const std::string name = text_of(required(e, "name"), frame.names.scope);
-    for (XacroScope* scope = frame.names.scope; scope; scope = scope->parent)
-      for (const char* stars : {"**", "*"}) {
+    const std::string name = text_of(required(e, "name"), frame.scope);
+    for (const char* stars : {"**", "*"})
+      for (XacroScope* scope = frame.scope; scope; scope = scope->parent) {
         const auto found = scope->blocks.find(stars + name);
         if (found == scope->blocks.end()) continue;
         const std::shared_ptr<XMLDocument> block = found->second;
@@ -576,43 +593,53 @@ class Expander {
 
   // --- macros ---
 
-  std::vector<Parameter> parameters_of(const std::string& text) {
+  /// "a b:=2 c:=^|3 *origin": names, and what each is when it is not given.
+  std::vector<Parameter> parameters_of(const std::string& text) const {
     std::vector<Parameter> out;
     std::size_t at = 0;
     const auto blank = [&](std::size_t i) { return std::isspace(static_cast<unsigned char>(text[i])) != 0; };
-    while (true) {
-      while (at < text.size() && blank(at)) ++at;
-      if (at >= text.size()) return out;
+    const auto past_blanks = [&](std::size_t i) {
+      while (i < text.size() && blank(i)) ++i;
+      return i;
+    };
+    while ((at = past_blanks(at)) < text.size()) {
       Parameter p;
       while (at < text.size() && text[at] == '*') ++p.block, ++at;
       while (at < text.size() && !blank(at) && text[at] != '=' && text[at] != ':') p.name += text[at++];
-      if (at < text.size() && (text[at] == ':' || text[at] == '=')) {
-        at += text.compare(at, 2, ":=") == 0 ? 2 : 1;
-        p.has_default = true;
-        if (at < text.size() && text[at] == '^') {
-          p.forwards = true;
-          ++at;
-          p.has_fallback = at < text.size() && text[at] == '|';
-          if (p.has_fallback) ++at;
-        } else {
-          p.has_fallback = true;
-        }
-        for (bool quoted = false; at < text.size() && (quoted || !blank(at)); ++at) {
-          if (text[at] == '\'') quoted = !quoted;
-          if (text.compare(at, 2, "${") == 0) {  // blanks in an expression belong to it
-            const auto end = text.find('}', at);
-            if (end != std::string::npos) {
-              p.fallback += text.substr(at, end - at);
-              at = end;
-            }
-          }
-          p.fallback += text[at];
-        }
+      std::size_t sign = past_blanks(at);
+      if (text.compare(sign, 1, ":") == 0) ++sign;
+      if (text.compare(sign, 1, "=") == 0) {
+        at = past_blanks(sign + 1);
+        p.forwards = text.compare(at, 1, "^") == 0;
+        if (p.forwards) at += text.compare(at, 2, "^|") == 0 ? 2 : 1;
+        const std::size_t end = end_of_default(text, at);
+        if (end > at) p.fallback = text.substr(at, end - at);
+        at = end;
       }
-      if (p.name.empty() || p.block > 2)
+      if (p.name.empty() || p.block > 2 || (at < text.size() && !blank(at)))
         fail("the parameters '" + text + "' of the macro are not understood");
       out.push_back(std::move(p));
     }
+    return out;
+  }
+
+  /// A default ends at a blank that is neither within quotes nor within the `${…}` or `$(…)` that it is.
+  static std::size_t end_of_default(const std::string& text, std::size_t begin) {
+    const auto ends = [&](std::size_t at) {
+      return at >= text.size() || std::isspace(static_cast<unsigned char>(text[at]));
+    };
+    for (const auto& [open, close] : {std::pair{"${", '}'}, {"$(", ')'}})
+      if (text.compare(begin, 2, open) == 0)
+        for (auto at = text.find(close, begin); at != std::string::npos; at = text.find(close, at + 1))
+          if (ends(at + 1)) return at + 1;
+    std::size_t at = begin;
+    while (!ends(at)) {
+      const bool quote = text[at] == '\'' || text[at] == '"';
+      const auto partner = quote ? text.find(text[at], at + 1) : at;
+      if (partner == std::string::npos) return at;
+      at = partner + 1;
+    }
+    return at;
   }
 
   void define(const XMLElement& e, Frame& frame) {
@@ -620,33 +647,51 @@ class Expander {
     if (name.starts_with("xacro:")) name = name.substr(6);
     if (name.find('.') != std::string::npos) fail("a macro's name may hold no '.': '" + name + "'");
     Macro macro{parameters_of(e.Attribute("params") ? e.Attribute("params") : ""), &e, frame.file};
-    (*frame.names.macros)[name] = std::move(macro);
+    frame.scope->macros[name] = std::move(macro);
   }
 
-  const Macro* find_macro(const std::string& name, const Frame& frame) const {
-    const auto dot = name.find('.');
-    if (dot != std::string::npos) {
-      const auto space = spaces_.find(name.substr(0, dot));
-      if (space == spaces_.end()) return nullptr;
-      const auto found = space->second.macros->find(name.substr(dot + 1));
-      return found == space->second.macros->end() ? nullptr : &found->second;
-    }
-    for (const auto* macros : {frame.names.macros, macros_.front().get()})
-      if (const auto found = macros->find(name); found != macros->end()) return &found->second;
+  /// The name space of that name that is seen from `scope`.
+  static XacroScope* find_space(XacroScope* scope, const std::string& name) {
+    for (; scope; scope = scope->parent)
+      if (const auto found = scope->properties.find(name); found != scope->properties.end())
+        if (const auto* space = std::get_if<const XacroScope*>(&found->second.value.data))
+          return const_cast<XacroScope*>(*space);
     return nullptr;
+  }
+
+  /// "name" or "space.name"; `scope` becomes the one that the macro is expanded in.
+  static const Macro* find_macro(std::string_view name, XacroScope*& scope) {
+    for (auto dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
+      scope = find_space(scope, std::string(name.substr(0, dot)));
+      if (!scope) return nullptr;
+      name.remove_prefix(dot + 1);
+    }
+    for (const XacroScope* at = scope; at; at = at->parent)
+      if (const auto found = at->macros.find(std::string(name)); found != at->macros.end())
+        return &found->second;
+    return nullptr;
+  }
+
+  [[noreturn]] void unknown_macro(const std::string& name, const Frame& frame) const {
+    std::vector<std::string> known;
+    for (const XacroScope* at = frame.scope; at; at = at->parent)
+      for (const auto& [macro, body] : at->macros) known.push_back(macro);
+    fail("there is no macro '" + name + "'" + did_you_mean(name, known));
   }
 
   void call(const XMLElement& e, const std::string& name, XMLNode& out, Frame& frame,
             const char* own_attribute) {
-    const Macro* found = find_macro(name, frame);
-    if (!found) {
-      std::vector<std::string> known;
-      for (const auto& [macro, body] : *frame.names.macros) known.push_back(macro);
-      fail("there is no macro '" + name + "'" + did_you_mean(name, known));
-    }
+    XacroScope* home = frame.scope;
+    const Macro* found = find_macro(name, home);
+    if (!found) unknown_macro(name, frame);
     if (steps_.size() > kDeepest) fail("the macro '" + name + "' leads deeper and deeper into itself");
     const Macro macro = *found;
-    XacroScope& scope = new_scope(frame.names.scope);
+    Frame outer{frame.file, home};  // what is given is read where the macro lives, if it is a name space
+    if (home != frame.scope) {
+      outer.scope = &new_scope(home);
+      outer.scope->otherwise = frame.scope;
+    }
+    XacroScope& scope = new_scope(home);
     std::set<std::string> given;
     for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
       const std::string key = a->Name();
@@ -658,16 +703,12 @@ class Expander {
         for (const Parameter& p : macro.parameters) names.push_back(p.name);
         fail("the macro '" + name + "' has no parameter '" + key + "'" + did_you_mean(key, names));
       }
-      const std::string written = a->Value();
-      scope.properties[key] = {
-          placed(written, [&] { return literal_of(evaluate(written, frame.names.scope)); }), false, false};
+      scope.properties[key] = {value_of_text(a->Value(), outer.scope), false, false};
       given.insert(key);
     }
-    blocks(e, name, macro, scope, frame);
-    defaults(name, macro, scope, given, frame);
-    Frame inner{macro.file, {&scope, frame.names.macros}};
-    if (const auto dot = name.find('.'); dot != std::string::npos)  // what stands beside it in its name space
-      inner.names.macros = spaces_.at(name.substr(0, dot)).macros;
+    blocks(e, name, macro, scope, outer);
+    defaults(name, macro, scope, given, outer);
+    Frame inner{macro.file, &scope};
     const Inside inside(*this, Step{frame.file, e.GetLineNum(), "in the macro '" + name + "'"});
     children(*macro.body, out, inner);
   }
@@ -695,19 +736,18 @@ class Expander {
       fail("the macro '" + name + "' has no parameter for the element <" + std::string(next->Name()) + ">");
   }
 
+  /// Defaults are read where the macro is called, not within it.
   void defaults(const std::string& name, const Macro& macro, XacroScope& scope,
                 const std::set<std::string>& given, Frame& frame) {
     std::vector<std::string> missing;
     for (const Parameter& p : macro.parameters) {
       if (p.block > 0 || given.contains(p.name)) continue;
-      if (p.forwards)
-        if (const XacroValue* outer =
-                placed(p.name, [&] { return find_property(frame.names.scope, p.name); })) {
-          scope.properties[p.name] = {*outer, false, false};
-          continue;
-        }
-      if (p.has_fallback)
-        scope.properties[p.name] = {p.fallback, true, false};
+      const XacroValue* outer =
+          p.forwards ? placed(p.name, [&] { return find_property(frame.scope, p.name); }) : nullptr;
+      if (outer)
+        scope.properties[p.name] = {literal_of(*outer), false, false};
+      else if (p.fallback)
+        scope.properties[p.name] = {value_of_text(*p.fallback, frame.scope), false, false};
       else
         missing.push_back(p.name);
     }
@@ -718,9 +758,8 @@ class Expander {
 
   void include(const XMLElement& e, XMLNode& out, Frame& frame) {
     const std::string written = required(e, "filename");
-    const std::string name = text_of(written, frame.names.scope);
-    const bool optional =
-        e.Attribute("optional") && is_true(text_of(e.Attribute("optional"), frame.names.scope), "optional");
+    const std::string name = text_of(written, frame.scope);
+    const bool optional = flag(e, "optional", false, frame);
     std::vector<fs::path> files;
     const fs::path path = resolve(name);
     std::error_code error;
@@ -733,7 +772,13 @@ class Expander {
     } else if (!optional) {
       fail("there is no file '" + path.string() + "' to include");
     }
-    const char* space = e.Attribute("ns");
+    XacroScope* scope = frame.scope;
+    if (e.Attribute("ns")) {
+      scope = &new_scope(frame.scope);
+      scope->is_space = true;
+      const XacroScope* space = scope;
+      frame.scope->properties[text_of(e.Attribute("ns"), frame.scope)] = {space, false, false};
+    }
     for (const fs::path& file : files) {
       for (const Step& step : steps_)
         if (step.what == "included from here" && included_.size() > 500)
@@ -742,12 +787,7 @@ class Expander {
       if (included_.size() > 5000 || steps_.size() > kDeepest) fail("files include each other without end");
       const Inside inside(*this, Step{frame.file, e.GetLineNum(), "included from here"});
       const XMLElement* root = load(read_file(file), file);
-      Frame inner{file, frame.names};
-      if (space) {
-        const std::string word = text_of(space, frame.names.scope);
-        inner.names = {&new_scope(frame.names.scope), &new_macros()};
-        spaces_[word] = inner.names;
-      }
+      Frame inner{file, scope};
       const Inside there(*this, Step{file, root->GetLineNum(), ""});
       if (XMLElement* into = out.ToElement())
         for (const tinyxml2::XMLAttribute* a = root->FirstAttribute(); a; a = a->Next())
@@ -788,8 +828,6 @@ class Expander {
   XMLDocument output_;
   std::vector<std::unique_ptr<XMLDocument>> documents_;
   std::vector<std::unique_ptr<XacroScope>> scopes_;
-  std::vector<std::unique_ptr<std::map<std::string, Macro>>> macros_;
-  std::map<std::string, Names> spaces_;
   std::map<std::string, std::string> arguments_;
   std::map<std::string, XacroValue> yamls_;
   std::vector<Step> steps_;

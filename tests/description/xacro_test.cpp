@@ -150,9 +150,9 @@ TEST(Xacro, TextsKeepTheirDollarsAndTypesTheirWords) {
 
 TEST(Xacro, MacrosHaveParametersDefaultsAndBlocks) {
   expect(
-      "<xacro:macro name='m' params='a b:=2 c:=${a + b}'><l v='${a} ${b} ${c}'/></xacro:macro><xacro:m "
-      "a='1'/><xacro:m a='5' b='6'/>",
-      "<l v='1 2 3'/><l v='5 6 11'/>");
+      "<xacro:property name='d' value='7'/><xacro:macro name='m' params='a b:=2 c:=${d + 1}'><l v='${a} ${b} "
+      "${c}'/></xacro:macro><xacro:m a='1'/><xacro:m a='5' b='6'/>",
+      "<l v='1 2 8'/><l v='5 6 8'/>");
   expect(
       "<xacro:property name='p' value='7'/><xacro:macro name='m' params='p:=^ q:=^|9'><l v='${p} "
       "${q}'/></xacro:macro><xacro:m/>",
@@ -172,6 +172,99 @@ TEST(Xacro, MacrosHaveParametersDefaultsAndBlocks) {
       "<xacro:macro name='m' params=''><l/></xacro:macro><xacro:property name='which' value='m'/><xacro:call "
       "macro='${which}'/>",
       "<l/>");
+}
+
+TEST(Xacro, DefaultsAreReadWhereTheMacroIsCalled) {
+  expect(
+      "<xacro:property name='a' value='9'/><xacro:macro name='m' params='a b:=${a}'><l v='${a} "
+      "${b}'/></xacro:macro><xacro:m a='1'/>",
+      "<l v='1 9'/>");
+  expect(
+      "<xacro:property name='p' value='${dict(x=4)}'/><xacro:macro name='m' params='p:=^'><xacro:property "
+      "name='p' value='${p[\"x\"]}' lazy_eval='false'/><l v='${p}'/></xacro:macro><xacro:m/>",
+      "<l v='4'/>");
+  EXPECT_NE(complaint("<xacro:macro name='m' params='a b:=${a}'><l v='${b}'/></xacro:macro><xacro:m a='1'/>")
+                .find("'a' is not defined"),
+            std::string::npos);
+}
+
+TEST(Xacro, ParametersAreReadAsTheyAreWritten) {
+  for (const auto& [params, wanted] :
+       std::vector<std::pair<const char*, const char*>>{{"a := 5 b:=6", "5 6"},
+                                                        {"a=5 b:=6", "5 6"},
+                                                        {"a:=${1 + 2} b:=$(arg k)", "3 0.5"},
+                                                        {"a:='x y' b:=^|'p q'", "x y p q"},
+                                                        {"a:=${d}_x b:=a'b c'd", "1_x a'b c'd"},
+                                                        {"a:='' b:=^|${d}", " 1"}})
+    expect(std::string("<xacro:arg name='k' default='0.5'/><xacro:property name='d' value='1'/>"
+                       "<xacro:macro name='m' params=\"") +
+               params + "\"><l v='${a} ${b}'/></xacro:macro><xacro:m/>",
+           "<l v=\"" + std::string(wanted) + "\"/>");
+  EXPECT_NE(complaint("<xacro:macro name='m' params='a:='/><xacro:m/>").find("needs a value for a"),
+            std::string::npos);
+  EXPECT_NE(complaint("<xacro:macro name='m' params=\"a:=it's b\"/>").find("not understood"),
+            std::string::npos);
+}
+
+TEST(Xacro, MacrosWithinMacrosStayThere) {
+  expect(
+      "<xacro:macro name='inner' params=''><l v='outside'/></xacro:macro><xacro:macro name='m' "
+      "params=''><xacro:macro name='inner' params=''><l "
+      "v='inside'/></xacro:macro><xacro:inner/></xacro:macro>"
+      "<xacro:m/><xacro:inner/>",
+      "<l v='inside'/><l v='outside'/>");
+}
+
+TEST(Xacro, NameSpacesLieWithinEachOther) {
+  const Files files;
+  files.add("inner.xacro",
+            "<p xmlns:xacro='x'><xacro:property name='size' value='1'/><xacro:macro name='part' "
+            "params='n:=${size}'>"
+            "<part n='${n}' s='${size}'/></xacro:macro></p>");
+  files.add("outer.xacro", "<p xmlns:xacro='x'><xacro:include filename='inner.xacro' ns='inner'/></p>");
+  const fs::path robot = files.add(
+      "robot.xacro", wrapped("<xacro:include filename='outer.xacro' ns='outer'/><xacro:property name='size' "
+                             "value='2'/><xacro:macro name='m' params='k'><xacro:outer.inner.part n='${k}'/>"
+                             "</xacro:macro><xacro:outer.inner.part/><xacro:m k='3'/>"
+                             "<xacro:call macro='outer.inner.part' n='${size}'/>"));
+  Problems warnings;
+  EXPECT_EQ(plain(expand_xacro(robot, {}, warnings)),
+            plain("<a><part n='1' s='1'/><part n='3' s='1'/><part n='1' s='1'/></a>"));
+}
+
+TEST(Xacro, PropertiesAreEvaluatedAtOnceWhenTheySaySo) {
+  expect(
+      "<xacro:property name='a' value='1'/><xacro:property name='lazy' value='${a}'/><xacro:property "
+      "name='now' value='${a}' lazy_eval='false'/><xacro:property name='a' value='2'/><l v='${lazy} "
+      "${now}'/>",
+      "<l v='2 1'/>");
+  expect(
+      "<xacro:property name='a' value='1'/><xacro:property name='a' value='${a + 1}' lazy_eval='false'/><l "
+      "v='${a}'/>",
+      "<l v='2'/>");
+}
+
+TEST(Xacro, PropertiesAreRemovedEverywhere) {
+  expect(
+      "<xacro:property name='a' value='1'/><xacro:macro name='m' params=''><xacro:property name='a' "
+      "remove='true'/></xacro:macro><xacro:m/><xacro:property name='a' default='2'/><l v='${a}'/>",
+      "<l v='2'/>");
+  EXPECT_NE(complaint("<xacro:property name='a' value='1' remove='true'/>").find("at once"),
+            std::string::npos);
+}
+
+TEST(Xacro, PropertiesHaveNamesThatExpressionsCanSay) {
+  for (const char* name : {"2a", "a-b", "__a", "a b", ""})
+    EXPECT_NE(complaint(std::string("<xacro:property name='") + name + "' value='1'/>").find("no name"),
+              std::string::npos)
+        << name;
+}
+
+TEST(Xacro, ConditionsAreOfAnyType) {
+  expect(
+      "<xacro:if value='${None}'><x/></xacro:if><xacro:if value='${[]}'><x/></xacro:if><xacro:if "
+      "value='${[0]}'><y/></xacro:if><xacro:unless value='${0.0}'><z/></xacro:unless>",
+      "<y/><z/>");
 }
 
 TEST(Xacro, ScopesAreKept) {
