@@ -75,4 +75,20 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   };
 }
 
+fs::path find_inside(const fs::path& package, const fs::path& inside) {
+  const std::string tail = "/" + inside.generic_string();
+  std::error_code error;
+  fs::path found;
+  int seen = 0;
+  auto at = fs::recursive_directory_iterator(package, fs::directory_options::skip_permission_denied, error);
+  for (; !error && at != fs::recursive_directory_iterator() && ++seen < 20'000; at.increment(error)) {
+    const bool hidden = at->path().filename().string().starts_with('.');
+    if (at->is_directory(error) && (hidden || at.depth() > 6)) at.disable_recursion_pending();
+    if (!at->path().generic_string().ends_with(tail) || !at->is_regular_file(error)) continue;
+    if (!found.empty()) return {};
+    found = at->path();
+  }
+  return found;
+}
+
 }  // namespace polyarm::description

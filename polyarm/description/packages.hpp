@@ -17,4 +17,8 @@ using PackageSearch = std::function<std::filesystem::path(const std::string& pac
 PackageSearch packages_near(const std::filesystem::path& file,
                             const std::map<std::string, std::filesystem::path>& known = {});
 
+/// The one file below `package` whose name ends as `inside` says; an empty path where there is none or
+/// several.
+std::filesystem::path find_inside(const std::filesystem::path& package, const std::filesystem::path& inside);
+
 }  // namespace polyarm::description

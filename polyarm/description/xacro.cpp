@@ -75,6 +75,7 @@ class Expander {
 
   std::string expand(std::string_view text, const fs::path& file) {
     find_package_ = packages_near(file, options_.packages);
+    reading_ = {file};
     const XMLElement* root = load(text, file);
     Frame frame{file, &new_scope(nullptr)};
     XMLElement* out = output_.NewElement(root->Name());
@@ -312,6 +313,7 @@ class Expander {
       if (folder.empty())
         throw Error("no-package", "the package '" + text(0) + "' is not found",
                     "say where it is with --package " + text(0) + "=FOLDER, or set POLYARM_PACKAGES");
+      packages_.insert(folder);
       out = folder.string();
       return true;
     }
@@ -321,7 +323,7 @@ class Expander {
       out = std::string(value ? value : a.size() > 1 ? text(1) : "");
       return true;
     }
-    if (name == "dirname") return out = current_file().parent_path().string(), true;
+    if (name == "dirname") return out = fs::absolute(reading_.back()).parent_path().string(), true;
     if (name == "cwd") return out = fs::current_path().string(), true;
     if (name == "anon") return out = text(0) + "_1", true;
     if (name == "abs_filename") return out = resolve(text(0)).string(), true;
@@ -339,25 +341,39 @@ class Expander {
       for (const XacroValue& value : a) all += (all.empty() ? "" : " ") + str_of(value);
       if (name == "fatal") throw Error("xacro-fatal", all);
       if (name != "message" && name != "print_location")
-        warnings_.warning("xacro-" + name, {current_file().string(), current_line()}, all);
+        warnings_.warning("xacro-" + name, {steps_.back().file.string(), current_line()}, all);
       out = std::string();
       return true;
     }
     return false;
   }
 
-  const fs::path& current_file() const { return steps_.back().file; }
   int current_line() const { return steps_.back().line; }
+
+  /// Relative names begin beside the file that was included last, wherever the macro was written that says
+  /// them.
   fs::path resolve(const std::string& name) const {
     const fs::path path = name;
-    if (path.is_absolute()) return path;
-    return current_file().parent_path() / path;
+    return path.is_absolute() ? path : reading_.back().parent_path() / path;
+  }
+
+  /// The file to read for a name. A package may keep it deeper in its sources than it installs it.
+  fs::path file_for(const std::string& name) const {
+    const fs::path path = resolve(name);
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path;
+    for (const fs::path& package : packages_) {
+      const fs::path inside = path.lexically_normal().lexically_relative(package.lexically_normal());
+      if (inside.empty() || inside.begin()->string() == "..") continue;
+      if (const fs::path found = find_inside(package, inside); !found.empty()) return found;
+    }
+    return path;
   }
 
   // --- YAML ---
 
   XacroValue load_yaml(const std::string& name) {
-    const fs::path path = resolve(name);
+    const fs::path path = file_for(name);
     std::error_code error;
     if (!fs::is_regular_file(path, error)) throw Error("no-file", "there is no file " + path.string());
     if (const auto found = yamls_.find(path.string()); found != yamls_.end()) return found->second;
@@ -761,9 +777,10 @@ class Expander {
     const std::string name = text_of(written, frame.scope);
     const bool optional = flag(e, "optional", false, frame);
     std::vector<fs::path> files;
-    const fs::path path = resolve(name);
+    const bool many = name.find_first_of("*?[") != std::string::npos;
+    const fs::path path = many ? resolve(name) : file_for(name);
     std::error_code error;
-    if (name.find_first_of("*?[") != std::string::npos) {
+    if (many) {
       files = matching(path);
       if (files.empty() && !optional)
         warnings_.warning("no-file", {frame.file.string(), e.GetLineNum()}, "no file matches '" + name + "'");
@@ -780,11 +797,7 @@ class Expander {
       frame.scope->properties[text_of(e.Attribute("ns"), frame.scope)] = {space, false, false};
     }
     for (const fs::path& file : files) {
-      for (const Step& step : steps_)
-        if (step.what == "included from here" && included_.size() > 500)
-          fail("files include each other without end");
-      included_.push_back(file);
-      if (included_.size() > 5000 || steps_.size() > kDeepest) fail("files include each other without end");
+      if (++included_ > 5000 || steps_.size() > kDeepest) fail("files include each other without end");
       const Inside inside(*this, Step{frame.file, e.GetLineNum(), "included from here"});
       const XMLElement* root = load(read_file(file), file);
       Frame inner{file, scope};
@@ -795,7 +808,9 @@ class Expander {
               std::string_view(a->Name()) != "xmlns:xacro" && !into->Attribute(a->Name()) &&
               into->Parent() == &output_)
             into->SetAttribute(a->Name(), a->Value());
+      reading_.push_back(file);
       children(*root, out, inner);
+      reading_.pop_back();
     }
   }
 
@@ -831,7 +846,9 @@ class Expander {
   std::map<std::string, std::string> arguments_;
   std::map<std::string, XacroValue> yamls_;
   std::vector<Step> steps_;
-  std::vector<fs::path> included_;
+  std::vector<fs::path> reading_;  // the file and the includes that lead to where we are
+  std::set<fs::path> packages_;    // that $(find) found
+  std::size_t included_ = 0;
   std::size_t elements_ = 0, evaluations_ = 0;
   int depth_ = 0;
 };

@@ -323,6 +323,43 @@ TEST(Xacro, IncludesFindTheirFilesAndPackages) {
   EXPECT_EQ(report.files.size(), 4u);
 }
 
+TEST(Xacro, RelativeNamesBeginBesideTheFileThatWasIncludedLast) {
+  const Files files;
+  files.add(
+      "arms/arm.xacro",
+      "<p xmlns:xacro='x'><xacro:macro name='arm' params='file'><xacro:property name='y' "
+      "value='${xacro.load_yaml(file)}'/><l v='${y.a}'/><xacro:include filename='part.xacro'/></xacro:macro>"
+      "<xacro:include filename='part.xacro'/></p>");
+  files.add("arms/part.xacro", "<p><part of='arms'/></p>");
+  files.add("part.xacro", "<p><part of='robot'/></p>");
+  files.add("start.yaml", "a: 1\n");
+  const fs::path robot = files.add("robot.xacro", wrapped("<xacro:include filename='arms/arm.xacro'/>"
+                                                          "<xacro:arm file='start.yaml'/>"));
+  Problems warnings;
+  EXPECT_EQ(plain(expand_xacro(robot, {}, warnings)),
+            plain("<a><part of='arms'/><l v='1'/><part of='robot'/></a>"));
+}
+
+TEST(Xacro, PackagesMayKeepTheirFilesDeeperThanTheyInstallThem) {
+  const Files files;
+  files.add("pkg/package.xml", "<package><name>my_pkg</name></package>");
+  files.add("pkg/description/parts/one.xacro", "<p><one/></p>");
+  files.add("pkg/description/parts/two.xacro", "<p><two/></p>");
+  files.add("pkg/other/parts/two.xacro", "<p><two/></p>");
+  files.add("pkg/description/parts/a.yaml", "b: 2\n");
+  const auto expanded = [&](const std::string& name) {
+    Problems warnings;
+    return plain(expand_xacro(files.add("pkg/description/robot.xacro",
+                                        wrapped("<xacro:include filename='$(find my_pkg)/parts/" + name +
+                                                "'/><xacro:property name='y' value=\"${xacro.load_yaml("
+                                                "'$(find my_pkg)/parts/a.yaml')}\"/><l v='${y.b}'/>")),
+                              {}, warnings));
+  };
+  EXPECT_EQ(expanded("one.xacro"), plain("<a><one/><l v='2'/></a>"));
+  EXPECT_THROW(expanded("two.xacro"), Error) << "there are two of them";
+  EXPECT_THROW(expanded("three.xacro"), Error);
+}
+
 TEST(Xacro, ComplaintsNamePlaceAndChain) {
   const Files files;
   files.add("arm.xacro",
