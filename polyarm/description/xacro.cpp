@@ -1,7 +1,6 @@
 #include "polyarm/description/xacro.hpp"
 
 #include <tinyxml2.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_value.hpp"
+#include "polyarm/description/xacro_yaml.hpp"
 
 namespace polyarm::description {
 
@@ -378,56 +378,10 @@ class Expander {
     if (!fs::is_regular_file(path, error)) throw Error("no-file", "there is no file " + path.string());
     if (const auto found = yamls_.find(path.string()); found != yamls_.end()) return found->second;
     if (report_) report_->files.push_back(path);
-    try {
-      return yamls_[path.string()] = value_of(YAML::Load(read_file(path)), 0);
-    } catch (const YAML::Exception& e) {
-      throw Error(Problem{"yaml-syntax", {path.string(), e.mark.line + 1}, "not valid YAML: " + e.msg, {}});
-    }
-  }
-
-  XacroValue value_of(const YAML::Node& node, int depth) {
-    if (depth > 60 || ++evaluations_ > kMostElements)
-      throw Error("yaml-syntax", "the YAML file is nested too deeply");
-    if (node.IsMap()) {
-      auto out = std::make_shared<XacroDict>();
-      for (const auto& pair : node)
-        out->emplace_back(scalar_of(pair.first), value_of(pair.second, depth + 1));
-      return out;
-    }
-    if (node.IsSequence()) {
-      auto out = std::make_shared<XacroList>();
-      for (const auto& item : node) out->push_back(value_of(item, depth + 1));
-      return out;
-    }
-    return scalar_of(node);
-  }
-
-  /// Plain words become what YAML 1.1 takes them for; `!degrees` and `!radians` are expressions.
-  XacroValue scalar_of(const YAML::Node& node) {
-    if (!node.IsScalar()) return {};
-    const std::string text = node.Scalar();
-    if (node.Tag() == "!degrees" || node.Tag() == "!radians") {
-      const XacroValue value = evaluate_expression(text, names_for(nullptr));
-      const double number = std::stod(float_text(value.is_number() ? to_double(value) : std::nan("")));
-      return node.Tag() == "!degrees" ? number * (std::numbers::pi / 180) : number;
-    }
-    if (node.Tag() == "!") return text;  // it was quoted
-    const std::string word = lower(text);
-    if (word == "true" || word == "yes" || word == "on") return true;
-    if (word == "false" || word == "no" || word == "off") return false;
-    if (word.empty() || word == "null" || word == "~") return {};
-    if (word == ".inf" || word == "+.inf") return std::numeric_limits<double>::infinity();
-    if (word == "-.inf") return -std::numeric_limits<double>::infinity();
-    if (word == ".nan") return std::numeric_limits<double>::quiet_NaN();
-    const XacroValue literal = literal_of(text);
-    if (std::holds_alternative<double>(literal.data) && text.find('.') == std::string::npos)
-      return text;  // 1e5 is a text in YAML 1.1
-    return literal;
-  }
-  static double to_double(const XacroValue& value) {
-    if (const auto* number = std::get_if<std::int64_t>(&value.data)) return static_cast<double>(*number);
-    if (const auto* number = std::get_if<double>(&value.data)) return *number;
-    return std::get<bool>(value.data) ? 1 : 0;
+    const auto evaluate = [&](const std::string& text) {
+      return evaluate_expression(text, names_for(nullptr));
+    };
+    return yamls_[path.string()] = read_yaml(read_file(path), path.string(), evaluate);
   }
 
   // --- elements ---
