@@ -269,16 +269,7 @@ class Expander {
     const std::string command = all.substr(0, space);
     const std::string rest(space == std::string::npos ? "" : trim(std::string_view(all).substr(space)));
     XacroValue out;
-    if (command == "eval") {
-      XacroNames names = names_for(scope);
-      const auto property = names.property;
-      names.property = [this, property](const std::string& name, XacroValue& value) {
-        if (property(name, value)) return true;
-        const auto found = arguments_.find(name);
-        return found != arguments_.end() && (value = literal_of(found->second), true);
-      };
-      return evaluate_expression(rest, names);
-    }
+    if (command == "eval") return str_of(evaluate_expression(rest, eval_names(scope)));
     XacroList words;
     if (command == "optenv") {
       const auto blank = rest.find_first_of(" \t\n");
@@ -293,6 +284,29 @@ class Expander {
     return out;
   }
 
+  /// In $(eval …) arguments come first, and a number in one is a number.
+  XacroNames eval_names(XacroScope* scope) {
+    const auto typed = [](const std::string& text) -> XacroValue {
+      const std::string word = lower(text);
+      if (word == "true" || word == "false") return word == "true";
+      const XacroValue literal = literal_of(text);
+      return std::holds_alternative<bool>(literal.data) || literal.text() ? XacroValue(text) : literal;
+    };
+    XacroNames names = names_for(scope);
+    names.property = [this, typed, inner = names.property](const std::string& name, XacroValue& value) {
+      if (name == "true" || name == "false") return value = name == "true", true;
+      const auto found = arguments_.find(name);
+      return found == arguments_.end() ? inner(name, value) : (value = typed(found->second), true);
+    };
+    names.function = [typed, inner = names.function](const std::string& name, const XacroList& given,
+                                                     XacroValue& value) {
+      if (!inner(name, given, value)) return false;
+      if (name == "arg") value = typed(str_of(value));
+      return true;
+    };
+    return names;
+  }
+
   /// The functions of xacro itself, which `$(name …)` and `xacro.name(…)` both mean.
   bool function(const std::string& name, const XacroList& a, XacroValue& out) {
     const auto text = [&](std::size_t i) -> std::string {
@@ -304,8 +318,7 @@ class Expander {
       if (found == arguments_.end())
         throw Error("bad-expression", "the argument '" + text(0) + "' is not declared and not given",
                     "give it as " + text(0) + ":=VALUE");
-      out = literal_of(found->second);
-      if (!std::holds_alternative<std::string>(out.data)) out = found->second;  // arguments are texts
+      out = found->second;
       return true;
     }
     if (name == "find") {
@@ -330,8 +343,13 @@ class Expander {
     if (name == "load_yaml") return out = load_yaml(text(0)), true;
     if (name == "tokenize") {
       auto list = std::make_shared<XacroList>();
-      for (const std::string& word : split_words(text(0), a.size() > 1 ? text(1) : ",; "))
-        list->emplace_back(word);
+      const std::string by = a.size() > 1 ? text(1) : ",; ", all = text(0);
+      const bool skip_empty = a.size() < 3 || truth_of(a[2]);
+      for (std::size_t at = 0; at <= all.size();) {
+        const std::size_t end = std::min(all.find_first_of(by, at), all.size());
+        if (end > at || !skip_empty) list->emplace_back(all.substr(at, end - at));
+        at = end + 1;
+      }
       out = list;
       return true;
     }
@@ -376,12 +394,12 @@ class Expander {
     const fs::path path = file_for(name);
     std::error_code error;
     if (!fs::is_regular_file(path, error)) throw Error("no-file", "there is no file " + path.string());
-    if (const auto found = yamls_.find(path.string()); found != yamls_.end()) return found->second;
+    if (const auto found = yamls_.find(path.string()); found != yamls_.end()) return copy_of(found->second);
     if (report_) report_->files.push_back(path);
     const auto evaluate = [&](const std::string& text) {
       return evaluate_expression(text, names_for(nullptr));
     };
-    return yamls_[path.string()] = read_yaml(read_file(path), path.string(), evaluate);
+    return copy_of(yamls_[path.string()] = read_yaml(read_file(path), path.string(), evaluate));
   }
 
   // --- elements ---

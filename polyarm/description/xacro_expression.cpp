@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -60,9 +61,9 @@ class Lexer {
       while (starts_name(peek()) || std::isdigit(static_cast<unsigned char>(peek()))) word += text_[at_++];
       return {Token::name, word, {}};
     }
-    for (const char* sign : {"**", "//", "<=", ">=", "==", "!="})
+    for (const char* sign : {"**", "//", "<=", ">=", "==", "!=", "<<", ">>"})
       if (text_.substr(at_, 2) == sign) return at_ += 2, Token{Token::sign, sign, {}};
-    if (std::string_view("+-*/%<>()[]{},:.=").find(c) == std::string_view::npos)
+    if (std::string_view("+-*/%<>()[]{},:.=&|^~").find(c) == std::string_view::npos)
       refuse(std::string("'") + c + "' has no meaning here");
     ++at_;
     return {Token::sign, std::string(1, c), {}};
@@ -99,8 +100,10 @@ class Lexer {
       char c = text_[at_++];
       if (c == '\\' && at_ < text_.size()) {
         c = text_[at_++];
-        if (c == 'n') c = '\n';
-        if (c == 't') c = '\t';
+        if (c == 'n' || c == 't')
+          c = c == 'n' ? '\n' : '\t';
+        else if (c != '\\' && c != '\'' && c != '"')
+          out += '\\';  // stands for nothing: it stays
       }
       out += c;
     }
@@ -121,6 +124,7 @@ class Evaluator {
     XacroValue out = conditional();
     if (is(",")) {  // a tuple
       auto items = std::make_shared<XacroList>(XacroList{out});
+      items->is_tuple = true;
       while (take(",") && here().kind != Token::end) items->push_back(conditional());
       out = items;
     }
@@ -211,7 +215,7 @@ class Evaluator {
   }
 
   XacroValue comparison() {
-    XacroValue left = sum();
+    XacroValue left = bits();
     bool out = true, any = false;
     for (;;) {
       std::string sign;
@@ -225,11 +229,24 @@ class Evaluator {
       if (sign.empty()) return any ? XacroValue(out) : left;
       ++at_;
       if (sign == "is" && take_word("not")) sign = "is not";
-      XacroValue right = sum();
+      XacroValue right = bits();
       if (live_) out = out && compare(left, sign, right);
       any = true;
       left = std::move(right);
     }
+  }
+
+  /// | binds least, then ^, &, and the shifts.
+  XacroValue bits(std::size_t level = 0) {
+    static const char* const signs[][2] = {{"|", "|"}, {"^", "^"}, {"&", "&"}, {"<<", ">>"}};
+    if (level == std::size(signs)) return sum();
+    XacroValue out = bits(level + 1);
+    while (is(signs[level][0]) || is(signs[level][1])) {
+      const std::string sign = tokens_[at_++].word;
+      const XacroValue right = bits(level + 1);
+      if (live_) out = arithmetic(out, sign, right);
+    }
+    return out;
   }
 
   XacroValue sum() {
@@ -257,6 +274,10 @@ class Evaluator {
     if (take("-")) {
       const XacroValue out = factor();
       return live_ ? arithmetic(std::int64_t{0}, "neg", out) : out;
+    }
+    if (take("~")) {
+      const XacroValue out = factor();
+      return live_ ? arithmetic(std::int64_t{0}, "~", out) : out;
     }
     if (take("+")) return factor();
     return power();
@@ -313,10 +334,15 @@ class Evaluator {
       return look_up(name);
     }
     if (take("(")) {
-      if (take(")")) return std::make_shared<XacroList>();
-      XacroValue out = conditional();
+      if (take(")")) {
+        auto none = std::make_shared<XacroList>();
+        none->is_tuple = true;
+        return none;
+      }
+      XacroValue out = element_or_comprehension();
       if (is(",")) {
         auto items = std::make_shared<XacroList>(XacroList{out});
+        items->is_tuple = true;
         while (take(",") && !is(")")) items->push_back(conditional());
         out = items;
       }
@@ -337,6 +363,7 @@ class Evaluator {
     if (name == "None") return out;
     if (names_.property(name, out)) return out;
     if (constant(name, out)) return out;
+    if (is_builtin(name)) return XacroFunction{name};
     unresolved_ = name;
     return out;
   }
@@ -345,8 +372,12 @@ class Evaluator {
     auto out = std::make_shared<XacroList>();
     if (take("]")) return out;
     const std::size_t begin = at_;
-    XacroValue first = unused([&] { return conditional(); });
-    if (word("for")) return comprehension(begin);
+    unused([&] { return conditional(); });
+    if (word("for")) {
+      clauses(begin, [&](XacroValue item, XacroValue) { out->push_back(std::move(item)); });
+      expect("]");
+      return out;
+    }
     at_ = begin;
     do {
       if (is("]")) break;
@@ -356,37 +387,66 @@ class Evaluator {
     return out;
   }
 
-  XacroValue comprehension(std::size_t element) {
-    ++at_;
-    std::vector<std::string> variables;
+  /// A value, or `value for name in …`, which makes a list.
+  XacroValue element_or_comprehension() {
+    const std::size_t begin = at_;
+    unused([&] { return conditional(); });
+    if (!word("for")) {
+      at_ = begin;
+      return conditional();
+    }
+    auto out = std::make_shared<XacroList>();
+    clauses(begin, [&](XacroValue item, XacroValue) { out->push_back(std::move(item)); });
+    return out;
+  }
+
+  using Emit = std::function<void(XacroValue item, XacroValue value)>;
+
+  /// `for names in source`, `if condition`, as many as there are; then what stands at `element`.
+  void clauses(std::size_t element, const Emit& emit) {
+    const Deeper deeper(*this);
+    if (take_word("for")) {
+      const std::vector<std::string> variables = loop_names();
+      if (!take_word("in")) refuse("'in' was expected before '" + shown() + "'");
+      const XacroValue source = disjunction();
+      const std::size_t after = at_;
+      for (const XacroValue& item : live_ ? items_of(source) : XacroList{}) {
+        const std::size_t locals = locals_.size();
+        bind(variables, item);
+        at_ = after;
+        clauses(element, emit);
+        locals_.resize(locals);
+      }
+      at_ = after;
+      skip_clauses(element, emit);
+    } else if (take_word("if")) {
+      if (truth_of(disjunction()) || !live_)
+        clauses(element, emit);
+      else
+        skip_clauses(element, emit);
+    } else if (live_) {
+      const std::size_t end = std::exchange(at_, element);
+      XacroValue item = conditional();
+      emit(std::move(item), take(":") ? conditional() : XacroValue());
+      at_ = end;
+    }
+  }
+
+  void skip_clauses(std::size_t element, const Emit& emit) {
+    unused([&] {
+      clauses(element, emit);
+      return XacroValue();
+    });
+  }
+
+  std::vector<std::string> loop_names() {
+    std::vector<std::string> out;
+    const bool enclosed = take("(");
     do {
       if (here().kind != Token::name) refuse("a name was expected after 'for'");
-      variables.push_back(tokens_[at_++].word);
+      out.push_back(tokens_[at_++].word);
     } while (take(","));
-    if (!take_word("in")) refuse("'in' was expected before '" + shown() + "'");
-    const XacroValue source = disjunction();
-    const std::size_t condition = word("if") ? at_ + 1 : 0;
-    if (condition) {
-      ++at_;
-      unused([&] { return disjunction(); });
-    }
-    expect("]");
-    const std::size_t after = at_;
-    auto out = std::make_shared<XacroList>();
-    if (!live_) return out;
-    for (const XacroValue& item : items_of(source)) {
-      const std::size_t locals = locals_.size();
-      bind(variables, item);
-      bool wanted = true;
-      if (condition) {
-        at_ = condition;
-        wanted = truth_of(disjunction());
-      }
-      at_ = element;
-      if (wanted) out->push_back(conditional());
-      locals_.resize(locals);
-    }
-    at_ = after;
+    if (enclosed) expect(")");
     return out;
   }
 
@@ -402,11 +462,23 @@ class Evaluator {
 
   XacroValue dict() {
     auto out = std::make_shared<XacroDict>();
-    while (!is("}")) {
+    const std::size_t begin = at_;
+    const auto pair = [&] {
       XacroValue key = conditional();
       expect(":");
-      out->emplace_back(std::move(key), conditional());
-      if (!take(",")) break;
+      XacroValue value = conditional();
+      if (live_) set_key(*out, key, std::move(value));
+      return XacroValue();
+    };
+    if (!is("}")) unused(pair);
+    if (word("for")) {
+      clauses(begin, [&](const XacroValue& key, XacroValue value) { set_key(*out, key, std::move(value)); });
+    } else {
+      at_ = begin;
+      while (!is("}")) {
+        pair();
+        if (!take(",")) break;
+      }
     }
     expect("}");
     return out;
@@ -425,7 +497,7 @@ class Evaluator {
         if (!named) refuse("'" + key + "=' is not understood here");
         named->emplace_back(key, std::move(value));
       } else {
-        out.push_back(conditional());
+        out.push_back(element_or_comprehension());
       }
       if (!take(",")) break;
     }
@@ -439,18 +511,22 @@ class Evaluator {
     if (!live_) return {};
     if (name.empty()) refuse("this cannot be called");
     XacroValue out;
-    const std::string bare = name.starts_with("xacro.")  ? name.substr(6)
-                             : name.starts_with("math.") ? name.substr(5)
-                                                         : name;
+    const auto dot = name.find('.');
+    const std::string bare = dot == std::string::npos ? name : name.substr(dot + 1);  // of a module
     unresolved_.clear();
-    if (bare == "dict") {
-      auto dict = std::make_shared<XacroDict>(named);
-      if (!values.empty() && values[0].dict())
-        dict->insert(dict->begin(), values[0].dict()->begin(), values[0].dict()->end());
-      return dict;
-    }
-    if (names_.function(bare, values, out) || call_builtin(bare, values, out)) return out;
-    refuse("there is no function '" + name + "'" + did_you_mean(bare, builtin_names()));
+    XacroList all = values;
+    if (bare == "tokenize")
+      for (const char* key : {"sep", "skip_empty"})
+        for (const auto& [own, value] : named)
+          if (*own.text() == key) all.push_back(value);
+    const bool takes_names = bare == "dict" || bare == "tokenize" || name.starts_with("xacro.");
+    if (!named.empty() && !takes_names) refuse("'" + *named[0].first.text() + "=' is not understood here");
+    if (!names_.function(bare, all, out) && !call_builtin(bare, all, out))
+      refuse("there is no function '" + name + "'" + did_you_mean(bare, builtin_names()));
+    if (bare == "dict")
+      for (const auto& [key, value] : named)
+        set_key(*std::get<std::shared_ptr<XacroDict>>(out.data), key, value);
+    return out;
   }
 
   XacroValue method(const std::string& name, const XacroValue& on, const std::string& member) {
@@ -458,18 +534,20 @@ class Evaluator {
       unresolved_.clear();
       return call(name + "." + member, {});
     }
-    const XacroList values = arguments();
+    XacroDict named;
+    const XacroList values = arguments(&named);
     if (!live_) return {};
     check_defined(name);
-    return call_method(on, member, values);
+    return call_method(on, member, values, named);
   }
 
   XacroValue attribute(const std::string& name, const XacroValue& on, const std::string& member) {
     XacroValue out;
     if (!live_) return out;
-    if (unresolved_ == name && (name == "math" || name == "xacro")) {
+    if (unresolved_ == name && (name == "math" || name == "xacro" || name == "python")) {
       unresolved_.clear();
       if (constant(member, out)) return out;
+      if (is_builtin(member)) return XacroFunction{member};
       unresolved_ = name + "." + member;
       return out;
     }
@@ -491,16 +569,17 @@ class Evaluator {
   }
 
   XacroValue index(const XacroValue& on) {
-    XacroValue begin, end;
+    XacroValue begin, end, step;
     bool slice = false;
     if (!is(":")) begin = conditional();
     if (take(":")) {
       slice = true;
-      if (!is("]")) end = conditional();
+      if (!is("]") && !is(":")) end = conditional();
+      if (take(":") && !is("]")) step = conditional();
     }
     expect("]");
     if (!live_) return {};
-    return slice ? slice_of(on, begin, end) : item_of(on, begin);
+    return slice ? slice_of(on, begin, end, step) : item_of(on, begin);
   }
 
   std::vector<Token> tokens_;

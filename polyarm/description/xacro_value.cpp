@@ -55,6 +55,7 @@ std::string str_of(const XacroValue& value) {
   std::string out;
   if (const XacroList* list = value.list()) {
     for (const XacroValue& item : *list) out += (out.empty() ? "" : ", ") + repr_of(item);
+    if (list->is_tuple) return "(" + out + (list->size() == 1 ? ",)" : ")");
     return "[" + out + "]";
   }
   if (const XacroDict* dict = value.dict()) {
@@ -62,7 +63,22 @@ std::string str_of(const XacroValue& value) {
       out += (out.empty() ? "" : ", ") + repr_of(key) + ": " + repr_of(item);
     return "{" + out + "}";
   }
+  if (const auto* function = std::get_if<XacroFunction>(&value.data)) return "<" + function->name + ">";
   return "None";
+}
+
+XacroValue copy_of(const XacroValue& value) {
+  if (const XacroList* list = value.list()) {
+    auto out = std::make_shared<XacroList>(*list);
+    for (XacroValue& item : *out) item = copy_of(item);
+    return out;
+  }
+  if (const XacroDict* dict = value.dict()) {
+    auto out = std::make_shared<XacroDict>();
+    for (const auto& [key, item] : *dict) out->emplace_back(key, copy_of(item));
+    return out;
+  }
+  return value;
 }
 
 bool truth_of(const XacroValue& value) {
@@ -72,7 +88,7 @@ bool truth_of(const XacroValue& value) {
   if (const auto* number = std::get_if<double>(&value.data)) return *number != 0;
   if (const XacroList* list = value.list()) return !list->empty();
   if (const XacroDict* dict = value.dict()) return !dict->empty();
-  return std::holds_alternative<const XacroScope*>(value.data);
+  return !std::holds_alternative<std::monostate>(value.data);
 }
 
 XacroValue literal_of(const XacroValue& value) {
@@ -84,13 +100,15 @@ XacroValue literal_of(const XacroValue& value) {
   if (word.empty() || word.find('_') != std::string::npos) return value;
   if (word == "true" || word == "True") return true;
   if (word == "false" || word == "False") return false;
-  const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
+  const bool plus = word[0] == '+' && word.size() > 1 && word[1] != '-';
+  const char* begin = word.data() + (plus ? 1 : 0);
   const char* end = word.data() + word.size();
   std::int64_t whole = 0;
-  if (const auto read = std::from_chars(begin, end, whole); read.ec == std::errc() && read.ptr == end)
-    return whole;
+  const auto read = std::from_chars(begin, end, whole);
+  if (read.ptr == end)
+    return read.ec == std::errc() ? XacroValue(whole) : value;  // too long: it stays as it is
   double number = 0;
-  if (const auto read = std::from_chars(begin, end, number); read.ec == std::errc() && read.ptr == end)
+  if (const auto real = std::from_chars(begin, end, number); real.ec == std::errc() && real.ptr == end)
     return number;
   return value;
 }

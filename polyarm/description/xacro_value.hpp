@@ -13,13 +13,23 @@ namespace polyarm::description {
 
 struct XacroScope;
 struct XacroValue;
-using XacroList = std::vector<XacroValue>;
 using XacroDict = std::vector<std::pair<XacroValue, XacroValue>>;
 
-/// none, bool, int, float, str, list (and tuple), dict, or a name space of properties.
+/// Tuples are lists that are written and compared as tuples.
+struct XacroList : std::vector<XacroValue> {
+  using std::vector<XacroValue>::vector;
+  bool is_tuple = false;
+};
+
+/// A function or a type by its name, as it is given to map() or isinstance().
+struct XacroFunction {
+  std::string name;
+};
+
+/// none, bool, int, float, str, list (also for sets), tuple, dict, a name space of properties, or a function.
 struct XacroValue {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::shared_ptr<XacroList>,
-               std::shared_ptr<XacroDict>, const XacroScope*>
+               std::shared_ptr<XacroDict>, const XacroScope*, XacroFunction>
       data;
 
   XacroValue() = default;
@@ -47,6 +57,8 @@ std::string repr_of(const XacroValue& value);
 bool truth_of(const XacroValue& value);
 /// A float as Python writes it: the shortest that reads back the same.
 std::string float_text(double value);
+/// The same in lists and dictionaries of its own.
+XacroValue copy_of(const XacroValue& value);
 /// "5" → 5, "0.5" → 0.5, "true" → True, "'text'" → text; else the text itself.
 XacroValue literal_of(const XacroValue& value);
 

@@ -121,6 +121,101 @@ TEST(XacroExpressions, ReckonAsPythonDoes) {
     EXPECT_EQ(value(text), wanted) << text;
 }
 
+TEST(XacroExpressions, NumbersAreWrittenAndRoundedAsInPython) {
+  for (const auto& [text, wanted] :
+       std::vector<std::pair<const char*, const char*>>{{"round(2.675, 2)", "2.67"},
+                                                        {"round(1234.5, -2)", "1200.0"},
+                                                        {"round(1250, -2)", "1200"},
+                                                        {"round(True)", "1"},
+                                                        {"0.5 // 2.5e-5", "19999.0"},
+                                                        {"7 % -1.25", "-0.5"},
+                                                        {"5 % -1.25", "-0.0"},
+                                                        {"pow(2, 3)", "8.0"},
+                                                        {"2 ** 3", "8"},
+                                                        {"1 << 4 | 3 & 6 ^ 1", "19"},
+                                                        {"~5", "-6"},
+                                                        {"abs(-2) + abs(-0.5)", "2.5"},
+                                                        {"divmod(7, 2)", "(3, 1)"},
+                                                        {"int('ff', 16)", "255"},
+                                                        {"float('1e3')", "1000.0"}})
+    EXPECT_EQ(value(text), wanted) << text;
+}
+
+TEST(XacroExpressions, TextsAreFormattedCutAndSplit) {
+  for (const auto& [text, wanted] : std::vector<std::pair<const char*, const char*>>{
+           {"'%.3f %d %s' % (1.5, 2, 'a')", "'1.500 2 a'"},
+           {"'%-4s|%4s|%03d%%' % ('a', 'b', 7)", "'a   |   b|007%'"},
+           {"'{:.2f} {1} {n}'.format(0.125, 2, n='x')", "'0.12 2 x'"},
+           {"'{{}} {0:>4}'.format('a')", "'{}    a'"},
+           {"'abcde'[::2]", "'ace'"},
+           {"'abc'[::-1]", "'cba'"},
+           {"'a b'.title() + 'xY'.capitalize()", "'A BXy'"},
+           {"'a-b-c'.split('-', 1)", "['a', 'b-c']"},
+           {"'a-b-c'.rsplit('-', 1)", "['a-b', 'c']"},
+           {"'a=b'.partition('=')", "('a', '=', 'b')"},
+           {"'-7'.zfill(4)", "'-007'"},
+           {"'12'.isdigit() and not 'a1'.isalpha()", "True"},
+           {"'abab'.count('ab') + 'abab'.rfind('b')", "5"},
+           {"'ab'.replace('', '-')", "'-a-b-'"},
+           {"'\\d\\n'", "'\\\\d\\n'"},
+           {"len('\u00e9t\u00e9')", "3"}})
+    EXPECT_EQ(value(text), wanted) << text;
+}
+
+TEST(XacroExpressions, ListsTuplesSetsAndDictionaries) {
+  for (const auto& [text, wanted] : std::vector<std::pair<const char*, const char*>>{
+           {"(1, 2) + (3,)", "(1, 2, 3)"},
+           {"(1,)", "(1,)"},
+           {"(1, 2) == [1, 2]", "False"},
+           {"[1, 2, 3, 4][::-2]", "[4, 2]"},
+           {"list(python.enumerate(['a']))", "[(0, 'a')]"},
+           {"[(i, j) for i in range(3) if i for j in 'ab']", "[(1, 'a'), (1, 'b'), (2, 'a'), (2, 'b')]"},
+           {"[a + b for (a, b) in [(1, 2)]]", "[3]"},
+           {"sum(i * i for i in range(4))", "14"},
+           {"{k: v for k, v in zip('ab', [1, 2])}", "{'a': 1, 'b': 2}"},
+           {"{'a': 1, 'b': 2, 'a': 3}", "{'a': 3, 'b': 2}"},
+           {"{'a': 1, 'b': 2} == dict([('b', 2), ('a', 1)])", "True"},
+           {"dict(a=1) | dict(b=2)", "{'a': 1, 'b': 2}"},
+           {"list(python.set('aba') - python.set('b'))", "['a']"},
+           {"list(map(float, ['1', '2']))", "[1.0, 2.0]"},
+           {"list(filter(None, [0, 1]))", "[1]"},
+           {"python.isinstance('a', str), python.isinstance(1, (list, dict))", "(True, False)"},
+           {"python.isinstance(True, int) and type(1.0) == float", "True"},
+           {"[3, 4, 5].pop(0)", "3"},
+           {"dict(a=1).pop('b', 7)", "7"},
+           {"python.ord('a')", "97"}})
+    EXPECT_EQ(value(text), wanted) << text;
+}
+
+TEST(XacroExpressions, WhatHasNoValueIsRefused) {
+  for (const char* text : {"acos(2)",
+                           "log(0)",
+                           "exp(1000)",
+                           "fmod(1, 0)",
+                           "(-8) ** 0.5",
+                           "10.0 ** 400",
+                           "1 in 'a1'",
+                           "[1] + (2,)",
+                           "'-'.join([1])",
+                           "'%d' % 'a'",
+                           "'%s' % (1, 2)",
+                           "'%s %s' % 1",
+                           "'{}'.format()",
+                           "'{:d}'.format('a')",
+                           "'{:9999}'.format(1)",
+                           "'%99999d' % 1",
+                           "[].pop()",
+                           "1 << 100",
+                           "map(x, [1])",
+                           "len(a=1)",
+                           "'' * 9223372036854775807 + 1",
+                           "[1, 2][::0]"})
+    EXPECT_THROW(value(text), Error) << text;
+  EXPECT_EQ(value("abs(-9223372036854775807 - 1)"), "9.223372036854776e+18");
+  EXPECT_EQ(value("range(9223372036854775806, 9223372036854775807, 5)"), "[9223372036854775806]");
+  EXPECT_EQ(value("'' * 9223372036854775807"), "''");
+}
+
 TEST(XacroExpressions, NothingInThemRunsCodeOrTakesForEver) {
   for (const char* text :
        {"__import__('os')", "open('/etc/passwd')", "().__class__", "lambda: 1", "[].append(1)", "exec('1')",
@@ -267,6 +362,26 @@ TEST(Xacro, ConditionsAreOfAnyType) {
       "<y/><z/>");
 }
 
+TEST(Xacro, ListsAreSharedAndCanBeConsumed) {
+  expect(
+      "<xacro:macro name='loop' params='left'><xacro:if value='${left}'><l v='${left.pop(0)}'/><xacro:loop "
+      "left='${left}'/></xacro:if></xacro:macro><xacro:property name='all' value=\"${'a,b'.split(',')}\"/>"
+      "<xacro:loop left='${all}'/><m v='${len(all)}'/>",
+      "<l v='a'/><l v='b'/><m v='0'/>");
+}
+
+TEST(Xacro, TextsAreSplitIntoTokens) {
+  expect(
+      "<l v=\"${xacro.tokenize('a,b; c')} ${xacro.tokenize('a=b', sep='=')} ${xacro.tokenize('a,,b', ',', "
+      "False)}\"/>",
+      "<l v=\"['a', 'b', 'c'] ['a', 'b'] ['a', '', 'b']\"/>");
+}
+
+TEST(Xacro, NumbersTooLongStayAsTheyAre) {
+  expect("<xacro:property name='serial' value='12345678901234567890'/><l v='${serial}'/>",
+         "<l v='12345678901234567890'/>");
+}
+
 TEST(Xacro, ScopesAreKept) {
   expect(
       "<xacro:property name='a' value='1'/><xacro:macro name='m' params=''><xacro:property name='a' "
@@ -294,8 +409,14 @@ TEST(Xacro, BlocksConditionsElementsAndAttributes) {
 TEST(Xacro, ArgumentsComeFromOutside) {
   expect("<xacro:arg name='n' default='d'/><l v='$(arg n)'/>", "<l v='d'/>");
   expect("<xacro:arg name='n' default='d'/><l v='$(arg n)'/>", "<l v='e'/>", {{{"n", "e"}}, {}});
-  expect("<xacro:arg name='n' default='3'/><l v='$(eval arg(\"n\") + \"1\")' w='$(eval n * 2)'/>",
-         "<l v='31' w='6'/>");
+  expect(
+      "<xacro:arg name='n' default='3'/><xacro:property name='n' value='9'/><l v='$(eval arg(\"n\") * 2)' "
+      "w='$(eval n * 2)' x='${xacro.arg(\"n\") * 2}'/>",
+      "<l v='6' w='6' x='33'/>");
+  expect(
+      "<xacro:arg name='q' default=\"'a b'\"/><xacro:property name='p' value='$(arg q)'/><l v=\"$(arg q)\" "
+      "w='${p}'/>",
+      "<l v=\"'a b'\" w='a b'/>");
   expect("<xacro:arg name='n' default='3'/><l v=\"${'$(arg n)' + '1'} ${$(arg n) + 1}\"/>", "<l v='31 4'/>");
   EXPECT_NE(complaint("<l v='$(arg missing)'/>").find("missing:=VALUE"), std::string::npos);
 }
