@@ -82,8 +82,8 @@ class Expander {
     output_.InsertEndChild(out);
     const Inside inside(*this, Step{file, root->GetLineNum(), ""});
     attributes(*root, *out, frame);
+    if (const char* space = root->Attribute("xacro:targetNamespace")) out->SetAttribute("xmlns", space);
     children(*root, *out, frame);
-    out->DeleteAttribute("xmlns:xacro");
     if (report_) report_->arguments = {arguments_.begin(), arguments_.end()};
     tinyxml2::XMLPrinter printer;
     output_.Print(&printer);
@@ -407,22 +407,63 @@ class Expander {
   void attributes(const XMLElement& in, XMLElement& out, Frame& frame) {
     for (const tinyxml2::XMLAttribute* a = in.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
-      if (name.starts_with("xmlns:xacro")) continue;
+      if (name == "xmlns:xacro" || name.starts_with("xacro:")) continue;
       out.SetAttribute(name.c_str(), text_of(a->Value(), frame.scope).c_str());
     }
   }
 
   void children(const XMLNode& in, XMLNode& out, Frame& frame) {
+    bool reads_comments = false;  // as a comment before them asked for
     for (const XMLNode* child = in.FirstChild(); child; child = child->NextSibling()) {
       if (const XMLElement* e = child->ToElement()) {
         element(*e, out, frame);
+        reads_comments = false;
       } else if (const tinyxml2::XMLText* text = child->ToText()) {
-        const std::string value = text_of(text->Value(), frame.scope);
+        const std::string value = text->CData() ? text->Value() : text_of(text->Value(), frame.scope);
         tinyxml2::XMLText* made = output_.NewText(value.c_str());
         made->SetCData(text->CData());
         out.InsertEndChild(made);
+        if (!trim(value).empty()) reads_comments = false;
+      } else if (const tinyxml2::XMLComment* note = child->ToComment()) {
+        comment(*note, out, frame, reads_comments);
       }
     }
+  }
+
+  /// Comments are kept, but for those right above an element of xacro: they are about it.
+  void comment(const tinyxml2::XMLComment& note, XMLNode& out, Frame& frame, bool& reads_comments) {
+    const std::string written = note.Value();
+    if (written.find("xacro:eval-comments") != std::string::npos) {
+      reads_comments = written.find("xacro:eval-comments:off") == std::string::npos;
+      return;
+    }
+    const std::string value = reads_comments ? text_of(written, frame.scope) : written;
+    if (is_about_xacro(note) || value.find("--") != std::string::npos) return;
+    out.InsertEndChild(output_.NewComment(value.c_str()));
+  }
+
+  /// No empty line is between them, and nothing but other comments.
+  static bool is_about_xacro(const tinyxml2::XMLComment& note) {
+    const XMLNode* above = &note;
+    for (const XMLNode* next = note.NextSibling(); next; above = next, next = next->NextSibling()) {
+      const std::string_view written = above->Value();
+      const auto lines = std::count(written.begin(), written.end(), '\n');
+      if (next->GetLineNum() - above->GetLineNum() - lines > 1) return false;
+      if (next->ToComment()) continue;
+      const std::string_view tag = next->ToElement() ? next->Value() : "";
+      return tag.starts_with("xacro:") && tag != "xacro:insert_block" && tag != "xacro:element" &&
+             tag != "xacro:attribute";
+    }
+    return false;
+  }
+
+  /// What the name spaces of XML are called that a file or macro uses is said where its elements go.
+  void take_namespaces(const XMLElement& from, XMLNode& out) {
+    XMLElement* into = out.ToElement();
+    for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); into && a; a = a->Next())
+      if (const std::string_view name = a->Name();
+          name.starts_with("xmlns:") && name != "xmlns:xacro" && !into->Attribute(a->Name()))
+        into->SetAttribute(a->Name(), a->Value());
   }
 
   void element(const XMLElement& e, XMLNode& out, Frame& frame) {
@@ -698,6 +739,7 @@ class Expander {
     defaults(name, macro, scope, given, outer);
     Frame inner{macro.file, &scope};
     const Inside inside(*this, Step{frame.file, e.GetLineNum(), "in the macro '" + name + "'"});
+    take_namespaces(*macro.body, out);
     children(*macro.body, out, inner);
   }
 
@@ -774,12 +816,7 @@ class Expander {
       const XMLElement* root = load(read_file(file), file);
       Frame inner{file, scope};
       const Inside there(*this, Step{file, root->GetLineNum(), ""});
-      if (XMLElement* into = out.ToElement())
-        for (const tinyxml2::XMLAttribute* a = root->FirstAttribute(); a; a = a->Next())
-          if (std::string_view(a->Name()).starts_with("xmlns:") &&
-              std::string_view(a->Name()) != "xmlns:xacro" && !into->Attribute(a->Name()) &&
-              into->Parent() == &output_)
-            into->SetAttribute(a->Name(), a->Value());
+      take_namespaces(*root, out);
       reading_.push_back(file);
       children(*root, out, inner);
       reading_.pop_back();

@@ -382,6 +382,36 @@ TEST(Xacro, NumbersTooLongStayAsTheyAre) {
          "<l v='12345678901234567890'/>");
 }
 
+TEST(Xacro, CommentsAreKeptButForThoseAboutXacro) {
+  expect("<!-- kept ${x} --><l/><!-- last -->", "<!-- kept ${x} --><l/><!-- last -->");
+  expect(
+      "<!-- about\n a --><!-- too -->\n<xacro:property name='a' value='1'/>\n<!-- far -->\n\n<xacro:if "
+      "value='${a}'><!-- in it --><l/></xacro:if>",
+      "<!-- far --><!-- in it --><l/>");
+  expect("<xacro:property name='a' value='1'/><!-- xacro:eval-comments --><!-- ${a} --><l/><!-- ${a} -->",
+         "<!-- 1 --><l/><!-- ${a} -->");
+  expect("<!-- xacro:eval-comments --><!-- ${1} --><!-- xacro:eval-comments:off --><!-- ${2} --><l/>",
+         "<!-- 1 --><!-- ${2} --><l/>");
+  expect("<p><!-- why --> 5 </p>", "<p><!-- why --> 5 </p>");
+}
+
+TEST(Xacro, CharacterDataIsLeftAlone) {
+  expect("<l><![CDATA[${a} < $(b)]]></l>", "<l><![CDATA[${a} < $(b)]]></l>");
+}
+
+TEST(Xacro, AttributesOfXacroGoAndNameSpacesOfXmlAreTakenOver) {
+  const Files files;
+  files.add("part.xacro",
+            "<p xmlns:xacro='x' xmlns:sensor='s'><xacro:macro name='m' params='' xmlns:other='o'><l/>"
+            "</xacro:macro><sensor:q xacro:note='n' v='1'/></p>");
+  const fs::path robot = files.add("robot.xacro",
+                                   "<a xmlns:xacro='x' xacro:targetNamespace='t'><xacro:include "
+                                   "filename='part.xacro'/><k><xacro:m/></k></a>");
+  Problems warnings;
+  EXPECT_EQ(plain(expand_xacro(robot, {}, warnings)),
+            plain("<a xmlns='t' xmlns:sensor='s'><sensor:q v='1'/><k xmlns:other='o'><l/></k></a>"));
+}
+
 TEST(Xacro, ScopesAreKept) {
   expect(
       "<xacro:property name='a' value='1'/><xacro:macro name='m' params=''><xacro:property name='a' "
