@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "polyarm/base/text.hpp"
@@ -88,6 +89,72 @@ fs::path find_inside(const fs::path& package, const fs::path& inside) {
     if (!found.empty()) return {};
     found = at->path();
   }
+  return found;
+}
+
+namespace {
+
+/// Does the letter belong to the "[a-z]" or "[!a-z]" that begins at `at`? `at` moves to its end.
+bool in_set(std::string_view pattern, std::size_t& at, char letter) {
+  const bool inverted = at + 1 < pattern.size() && pattern[at + 1] == '!';
+  const std::size_t first = at + (inverted ? 2 : 1);
+  const std::size_t end = pattern.find(']', first + 1);
+  if (end == std::string_view::npos) return letter == '[';
+  bool found = false;
+  for (std::size_t k = first; k < end; ++k) {
+    const bool range = k + 2 < end && pattern[k + 1] == '-';
+    found = found || (letter >= pattern[k] && letter <= pattern[range ? k + 2 : k]);
+    if (range) k += 2;
+  }
+  at = end;
+  return found != inverted;
+}
+
+/// Names that begin with a '.' are matched by patterns that do.
+bool name_matches(std::string_view pattern, std::string_view name) {
+  if (name.starts_with('.') && !pattern.starts_with('.')) return false;
+  std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
+  while (n < name.size()) {
+    std::size_t next = p;
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = n;
+    } else if (p < pattern.size() && (pattern[p] == '[' ? in_set(pattern, next, name[n])
+                                                        : pattern[p] == '?' || pattern[p] == name[n])) {
+      p = next + 1;
+      ++n;
+    } else if (star != std::string_view::npos) {  // the last * takes one letter more
+      p = star + 1;
+      n = ++resume;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+}  // namespace
+
+std::vector<fs::path> files_matching(const fs::path& pattern) {
+  std::vector<fs::path> found = {""};
+  std::error_code error;
+  for (const fs::path& part : pattern) {
+    std::vector<fs::path> next;
+    const bool fixed = part.string().find_first_of("*?[") == std::string::npos;
+    for (const fs::path& folder : found) {
+      if (fixed) {
+        next.push_back(folder / part);
+        continue;
+      }
+      for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error))
+        if (next.size() < 2000 && name_matches(part.string(), entry.path().filename().string()))
+          next.push_back(folder / entry.path().filename());
+    }
+    found = std::move(next);
+  }
+  std::erase_if(found, [&](const fs::path& path) { return !fs::is_regular_file(path, error); });
+  std::sort(found.begin(), found.end(),
+            [](const fs::path& a, const fs::path& b) { return a.string() < b.string(); });
   return found;
 }
 

@@ -21,4 +21,7 @@ PackageSearch packages_near(const std::filesystem::path& file,
 /// several.
 std::filesystem::path find_inside(const std::filesystem::path& package, const std::filesystem::path& inside);
 
+/// The files that a path with *, ? and […] in its parts means, in order.
+std::vector<std::filesystem::path> files_matching(const std::filesystem::path& pattern);
+
 }  // namespace polyarm::description

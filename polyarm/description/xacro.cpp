@@ -3,10 +3,8 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <set>
 
@@ -499,13 +497,10 @@ class Expander {
     return value;
   }
 
-  std::shared_ptr<XMLDocument> contents_of(const XMLElement& e, Frame& frame, bool whole) {
+  std::shared_ptr<XMLDocument> contents_of(const XMLElement& e, Frame& frame) {
     auto holder = std::make_shared<XMLDocument>();
     XMLElement* made = output_.NewElement("holder");  // made in the output document, copied out of it
-    if (whole)
-      element(e, *made, frame);
-    else
-      children(e, *made, frame);
+    children(e, *made, frame);
     holder->InsertEndChild(made->DeepClone(holder.get()));
     output_.DeleteNode(made);
     return holder;
@@ -746,7 +741,7 @@ class Expander {
   /// The elements within a call, in the order of the parameters that take them.
   void blocks(const XMLElement& e, const std::string& name, const Macro& macro, XacroScope& scope,
               Frame& frame) {
-    const std::shared_ptr<XMLDocument> all = contents_of(e, frame, false);
+    const std::shared_ptr<XMLDocument> all = contents_of(e, frame);
     const XMLElement* next = all->RootElement()->FirstChildElement();
     for (const Parameter& p : macro.parameters) {
       if (p.block == 0) continue;
@@ -795,7 +790,7 @@ class Expander {
     const fs::path path = many ? resolve(name) : file_for(name);
     std::error_code error;
     if (many) {
-      files = matching(path);
+      files = files_matching(path);
       if (files.empty() && !optional)
         warnings_.warning("no-file", {frame.file.string(), e.GetLineNum()}, "no file matches '" + name + "'");
     } else if (fs::is_regular_file(path, error)) {
@@ -821,28 +816,6 @@ class Expander {
       children(*root, out, inner);
       reading_.pop_back();
     }
-  }
-
-  static bool matches(std::string_view pattern, std::string_view text) {
-    if (pattern.empty()) return text.empty();
-    if (pattern[0] == '*') {
-      for (std::size_t k = 0; k <= text.size(); ++k)
-        if (matches(pattern.substr(1), text.substr(k))) return true;
-      return false;
-    }
-    return !text.empty() && (pattern[0] == '?' || pattern[0] == text[0]) &&
-           matches(pattern.substr(1), text.substr(1));
-  }
-
-  static std::vector<fs::path> matching(const fs::path& pattern) {
-    std::vector<fs::path> out;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(pattern.parent_path(), error))
-      if (entry.is_regular_file(error) &&
-          matches(pattern.filename().string(), entry.path().filename().string()))
-        out.push_back(entry.path());
-    std::sort(out.begin(), out.end());
-    return out;
   }
 
   const XacroOptions& options_;

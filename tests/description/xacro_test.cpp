@@ -511,6 +511,28 @@ TEST(Xacro, PackagesMayKeepTheirFilesDeeperThanTheyInstallThem) {
   EXPECT_THROW(expanded("three.xacro"), Error);
 }
 
+TEST(Xacro, IncludesTakePatterns) {
+  const Files files;
+  for (const char* name :
+       {"a/one.xacro", "a/two.xacro", "b/one.xacro", "b/.one.xacro", "b/one.yaml", "b/o[1].xacro"})
+    files.add(name, std::string("<p><l v='") + name + "'/></p>");
+  const auto expanded = [&](const std::string& pattern) {
+    Problems warnings;
+    return plain(expand_xacro(
+        files.add("robot.xacro", wrapped("<xacro:include filename='" + pattern + "'/>")), {}, warnings));
+  };
+  const auto wanted = [&](const std::vector<std::string>& names) {
+    std::string all;
+    for (const std::string& name : names) all += "<l v='" + name + "'/>";
+    return plain("<a>" + all + "</a>");
+  };
+  EXPECT_EQ(expanded("a/*.xacro"), wanted({"a/one.xacro", "a/two.xacro"}));
+  EXPECT_EQ(expanded("*/one.x*"), wanted({"a/one.xacro", "b/one.xacro"}));
+  EXPECT_EQ(expanded("[!b]/[n-p]??.xacro"), wanted({"a/one.xacro"}));
+  EXPECT_EQ(expanded("?/*[[]*"), wanted({"b/o[1].xacro"}));
+  EXPECT_EQ(expanded("a/*" + std::string(60, '*') + "*x*x*x*x*x*x"), wanted({}));
+}
+
 TEST(Xacro, ComplaintsNamePlaceAndChain) {
   const Files files;
   files.add("arm.xacro",
