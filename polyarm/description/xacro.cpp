@@ -54,6 +54,8 @@ using Macro = XacroScope::Macro;
 
 constexpr int kDeepest = 150;
 constexpr std::size_t kMostElements = 2'000'000;
+constexpr std::size_t kLongestText = 5'000'000;  // bytes
+constexpr std::size_t kMostText = 100'000'000;   // of all evaluated texts together
 
 bool is_true(const XacroValue& value, const std::string& written) {
   if (!value.text()) return truth_of(value);
@@ -230,6 +232,7 @@ class Expander {
         const std::string resolved = str_of(evaluate(inner, scope));
         only = open == '{' ? evaluate_expression(resolved, names_for(scope)) : substitution(resolved, scope);
         out += str_of(only);
+        if (out.size() > kLongestText) throw Error("bad-expression", "the text is too long");
         at = close + 1;
         continue;
       }
@@ -238,6 +241,7 @@ class Expander {
       only = out;
     }
     --depth_;
+    if ((written_ += out.size()) > kMostText) fail("the expansion writes too much text");
     return pieces == 1 ? only : XacroValue(out);
   }
 
@@ -831,7 +835,7 @@ class Expander {
   std::vector<fs::path> reading_;  // the file and the includes that lead to where we are
   std::set<fs::path> packages_;    // that $(find) found
   std::size_t included_ = 0;
-  std::size_t elements_ = 0, evaluations_ = 0;
+  std::size_t elements_ = 0, evaluations_ = 0, written_ = 0;
   int depth_ = 0;
 };
 

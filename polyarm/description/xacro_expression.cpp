@@ -129,6 +129,7 @@ class Evaluator {
       out = items;
     }
     if (here().kind != Token::end) refuse("'" + shown() + "' was not expected");
+    if (depth_of(out) > kDeepest) refuse("its lists lie too deep within each other");
     return out;
   }
 
@@ -427,6 +428,7 @@ class Evaluator {
     } else if (live_) {
       const std::size_t end = std::exchange(at_, element);
       XacroValue item = conditional();
+      if ((made_ += 1 + size_of(item)) > kMostSteps) refuse("it makes too much");
       emit(std::move(item), take(":") ? conditional() : XacroValue());
       at_ = end;
     }
@@ -584,7 +586,7 @@ class Evaluator {
 
   std::vector<Token> tokens_;
   const XacroNames& names_;
-  std::size_t at_ = 0, steps_ = 0;
+  std::size_t at_ = 0, steps_ = 0, made_ = 0;
   int depth_ = 0;
   bool live_ = true;
   std::string unresolved_;  // a name that nobody knows, as long as it may still be a function's

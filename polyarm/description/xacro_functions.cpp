@@ -131,7 +131,7 @@ bool contains(const XacroValue& in, const XacroValue& item) {
 }
 
 XacroValue repeated(const XacroValue& what, std::int64_t times) {
-  const std::size_t size = what.text() ? what.text()->size() : what.list()->size();
+  const std::size_t size = size_of(what);
   if (size == 0 || times < 0) times = 0;
   if (size > 0 && static_cast<std::size_t>(times) > kLongest / size) refuse("the result is too long");
   if (const std::string* text = what.text()) {
@@ -143,6 +143,11 @@ XacroValue repeated(const XacroValue& what, std::int64_t times) {
   out->is_tuple = what.list()->is_tuple;
   for (std::int64_t k = 0; k < times; ++k) out->insert(out->end(), what.list()->begin(), what.list()->end());
   return out;
+}
+
+/// What is put together stays of a size that can be held.
+void require_short(std::size_t size) {
+  if (size > kLongest) refuse("the result is too long");
 }
 
 using Function = std::function<XacroValue(const XacroList&)>;
@@ -617,12 +622,15 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
     const std::string from = argument(0), to = argument(1);
     std::string out;
     if (from.empty()) {  // stands before every letter and at the end
+      require_short((text.size() + 1) * (to.size() + 1));
       for (const XacroValue& letter : items_of(text)) out += to + *letter.text();
       return out + to;
     }
     std::size_t begin = 0;
-    for (std::size_t at; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size())
+    for (std::size_t at; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size()) {
       out += text.substr(begin, at - begin) + to;
+      require_short(out.size());
+    }
     return out + text.substr(begin);
   }
   if (name == "join") {
@@ -632,7 +640,7 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
       if (!std::exchange(first, false)) out += text;
       if (!item.text()) refuse("'join' takes texts, not " + repr_of(item));
       out += *item.text();
-      if (out.size() > kLongest) refuse("the text is too long");
+      require_short(out.size());
     }
     return out;
   }
@@ -690,7 +698,7 @@ XacroValue arithmetic(const XacroValue& left, const std::string& sign, const Xac
     if (!bits) return real_arithmetic(number_of(left), sign, number_of(right));
   }
   if (sign == "+" && left.text() && right.text()) {
-    if (left.text()->size() + right.text()->size() > kLongest) refuse("the text is too long");
+    require_short(left.text()->size() + right.text()->size());
     return *left.text() + *right.text();
   }
   if (left.list() && right.list() && (sign == "-" || sign == "&" || sign == "|" || sign == "^"))
@@ -701,8 +709,8 @@ XacroValue arithmetic(const XacroValue& left, const std::string& sign, const Xac
     return out;
   }
   if (sign == "+" && left.list() && right.list() && left.list()->is_tuple == right.list()->is_tuple) {
+    require_short(size_of(left) + size_of(right));
     XacroList out = *left.list();
-    if (out.size() + right.list()->size() > kLongest) refuse("the list is too long");
     out.insert(out.end(), right.list()->begin(), right.list()->end());
     return out.is_tuple ? tuple_from(std::move(out)) : list_from(std::move(out));
   }
@@ -807,6 +815,25 @@ XacroValue slice_of(const XacroValue& on, const XacroValue& begin, const XacroVa
   std::string text;
   for (const XacroValue& letter : out) text += *letter.text();
   return text;
+}
+
+int depth_of(const XacroValue& value) {
+  int out = 0;
+  if (value.list())
+    for (const XacroValue& item : *value.list()) out = std::max(out, depth_of(item));
+  if (value.dict())
+    for (const auto& [key, item] : *value.dict()) out = std::max(out, depth_of(item));
+  return out + 1;
+}
+
+std::size_t size_of(const XacroValue& value) {
+  if (value.text()) return value.text()->size();
+  std::size_t out = 0;
+  if (value.list())
+    for (const XacroValue& item : *value.list()) out += 1 + size_of(item);
+  if (value.dict())
+    for (const auto& [key, item] : *value.dict()) out += 2 + size_of(key) + size_of(item);
+  return out;
 }
 
 void set_key(XacroDict& dict, const XacroValue& key, XacroValue value) {

@@ -28,5 +28,9 @@ XacroValue item_of(const XacroValue& on, const XacroValue& index);
 XacroValue slice_of(const XacroValue& on, const XacroValue& begin, const XacroValue& end,
                     const XacroValue& step);
 double number_of(const XacroValue& value);
+/// 1, and one more for each list or dictionary around what lies deepest.
+int depth_of(const XacroValue& value);
+/// Letters and items, those of items included.
+std::size_t size_of(const XacroValue& value);
 
 }  // namespace polyarm::description

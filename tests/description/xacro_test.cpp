@@ -209,6 +209,10 @@ TEST(XacroExpressions, WhatHasNoValueIsRefused) {
                            "map(x, [1])",
                            "len(a=1)",
                            "'' * 9223372036854775807 + 1",
+                           "['a' * 1000000] * 1000",
+                           "['a' * 1000000 for i in range(1000)]",
+                           "('a' * 100000).replace('a', 'a' * 1000)",
+                           "[['a' * 900000]] + [['a' * 900000]]",
                            "[1, 2][::0]"})
     EXPECT_THROW(value(text), Error) << text;
   EXPECT_EQ(value("abs(-9223372036854775807 - 1)"), "9.223372036854776e+18");
@@ -560,6 +564,20 @@ TEST(Xacro, ComplaintsNamePlaceAndChain) {
             std::string::npos);
   EXPECT_NE(complaint("<xacro:if value='maybe'/>").find("neither true nor false"), std::string::npos);
   EXPECT_NE(complaint("<l v='$(find nowhere)'/>").find("--package nowhere="), std::string::npos);
+}
+
+TEST(Xacro, TextsThatDoubleAreStopped) {
+  std::string text = "<xacro:property name='a0' value='0123456789'/>";
+  for (int k = 1; k < 60; ++k)
+    text += "<xacro:property name='a" + std::to_string(k) + "' value='${a" + std::to_string(k - 1) + "}${a" +
+            std::to_string(k - 1) + "}'/>";
+  EXPECT_NE(complaint(text + "<l v='${a59}'/>"), "none");
+}
+
+TEST(Xacro, ListsThatLieDeeperAndDeeperAreStopped) {
+  std::string text = "<xacro:property name='a' value='${[]}'/>";
+  for (int k = 0; k < 5000; ++k) text += "<xacro:property name='a' value='${[a]}' lazy_eval='false'/>";
+  EXPECT_NE(complaint(text).find("too deep"), std::string::npos);
 }
 
 TEST(Xacro, WhatNeverEndsIsStopped) {
