@@ -160,6 +160,22 @@ TEST(Pid, AJointWithoutIntegralGainNeverGrowsOneByBackCalculation) {
   EXPECT_EQ(pid.compute(0, 0.01), 0);
 }
 
+TEST(Pid, AnIntegralThatIsKeptWhileItsGainIsZeroIsNotTakenBack) {
+  PidGains gains{.p = 10,
+                 .i = 1,
+                 .u_min = -20,
+                 .u_max = 20,
+                 .antiwindup = AntiWindup::back_calculation,
+                 .tracking_time_constant = 0.1};
+  Pid pid(gains);
+  pid.compute(1, 1);
+  ASSERT_EQ(pid.integral(), 1);
+  gains.i = 0;
+  pid.set_gains(gains);
+  for (const double error : {5.0, -5.0, 0.0}) pid.compute(error, 0.01);
+  EXPECT_EQ(pid.integral(), 1) << "what is beyond the limits has nothing to do with it";
+}
+
 TEST(Pid, ReverseActingGainsTakeTheExcessBackToo) {
   PidGains gains{.p = 2, .i = 0.5, .u_min = -1, .u_max = 1, .antiwindup = AntiWindup::back_calculation};
   Pid direct(gains);
