@@ -5,13 +5,13 @@
 #include <numbers>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/pid_parameters.hpp"
 
 namespace polyarm::controllers {
 
 namespace {
 constexpr const char* kFields[] = {
-    "set_point", "process_value", "process_value_dot", "error", "command", "p", "i", "d"};
+    "set_point", "process_value", "process_value_dot", "error", "time_step", "command", "p", "i",
+    "d",         "i_clamp",       "antiwindup"};
 constexpr double kMoves = 1e-3;  // rad/s or m/s: slower is standing
 
 double shortest(double angle) {
@@ -42,8 +42,10 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
   if (!one.empty()) names.insert(names.begin(), one);
   if (names.empty()) return CallbackReturn::failure;
   position_ = reference == "position";
-  joints_.assign(names.size(), {});
-  gains_.assign(names.size(), {});
+  joints_ = std::vector<Joint>(names.size());
+  gains_.clear();
+  gains_.reserve(names.size());  // parameters know where they are
+  prefixes_.clear();
   std::vector<std::string> fields;
   for (std::size_t j = 0; j < names.size(); ++j) {
     const std::string whole = context.whole_joint(names[j], one.empty() ? "joints" : "joint");
@@ -55,24 +57,23 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
     joint.continuous = facts.continuous;
     joint.lower = facts.lower;
     joint.upper = facts.upper;
-    const std::string prefix = prefix_of(p, names[j], names.size());
-    if (!p.find_declared(prefix + ".p")) {
-      read_pid_gains(p, prefix, gains_[j]);
-      bool publish_state = false, windup = false;
-      p.read(prefix + ".publish_state", publish_state, {"the state can always be watched"});
-      p.read(prefix + ".antiwindup", windup,
-             {"the integral itself is clamped, not only its share of the output"});
-      gains_[j].clamp_output_only = p.has(prefix + ".i_clamp") && !windup;
-    } else {
-      gains_[j] = gains_[0];  // one `pid` for all
-    }
-    joint.pid = Pid(gains_[j]);
+    joint.gains = read_gains(p, prefix_of(p, names[j], names.size()));
+    joint.pid = Pid(gains_[joint.gains].gains());
     for (const char* field : kFields) fields.push_back(names[j] + "." + field);
   }
   output_ = &add_output("state", "control_msgs/JointControllerState", std::move(fields));
   inbox_.reset(std::vector<double>(names.size(), std::numeric_limits<double>::quiet_NaN()));
   period_s_ = seconds(context.period);
   return CallbackReturn::success;
+}
+
+/// Which of gains_ these are; joints may share them.
+std::size_t JointPidController::read_gains(Parameters& p, const std::string& prefix) {
+  const auto known = std::find(prefixes_.begin(), prefixes_.end(), prefix);
+  if (known != prefixes_.end()) return static_cast<std::size_t>(known - prefixes_.begin());
+  prefixes_.push_back(prefix);
+  read_ros_control_gains(p, prefix, gains_.emplace_back());
+  return gains_.size() - 1;
 }
 
 void JointPidController::hold(Joint& joint) noexcept {
@@ -96,7 +97,7 @@ void JointPidController::on_deactivate(const Cycle&) noexcept {
 }
 
 void JointPidController::on_parameters_changed() noexcept {
-  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].pid.set_gains(gains_[j]);
+  for (Joint& joint : joints_) joint.pid.set_gains(gains_[joint.gains].gains());
 }
 
 std::string JointPidController::refuse_changes(const std::vector<ParameterChange>& changes) const {
@@ -104,7 +105,7 @@ std::string JointPidController::refuse_changes(const std::vector<ParameterChange
 }
 
 ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
-  if (inbox_.fetch())
+  if (inbox_.fetch() && verdict.speed > 0)
     for (std::size_t j = 0; j < joints_.size(); ++j)
       if (const double asked = inbox_.value()[j]; std::isfinite(asked))
         joints_[j].set_point = position_ ? std::clamp(asked, joints_[j].lower, joints_[j].upper) : asked;
@@ -115,12 +116,12 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
   if (verdict.speed > 0) stopped_ = false;
   standing_ = true;
   for (Joint& joint : joints_) {
-    double error = joint.set_point - measured(joint);
-    if (position_ && joint.continuous) error = shortest(error);
+    joint.error = joint.set_point - measured(joint);
+    if (position_ && joint.continuous) joint.error = shortest(joint.error);
     const double speed = state(joint.velocity);
     // Of a position the measured velocity is the derivative that is known best.
-    const double out =
-        position_ ? joint.pid.compute(error, -speed, period_s_) : joint.pid.compute(error, period_s_);
+    const double out = position_ ? joint.pid.compute(joint.error, -speed, period_s_)
+                                 : joint.pid.compute(joint.error, period_s_);
     set_command(joint.command, std::isfinite(out) ? out : 0);  // what is not measured is not pushed
     if (!(std::abs(speed) < kMoves)) standing_ = false;
   }
@@ -131,11 +132,12 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
 void JointPidController::publish(const Cycle& cycle) noexcept {
   if (!output_->wanted()) return;
   double* out = output_->draft().values.data();
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Joint& joint = joints_[j];
+  for (const Joint& joint : joints_) {
+    const PidGains& gains = joint.pid.gains();
+    const double change = position_ ? state(joint.velocity) : 0;  // nobody measures an acceleration
     for (const double value :
-         {joint.set_point, measured(joint), state(joint.velocity), joint.set_point - measured(joint),
-          joint.pid.last_output(), gains_[j].p, gains_[j].i, gains_[j].d})
+         {joint.set_point, measured(joint), change, joint.error, period_s_, command(joint.command), gains.p,
+          gains.i, gains.d, gains.i_max, gains.clamp_output_only ? 0.0 : 1.0})
       *out++ = value;
   }
   output_->publish(cycle.time);

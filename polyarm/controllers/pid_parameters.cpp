@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace polyarm::controllers {
 
@@ -51,22 +52,83 @@ void read_pid_gains(Parameters& p, const std::string& prefix, PidGains& gains) {
     p.problems().error("bad-value", place_of(p, prefix), prefix + ": " + *why);
 }
 
+PidGains RosControlParameters::gains() const noexcept {
+  RosControlGains stated{p, i, d, i_clamp, {}, {}, antiwindup};
+  if (!std::isnan(i_clamp_min)) stated.i_clamp_min = i_clamp_min;
+  if (!std::isnan(i_clamp_max)) stated.i_clamp_max = i_clamp_max;
+  PidGains out = gains_of(stated);
+  out.u_min = u_min;
+  out.u_max = u_max;
+  return out;
+}
+
+void read_ros_control_gains(Parameters& p, const std::string& prefix, RosControlParameters& gains) {
+  const auto number = [&](const char* key, double& value, const char* text) {
+    p.read(prefix + "." + key, value, {.text = text, .changeable = true});
+  };
+  number("p", gains.p, "proportional gain");
+  number("i", gains.i, "integral gain");
+  number("d", gains.d, "derivative gain");
+  number("i_clamp", gains.i_clamp, "limit of the integral's share of the output, both ways");
+  number("i_clamp_max", gains.i_clamp_max, "the upper limit, where it is another");
+  number("i_clamp_min", gains.i_clamp_min, "the lower limit, where it is another");
+  number("u_clamp_max", gains.u_max, "largest output");
+  number("u_clamp_min", gains.u_min, "smallest output");
+  p.read(prefix + ".antiwindup", gains.antiwindup,
+         {.text = "the integral itself is clamped, not only its share of the output", .changeable = true});
+  bool publish_state = false;
+  p.read(prefix + ".publish_state", publish_state, {"the state can always be watched"});
+  const PidGains read = gains.gains();
+  if (!p.has(prefix + ".p"))
+    p.problems().error("missing-parameter", place_of(p, prefix), "'" + prefix + "' states no gain p",
+                       "write " + prefix + ": {p: 100, i: 10, d: 1, i_clamp: 20}");
+  else if (const auto why = check(read))
+    p.problems().error("bad-value", place_of(p, prefix), prefix + ": " + *why);
+  else if (const auto idle = without_effect(read))
+    p.problems().warning("no-effect", place_of(p, prefix), prefix + ": " + *idle);
+}
+
+namespace {
+const PidGains& gains_in(const PidGains& gains) {
+  return gains;
+}
+PidGains gains_in(const RosControlParameters& parameters) {
+  return parameters.gains();
+}
+
+/// `present` with the changes whose cells lie in it; nothing where none does.
+template <typename Gains>
+std::optional<Gains> changed(const Gains& present, const std::vector<ParameterChange>& changes) {
+  Gains wanted = present;
+  const auto* first = reinterpret_cast<const std::byte*>(&present);
+  bool touched = false;
+  for (ParameterChange change : changes) {
+    const auto* cell = static_cast<const std::byte*>(change.cell);
+    if (cell < first || cell >= first + sizeof(Gains)) continue;
+    change.cell = reinterpret_cast<std::byte*>(&wanted) + (cell - first);
+    change.apply();
+    touched = true;
+  }
+  return touched ? std::optional(wanted) : std::nullopt;
+}
+
+template <typename Gains>
+std::string refuse(const std::vector<ParameterChange>& changes, const std::vector<Gains>& all) {
+  for (const Gains& present : all)
+    if (const auto wanted = changed(present, changes))
+      if (const auto why = check(gains_in(*wanted))) return *why;
+  return {};
+}
+}  // namespace
+
 std::string refuse_pid_changes(const std::vector<ParameterChange>& changes,
                                const std::vector<PidGains>& gains) {
-  for (const PidGains& present : gains) {
-    PidGains wanted = present;
-    const auto* first = reinterpret_cast<const std::byte*>(&present);
-    bool touched = false;
-    for (const ParameterChange& change : changes) {
-      const auto* cell = static_cast<const std::byte*>(change.cell);
-      if (cell < first || cell >= first + sizeof(PidGains)) continue;
-      *reinterpret_cast<double*>(reinterpret_cast<std::byte*>(&wanted) + (cell - first)) = change.value;
-      touched = true;
-    }
-    if (!touched) continue;
-    if (const auto why = check(wanted)) return *why;
-  }
-  return {};
+  return refuse(changes, gains);
+}
+
+std::string refuse_pid_changes(const std::vector<ParameterChange>& changes,
+                               const std::vector<RosControlParameters>& gains) {
+  return refuse(changes, gains);
 }
 
 }  // namespace polyarm::controllers
