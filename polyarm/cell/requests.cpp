@@ -153,8 +153,8 @@ const std::vector<Row>& rows() {
        param_set},
       {{"send",
         {{"to", kText, true}, {"message", ArgumentType::message, true}, {"goal", kFlag}},
-        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance} and between {goal, "
-        "feedback}",
+        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance}, of a gripper's also "
+        "{position, effort, stalled, reached_goal}, and between {goal, feedback}",
         "give a message to a controller; a goal is followed to its end",
         true},
        send_message},

@@ -137,6 +137,12 @@ Json json_of(const controllers::GoalEvent& event, const controllers::Controller&
   if (event.outcome == controllers::GoalOutcome::accepted) return out;
   out["error_code"] = event.code;
   out["error"] = code_text(event.code);
+  if (event.gripper) {
+    out["position"] = event.gripper->position;
+    out["effort"] = event.gripper->effort;
+    out["stalled"] = event.gripper->stalled;
+    out["reached_goal"] = event.gripper->reached_goal;
+  }
   if (event.joint >= 0) {
     const auto j = static_cast<std::size_t>(event.joint);
     std::string joint = j < controller.command_interfaces().size() ? controller.command_interfaces()[j] : "";
@@ -149,8 +155,9 @@ Json json_of(const controllers::GoalEvent& event, const controllers::Controller&
 }
 
 /// Follows a goal: feedback ten times a second, its result last.
-Poll follow_goal(const Address& to, std::uint64_t goal) {
-  return [to, goal, told = Nanoseconds{0}, sample = Nanoseconds{-1}, accepted = false](Cell& cell) mutable {
+Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t goal) {
+  return [to, feedback, goal, told = Nanoseconds{0}, sample = Nanoseconds{-1},
+          accepted = false](Cell& cell) mutable {
     controllers::Controller* controller = cell.loop().controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was taken away");
     for (const controllers::GoalEvent& event : cell.goal_events(to.controller)) {
@@ -160,7 +167,7 @@ Poll follow_goal(const Address& to, std::uint64_t goal) {
       Json out = json_of(event, *controller);
       return first ? Progress::more(std::move(out)) : Progress::done(std::move(out));
     }
-    controllers::Output* state = controller->find_output("controller_state");
+    controllers::Output* state = controller->find_output(feedback);
     if (!accepted || !state || cell.now() - told < 100'000'000) return Progress{};
     state->fetch();
     if (state->value().time == sample) return Progress{};
@@ -256,7 +263,7 @@ Poll send_message(Cell& cell, const Json& arguments) {
   const Json& given = arguments["message"];
   const auto reading =
       begin_reading(cell, given.is_string() ? given.get<std::string>() : given.dump(), port.types);
-  return [to, action = port.action, reading, follow = Poll{}](Cell& c) mutable {
+  return [to, action = port.action, feedback = port.feedback, reading, follow = Poll{}](Cell& c) mutable {
     if (follow) return follow(c);
     if (!reading->done.load(std::memory_order_acquire)) return Progress{};
     if (reading->failed) std::rethrow_exception(reading->failed);
@@ -266,7 +273,7 @@ Poll send_message(Cell& cell, const Json& arguments) {
     const std::uint64_t id = controller->receive(to.port, *reading->message, action);
     reading->message.reset();
     if (!action) return Progress::done({{"to", to.controller + "/" + to.port}});
-    follow = follow_goal(to, id);
+    follow = follow_goal(to, feedback, id);
     return follow(c);
   };
 }

@@ -100,19 +100,27 @@ class Output {
 
 /// A message that a controller takes.
 struct InputPort {
-  std::string name;                ///< "commands", "joint_trajectory", "cmd_vel"
-  std::vector<std::string> types;  ///< "geometry_msgs/TwistStamped", "geometry_msgs/Twist"
-  bool action = false;             ///< goals are answered through GoalEvent
+  std::string name;                           ///< "commands", "joint_trajectory", "cmd_vel"
+  std::vector<std::string> types;             ///< "geometry_msgs/TwistStamped", "geometry_msgs/Twist"
+  bool action = false;                        ///< goals are answered through GoalEvent
+  std::string feedback = "controller_state";  ///< the output that tells of a goal under way
 };
 
 /// What became of a goal; codes are those of control_msgs/FollowJointTrajectory.
 enum class GoalOutcome : std::uint8_t { accepted, succeeded, aborted, canceled };
+/// What a gripper tells of a goal, as the results of control_msgs/GripperCommand and ParallelGripperCommand
+/// do.
+struct GripperResult {
+  double position = 0, effort = 0;  ///< rad or m; N m or N, as commanded
+  bool stalled = false, reached_goal = false;
+};
 struct GoalEvent {
   std::uint64_t goal = 0;
   GoalOutcome outcome = GoalOutcome::accepted;
   std::int32_t code = 0;    ///< 0 successful, -1 invalid goal, -4 path tolerance, -5 goal tolerance
   std::int32_t joint = -1;  ///< the joint at fault, index into the controller's joints
   double error = 0, tolerance = 0;
+  std::optional<GripperResult> gripper = {};
 };
 
 }  // namespace polyarm::controllers
