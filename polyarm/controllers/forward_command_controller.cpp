@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "polyarm/base/text.hpp"
 
@@ -13,18 +14,33 @@ std::string last_part(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
+/// "elbow.pid" of "elbow.pid.i", "gains.elbow" of "gains.elbow.p", "pid" of "pid"; "" where it is no gain.
+std::string block_of_gains(const std::string& key) {
+  const std::vector<std::string> words = split_words(key, ".");
+  const auto word = std::find_if(words.begin(), words.end(),
+                                 [](const std::string& w) { return w == "pid" || w == "gains"; });
+  if (word == words.end()) return {};
+  return word + 1 == words.end() ? key : key.substr(0, key.rfind('.'));
+}
+
 /// The trap that users of ros_control know: gains beside a controller that only hands numbers on.
 void tell_gains(Parameters& p) {
+  std::map<std::string, Location> blocks;  // where each begins
   for (auto entry = p.entries.begin(); entry != p.entries.end();) {
-    const bool gain = entry->first.starts_with("pid.") || entry->first.starts_with("gains.");
-    if (gain && entry->first.ends_with(".p"))
-      p.problems().warning(
-          "no-effect", entry->second.where,
-          "'" + entry->first.substr(0, entry->first.size() - 2) +
-              "' has no effect: this controller hands its commands on as they are",
-          "effort_controllers/JointPositionController and JointVelocityController have a PID");
-    entry = gain ? p.entries.erase(entry) : std::next(entry);
+    const std::string block = block_of_gains(entry->first);
+    if (block.empty()) {
+      ++entry;
+      continue;
+    }
+    const Location& where = entry->second.where;
+    const auto [first, fresh] = blocks.try_emplace(block, where);
+    if (!fresh && where.line < first->second.line) first->second = where;
+    entry = p.entries.erase(entry);
   }
+  for (const auto& [block, where] : blocks)
+    p.problems().warning("no-effect", where,
+                         "'" + block + "' has no effect: this controller hands its commands on as they are",
+                         "effort_controllers/JointPositionController and JointVelocityController have a PID");
 }
 
 std::vector<std::string> wanted_interfaces(ControllerContext& context) {

@@ -262,6 +262,38 @@ TEST(ForwardControllers, AGainThatHasNoEffectIsTold) {
   EXPECT_NE(told.advice.find("JointPositionController"), std::string::npos);
 }
 
+TEST(ForwardControllers, EveryFormOfGainsIsTold) {
+  const std::vector<std::pair<std::string, std::string>> forms{
+      {"pid.i", "'pid'"},           {"pid.d", "'pid'"},
+      {"pid.i_clamp", "'pid'"},     {"pid", "'pid'"},
+      {"j1.pid.p", "'j1.pid'"},     {"j1.pid", "'j1.pid'"},
+      {"gains.j1.i", "'gains.j1'"}, {"pid.j1.antiwindup", "'pid.j1'"},
+      {"gains", "'gains'"}};
+  for (const auto& [key, named] : forms) {
+    Made m("position_controllers/JointGroupPositionController");
+    m.rig.set("joints", {"j1"});
+    m.rig.set(key, {"10"});
+    m.rig.start();
+    m.rig.context.parameters.finish("c");
+    ASSERT_EQ(m.rig.context.parameters.problems().list().size(), 1u) << key;
+    EXPECT_EQ(m.rig.context.parameters.problems().list()[0].code, "no-effect") << key;
+    EXPECT_NE(m.rig.context.parameters.problems().list()[0].what.find(named), std::string::npos) << key;
+  }
+}
+
+TEST(ForwardControllers, EachBlockOfGainsIsToldOnceWhereItBegins) {
+  Made m("effort_controllers/JointGroupEffortController", {"j1", "j2"});
+  m.rig.set("joints", {"j1", "j2"});
+  for (const char* key : {"j1.pid.i", "j1.pid.p", "j2.pid.d"}) m.rig.set(key, {"1"});
+  m.rig.context.parameters.entries["j1.pid.p"].where.line = 2;
+  m.rig.start();
+  m.rig.context.parameters.finish("c");
+  const std::vector<Problem>& told = m.rig.context.parameters.problems().list();
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].where.line, 2);
+  EXPECT_EQ(told[1].where.line, 3);
+}
+
 // --- the chainable PID ------------------------------------------------------------------------------------
 
 /// Position and velocity of each joint asked for and measured; an effort is commanded.
