@@ -492,13 +492,17 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
     const auto component = static_cast<std::size_t>(snapshot.culprit);
     const std::string reason = loop_->hardware().reason(component);
     who = " (" + loop_->hardware().component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
+  } else if (snapshot.cause == Cause::limits && snapshot.culprit >= 0) {
+    who = " (" + loop_->table().command_names()[static_cast<std::size_t>(snapshot.culprit)] + ")";
   } else if (snapshot.cause == Cause::controller && snapshot.culprit >= 0) {
     who = " (" + loop_->controllers().name_of(snapshot.culprit) + ")";
   }
   Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
   const bool waits = !options_.lock_step && !program_ && file_.send.empty();
-  problem.advice =
-      waits ? "polyarm hardware list and polyarm hardware recover" : "see the recorded cycles of this run";
+  problem.advice = !waits ? "see the recorded cycles of this run"
+                   : snapshot.cause == Cause::limits
+                       ? "polyarm control recover and resume; it may then be moved inwards only"
+                       : "polyarm hardware list and polyarm hardware recover";
   if (!waits) return fail(now, std::move(problem));
   observer_.on_problem(now, problem);
   record_ = std::make_unique<FaultRecord>(begin_record(*this, problem));

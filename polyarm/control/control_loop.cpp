@@ -86,8 +86,10 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   const controllers::Verdict verdict =
       supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
   controllers_.update(cycle, verdict);  // a stop is followed on the path
-  if (options_.limits)
+  if (options_.limits) {
     limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
+    if (limits_.fault() >= 0) supervisor_.raise(StopCause::limits, limits_.fault());
+  }
   if (const hardware::Fault failed = hardware_.write(cycle)) {
     take_off_failed(cycle);
     supervisor_.raise(cause_of(failed), failed.component);

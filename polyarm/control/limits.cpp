@@ -58,6 +58,7 @@ void CommandLimits::build(const hardware::InterfaceTable& table,
   full_.clear();
   names_.clear();
   place_.assign(table.commands().size(), -1);
+  fault_ = -1;
   dt_ = seconds(period);
   for (const controllers::JointFacts& joint : joints) {
     add(table, joint, "position", Quantity::position);
@@ -109,6 +110,7 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
       allowed = controllers::allow_effort(f.settings, now, asked);
       break;
   }
+  judge(f.command, allowed.fault, f.outside);
   if (allowed.cause != Limit::none) note(cycle, f.command, allowed.cause, asked, allowed.value);
   f.before = f.given;
   commands[f.command] = f.given = allowed.value;
@@ -117,13 +119,14 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
 void CommandLimits::restrict(std::span<double> commands, std::span<const double> states,
                              std::uint64_t cycle) noexcept {
   const double share = share_.load(std::memory_order_relaxed);
+  fault_ = -1;
   for (Plain& p : plain_) {
     const double asked = commands[p.command];
     if (std::isnan(asked) && std::isnan(p.given)) continue;  // never commanded
-    if (std::isnan(p.given))
-      p.given = p.state >= 0 && std::isfinite(states[static_cast<std::size_t>(p.state)])
-                    ? states[static_cast<std::size_t>(p.state)]
-                    : asked;
+    const double at = p.state >= 0 ? states[static_cast<std::size_t>(p.state)] : kNone;
+    if (std::isnan(p.given)) p.given = std::isfinite(at) ? at : asked;
+    judge(p.command, at > p.upper + controllers::kFaultBeyond || at < p.lower - controllers::kFaultBeyond,
+          p.outside);
     double given = std::isfinite(asked) ? asked : p.given;
     const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
     given = std::clamp(inside, p.given - p.step * share, p.given + p.step * share);

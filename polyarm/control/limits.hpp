@@ -22,8 +22,9 @@ struct Clamp {
 
 /// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is
 /// no number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can
-/// be read while the loop runs. restrict(): control thread; build(): before the loop runs; report(): any
-/// thread.
+/// be read while the loop runs. A joint that is commanded a position or a velocity and is measured far
+/// outside its limits is a fault; it is told when it gets there, so that it can be brought back. restrict():
+/// control thread; build(): before the loop runs; report(): any thread.
 class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
@@ -31,6 +32,9 @@ class CommandLimits {
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
   /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
+  /// The command whose joint was found far outside its limits in the last restrict(), and not in the one
+  /// before; -1: none. Control thread.
+  std::int32_t fault() const noexcept { return fault_; }
   /// All clamps so far.
   std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
   /// Those that happened, newest first.
@@ -43,6 +47,7 @@ class CommandLimits {
     std::int32_t state;
     double lower, upper, step;
     double given;  // last command, NaN before the first
+    bool outside = false;
   };
   enum class Quantity : std::uint8_t { position, velocity, acceleration, effort };
   struct Full {
@@ -51,6 +56,7 @@ class CommandLimits {
     Quantity quantity;
     controllers::LimiterSettings settings;
     double given, before;
+    bool outside = false;
   };
   struct Record {
     std::atomic<std::uint64_t> count{0}, cycle{0};
@@ -61,11 +67,17 @@ class CommandLimits {
   void one(Full& f, std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
   void note(std::uint64_t cycle, std::uint32_t command, controllers::Limit limit, double asked,
             double given) noexcept;
+  /// Tells of a joint that was not far outside before.
+  void judge(std::uint32_t command, bool far_outside, bool& outside) noexcept {
+    if (far_outside && !outside) fault_ = static_cast<std::int32_t>(command);
+    outside = far_outside;
+  }
 
   std::vector<Plain> plain_;
   std::vector<Full> full_;
   double dt_ = 1e-3;
   std::atomic<double> share_{1};
+  std::int32_t fault_ = -1;
   std::vector<std::string> names_;     // of the limited commands
   std::vector<std::int32_t> place_;    // of each command in names_
   std::unique_ptr<Record[]> records_;  // kLimits for each name

@@ -55,6 +55,7 @@ void Supervisor::enter(Event event, StopCause cause) noexcept {
 }
 
 void Supervisor::raise(StopCause cause, std::int32_t who) noexcept {
+  if (state() == RunState::fault) return;
   culprit_.store(who, std::memory_order_release);
   enter(Event::fault, cause);
 }

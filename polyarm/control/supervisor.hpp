@@ -45,7 +45,7 @@ enum class StopCause : std::uint8_t {
   not_a_number,
   jump,
   not_following,
-  limit,
+  limits,
 };
 constexpr int kStopCauses = 12;
 const char* name(StopCause cause);
@@ -69,14 +69,15 @@ class Supervisor {
   /// controller asked for motion in the cycle before.
   controllers::Verdict judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
                              bool standing, Request request) noexcept;
-  /// A fault found after judging, for the next cycle.
+  /// A fault found after judging, for the next cycle. In a fault already, the first cause stays.
   void raise(StopCause cause, std::int32_t who) noexcept;
   /// A reason to stop on the path and hold, found outside of judging. Control thread.
   void hold(StopCause cause) noexcept { enter(Event::stop, cause); }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
-  /// Index of the component or controller at fault, -1 for none.
+  /// Index of the component, the controller or (of a joint outside its limits) the command at fault, -1 for
+  /// none.
   std::int32_t culprit() const noexcept { return culprit_.load(std::memory_order_acquire); }
   /// How much of the planned speed may be used while running, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }

@@ -39,6 +39,7 @@ class Plant : public hardware::Component {
       const auto k = static_cast<std::size_t>(j);
       if (std::isfinite(at_[k])) states[k] = at_[k];
     }
+    if (std::isfinite(pushed)) states[0] = pushed;
     return hardware::ReturnType::ok;
   }
   hardware::ReturnType write(const hardware::Cycle&, std::span<const double> commands) noexcept override {
@@ -47,6 +48,7 @@ class Plant : public hardware::Component {
   }
   static std::string joint(int j) { return "arm/joint_" + std::to_string(j + 1); }
   static inline bool fails = false;
+  static inline double pushed = std::numeric_limits<double>::quiet_NaN();  // where joint_1 has been pushed
 
  private:
   std::array<double, kJoints> at_ = [] {
@@ -64,8 +66,9 @@ struct Bench {
   std::vector<double> at;
   std::uint64_t next_id = 1;
 
-  Bench() {
+  explicit Bench(bool accelerations = false) {
     Plant::fails = false;
+    Plant::pushed = std::numeric_limits<double>::quiet_NaN();
     loop.supervisor().watch_cell = false;
     loop.hardware().add(std::make_unique<Plant>(), {});
     loop.start_hardware();
@@ -73,6 +76,7 @@ struct Bench {
     context.robot = "arm";
     for (int j = 0; j < kJoints; ++j) {
       joints.push_back({Plant::joint(j), false, -3, 3, 2.0, 8.0, 80.0});
+      joints.back().states_acceleration = accelerations;
       limits.push_back({2.0, 8.0, 80.0});
       at.push_back(0.1 * j);
     }
@@ -264,6 +268,40 @@ TEST(ControlLoop, LimitsHaveTheLastWord) {
   }
   EXPECT_DOUBLE_EQ(last, 3);
   EXPECT_GT(bench.loop.limits().clamps(), 0u);
+}
+
+TEST(ControlLoop, AJointFarOutsideItsLimitsIsAFaultAndCanBeBroughtBack) {
+  for (const bool accelerations : {false, true}) {
+    Bench bench(accelerations);
+    const Supervisor& supervisor = bench.loop.supervisor();
+    bench.run(10);
+    Plant::pushed = 3.008;
+    bench.run(10);
+    EXPECT_EQ(supervisor.state(), RunState::running) << "a little outside is none";
+    {
+      const test::RealtimeGuard guard;
+      Plant::pushed = 3.01;
+      bench.run(1);
+      EXPECT_TRUE(guard.violations().empty() || !test::RealtimeGuard::watches()) << guard.violations();
+    }
+    EXPECT_EQ(supervisor.state(), RunState::fault);
+    EXPECT_EQ(supervisor.cause(), StopCause::limits);
+    ASSERT_GE(supervisor.culprit(), 0);
+    EXPECT_EQ(bench.loop.table().command_names()[static_cast<std::size_t>(supervisor.culprit())],
+              "arm/joint_1/position");
+    bench.run(10);
+    bench.loop.post(Request::recover);
+    bench.run(1);
+    bench.loop.post(Request::resume);
+    bench.run(10);
+    EXPECT_EQ(supervisor.state(), RunState::running) << "it is told once, or nobody could bring it back";
+    Plant::pushed = 2.9;
+    bench.run(1);
+    Plant::pushed = -3.01;
+    bench.run(1);
+    EXPECT_EQ(supervisor.state(), RunState::fault) << "outside again, and told again";
+    Plant::pushed = std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 TEST(ControlLoop, AHundredThousandCyclesTouchNothingForbidden) {

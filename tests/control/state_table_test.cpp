@@ -88,5 +88,13 @@ TEST(Supervisor, AFaultNeedsRecoverBeforeResume) {
   EXPECT_EQ(supervisor.state(), RunState::held);
 }
 
+TEST(Supervisor, OfTwoFaultsTheFirstIsNamed) {
+  Supervisor supervisor;
+  supervisor.raise(StopCause::component, 2);
+  supervisor.raise(StopCause::limits, 7);
+  EXPECT_EQ(supervisor.cause(), StopCause::component);
+  EXPECT_EQ(supervisor.culprit(), 2);
+}
+
 }  // namespace
 }  // namespace polyarm::control
