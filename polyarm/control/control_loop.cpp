@@ -86,6 +86,9 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   const controllers::Verdict verdict =
       supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
   controllers_.update(cycle, verdict);  // a stop is followed on the path
+  for (std::size_t i = 0; i < hardware_.size(); ++i)
+    if (hardware_.take_restarted(i))
+      limits_.forget(hardware_.commands_of(i).first, hardware_.commands_of(i).second);
   if (options_.limits) {
     limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
     if (limits_.fault() >= 0) supervisor_.raise(StopCause::limits, limits_.fault());

@@ -116,6 +116,13 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
   commands[f.command] = f.given = allowed.value;
 }
 
+void CommandLimits::forget(std::size_t first, std::size_t count) noexcept {
+  for (Plain& p : plain_)
+    if (p.command >= first && p.command < first + count) p.given = kNone;
+  for (Full& f : full_)
+    if (f.command >= first && f.command < first + count) f.given = f.before = kNone;
+}
+
 void CommandLimits::restrict(std::span<double> commands, std::span<const double> states,
                              std::uint64_t cycle) noexcept {
   const double share = share_.load(std::memory_order_relaxed);

@@ -30,6 +30,8 @@ class CommandLimits {
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
+  /// What was commanded on these interfaces so far says nothing about where their joints are. Control thread.
+  void forget(std::size_t first, std::size_t count) noexcept;
   /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   /// The command whose joint was found far outside its limits in the last restrict(), and not in the one

@@ -25,12 +25,16 @@ const char* name(LifecycleState state) {
 /// Tells the loop whether to read and to write a component, between two cycles.
 class Hardware::Letting : public realtime::Job {
  public:
-  Letting(Hosted& hosted, bool reading, bool writing)
-      : hosted_(hosted), reading_(reading), writing_(writing) {}
+  Letting(Hosted& hosted, std::span<double> commands, bool reading, bool writing)
+      : hosted_(hosted), commands_(commands), reading_(reading), writing_(writing) {}
   void run() noexcept override {
     if (reading_ && !hosted_.reading) {  // it may stand anywhere now
       hosted_.ran.store(false, std::memory_order_relaxed);
       for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (reading_ && !hosted_.reading) {  // what was commanded before means nothing any more
+      std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
+      hosted_.restarted = true;
     }
     if (writing_ && !hosted_.writing)
       for (Watch& watch : hosted_.watched) watch.behind = 0;
@@ -40,6 +44,7 @@ class Hardware::Letting : public realtime::Job {
 
  private:
   Hosted& hosted_;
+  std::span<double> commands_;
   bool reading_, writing_;
 };
 
@@ -137,7 +142,8 @@ void Hardware::advance(Hosted& hosted, CallbackReturn (Component::*step)(), Life
 }
 
 std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
-  auto job = std::make_shared<Letting>(hosted, reading, writing);
+  const auto commands = table_.commands().subspan(hosted.first_command, hosted.commands);
+  auto job = std::make_shared<Letting>(hosted, commands, reading, writing);
   if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
   return job;
 }

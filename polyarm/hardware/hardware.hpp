@@ -116,6 +116,12 @@ class Hardware {
   /// What befell the component in the last read() or write(); it has been taken off. Told once.
   enum class Fall : std::uint8_t { none, deactivated, error };
   Fall newly_failed(std::size_t i) noexcept { return std::exchange(hosted_[i]->newly_failed, Fall::none); }
+  /// The component's commands begin anew, as measured: it was let in since it was asked last. Control thread.
+  bool take_restarted(std::size_t i) noexcept { return std::exchange(hosted_[i]->restarted, false); }
+  /// First command and number of commands of a component.
+  std::pair<std::size_t, std::size_t> commands_of(std::size_t i) const noexcept {
+    return {hosted_[i]->first_command, hosted_[i]->commands};
+  }
   bool prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop);
   bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) noexcept;
 
@@ -167,7 +173,7 @@ class Hardware {
     std::atomic<FaultKind> bad_kind{FaultKind::none};
     // the control thread's
     std::vector<Watch> watched;
-    bool reading = false, writing = false;
+    bool reading = false, writing = false, restarted = false;
     Fall newly_failed = Fall::none;
   };
   class Letting;
