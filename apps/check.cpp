@@ -57,10 +57,12 @@ int run_check(int argc, char** argv) {
   std::string path;
   cell::Overrides overrides;
   cell::CheckOptions options;
+  std::vector<std::string> plugins;
   bool as_json = false;
   app.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
   app.add_option("--robot", overrides.robot, "check for another robot");
   app.add_option("--hardware", overrides.hardware, "hardware of the dry run: mock or mujoco");
+  add_plugin_option(app, plugins);
   app.add_flag("--dry", options.dry,
                "run the program in lock-step simulation; list contacts, limits and parts by line");
   app.add_option("--cycles", options.cycles, "passes of the dry run");
@@ -70,6 +72,7 @@ int run_check(int argc, char** argv) {
                 "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +
       "\nExit codes: 0 no errors, 1 errors, 2 wrong command line\n");
   if (const auto code = parse(app, argc, argv)) return *code;
+  load_plugins(plugins);
   const cell::CheckResult result = cell::check(path, overrides, open_catalogue(), options);
   if (as_json)
     print_json(result);

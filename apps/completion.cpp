@@ -13,8 +13,10 @@ std::string verb_names() {
 
 constexpr const char* kOptions =
     "--help --json --robot --hardware --fast --cycles --seconds --description --controllers --fault "
-    "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp --socket --no-socket "
-    "--cell --activate --deactivate --strictness --type --file --param --rate --once --goal --count";
+    "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp --socket "
+    "--no-socket "
+    "--cell --activate --deactivate --strictness --type --file --param --rate --once --goal --count "
+    "--plugins --vendor --folder";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc

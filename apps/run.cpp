@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct RunArguments {
   std::string cell, description;
-  std::vector<std::string> controllers, activate, arguments;
+  std::vector<std::string> controllers, activate, arguments, plugins;
   cell::Overrides overrides;
   cell::CellOptions cell_options;
   cell::RunOptions run;
@@ -36,14 +36,16 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
   app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
-  app.add_option("--hardware", a.overrides.hardware, "declared, mock or mujoco, for every robot")
-      ->check(CLI::IsMember({"declared", "mock", "mujoco"}));
+  app.add_option("--hardware", a.overrides.hardware,
+                 "declared, mock, mujoco or a plugin's VENDOR/TYPE, for every robot")
+      ->check(hardware_name());
   app.add_flag("--real", a.cell_options.real,
                "drive the hardware that the cell declares as real; it moves after you type 'arm'");
   app.add_flag(
       "--full-speed", a.cell_options.full_speed,
       "real hardware moves at full speed from the first pass on (else at most 250 mm/s and a tenth of "
       "the joints' speed)");
+  add_plugin_option(app, a.plugins);
   app.add_flag("--fast", a.run.fast, "in lock-step, as fast as the machine allows; repeatable");
   app.add_option("--cycles", a.cell_options.cycles,
                  "end after this many passes of the program's outermost while");
@@ -166,6 +168,7 @@ int report(const cell::RunResult& result, const std::string& folder, bool json) 
 }
 
 int execute(RunArguments& a, const std::string& command) {
+  load_plugins(a.plugins);
   read_faults(a);
   a.cell_options.lock_step = a.run.fast;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))

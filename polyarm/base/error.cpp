@@ -31,6 +31,26 @@ std::string Problem::text() const {
 Error::Error(std::vector<Problem> problems)
     : std::runtime_error(all_texts(problems)), problems_(std::move(problems)) {}
 
+std::string what_was_thrown() {
+  try {
+    throw;
+  } catch (const std::exception& e) {
+    return e.what();
+  } catch (...) {
+    return "something that is no std::exception";
+  }
+}
+
+void rethrow_as_error(std::string code, const std::string& who, std::string advice) {
+  try {
+    throw;
+  } catch (const Error&) {
+    throw;
+  } catch (...) {
+    throw Error(std::move(code), who + " threw: " + what_was_thrown(), std::move(advice));
+  }
+}
+
 bool Problems::has_errors() const {
   return std::any_of(list_.begin(), list_.end(),
                      [](const Problem& p) { return p.severity == Severity::error; });

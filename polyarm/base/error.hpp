@@ -40,6 +40,12 @@ class Error : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
+/// Within `catch (...)`: what the exception says, whatever it is.
+std::string what_was_thrown();
+/// Within `catch (...)`: an Error goes on as it is; anything else becomes one that says "<who> threw: …". For
+/// callbacks of others, which may throw what they like.
+[[noreturn]] void rethrow_as_error(std::string code, const std::string& who, std::string advice = {});
+
 /// Findings collected before giving up, so that a user sees all of them at once.
 class Problems {
  public:

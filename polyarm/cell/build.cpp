@@ -10,6 +10,7 @@
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/plugins.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
 
@@ -225,6 +226,21 @@ bool is_script(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+void load_plugins(const CellFile& file, Problems& problems) {
+  for (const std::string& written : file.plugins) {
+    const std::filesystem::path folder = file.folder / written;  // an absolute one stays as it is
+    std::error_code error;
+    if (std::filesystem::is_directory(folder, error))
+      plugins::load_folder(folder);
+    else
+      problems.warning("no-folder", file.plugins_where, "'" + written + "' is no folder with plugins",
+                       "build your plugin, or mend 'plugins:'; folders are relative to the file");
+  }
+  plugins::load_default_folders();
+  for (const plugins::Refusal& refusal : plugins::refused())
+    problems.warning("plugin-refused", {refusal.file.string()}, refusal.reason, refusal.advice);
+}
 
 ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) {
   if (file.launched) return *file.launched;

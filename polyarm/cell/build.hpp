@@ -19,6 +19,10 @@ namespace polyarm::cell {
 /// Name of the controller that carries tags to command interfaces.
 inline constexpr const char* kIoController = "io";
 
+/// Loads the plugins of the cell's folders and of those that are looked through by default. What cannot be
+/// used becomes a warning.
+void load_plugins(const CellFile& file, Problems& problems);
+
 /// The control rate: the cell's, or what its controllers file says where the cell comes from a description.
 double rate_of(const CellFile& file, Problems& problems);
 

@@ -40,6 +40,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
     : file_(file), options_(std::move(options)), observer_(observer), catalogue_(catalogue) {
   Problems problems;
   std::vector<std::string> notes = file_.notes;
+  load_plugins(file_, problems);
   robots_ = resolve_robots(file_, catalogue, options_.real, problems, notes);
   for (const std::string& note : notes) observer_.on_note(note);
   collect(problems, [&] {
@@ -224,8 +225,11 @@ void Cell::tell_loop_events() {
 const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& name) {
   constexpr std::size_t kKept = 1000;
   std::vector<controllers::GoalEvent>& out = goal_events_[name];
-  if (controllers::Controller* controller = loop_->controllers().find(name))
-    while (const auto event = controller->next_goal_event()) out.push_back(*event);
+  if (controllers::Controller* controller = loop_->controllers().find(name)) try {
+      while (const auto event = controller->next_goal_event()) out.push_back(*event);
+    } catch (...) {
+      observer_.on_note(name + ": asked what became of its goals it threw: " + what_was_thrown());
+    }
   if (out.size() > 2 * kKept) out.erase(out.begin(), out.end() - kKept);
   return out;
 }

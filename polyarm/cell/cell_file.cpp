@@ -131,8 +131,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "signals",
-                   "program", "plc", "motion", "loop"},
+  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins",
+                   "signals", "program", "plc", "motion", "loop"},
                   problems);
   cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
@@ -153,6 +153,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   for (const std::string& to : yaml["send"].keys())
     collect(problems, [&] { cell.send.emplace_back(to, yaml["send"][to].text()); });
   collect(problems, [&] { cell.activate = yaml["activate"].texts(); });
+  collect(problems, [&] { cell.plugins = yaml["plugins"].texts(); });
+  cell.plugins_where = yaml["plugins"].where();
   file("signals", cell.signals, cell.signals_where);
   file("program", cell.program, cell.program_where);
   file("plc", cell.plc, cell.plc_where);

@@ -57,7 +57,8 @@ struct CellFile {
   std::vector<std::pair<std::string, std::string>>
       send;                           ///< controller or topic → message file, at the start
   std::vector<std::string> activate;  ///< controllers to start; empty: all that can run together
-  Location scene_where, controllers_where, signals_where, program_where, plc_where;
+  std::vector<std::string> plugins;   ///< folders with plugins, relative to the file
+  Location scene_where, controllers_where, plugins_where, signals_where, program_where, plc_where;
   std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "polyarm/base/text.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 
 namespace polyarm::cell {
@@ -36,9 +37,11 @@ HardwareChoice choose_hardware(const std::string& plugin, const std::string& com
               fmt::format("{}: {} is played by {}", component, plugin,
                           driver == "mujoco" ? "physics (mujoco)" : driver)};
     }
+  std::vector<std::string> names = hardware::driver_names();
+  for (const HardwareAlias& alias : hardware_aliases()) names.emplace_back(alias.plugin);
   return {simulated, "",
-          fmt::format("{}: the plugin {} is not installed, replaced by {}", component, plugin,
-                      simulated == "mujoco" ? "physics (mujoco)" : "mock")};
+          fmt::format("{}: the plugin {} is not installed, replaced by {}{}", component, plugin,
+                      simulated == "mujoco" ? "physics (mujoco)" : "mock", did_you_mean(plugin, names))};
 }
 
 }  // namespace polyarm::cell

@@ -403,8 +403,8 @@ class Requests::Work {
       step();
     } catch (const Error& e) {
       open.refused = error_json(e);
-    } catch (const std::exception& e) {
-      open.refused = error_json(Error("internal", std::string("unexpected: ") + e.what()));
+    } catch (...) {
+      open.refused = error_json(Error("internal", "unexpected: " + what_was_thrown()));
     }
   }
 

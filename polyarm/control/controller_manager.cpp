@@ -13,6 +13,27 @@ using hardware::LifecycleState;
 
 namespace {
 
+/// What is called of a controller outside the loop may throw; an Error names the place, all else is told as
+/// what it says.
+template <typename Step>
+auto guarded(const std::string& controller, const char* step, Step call) {
+  try {
+    return call();
+  } catch (...) {
+    rethrow_as_error("controller-failed", "the controller '" + controller + "', " + step + ",",
+                     "its plugin has an error; tell its makers");
+  }
+}
+
+/// on_error decides whether the controller can be used again; one that throws there cannot.
+bool usable_after_error(controllers::Controller& controller) noexcept {
+  try {
+    return controller.on_error() == CallbackReturn::success;
+  } catch (...) {
+    return false;
+  }
+}
+
 std::vector<std::size_t> resolve(const std::vector<std::string>& names, const std::vector<std::string>& known,
                                  const char* kind, const std::string& controller, auto find) {
   std::vector<std::size_t> out;
@@ -101,12 +122,11 @@ void ControllerManager::configure(const std::string& name) {
   s.context.state_names = named(table_.state_names());
   s.context.command_names = named(table_.command_names());
   try {
-    const CallbackReturn result = c.on_configure(s.context);
+    const CallbackReturn result = guarded(name, "on_configure", [&] { return c.on_configure(s.context); });
     s.context.parameters.finish(name);
     s.context.parameters.problems().throw_if_errors();
     if (result != CallbackReturn::success) {
-      if (result == CallbackReturn::error && c.on_error() != CallbackReturn::success)
-        s.state = LifecycleState::finalized;
+      if (result == CallbackReturn::error && !usable_after_error(c)) s.state = LifecycleState::finalized;
       throw Error("controller-failed", "the controller '" + name + "' could not be configured",
                   "check that its parameters name joints or interfaces");
     }
@@ -208,15 +228,24 @@ void ControllerManager::cleanup(const std::string& name) {
                             "' uses its '" + interface + "'",
                         "clean '" + other->name + "' up first");
   }
-  const CallbackReturn result = s.controller->on_cleanup();
+  std::string thrown;
+  CallbackReturn result = CallbackReturn::error;
+  try {
+    result = s.controller->on_cleanup();
+  } catch (...) {
+    thrown = what_was_thrown();
+  }
   if (result == CallbackReturn::failure)
     throw Error("controller-failed",
                 "the controller '" + name + "' could not be cleaned up and stays inactive");
   s.state = LifecycleState::unconfigured;
-  if (result == CallbackReturn::error && s.controller->on_error() != CallbackReturn::success)
+  if (result == CallbackReturn::error && !usable_after_error(*s.controller))
     s.state = LifecycleState::finalized;
   withdraw(s);
   post_schedule();
+  if (!thrown.empty())
+    throw Error("controller-failed", "the controller '" + name + "', on_cleanup, threw: " + thrown,
+                std::string("it is ") + hardware::name(s.state.load()) + " now");
 }
 
 void ControllerManager::unload(const std::string& name) {
@@ -341,7 +370,9 @@ std::shared_ptr<realtime::Job> ControllerManager::begin_change(
   Slot& s = slot(name);
   std::vector<controllers::ParameterChange> changes;
   for (const auto& [key, value] : values) changes.push_back(s.context.parameters.change(key, value));
-  if (const std::string why = s.controller->refuse_changes(changes); !why.empty())
+  const std::string why =
+      guarded(name, "refuse_changes", [&] { return s.controller->refuse_changes(changes); });
+  if (!why.empty())
     throw Error("bad-value", "the controller '" + name + "' refuses: " + why,
                 "its parameters stay as they are");
   auto job = std::make_shared<ChangeParameters>(*s.controller, changes);

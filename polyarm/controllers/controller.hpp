@@ -161,4 +161,10 @@ class Controller {
   bool chained_ = false;
 };
 
+/// Everything that passes between the runtime and a controller of a plugin.
+inline constexpr std::uint32_t kControllerLayout =
+    hardware::layout_of<Controller, ControllerContext, JointFacts, Parameters, ParameterNote, Declared,
+                        ParameterChange, Bindings, Verdict, Cycle, Input, InputPort, Output, GoalEvent,
+                        Problem>();
+
 }  // namespace polyarm::controllers

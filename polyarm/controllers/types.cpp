@@ -24,10 +24,9 @@ std::unique_ptr<Controller> make() {
 }
 using Forward = ForwardCommandController;
 using Trajectory = JointTrajectoryController;
-}  // namespace
 
-const std::vector<ControllerType>& controller_types() {
-  static const std::vector<ControllerType> table = {
+std::vector<ControllerType>& types() {
+  static std::vector<ControllerType> table = {
       {"joint_trajectory_controller/JointTrajectoryController", make<Trajectory>,
        "follows trajectories of any number of joints"},
       {"position_controllers/JointTrajectoryController",
@@ -131,6 +130,15 @@ const std::vector<ControllerType>& controller_types() {
   };
   return table;
 }
+}  // namespace
+
+const std::vector<ControllerType>& controller_types() {
+  return types();
+}
+
+void register_controller_type(ControllerType type) {
+  types().push_back(std::move(type));
+}
 
 const ControllerType* find_controller_type(const std::string& name) {
   for (const ControllerType& type : controller_types())
@@ -140,7 +148,7 @@ const ControllerType* find_controller_type(const std::string& name) {
 
 std::vector<std::string> controller_type_names() {
   std::vector<std::string> out;
-  for (const ControllerType& type : controller_types()) out.emplace_back(type.name);
+  for (const ControllerType& type : controller_types()) out.push_back(type.name);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Controllers by the names under which users of ROS know them.
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,14 +12,17 @@ namespace polyarm::controllers {
 
 /// A row of the table.
 struct ControllerType {
-  const char* name;  ///< "joint_trajectory_controller/JointTrajectoryController"
-  std::unique_ptr<Controller> (*make)();
-  const char* summary;  ///< one sentence, for lists
+  std::string name;  ///< "joint_trajectory_controller/JointTrajectoryController"
+  std::function<std::unique_ptr<Controller>()> make;
+  std::string summary;  ///< one sentence, for lists
   /// Parameters that the name implies, where the file says nothing else.
   std::vector<std::pair<const char*, const char*>> implied = {};
 };
 
+/// Those of this room, then those that plugins have brought.
 const std::vector<ControllerType>& controller_types();
+/// Makes the type known; its name must not be known yet. Called before any cell is built.
+void register_controller_type(ControllerType type);
 /// Null when there is none.
 const ControllerType* find_controller_type(const std::string& name);
 /// The names, for hints.

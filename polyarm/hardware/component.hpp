@@ -14,6 +14,7 @@
 #include "polyarm/base/time.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/description/scene.hpp"
+#include "polyarm/hardware/plugin.hpp"
 #include "polyarm/hardware/world_state.hpp"
 
 namespace polyarm::hardware {
@@ -116,13 +117,11 @@ class Component {
   virtual std::string summary() const { return {}; }
 };
 
-/// Makes a component; a driver registers one under its name ("mock", "mujoco").
-using ComponentFactory = std::unique_ptr<Component> (*)();
+/// Everything that passes between the runtime and a component of a plugin.
+inline constexpr std::uint32_t kComponentLayout =
+    layout_of<Component, ComponentContext, RobotInstance, InterfaceDescription, Cycle, WorldState,
+              description::RobotModel, description::Link, description::Joint, description::HardwareInfo,
+              description::ComponentInfo, description::InterfaceInfo, description::TransmissionInfo,
+              description::Tool, description::Scene>();
 
 }  // namespace polyarm::hardware
-
-/// Exported by a driver that lives in a shared library `polyarm_driver_<name>.so`.
-#define POLYARM_DRIVER(Type)                                                                                 \
-  extern "C" __attribute__((visibility("default"))) polyarm::hardware::Component* polyarm_make_component() { \
-    return new Type;                                                                                         \
-  }

@@ -1,7 +1,5 @@
 #include "polyarm/hardware/driver_loader.hpp"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +7,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/hardware/plugin_library.hpp"
 
 namespace polyarm::hardware {
 
@@ -33,10 +32,13 @@ std::vector<std::filesystem::path> folders() {
   return out;
 }
 
+constexpr const char* kPrefix = "polyarm_driver_";
+
 std::filesystem::path find_library(const std::string& name) {
   std::error_code error;
+  if (name.find('/') != std::string::npos) return {};  // a plugin's, never a path
   for (const auto& folder : folders()) {
-    const auto path = folder / ("polyarm_driver_" + name + ".so");
+    const auto path = folder / (kPrefix + name + ".so");
     if (std::filesystem::exists(path, error)) return path;
   }
   return {};
@@ -44,33 +46,50 @@ std::filesystem::path find_library(const std::string& name) {
 }  // namespace
 
 void register_driver(const std::string& name, ComponentFactory factory) {
-  registered()[name] = factory;
+  registered()[name] = std::move(factory);
 }
 
 bool driver_available(const std::string& name) {
   return registered().contains(name) || !find_library(name).empty();
 }
 
+std::vector<std::string> driver_names() {
+  std::vector<std::string> out;
+  for (const auto& [name, factory] : registered()) out.push_back(name);
+  std::error_code error;
+  for (const auto& folder : folders())
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+      if (const std::string file = entry.path().stem().string();
+          file.starts_with(kPrefix) && entry.path().extension() == ".so")
+        out.push_back(file.substr(std::string_view(kPrefix).size()));
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+Problem unknown_driver(const std::string& name) {
+  std::vector<std::string> names = driver_names();
+  const std::string known = "known are: " + join(names, ", ");
+  names.emplace_back("mujoco");
+  std::string advice = name.find('/') == std::string::npos
+                           ? known
+                           : known + "; `polyarm plugins` lists plugins, and what was refused and why";
+  if (name == "mujoco") advice = "install libmujoco-dev and build again, or use --hardware mock";
+  return {"unknown-driver",
+          {},
+          "there is no hardware driver '" + name + "'" + did_you_mean(name, names),
+          std::move(advice)};
+}
+
 std::unique_ptr<Component> make_driver(const std::string& name) {
   if (const auto found = registered().find(name); found != registered().end()) return found->second();
   const auto path = find_library(name);
-  if (path.empty()) {
-    std::vector<std::string> names{"mujoco"};
-    for (const auto& [known, factory] : registered()) names.push_back(known);
-    throw Error("unknown-driver", "there is no hardware driver '" + name + "'" + did_you_mean(name, names),
-                name == "mujoco" ? "install libmujoco-dev and build again, or use --hardware mock"
-                                 : "known are: " + join(names, ", "));
-  }
-  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* make = library ? dlsym(library, "polyarm_make_component") : nullptr;
-  if (!make) {
-    const char* reason = dlerror();
-    throw Error("driver-not-loadable",
-                "the driver " + path.string() +
-                    " cannot be loaded: " + (reason ? reason : "it exports no polyarm_make_component"),
-                "install the libraries it needs, or use --hardware mock");
-  }
-  return std::unique_ptr<Component>(reinterpret_cast<Component* (*)()>(make)());
+  if (path.empty()) throw Error(unknown_driver(name));
+  const PluginTable& table = open_plugin(path);
+  if (table.count != 1 || table.entries[0].kind != PluginKind::hardware)
+    throw Error(
+        Problem{"plugin-refused", {path.string()}, "it is not one driver", "end it with POLYARM_DRIVER(…)"});
+  return make_component(table.entries[0], path);
 }
 
 }  // namespace polyarm::hardware

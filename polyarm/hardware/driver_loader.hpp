@@ -1,5 +1,7 @@
 #pragma once
-/// Drivers by name: those linked in, and those in shared libraries `polyarm_driver_<name>.so`.
+/// Hardware by name: what is linked in, what plugins have brought, and Polyarm's own drivers in shared
+/// libraries `polyarm_driver_<name>.so`, which are loaded when one is asked for.
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,13 +10,20 @@
 
 namespace polyarm::hardware {
 
-/// Makes the driver known under `name` (linked in). Called before any cell is built.
+/// Makes a component; a driver registers one under its name ("mock", "mujoco", "acme/Arm"). May throw Error.
+using ComponentFactory = std::function<std::unique_ptr<Component>()>;
+
+/// Makes the driver known under `name`; a later one takes the name over. Called before any cell is built.
 void register_driver(const std::string& name, ComponentFactory factory);
 /// A new component of the driver. Looks among the registered, then for `polyarm_driver_<name>.so` in the
 /// folders of POLYARM_DRIVERS (separated by ':'), beside the executable, in its `drivers` folder and in
-/// `../lib/polyarm`. Throws Error("unknown-driver" | "driver-not-loadable").
+/// `../lib/polyarm`. Throws Error("unknown-driver" | "plugin-refused" | "plugin-failed").
 std::unique_ptr<Component> make_driver(const std::string& name);
 /// True if make_driver would find it.
 bool driver_available(const std::string& name);
+/// What can be named, for hints.
+std::vector<std::string> driver_names();
+/// The words of the error for a name that make_driver does not find.
+Problem unknown_driver(const std::string& name);
 
 }  // namespace polyarm::hardware

@@ -8,20 +8,6 @@
 
 namespace polyarm::hardware {
 
-const char* name(LifecycleState state) {
-  switch (state) {
-    case LifecycleState::unconfigured:
-      return "unconfigured";
-    case LifecycleState::inactive:
-      return "inactive";
-    case LifecycleState::active:
-      return "active";
-    case LifecycleState::finalized:
-      return "finalized";
-  }
-  return "unknown";
-}
-
 /// Tells the loop whether to read and to write a component, between two cycles.
 class Hardware::Letting : public realtime::Job {
  public:
@@ -50,8 +36,50 @@ class Hardware::Letting : public realtime::Job {
 
 namespace {
 std::string because(const Component& component) {
-  const std::string reason = component.reason();
+  std::string reason;
+  try {
+    reason = component.reason();
+  } catch (...) {
+    reason = "asked for a reason it threw: " + what_was_thrown();
+  }
   return reason.empty() ? reason : ": " + reason;
+}
+
+/// A callback that may throw; what it threw is told in `thrown`, and counts as an error.
+CallbackReturn call(Component& component, CallbackReturn (Component::*step)(), std::string& thrown) noexcept {
+  try {
+    return (component.*step)();
+  } catch (...) {
+    try {
+      thrown = ": it threw: " + what_was_thrown();
+    } catch (...) {
+    }
+    return CallbackReturn::error;
+  }
+}
+
+void initialise(Component& component, const ComponentContext& context, const char* which) {
+  CallbackReturn result;
+  try {
+    result = component.on_init(context);
+  } catch (...) {
+    rethrow_as_error("component-failed", "the hardware component '" + context.name + "', on_init,",
+                     "its plugin has an error; tell its makers");
+  }
+  if (result != CallbackReturn::success)
+    throw Error("component-failed",
+                std::string(which) + " '" + context.name + "' could not be initialised" + because(component),
+                "check its parameters");
+}
+
+/// What the component offers; `list` may throw.
+template <typename List>
+std::vector<InterfaceDescription> offered(const std::string& name, List list) {
+  try {
+    return list();
+  } catch (...) {
+    rethrow_as_error("component-failed", "the hardware component '" + name + "', asked for its interfaces,");
+  }
 }
 }  // namespace
 
@@ -61,11 +89,11 @@ Hardware::~Hardware() {
 
 void Hardware::add(std::unique_ptr<Component> component, const ComponentContext& context,
                    HostOptions options) {
-  if (component->on_init(context) != CallbackReturn::success)
-    throw Error(
-        "component-failed",
-        "the hardware component '" + context.name + "' could not be initialised" + because(*component),
-        "check its parameters");
+  initialise(*component, context, "the hardware component");
+  const std::vector<InterfaceDescription> states =
+      offered(context.name, [&] { return component->state_interfaces(); });
+  const std::vector<InterfaceDescription> commands =
+      offered(context.name, [&] { return component->command_interfaces(); });
   if (component->blocks()) options.async = true;
   if (component->real()) options.following_error = kRealFollowingError;
   if (const auto stated = context.parameters.find("following_error"); stated != context.parameters.end()) {
@@ -82,12 +110,10 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
   hosted->options = std::move(options);
   hosted->options.divisor = std::max(1u, hosted->options.divisor);
   hosted->first_state = table_.states().size();
-  for (InterfaceDescription& d : hosted->component->state_interfaces())
-    table_.add_state(std::move(d.name), d.initial);
+  for (const InterfaceDescription& d : states) table_.add_state(d.name, d.initial);
   hosted->states = table_.states().size() - hosted->first_state;
   hosted->first_command = table_.commands().size();
-  for (InterfaceDescription& d : hosted->component->command_interfaces())
-    table_.add_command(std::move(d.name));
+  for (const InterfaceDescription& d : commands) table_.add_command(d.name);
   hosted->commands = table_.commands().size() - hosted->first_command;
   if (hosted->options.async) make_runner(*hosted);
   if (hosted->component->paces()) {
@@ -126,18 +152,19 @@ void Hardware::require(const Hosted& hosted, LifecycleState state, const char* w
 
 void Hardware::advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to,
                        LifecycleState otherwise, const char* step_name) {
-  const CallbackReturn result = (hosted.component.get()->*step)();
+  std::string thrown, ignored;
+  const CallbackReturn result = call(*hosted.component, step, thrown);
   if (result == CallbackReturn::success) return hosted.state.store(to, std::memory_order_release);
   LifecycleState then = otherwise;
   if (result == CallbackReturn::error) {
     let(hosted, false, false);
-    then = hosted.component->on_error() == CallbackReturn::success ? LifecycleState::unconfigured
-                                                                   : LifecycleState::finalized;
+    const bool usable = call(*hosted.component, &Component::on_error, ignored) == CallbackReturn::success;
+    then = usable ? LifecycleState::unconfigured : LifecycleState::finalized;
   }
   hosted.state.store(then, std::memory_order_release);
   throw Error("component-failed",
               "the hardware component '" + hosted.name + "' could not be " + step_name + " and is " +
-                  name(then) + because(*hosted.component),
+                  name(then) + (thrown.empty() ? because(*hosted.component) : thrown),
               "check that it is connected and that its parameters are right");
 }
 
@@ -195,14 +222,18 @@ void Hardware::finish_cleanup(std::size_t i) {
 
 void Hardware::finish_shutdown(std::size_t i) {
   Hosted& hosted = *hosted_[i];
-  if (hosted.state.load() == LifecycleState::active) hosted.component->on_deactivate();
-  if (hosted.state.load() != LifecycleState::finalized) hosted.component->on_shutdown();
+  std::string ignored;
+  if (hosted.state.load() == LifecycleState::active)
+    call(*hosted.component, &Component::on_deactivate, ignored);
+  if (hosted.state.load() != LifecycleState::finalized)
+    call(*hosted.component, &Component::on_shutdown, ignored);
   hosted.state.store(LifecycleState::finalized, std::memory_order_release);
 }
 
 void Hardware::recover_from_error(std::size_t i) {
   Hosted& hosted = *hosted_[i];
-  const bool usable = hosted.component->on_error() == CallbackReturn::success;
+  std::string ignored;
+  const bool usable = call(*hosted.component, &Component::on_error, ignored) == CallbackReturn::success;
   hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
                      std::memory_order_release);
 }
@@ -228,13 +259,11 @@ void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, cons
   const LifecycleState now = hosted.state.load();
   if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
     require(hosted, LifecycleState::unconfigured, "reloaded");
-  if (component->on_init(context) != CallbackReturn::success)
-    throw Error("component-failed", "the new '" + hosted.name + "' could not be initialised",
-                "the old one stays; check the parameters of the new one");
-  expect_same(component->state_interfaces(), table_.state_names(), hosted.first_state, hosted.states,
-              hosted.name);
-  expect_same(component->command_interfaces(), table_.command_names(), hosted.first_command, hosted.commands,
-              hosted.name);
+  initialise(*component, context, "the old one stays: the new");
+  expect_same(offered(hosted.name, [&] { return component->state_interfaces(); }), table_.state_names(),
+              hosted.first_state, hosted.states, hosted.name);
+  expect_same(offered(hosted.name, [&] { return component->command_interfaces(); }), table_.command_names(),
+              hosted.first_command, hosted.commands, hosted.name);
   if (world() && hosted.component->world() == world()) world_ = nullptr;
   retired_.push_back(std::exchange(hosted.component, std::move(component)));
   hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
@@ -252,8 +281,9 @@ void Hardware::shut_down() noexcept {
   for (auto hosted = hosted_.rbegin(); hosted != hosted_.rend(); ++hosted) {
     (*hosted)->runner.reset();
     const LifecycleState state = (*hosted)->state.load();
-    if (state == LifecycleState::active) (*hosted)->component->on_deactivate();
-    if (state != LifecycleState::finalized) (*hosted)->component->on_shutdown();
+    std::string ignored;
+    if (state == LifecycleState::active) call(*(*hosted)->component, &Component::on_deactivate, ignored);
+    if (state != LifecycleState::finalized) call(*(*hosted)->component, &Component::on_shutdown, ignored);
     (*hosted)->state = LifecycleState::finalized;
   }
 }
@@ -419,7 +449,8 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
 std::string Hardware::reason(std::size_t i) const {
   const Hosted& hosted = *hosted_[i];
   const int state = hosted.bad_state.load(std::memory_order_acquire);
-  std::string own = hosted.component->reason();
+  std::string own = because(*hosted.component);
+  if (!own.empty()) own.erase(0, 2);  // ": "
   if (state < 0) return own;
   const std::string& name = table_.state_names()[static_cast<std::size_t>(state)];
   const FaultKind kind = hosted.bad_kind.load(std::memory_order_relaxed);
@@ -432,8 +463,14 @@ std::string Hardware::reason(std::size_t i) const {
 }
 
 bool Hardware::prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {
-  for (const auto& hosted : hosted_)
-    if (hosted->component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
+  for (const auto& hosted : hosted_) {
+    try {
+      if (hosted->component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
+    } catch (...) {
+      rethrow_as_error("mode-refused", "the hardware component '" + hosted->name +
+                                           "', asked whether it takes the commands of the switch,");
+    }
+  }
   return true;
 }
 
@@ -486,9 +523,15 @@ int Hardware::find(std::string_view name) const {
 
 std::vector<std::string> Hardware::summaries() const {
   std::vector<std::string> out;
-  for (const auto& hosted : hosted_)
-    if (const std::string text = hosted->component->summary(); !text.empty())
-      out.push_back(hosted->name + ": " + text);
+  for (const auto& hosted : hosted_) {
+    std::string text;
+    try {
+      text = hosted->component->summary();
+    } catch (...) {
+      text = "asked what it is it threw: " + what_was_thrown();
+    }
+    if (!text.empty()) out.push_back(hosted->name + ": " + text);
+  }
   return out;
 }
 

@@ -20,7 +20,7 @@ TEST(Command, AnUnknownVerbIsAnErrorWithTheNearestOne) {
 }
 
 TEST(Command, EveryVerbHasHelpWithExamples) {
-  for (const char* verb : {"run", "check", "robots", "describe", "fk", "ik", "xacro", "control", "hardware", "interfaces", "health",
+  for (const char* verb : {"run", "check", "new", "plugins", "robots", "describe", "fk", "ik", "xacro", "control", "hardware", "interfaces", "health",
                            "limits", "send", "watch", "param", "completion"}) {
     const Finished help = run_command({verb, "--help"});
     EXPECT_EQ(help.exit_code, 0) << verb;

@@ -1,0 +1,121 @@
+#include "polyarm/hardware/plugin_library.hpp"
+
+#include <dlfcn.h>
+
+#include <cstring>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::hardware {
+
+namespace {
+const char* kRebuild =
+    "build it again against this Polyarm: cmake -DCMAKE_PREFIX_PATH=<where Polyarm is installed>";
+
+[[noreturn]] void refuse(const std::filesystem::path& file, std::string reason, std::string advice) {
+  throw Error(Problem{"plugin-refused", {file.string()}, std::move(reason), std::move(advice)});
+}
+
+std::string version(std::uint32_t major, std::uint32_t minor) {
+  return std::to_string(major) + "." + std::to_string(minor);
+}
+
+/// A library that is closed again unless it is kept.
+class Library {
+ public:
+  explicit Library(const std::filesystem::path& file)
+      : handle_(::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_) return;
+    const char* said = ::dlerror();
+    std::string reason = said ? said : "no reason given";
+    if (reason.starts_with(file.string() + ": ")) reason.erase(0, file.string().size() + 2);
+    refuse(file, "it cannot be loaded: " + reason,
+           reason.find("undefined symbol") != std::string::npos
+               ? std::string("it wants what this Polyarm does not have; ") + kRebuild
+               : "install the libraries that it needs, or build it again for this machine");
+  }
+  ~Library() {
+    if (handle_) ::dlclose(handle_);
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  void* find(const char* symbol) const { return ::dlsym(handle_, symbol); }
+  void keep() { handle_ = nullptr; }
+
+ private:
+  void* handle_;
+};
+
+const PluginTable* table_of(const Library& library, const std::filesystem::path& file) {
+  void* const found = library.find("polyarm_plugin");
+  if (!found)
+    refuse(file, "it exports no polyarm_plugin, so it is no plugin of Polyarm",
+           "end its source with POLYARM_PLUGIN(…), or take the file out of the folder");
+  const PluginTable* table = nullptr;
+  try {
+    table = reinterpret_cast<const PluginTable* (*)()>(found)();
+  } catch (...) {
+    refuse(file, "its polyarm_plugin threw: " + what_was_thrown(), "tell its makers");
+  }
+  if (!table) refuse(file, "its polyarm_plugin returns no table", "tell its makers");
+  return table;
+}
+
+void judge(const PluginTable& table, const std::filesystem::path& file) {
+  if (table.major != kPluginMajor || table.minor > kPluginMinor)
+    refuse(file,
+           "it is made for plugin interface " + version(table.major, table.minor) + ", this Polyarm has " +
+               version(kPluginMajor, kPluginMinor),
+           table.major < kPluginMajor ? kRebuild : "install a newer Polyarm, or build it against this one");
+  if (!table.abi || !table.compiler || !table.name || !table.version || (!table.entries && table.count > 0))
+    refuse(file, "its table has holes", "make it with POLYARM_PLUGIN(…)");
+  if (std::strcmp(table.abi, kPluginAbi) != 0)
+    refuse(file,
+           std::string("it was built with ") + table.compiler + " for '" + table.abi +
+               "', this Polyarm with " + kPluginCompiler + " for '" + kPluginAbi + "'",
+           std::string("build it again with a compiler and standard library of that ABI, such as ") +
+               kPluginCompiler);
+}
+
+void judge_entry(const PluginEntry& entry, std::uint32_t number, const std::filesystem::path& file) {
+  const bool hardware = entry.kind == PluginKind::hardware, controller = entry.kind == PluginKind::controller;
+  if (!entry.name || !entry.help || (hardware && !entry.make_hardware) ||
+      (controller && !entry.make_controller))
+    refuse(file, "entry " + std::to_string(number) + " of its table has holes",
+           "make it with POLYARM_HARDWARE(…) or POLYARM_CONTROLLER(…)");
+  if (!hardware && !controller)
+    refuse(file,
+           std::string("'") + entry.name + "' is neither hardware nor a controller but kind " +
+               std::to_string(static_cast<std::uint32_t>(entry.kind)),
+           "make it with POLYARM_HARDWARE(…) or POLYARM_CONTROLLER(…)");
+  if (hardware && entry.layout != kComponentLayout)
+    refuse(file,
+           std::string("'") + entry.name + "' was built with headers whose types have other sizes than here",
+           kRebuild);
+}
+}  // namespace
+
+const PluginTable& open_plugin(const std::filesystem::path& file) {
+  Library library(file);
+  const PluginTable* const table = table_of(library, file);
+  judge(*table, file);
+  for (std::uint32_t i = 0; i < table->count; ++i) judge_entry(table->entries[i], i + 1, file);
+  library.keep();
+  return *table;
+}
+
+std::unique_ptr<Component> make_component(const PluginEntry& entry, const std::filesystem::path& file) {
+  std::unique_ptr<Component> out;
+  try {
+    out.reset(entry.make_hardware());
+  } catch (...) {
+    rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
+                     "its makers have to mend that");
+  }
+  if (!out)
+    throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
+                "tell its makers");
+  return out;
+}
+
+}  // namespace polyarm::hardware

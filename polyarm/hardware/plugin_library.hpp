@@ -1,0 +1,19 @@
+#pragma once
+/// Shared libraries with a plugin's table: opened, judged, and asked for what they make.
+#include <filesystem>
+#include <memory>
+
+#include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/plugin.hpp"
+
+namespace polyarm::hardware {
+
+/// Opens the library, which then stays open, and judges its table: the versions, the ABI, that every entry is
+/// whole, and the layout of hardware. Throws Error("plugin-refused") with the file, the reason and what to
+/// do; then the library is closed. Code of the library runs when it is opened.
+const PluginTable& open_plugin(const std::filesystem::path& file);
+
+/// A new component of the entry. Throws Error("plugin-failed") when the factory throws or makes nothing.
+std::unique_ptr<Component> make_component(const PluginEntry& entry, const std::filesystem::path& file);
+
+}  // namespace polyarm::hardware

@@ -1,0 +1,174 @@
+#include "polyarm/plugins/plugins.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/types.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/hardware/plugin_library.hpp"
+
+namespace polyarm::plugins {
+
+namespace fs = std::filesystem;
+using hardware::PluginEntry;
+using hardware::PluginKind;
+using hardware::PluginTable;
+
+namespace {
+struct Known {
+  std::vector<Plugin> found;
+  std::vector<Refusal> refused;
+  std::set<fs::path> seen;  ///< files and folders
+};
+Known& known() {
+  static Known all;
+  return all;
+}
+
+[[noreturn]] void refuse(const fs::path& file, std::string reason, std::string advice) {
+  throw Error(Problem{"plugin-refused", {file.string()}, std::move(reason), std::move(advice)});
+}
+
+/// "vendor/Type": two words and a slash, which no description or YAML could take for something else.
+bool is_type_name(const std::string& name) {
+  const auto slash = name.find('/');
+  return slash != std::string::npos && slash > 0 && slash + 1 < name.size() &&
+         name.find('/', slash + 1) == std::string::npos &&
+         name.find_first_of(" \t\r\n\"'<>&:#") == std::string::npos;
+}
+
+/// The plugin in use that brings the name, for telling where it is taken.
+std::string where_taken(const std::string& name, PluginKind kind) {
+  for (const Plugin& plugin : known().found)
+    for (const Entry& entry : plugin.entries)
+      if (entry.name == name && entry.kind == kind) return "by " + plugin.file.string();
+  return "by Polyarm itself";
+}
+
+void judge_entry(const PluginEntry& entry, const fs::path& file) {
+  const std::string name = entry.name;
+  if (!is_type_name(name))
+    refuse(file, "'" + name + "' is no name for a type", "names have the form vendor/Type, without blanks");
+  const bool is_hardware = entry.kind == PluginKind::hardware;
+  if (!is_hardware && entry.layout != controllers::kControllerLayout)
+    refuse(file, "'" + name + "' was built with headers whose types have other sizes than here",
+           "build it again against this Polyarm: cmake -DCMAKE_PREFIX_PATH=<where Polyarm is installed>");
+  const bool taken =
+      is_hardware ? hardware::driver_available(name) : controllers::find_controller_type(name) != nullptr;
+  if (taken)
+    refuse(file, "the name '" + name + "' is taken " + where_taken(name, entry.kind),
+           "give it a name of its own");
+}
+
+void judge(const PluginTable& table, const fs::path& file) {
+  if (std::string_view(table.name).empty())
+    refuse(file, "it has no name", "give it one: POLYARM_PLUGIN(\"name\", …)");
+  for (const Plugin& plugin : known().found)
+    if (plugin.name == table.name)
+      refuse(file, "there is a plugin '" + plugin.name + "' already: " + plugin.file.string(),
+             "take one of the two away, or rename it");
+  std::set<std::pair<PluginKind, std::string>> own;
+  for (std::uint32_t i = 0; i < table.count; ++i) {
+    const PluginEntry& entry = table.entries[i];
+    judge_entry(entry, file);
+    if (!own.emplace(entry.kind, entry.name).second)
+      refuse(file, std::string("it has '") + entry.name + "' twice", "give them different names");
+  }
+}
+
+std::unique_ptr<controllers::Controller> make_controller(const PluginEntry& entry, const fs::path& file) {
+  std::unique_ptr<controllers::Controller> out;
+  try {
+    out.reset(entry.make_controller());
+  } catch (...) {
+    rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
+                     "its makers have to mend that");
+  }
+  if (!out)
+    throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
+                "tell its makers");
+  return out;
+}
+
+void take(const PluginEntry& entry, const fs::path& file) {
+  if (entry.kind == PluginKind::hardware)
+    hardware::register_driver(entry.name, [&entry, file] { return hardware::make_component(entry, file); });
+  else
+    controllers::register_controller_type(
+        {entry.name, [&entry, file] { return make_controller(entry, file); }, entry.help, {}});
+}
+
+void load(const fs::path& file) {
+  const PluginTable& table = hardware::open_plugin(file);
+  judge(table, file);
+  Plugin plugin{file, table.name, table.version, table.compiler, {}};
+  for (std::uint32_t i = 0; i < table.count; ++i) {
+    take(table.entries[i], file);
+    plugin.entries.push_back({table.entries[i].name, table.entries[i].kind, table.entries[i].help});
+  }
+  known().found.push_back(std::move(plugin));
+}
+
+void load_once(const fs::path& file) {
+  if (!known().seen.insert(fs::weakly_canonical(file)).second) return;
+  try {
+    load(file);
+  } catch (const Error& e) {
+    const Problem& problem = e.problems().front();
+    known().refused.push_back({file, problem.what, problem.advice});
+  }
+}
+
+fs::path installed_folder() {
+  std::error_code error;
+  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  return executable.parent_path().parent_path() / "lib" / "polyarm" / "plugins";
+}
+
+std::vector<fs::path> folders_of_user() {
+  std::vector<fs::path> out;
+  if (const char* written = std::getenv("POLYARM_PLUGINS"))
+    for (const std::string& folder : split_words(written, ":")) out.emplace_back(folder);
+  return out;
+}
+}  // namespace
+
+void load_folder(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error))
+    if (at->path().extension() == ".so") files.push_back(at->path());
+  if (error && known().seen.insert(fs::absolute(folder)).second)
+    known().refused.push_back({folder, "the folder cannot be read: " + error.message(),
+                               "plugins are looked for in it because somebody named it"});
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) load_once(file);
+}
+
+std::vector<fs::path> default_folders() {
+  std::vector<fs::path> out = folders_of_user();
+  if (fs::path installed = installed_folder(); !installed.empty()) out.push_back(std::move(installed));
+  return out;
+}
+
+void load_default_folders() {
+  for (const fs::path& folder : folders_of_user()) load_folder(folder);
+  std::error_code error;
+  if (const fs::path installed = installed_folder(); fs::is_directory(installed, error))
+    load_folder(installed);
+}
+
+const std::vector<Plugin>& found() {
+  return known().found;
+}
+const std::vector<Refusal>& refused() {
+  return known().refused;
+}
+
+}  // namespace polyarm::plugins
