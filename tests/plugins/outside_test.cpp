@@ -41,7 +41,7 @@ void build(const fs::path& folder, const std::string& found_by) {
   const std::string to = " " + quoted(folder / "build");
   ASSERT_NO_FATAL_FAILURE(expect_done(std::string(POLYARM_CMAKE) + " -S " + quoted(folder) + " -B" + to +
                                       " -G '" + POLYARM_GENERATOR + "' -DCMAKE_BUILD_TYPE=None " + found_by +
-                                      " -DCMAKE_CXX_FLAGS='" + POLYARM_FLAGS + "'"));
+                                      " -DCMAKE_CXX_FLAGS='" + POLYARM_FLAGS + "'" + POLYARM_LAUNCHER + POLYARM_LAUNCHER));
   ASSERT_NO_FATAL_FAILURE(expect_done(std::string(POLYARM_CMAKE) + " --build" + to));
   ASSERT_NO_FATAL_FAILURE(
       expect_done(std::string(POLYARM_CTEST) + " --no-tests=error --output-on-failure --test-dir" + to));
@@ -49,6 +49,7 @@ void build(const fs::path& folder, const std::string& found_by) {
 
 TEST(New, WritesHardwareAndControllersThatBuildPassAndRunOutsideTheTree) {
   const test::Folder place;
+  ::setenv("CCACHE_BASEDIR", place.path().c_str(), 1);  // what was compiled in an earlier run is found again
   const fs::path installed = place.path() / "prefix", arm = place.path() / "arm",
                  follow = place.path() / "follow";
   ASSERT_EQ(test::run_command({"new", "hardware", "MyArm", "--vendor", "acme", "--folder", arm}).exit_code,
@@ -62,11 +63,11 @@ TEST(New, WritesHardwareAndControllersThatBuildPassAndRunOutsideTheTree) {
   ASSERT_NO_FATAL_FAILURE(expect_done(std::string(POLYARM_CMAKE) +
                                       " --install '" POLYARM_BUILD "' --prefix " + quoted(installed)));
   ASSERT_NO_FATAL_FAILURE(build(arm, "-DCMAKE_PREFIX_PATH=" + quoted(installed)));
-  for (const auto& file : fs::recursive_directory_iterator(installed / "include"))
-    if (file.is_regular_file())
-      for (const char* foreign : {"<Eigen", "yaml-cpp", "<fmt/", "nlohmann", "gtest"})
-        EXPECT_EQ(read_file(file.path()).find(foreign), std::string::npos)
-            << file.path() << " has " << foreign;
+  for (const auto& file : fs::recursive_directory_iterator(installed / "include")) {
+    if (!file.is_regular_file()) continue;
+    for (const char* foreign : {"<Eigen", "yaml-cpp", "<fmt/", "nlohmann", "gtest"})
+      EXPECT_EQ(read_file(file.path()).find(foreign), std::string::npos) << file.path() << " has " << foreign;
+  }
 
   // Both in one cell, under the installed command, which finds the hardware in its own folder.
   fs::create_directories(installed / "lib/polyarm/plugins");
