@@ -61,6 +61,10 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
+  app.add_option_function<double>(
+         "--budget", [&a](double ms) { a.overrides.budget = nanoseconds(ms * 1e-3); },
+         "ms that a callback in the control loop may take; longer ones are told at once")
+      ->check(CLI::Range(0.001, 1000.0));
   app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")
       ->check(CLI::Range(0, 99));
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");

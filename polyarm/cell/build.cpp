@@ -73,6 +73,7 @@ class Planner {
     planned.context.parameters = std::move(parameters);
     planned.controller = controllers::make_controller(type, planned.context.parameters);
     planned.options.lock_step = lock_step_;
+    planned.options.budget = file_.budget;
     plan_.controllers.push_back(std::move(planned));
     return plan_.controllers.back();
   }

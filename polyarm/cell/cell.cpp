@@ -222,6 +222,31 @@ void Cell::tell_loop_events() {
   }
 }
 
+namespace {
+/// 1, 10, 100, …: told at once, and then not a thousand times a second.
+bool is_worth_telling(std::uint64_t count) {
+  while (count % 10 == 0) count /= 10;
+  return count == 1;
+}
+}  // namespace
+
+void Cell::tell_overruns() {
+  const auto tell = [this](const std::string& name, const realtime::Overrun& overrun, const char* advice) {
+    const std::uint64_t count = ++overruns_[{name, overrun.callback}];
+    if (!is_worth_telling(count)) return;
+    observer_.on_note(fmt::format("{}: {} took {:.3f} ms in cycle {}, its budget is {:.3f} ms{} ({})", name,
+                                  overrun.callback, static_cast<double>(overrun.took) * 1e-6, overrun.cycle,
+                                  static_cast<double>(overrun.budget) * 1e-6,
+                                  count == 1 ? "" : fmt::format("; {} times now", count), advice));
+  };
+  realtime::Overrun overrun;
+  while (loop_->hardware().take_overrun(overrun))
+    tell(loop_->hardware().component_name(static_cast<std::size_t>(overrun.who)), overrun,
+         "is_async=\"true\" of its <ros2_control> gives it a thread of its own");
+  while (loop_->controllers().take_overrun(overrun))
+    tell(loop_->controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
+}
+
 const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& name) {
   constexpr std::size_t kKept = 1000;
   std::vector<controllers::GoalEvent>& out = goal_events_[name];
@@ -326,6 +351,7 @@ void Cell::tick(Nanoseconds now) {
   loop_->supervisor().heartbeat(now);
   const control::Snapshot& snapshot = loop_->outbox().value();
   tell_loop_events();
+  tell_overruns();
   if (!started_) send_start_messages();
   requests_->tick();
   follow_strangers(snapshot);

@@ -133,6 +133,7 @@ class Cell {
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
   void send_start_messages();
+  void tell_overruns();
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
   void tell_changes(Nanoseconds now);
@@ -147,6 +148,7 @@ class Cell {
   CellFile file_;
   CellOptions options_;
   Observer& observer_;
+  std::map<std::pair<std::string, std::string>, std::uint64_t> overruns_;  ///< by name and callback
   description::Catalogue catalogue_;
   CellRobots robots_;
   std::vector<CellRobots> reloaded_;  ///< what components that were reloaded refer to

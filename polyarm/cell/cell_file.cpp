@@ -9,12 +9,23 @@
 namespace polyarm::cell {
 
 namespace {
+Nanoseconds read_budget(const Yaml& yaml, Problems& problems) {
+  if (!yaml.defined()) return 0;
+  double out = 0;
+  collect(problems, [&] {
+    out = yaml.number(Dimension::time);
+    if (!(out >= 1e-6 && out <= 1))
+      throw Error(Problem{"bad-value", yaml.where(), "a budget is a time from 1e-6 s to 1 s", "0.2ms"});
+  });
+  return nanoseconds(out);
+}
+
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified"},
+                   "accept_unverified", "budget"},
                   problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
@@ -25,6 +36,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
+  robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });
   if (name.find_first_of("/ \t") != std::string::npos)
@@ -95,8 +107,11 @@ void check_kind(const Yaml& yaml, Problems& problems) {
 }
 
 void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
-  for (RobotEntry& robot : cell.robots)
+  if (overrides.budget > 0) cell.budget = overrides.budget;
+  for (RobotEntry& robot : cell.robots) {
     if (!overrides.hardware.empty()) robot.hardware = overrides.hardware;
+    if (robot.budget == 0 || overrides.budget > 0) robot.budget = cell.budget;
+  }
   if (overrides.robot.empty()) return;
   const auto equals = overrides.robot.find('=');
   if (equals == std::string::npos) {
@@ -132,7 +147,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins",
-                   "signals", "program", "plc", "motion", "loop"},
+                   "budget", "signals", "program", "plc", "motion", "loop"},
                   problems);
   cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
@@ -155,6 +170,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   collect(problems, [&] { cell.activate = yaml["activate"].texts(); });
   collect(problems, [&] { cell.plugins = yaml["plugins"].texts(); });
   cell.plugins_where = yaml["plugins"].where();
+  cell.budget = read_budget(yaml["budget"], problems);
   file("signals", cell.signals, cell.signals_where);
   file("program", cell.program, cell.program_where);
   file("plc", cell.plc, cell.plc_where);

@@ -9,6 +9,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
+#include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
 
 namespace polyarm::cell {
@@ -22,6 +23,7 @@ struct RobotEntry {
   std::string hardware = "mock";  ///< driver name, or "declared": what the description's <ros2_control> says
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::map<std::string, std::string> parameters;  ///< of the hardware
+  Nanoseconds budget = 0;                         ///< of a read or write of its hardware in the loop; 0: any
   std::map<std::string, std::string> arguments;   ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::string text;                ///< the description itself, where `model` names the file that it stands in
@@ -58,6 +60,7 @@ struct CellFile {
       send;                           ///< controller or topic → message file, at the start
   std::vector<std::string> activate;  ///< controllers to start; empty: all that can run together
   std::vector<std::string> plugins;   ///< folders with plugins, relative to the file
+  Nanoseconds budget = 0;             ///< of a callback in the loop, where a robot says no other; 0: any
   Location scene_where, controllers_where, plugins_where, signals_where, program_where, plc_where;
   std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
@@ -67,8 +70,9 @@ struct CellFile {
 
 /// What the command line puts over the file.
 struct Overrides {
-  std::string robot;     ///< model for the only robot, or "name=model"
-  std::string hardware;  ///< for every robot
+  std::string robot;       ///< model for the only robot, or "name=model"
+  std::string hardware;    ///< for every robot
+  Nanoseconds budget = 0;  ///< for everything; 0: what the file says
 };
 
 /// Reads `cell.yaml` (or the folder that has one). Throws Error with everything that is wrong.

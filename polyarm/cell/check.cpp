@@ -13,7 +13,6 @@
 #include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
-#include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/signals/tags.hpp"
@@ -40,7 +39,6 @@ class Checker {
       std::vector<std::string> notes;
       load_plugins(file_, problems_);
       robots_ = resolve_robots(file_, catalogue_, false, problems_, notes);
-      drivers();
       files();
       programs();
       points();
@@ -54,16 +52,6 @@ class Checker {
 
  private:
   std::string beside(const std::string& name) const { return (file_.folder / name).string(); }
-
-  /// What is tried out is played by the mock, so that names of hardware are looked up here.
-  void drivers() {
-    for (const auto& robot : robots_) {
-      if (robot->entry.hardware == "declared" || hardware::driver_available(robot->entry.hardware)) continue;
-      Problem problem = hardware::unknown_driver(robot->entry.hardware);
-      problem.where = robot->entry.where;
-      problems_.add(std::move(problem));
-    }
-  }
 
   void files() {
     if (!file_.scene.empty()) collect(problems_, [&] { description::read_scene(beside(file_.scene)); });

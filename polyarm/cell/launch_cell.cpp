@@ -39,6 +39,7 @@ CellFile cell_from_launch(const fs::path& launch, const std::map<std::string, st
   cell.name = launch.stem().string();
   RobotEntry robot;
   robot.hardware = overrides.hardware.empty() ? "declared" : overrides.hardware;
+  robot.budget = cell.budget = overrides.budget;
   describe_robot(launched, launch, robot, problems);
   cell.robots.push_back(robot);
   cell.launched = std::make_shared<ControllersFile>(read_controllers(launched, problems));

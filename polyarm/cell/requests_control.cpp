@@ -340,8 +340,8 @@ Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
 Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   const std::string name = answer["name"];
   answer["warnings"] = Json::array();
-  for (const Problem& warning : cell.reload_component(name).list())
-    answer["warnings"].push_back(warning.text());
+  const Problems warnings = cell.reload_component(name);
+  for (const Problem& warning : warnings.list()) answer["warnings"].push_back(warning.text());
   answer["next"] = "start its controllers: polyarm control switch --start NAME";
   return walk(cell, i, wanted, std::move(answer));
 }

@@ -268,6 +268,7 @@ class Components {
     };
     if (robot.blocks.empty()) {
       Planned& planned = component(robot.driver, robot.driver);
+      budget(planned, robot);
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
@@ -284,6 +285,7 @@ class Components {
     std::erase_if(joints.components, [](const auto& c) { return c.kind != "joint"; });
     if (!physics || !joints.components.empty()) {
       Planned& planned = component(block.driver, physics ? block.driver : block.info->name);
+      budget(planned, robot);
       describe(planned, *block.info);
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       if (!block.flag.empty()) planned.context.parameters.emplace(block.flag, "true");
@@ -301,6 +303,12 @@ class Components {
       planned.context.robots.push_back(instance(robot));
       planned.context.robots.back().hardware.push_back(rest);
     }
+  }
+
+  /// What plays several robots keeps the shortest of their budgets.
+  static void budget(Planned& planned, const CellRobot& robot) {
+    Nanoseconds& now = planned.options.budget;
+    if (robot.entry.budget > 0 && (now == 0 || robot.entry.budget < now)) now = robot.entry.budget;
   }
 
   void describe(Planned& planned, const description::HardwareInfo& info) {

@@ -9,6 +9,7 @@
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
+#include "polyarm/realtime/overrun_watch.hpp"
 #include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::control {
@@ -20,6 +21,7 @@ struct LoadOptions {
   bool lock_step = false;  ///< async work is done inline, its result one period later
   realtime::ThreadOptions thread = {};
   std::vector<std::string> fallback = {};  ///< started when it fails
+  Nanoseconds budget = 0;                  ///< of each update in the loop, ns; 0: any
 };
 
 /// What the loop did by itself, for the cell thread to tell.
@@ -89,6 +91,8 @@ class ControllerManager {
   void bind_all();
   /// What the loop did by itself since the last call.
   std::vector<LoopEvent> take_events();
+  /// The next update that took longer than its budget; `who` is the controller's id.
+  bool take_overrun(realtime::Overrun& out) { return overruns_.take(out); }
 
   controllers::Controller* find(const std::string& name) const;
   const controllers::ControllerContext* context(const std::string& name) const;
@@ -150,6 +154,7 @@ class ControllerManager {
   int next_id_ = 0;
   std::uint64_t known_epoch_ = 0;
   realtime::Queue<LoopEvent> events_{256};
+  realtime::OverrunWatch overruns_;
 
   // control thread
   std::unique_ptr<Schedule> schedule_;

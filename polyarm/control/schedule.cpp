@@ -33,7 +33,8 @@ ReturnType ControllerManager::run_async(Slot& s, const hardware::Cycle& cycle,
 ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
                                   const controllers::Verdict& verdict) noexcept {
   if (s.runner) return run_async(s, cycle, verdict);
-  return s.controller->update(cycle, verdict);
+  return overruns_.timed(s.options.budget, s.id, "update", cycle.index,
+                         [&] { return s.controller->update(cycle, verdict); });
 }
 
 void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
@@ -48,7 +49,7 @@ void ControllerManager::update(const hardware::Cycle& cycle, const controllers::
     }
     ReturnType result;
     if (entry.divisor == 1) {
-      result = s.runner ? run_async(s, cycle, verdict) : entry.controller->update(cycle, verdict);
+      result = run(s, cycle, verdict);
     } else {
       if (cycle.index % entry.divisor != 0) continue;
       hardware::Cycle longer = cycle;

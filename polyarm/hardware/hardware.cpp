@@ -401,12 +401,11 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
     in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
     if (hosted.runner) {
       result = read_async(hosted, cycle, own);
-    } else if (hosted.options.divisor == 1) {
-      result = hosted.component->read(cycle, own);
     } else {
       Cycle longer = cycle;
       longer.period *= hosted.options.divisor;
-      result = hosted.component->read(longer, own);
+      result = overruns_.timed(hosted.options.budget, static_cast<std::int32_t>(i), "read", cycle.index,
+                               [&] { return hosted.component->read(longer, own); });
     }
     const FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
     if (result == ReturnType::ok && impossible == FaultKind::none) continue;
@@ -434,7 +433,8 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
     if (hosted.runner)
       write_async(hosted, cycle, own);
     else if (hosted.writing)
-      result = hosted.component->write(cycle, own);
+      result = overruns_.timed(hosted.options.budget, static_cast<std::int32_t>(i), "write", cycle.index,
+                               [&] { return hosted.component->write(cycle, own); });
     const bool behind = result == ReturnType::ok && hosted.writing &&
                         std::isfinite(hosted.options.following_error) && !follows(hosted);
     if (result == ReturnType::ok && !behind) continue;

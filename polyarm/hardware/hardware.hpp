@@ -13,6 +13,7 @@
 #include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
+#include "polyarm/realtime/overrun_watch.hpp"
 
 namespace polyarm::hardware {
 
@@ -53,6 +54,7 @@ struct HostOptions {
   bool async = false;      ///< on a thread of its own
   bool lock_step = false;  ///< async work is done inline, its result one period later
   realtime::ThreadOptions thread = {};
+  Nanoseconds budget = 0;                           ///< of each read and write in the loop, ns; 0: any
   std::string group;                                ///< components of one group fail together
   std::string plugin, type;                         ///< as the description has them, for listing
   LifecycleState initial = LifecycleState::active;  ///< what configure_and_activate() takes it to
@@ -138,6 +140,8 @@ class Hardware {
   int component_of_command(std::size_t index) const;
   int find(std::string_view name) const;
   std::vector<std::string> summaries() const;
+  /// The next read or write that took longer than its budget; `who` is the component's index.
+  bool take_overrun(realtime::Overrun& out) { return overruns_.take(out); }
   /// From here on the positions of these joints are watched; one that cannot be true is a fault of its
   /// component, as if it had failed itself.
   void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
@@ -197,6 +201,7 @@ class Hardware {
   realtime::Jobs& jobs_;
   std::vector<std::unique_ptr<Hosted>> hosted_;
   std::vector<ForcedValue> forced_;
+  realtime::OverrunWatch overruns_;
   std::atomic<int> in_call_{-1};
   int pacer_ = -1;  ///< component that paces the loop
   std::uint32_t following_cycles_ = 250;

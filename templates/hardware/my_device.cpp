@@ -43,7 +43,7 @@ CallbackReturn MyDevice::on_init(const hw::ComponentContext& context) {
   for (const auto& [key, value] : context.parameters)
     if (key == "port")
       port_ = value;
-    else
+    else if (key != "following_error")  // that one is for the control loop
       problems.error("unknown-parameter", {}, context.name + " knows no parameter '" + key + "'",
                      "it has: port");
   for (const hw::RobotInstance& robot : context.robots)

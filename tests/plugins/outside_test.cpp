@@ -41,7 +41,7 @@ void build(const fs::path& folder, const std::string& found_by) {
   const std::string to = " " + quoted(folder / "build");
   ASSERT_NO_FATAL_FAILURE(expect_done(std::string(POLYARM_CMAKE) + " -S " + quoted(folder) + " -B" + to +
                                       " -G '" + POLYARM_GENERATOR + "' -DCMAKE_BUILD_TYPE=None " + found_by +
-                                      " -DCMAKE_CXX_FLAGS='" + POLYARM_FLAGS + "'" + POLYARM_LAUNCHER + POLYARM_LAUNCHER));
+                                      " -DCMAKE_CXX_FLAGS='" + POLYARM_FLAGS + "'" + POLYARM_LAUNCHER));
   ASSERT_NO_FATAL_FAILURE(expect_done(std::string(POLYARM_CMAKE) + " --build" + to));
   ASSERT_NO_FATAL_FAILURE(
       expect_done(std::string(POLYARM_CTEST) + " --no-tests=error --output-on-failure --test-dir" + to));

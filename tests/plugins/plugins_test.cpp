@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "polyarm/cell/check.hpp"
+#include "polyarm/cell/hardware_names.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/hardware.hpp"
@@ -125,6 +126,13 @@ TEST(Plugins, UnknownNamesGetTheNearestAmongThoseOfPlugins) {
               "did you mean 'things/Holder'");
 }
 
+TEST(Plugins, ANameInADescriptionIsThePluginsOrGetsTheNearest) {
+  load("both");
+  EXPECT_EQ(cell::choose_hardware("things/Follower", "block").driver, "things/Follower");
+  EXPECT_EQ(cell::choose_hardware("things/Follower", "block").note, "");
+  EXPECT_SAYS(cell::choose_hardware("things/Folower", "block").note, "did you mean 'things/Follower'");
+}
+
 TEST(Plugins, NamesWithASlashAreNeverPaths) {
   EXPECT_FALSE(hardware::driver_available("../drivers/polyarm_driver_mujoco"));
   EXPECT_FALSE(hardware::driver_available("x/../mujoco"));
@@ -184,6 +192,41 @@ TEST_F(ACell, RunsHardwareAndControllerOfAPlugin) {
   const auto at = cell->loop().table().find_state("arm/joint_2/position");
   ASSERT_TRUE(at);
   EXPECT_GT(cell->loop().table().states()[*at], 0.25) << "the controller's command has reached the hardware";
+}
+
+/// Keeps what a run's first lines say.
+class Notes : public cell::Observer {
+ public:
+  void on_note(const std::string& text) override { all += text + "\n"; }
+  std::string all;
+};
+
+TEST_F(ACell, TellsAtOnceWhatOverranItsBudgetAndThenNotEveryTime) {
+  write("slow: yes}, budget: 0.01ms, arguments: {");
+  Notes notes;
+  cell::CellOptions options;
+  options.lock_step = true;
+  cell::Cell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
+  for (int i = 0; i < 8; ++i) cell.loop().step_next();
+  cell.tick(cell.loop().cycle().time);
+  EXPECT_SAYS(notes.all, "read took 0.0");
+  EXPECT_SAYS(notes.all, " ms in cycle 0, its budget is 0.010 ms (is_async=\"true\"");
+  EXPECT_EQ(notes.all.find(" ms in cycle 1,"), std::string::npos) << notes.all;
+  for (int i = 0; i < 2; ++i) cell.loop().step_next();
+  cell.tick(cell.loop().cycle().time);
+  EXPECT_SAYS(notes.all, "; 10 times now");
+  EXPECT_EQ(notes.all.find("hold: "), std::string::npos) << "nobody gave the controller a budget";
+}
+
+TEST_F(ACell, NothingIsTimedWithoutABudget) {
+  write("slow: yes");
+  Notes notes;
+  cell::CellOptions options;
+  options.lock_step = true;
+  cell::Cell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
+  for (int i = 0; i < 9; ++i) cell.loop().step_next();
+  cell.tick(cell.loop().cycle().time);
+  EXPECT_EQ(notes.all.find("budget"), std::string::npos) << notes.all;
 }
 
 struct Trip {

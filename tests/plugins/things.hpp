@@ -1,5 +1,6 @@
 #pragma once
 /// Small hardware and a small controller for the plugins that the tests load.
+#include <chrono>
 #include <stdexcept>
 
 #include "polyarm/controllers/controller.hpp"
@@ -17,6 +18,7 @@ class Follower : public hw::Component {
   hw::CallbackReturn on_init(const hw::ComponentContext& context) override {
     if (const auto found = context.parameters.find("throws"); found != context.parameters.end())
       throws_ = found->second;
+    slow_ = context.parameters.contains("slow");
     trip("on_init");
     for (const hw::RobotInstance& robot : context.robots)
       for (const int joint : robot.model->actuated)
@@ -35,6 +37,10 @@ class Follower : public hw::Component {
   std::vector<hw::InterfaceDescription> state_interfaces() const override { return described(); }
   std::vector<hw::InterfaceDescription> command_interfaces() const override { return described(); }
   hw::ReturnType read(const hw::Cycle&, std::span<double> states) noexcept override {
+    using Clock = std::chrono::steady_clock;
+    if (slow_)  // longer than any budget of a test, by the clock that it is measured with
+      for (const auto end = Clock::now() + std::chrono::microseconds(20); Clock::now() < end;) {
+      }
     for (std::size_t i = 0; i < at_.size(); ++i) states[i] = at_[i];
     return hw::ReturnType::ok;
   }
@@ -55,6 +61,7 @@ class Follower : public hw::Component {
     return out;
   }
   std::string throws_;
+  bool slow_ = false;
   std::vector<std::string> names_;
   std::vector<double> at_;
 };
