@@ -250,11 +250,13 @@ void Cell::tell_overruns() {
 const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& name) {
   constexpr std::size_t kKept = 1000;
   std::vector<controllers::GoalEvent>& out = goal_events_[name];
-  if (controllers::Controller* controller = loop_->controllers().find(name)) try {
-      while (const auto event = controller->next_goal_event()) out.push_back(*event);
-    } catch (...) {
-      observer_.on_note(name + ": asked what became of its goals it threw: " + what_was_thrown());
-    }
+  controllers::Controller* const controller = loop_->controllers().find(name);
+  try {
+    while (const auto event = controller ? controller->next_goal_event() : std::nullopt)
+      out.push_back(*event);
+  } catch (...) {
+    observer_.on_note(name + ": asked what became of its goals it threw: " + what_was_thrown());
+  }
   if (out.size() > 2 * kKept) out.erase(out.begin(), out.end() - kKept);
   return out;
 }
