@@ -1,0 +1,9 @@
+#pragma once
+#include "drivers/servo_bus/registers.hpp"
+
+namespace polyarm::feetech {
+
+/// STS and SMS servos with a magnetic encoder of 4096 steps: STS3215 and alike.
+const servo_bus::Family& sts_family();
+
+}  // namespace polyarm::feetech

@@ -1,0 +1,101 @@
+#pragma once
+/// The far side: servos with register tables behind a pty, byte for byte as a bus would answer. For tests,
+/// and for whoever wants to try an arm without one. It has its own reading of the wires, so that a fault of
+/// the driver's does not meet the same fault here.
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/servo_bus/registers.hpp"
+
+namespace polyarm::servo_bus {
+
+enum class Wire { feetech, dynamixel };
+
+/// How the line misbehaves. `next_…` count down with each answer.
+struct Mischief {
+  bool echo = false;                  ///< the adapter sends back what it gets
+  std::vector<std::uint8_t> garbage;  ///< before each answer
+  std::set<int> silent;               ///< these servos do not answer
+  int next_lose_byte = 0;             ///< so many answers lack a byte in their middle
+  int next_extra_byte = 0;            ///< so many answers have a byte too many in their middle
+  int next_wrong_checksum = 0;        ///< so many answers end with a wrong checksum
+  int next_wrong_id = 0;              ///< so many answers come from id + 100
+  int next_late = 0;                  ///< so many answers come after the next instruction only
+  int next_pieces = 0;                ///< so many answers come byte by byte
+};
+
+/// Servos on a pty, served by a thread. Servos move towards their goals by `step` with each instruction that
+/// the bus takes, so that what happens depends on the traffic, not on the clock.
+class FakeBus {
+ public:
+  /// `link`: a path that shall lead to the pty; may be empty. Throws Error("fake-failed").
+  FakeBus(Wire wire, std::vector<int> ids, const std::string& link = {});
+  ~FakeBus();
+  FakeBus(const FakeBus&) = delete;
+  FakeBus& operator=(const FakeBus&) = delete;
+
+  const std::string& path() const { return path_; }
+  void set(int id, const Register& reg, std::int32_t value);
+  std::int32_t get(int id, const Register& reg);
+  /// Every value that was written to the register of that servo, in order.
+  std::vector<std::int32_t> written(int id, const Register& reg);
+  void mischief(const Mischief& what);
+  /// As a hand would turn it, torque or not.
+  void move_by_hand(int id, std::int32_t position) { set(id, family_.present_position, position); }
+  /// Called with the number of each instruction that was taken, on the bus's thread.
+  void on_instruction(std::function<void(std::uint64_t)> call);
+  void set_step(int step);
+  /// A servo pressed against something: it stays where it is, at full load.
+  void block(int id, bool blocked);
+  /// The cable is pulled.
+  void hang_up();
+  std::uint64_t instructions() const { return instructions_; }
+  /// Plugs servos in and out.
+  void plug_in(int id);
+  void unplug(int id);
+  std::vector<int> ids();
+
+ private:
+  struct Servo {
+    std::vector<std::uint8_t> table = std::vector<std::uint8_t>(256);
+    std::map<std::uint16_t, std::vector<std::int32_t>> log;
+    bool blocked = false;
+  };
+  using Bytes = std::vector<std::uint8_t>;
+  void serve();
+  bool take_instruction();
+  void execute(std::uint8_t id, std::uint8_t instruction, const Bytes& parameters);
+  void write(Servo& servo, std::uint16_t address, const std::uint8_t* from, std::size_t size);
+  void move(Servo& servo);
+  void answer(std::uint8_t id, Servo& servo, const Bytes& data, std::uint8_t error = 0);
+  void answer_fast(const std::vector<std::uint8_t>& ids, std::uint16_t address, std::uint16_t length);
+  void misbehave_and_send(int id, Bytes frame);
+  void put(const Bytes& bytes);
+  std::uint8_t status(Servo& servo) const;
+  Servo fresh(int id) const;
+
+  Wire wire_;
+  const Family& family_;
+  std::string path_, link_;
+  int master_ = -1, slave_ = -1, wake_[2] = {-1, -1};
+  std::mutex mutex_;
+  std::map<int, Servo> servos_;
+  Mischief mischief_;
+  Bytes in_;
+  std::deque<Bytes> late_;
+  int step_ = 40;
+  std::function<void(std::uint64_t)> call_;
+  std::atomic<std::uint64_t> instructions_{0};
+  std::thread thread_;
+};
+
+}  // namespace polyarm::servo_bus
