@@ -14,10 +14,9 @@ const servo_bus::Family& sts_family() {
     f.default_baud = 1'000'000;
     f.bauds = {1'000'000, 500'000, 250'000, 128'000, 115'200, 76'800, 57'600, 38'400};
     f.highest_id = 253;
-    f.models = {{777, "STS3215"}, {2825, "STS3250"}};
+    f.models = {{777, "STS3215", 0.0065}, {2825, "STS3250", 0.0065}};
     f.steps_per_turn = 4096;
     f.velocity_unit = 2 * std::numbers::pi / 4096;  // 1 step/s; 50 steps/s where bit 2 of `phase` is clear
-    f.current_unit = 0.0065;
     f.voltage_unit = 0.1;
     f.load_unit = 0.001;
     f.mode_position = 0;

@@ -28,6 +28,7 @@ Outcome outcome_of(serial::Status status) {
 }  // namespace
 
 void ServoBus::open(const serial::PortOptions& options, Nanoseconds answer_timeout) {
+  port_.close();  // ours, else it would be found in use
   port_ = serial::Port(options);
   baud_ = options.baud;
   answer_timeout_ = answer_timeout;
@@ -83,7 +84,7 @@ Outcome ServoBus::collect(std::size_t longest, std::size_t expected, Take take) 
   for (;;) {
     for (;;) {
       const Found found = protocol_->find(std::span(in_).subspan(begin, received_ - begin), bound);
-      if (found.kind != Found::Kind::frame) counters_.garbage += found.used;
+      counters_.garbage += found.used - found.raw.size();
       begin += found.used;
       if (found.kind == Found::Kind::more) break;
       if (found.kind == Found::Kind::other) continue;

@@ -116,7 +116,7 @@ FakeBus::Servo FakeBus::fresh(int id) const {
     if (reg) encode(reg, value, std::span(servo.table).subspan(reg.address));
   };
   const bool feetech = wire_ == Wire::feetech;
-  put(family_.model, feetech ? 777 : 1060);
+  put(family_.model, feetech ? 777 : 1020);
   put(family_.firmware, feetech ? 3 | 10 << 8 : 45);
   put(family_.id, id);
   put(family_.baud, feetech ? 0 : 1);

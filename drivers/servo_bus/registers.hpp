@@ -30,6 +30,7 @@ struct NamedRegister {
 struct Model {
   int number;
   const char* name;
+  double current_unit;  ///< A for each count; 0: it reports its load in the place of a current
 };
 
 /// One family ("feetech", "dynamixel").
@@ -40,12 +41,12 @@ struct Family {
   int highest_id;
   std::vector<Model> models;
   int steps_per_turn;
-  double velocity_unit, current_unit, voltage_unit;  ///< rad/s, A, V for each count
-  double load_unit;                                  ///< share of full load for each count; 0: no such thing
-  int mode_position, mode_velocity, mode_current;    ///< -1: no such mode
-  double homing_sign;                                ///< measured = raw + homing_sign × homing
-  int homing_limit;                                  ///< largest homing, either way
-  double soft_limit_full;                            ///< value of soft_limit that means full torque
+  double velocity_unit, voltage_unit;              ///< rad/s, V for each count
+  double load_unit;                                ///< share of full load for each count
+  int mode_position, mode_velocity, mode_current;  ///< -1: no such mode
+  double homing_sign;                              ///< measured = raw + homing_sign × homing
+  int homing_limit;                                ///< largest homing, either way
+  double soft_limit_full;                          ///< value of soft_limit that means full torque
 
   Register model, firmware, id, baud, min_limit, max_limit, max_temperature, max_voltage, min_voltage, homing,
       mode, phase, lock;

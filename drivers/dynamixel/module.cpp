@@ -1,0 +1,3 @@
+#include "drivers/dynamixel/dynamixel.hpp"
+
+POLYARM_DRIVER(polyarm::dynamixel::DynamixelComponent)

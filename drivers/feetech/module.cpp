@@ -1,0 +1,3 @@
+#include "drivers/feetech/feetech.hpp"
+
+POLYARM_DRIVER(polyarm::feetech::FeetechComponent)

@@ -1,0 +1,108 @@
+#pragma once
+/// Joints driven by servos on a serial line, of whatever family.
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/servo_bus/bus.hpp"
+#include "drivers/servo_bus/setup.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::servo_bus {
+
+/// States for each joint, as declared: position (rad), velocity (rad/s), effort (share of full load, or A,
+/// times `effort_scale`), current (A), temperature (°C), voltage (V). One command for each: position,
+/// velocity or current, by its mode.
+///
+/// Activation takes over from where the joints stand: goal = measured, then torque on. Deactivation stops and
+/// holds: torque stays on. Torque goes off only at the shutdown, only with `torque_off: on_shutdown`, and
+/// slowly. After an error the joints are told to hold where they are, as far as they can be reached.
+class ServoComponent : public hardware::Component {
+ public:
+  ServoComponent(const Family& family, std::unique_ptr<Protocol> protocol)
+      : family_(family), bus_(family, std::move(protocol)) {}
+
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_configure() override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  hardware::CallbackReturn on_shutdown() override;
+  hardware::CallbackReturn on_error() override;
+  std::vector<hardware::InterfaceDescription> state_interfaces() const override;
+  std::vector<hardware::InterfaceDescription> command_interfaces() const override;
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle,
+                             std::span<const double> commands) noexcept override;
+  bool real() const noexcept override { return true; }
+  bool blocks() const noexcept override { return true; }
+  std::string reason() const override;
+  std::string summary() const override;
+
+  const LineCounters& counters() const noexcept { return bus_.counters(); }
+
+ protected:
+  BusSetup& setup() noexcept { return setup_; }
+
+ private:
+  static constexpr std::size_t kMost = ServoBus::kMostServos;
+  enum class Quantity : std::uint8_t { position, velocity, effort, current, temperature, voltage };
+  struct Place {
+    std::size_t joint;
+    Quantity quantity;
+  };
+  /// What is known of a joint's servo.
+  struct Servo {
+    int model = 0, firmware = 0;
+    int min = 0, max = 0;        ///< steps
+    double current_unit = 0;     ///< A; 0: it reports load
+    double velocity_unit = 0;    ///< rad/s
+    double max_temperature = 0;  ///< °C
+    double min_voltage = 0, max_voltage = 0;
+    double stall_effort = 0;
+    int soft_limit = 0;  ///< as found or set at activation
+    // measured
+    int steps = 0;
+    std::array<double, 6> values{};
+    unsigned status = 0;
+    // the cycle's
+    int lost = 0;
+    int goal = 0;
+    double stalled_for = 0;
+  };
+  enum class FaultKind : std::uint8_t { none, lost, gone, failed, alarm, hot, stalled };
+
+  bool fetch(std::size_t joint, const Register& reg, std::int32_t& value);
+  bool identify(std::size_t joint, Problems& problems);
+  void find_limits(std::size_t joint, Problems& problems);
+  bool measure_all();
+  void check_before_torque(std::size_t joint, Problems& problems) const;
+  bool enable(std::size_t joint, Problems& problems);
+  bool set_mode(std::size_t joint, Problems& problems);
+  void hold() noexcept;
+  void lower() noexcept;
+  void take(std::size_t joint, Bytes block, std::uint8_t error) noexcept;
+  void watch(std::size_t joint, double dt) noexcept;
+  void fault(FaultKind kind, std::uint32_t joints, unsigned detail) noexcept;
+  const Register& goal_register(Mode mode) const noexcept;
+  int goal_of(std::size_t joint, double command) const noexcept;
+  std::string who(std::size_t joint) const;
+  hardware::CallbackReturn refuse(const Problems& problems);
+
+  const Family& family_;
+  ServoBus bus_;
+  std::string name_;
+  BusSetup setup_;
+  std::vector<Servo> servos_;
+  std::vector<std::uint8_t> ids_;
+  std::vector<Place> places_;
+  std::vector<std::uint8_t> block_;
+  std::array<Reply, kMost> replies_{};
+  bool active_ = false;
+  std::string refusal_;                  ///< of the last callback
+  std::atomic<std::uint64_t> fault_{0};  ///< kind, detail, joints
+};
+
+}  // namespace polyarm::servo_bus

@@ -1,0 +1,52 @@
+#pragma once
+/// What a user says about a bus and its joints: parameters of the component, of its joints, and a
+/// calibration.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/servo_bus/registers.hpp"
+#include "polyarm/base/time.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::servo_bus {
+
+enum class Mode : std::uint8_t { position, velocity, current };
+const char* name(Mode mode);
+
+struct JointSetup {
+  std::string interface;  ///< "arm/elbow_flex"
+  std::string name;       ///< "elbow_flex"
+  std::uint8_t id = 0;
+  Mode mode = Mode::position;
+  int direction = 1;            ///< 1, or -1 where the joint turns against the servo
+  double offset = 0;            ///< rad, angle of the joint where the servo shows `zero`
+  int zero = 0;                 ///< steps
+  std::optional<int> min, max;  ///< steps; else the servo's own limits
+  std::optional<int> model;     ///< its number; else any of the family
+  bool any_model = false;
+  std::optional<double> torque_limit;     ///< share; else what the servo is set to
+  std::optional<double> max_temperature;  ///< °C; else the servo's own limit
+  double effort_scale = 1;                ///< N·m for full load, or for each ampere
+  std::optional<double> stall_effort;     ///< in the units of the effort
+  double stall_time = 2;                  ///< s; 0: not watched
+  std::vector<std::string> states;        ///< "position", "temperature", …
+};
+
+struct BusSetup {
+  std::string port;
+  int baud = 0;
+  Nanoseconds answer_timeout = 0;
+  int lost_cycles = 5;
+  bool lowers_on_shutdown = false;
+  Nanoseconds release_time = 0;
+  bool fast_sync_read = false;
+  int watchdog_ms = 0;
+  std::vector<JointSetup> joints;
+};
+
+/// Throws Error with every parameter that is missing, unknown or wrong.
+BusSetup read_setup(const hardware::ComponentContext& context, const Family& family);
+
+}  // namespace polyarm::servo_bus
