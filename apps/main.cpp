@@ -32,6 +32,7 @@ const std::vector<Verb>& verbs() {
       {"send", "give a message to a controller of a running cell", run_send},
       {"watch", "show what a controller of a running cell puts out", run_watch},
       {"param", "parameters of the controllers of a running cell", run_param},
+      {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
       {"completion", "print shell completion (bash, zsh, fish)", run_completion},
       {"version", "print the version", run_version},
   };

@@ -38,6 +38,7 @@ int run_limits(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);
 int run_param(int argc, char** argv);
+int run_setup(int argc, char** argv);
 int run_completion(int argc, char** argv);
 int run_version(int argc, char** argv);
 

@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <deque>
+
+#include "apps/options.hpp"
+#include "drivers/dynamixel/family.hpp"
+#include "drivers/dynamixel/protocol2.hpp"
+#include "drivers/feetech/family.hpp"
+#include "drivers/feetech/protocol0.hpp"
+#include "drivers/servo_bus/commissioning.hpp"
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+constexpr const char* kSo101Joints = "shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll,gripper";
+
+/// Questions on the terminal; answers from --answer first.
+class Terminal : public servo_bus::Dialogue {
+ public:
+  explicit Terminal(const std::vector<std::string>& answers) : answers_(answers.begin(), answers.end()) {}
+  void say(const std::string& text) override {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+  }
+  std::string ask(const std::string& question, const std::function<void()>& meanwhile) override {
+    fmt::print("{}: ", question);
+    std::fflush(stdout);
+    if (!answers_.empty()) {
+      const std::string answer = answers_.front();
+      answers_.pop_front();
+      if (meanwhile) meanwhile();
+      fmt::print("{}\n", answer);
+      return answer;
+    }
+    pollfd in{STDIN_FILENO, POLLIN, 0};
+    while (meanwhile && ::poll(&in, 1, 5) == 0) meanwhile();
+    std::string answer;
+    for (int c = std::fgetc(stdin); c != '\n'; c = std::fgetc(stdin)) {
+      if (c == EOF)
+        throw Error("no-answer", "nobody answers: " + question,
+                    "run this in a terminal, or give answers with --answer");
+      answer += static_cast<char>(c);
+    }
+    return answer;
+  }
+
+ private:
+  std::deque<std::string> answers_;
+};
+
+struct SetupArguments {
+  std::string family, restore, joints = kSo101Joints;
+  servo_bus::CommissioningOptions options;
+  std::vector<std::string> answers;
+  bool scan = false, check = false, back_up = false;
+  double timeout_ms = 5;
+};
+
+int run(const SetupArguments& a) {
+  const bool feetech = a.family == "feetech";
+  const servo_bus::Family& family = feetech ? feetech::sts_family() : dynamixel::x_family();
+  const auto protocol = [feetech]() -> std::unique_ptr<servo_bus::Protocol> {
+    if (feetech) return std::make_unique<feetech::Protocol0>();
+    return std::make_unique<dynamixel::Protocol2>();
+  };
+  Terminal terminal(a.answers);
+  servo_bus::Commissioning setup(family, protocol, a.options, terminal);
+  if (a.scan) return setup.find().empty() ? kFailed : kOk;
+  if (!a.restore.empty()) {
+    setup.restore(a.restore);
+    return kOk;
+  }
+  if (!a.check && !a.back_up) setup.assign_ids();
+  setup.find();
+  if (!setup.check()) {
+    fmt::print(stderr, "not everything is as it should be: see above\n");
+    return kFailed;
+  }
+  if (a.check) return kOk;
+  setup.back_up();
+  if (!a.back_up) setup.calibrate();
+  return kOk;
+}
+}  // namespace
+
+int run_setup(int argc, char** argv) {
+  CLI::App app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
+  SetupArguments a;
+  app.add_option("device", a.family, "feetech or dynamixel")
+      ->required()
+      ->check(CLI::IsMember({"feetech", "dynamixel"}));
+  app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
+  app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
+  app.add_option("--joints", a.joints, "names from base to tip, separated by commas; ids follow from 1")
+      ->capture_default_str();
+  a.options.calibration = "calibration.yaml";
+  a.options.backup = "servo_backup.yaml";
+  app.add_option("--calibration", a.options.calibration,
+                 "the file that the driver reads; also where a run goes on")
+      ->capture_default_str();
+  app.add_option("--backup", a.options.backup, "where the registers are kept before anything is changed")
+      ->capture_default_str();
+  auto* scan = app.add_flag("--scan", a.scan, "only look who is there");
+  auto* check = app.add_flag("--check", a.check, "only look whether all joints are there and well");
+  auto* back_up = app.add_flag("--back-up", a.back_up, "only check and keep the registers");
+  auto* restore = app.add_option("--restore", a.restore, "write a backup back");
+  scan->excludes(check)->excludes(back_up)->excludes(restore);
+  check->excludes(back_up)->excludes(restore);
+  back_up->excludes(restore);
+  app.add_option("--highest-id", a.options.highest_id, "look for ids up to this one");
+  app.add_option("--answer-timeout-ms", a.timeout_ms, "how long a servo may take to answer")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->capture_default_str();
+  app.add_option("--answer", a.answers, "answer to a question, in order; may be repeated");
+  app.footer(examples({"polyarm setup feetech --scan", "polyarm setup feetech --calibration so101.yaml",
+                       "polyarm setup dynamixel --joints waist,shoulder,elbow,wrist --baud 1000000",
+                       "polyarm setup feetech --restore servo_backup.yaml"}) +
+             "\nThe joints keep still all the while; torque goes off after a yes, never on.\n");
+  if (const auto code = parse(app, argc, argv)) return *code;
+  a.options.joints = split_words(a.joints, ", ");
+  a.options.answer_timeout = nanoseconds(a.timeout_ms / 1000);
+  return run(a);
+}
+
+}  // namespace polyarm::apps
