@@ -55,7 +55,7 @@ class Terminal : public servo_bus::Dialogue {
 };
 
 struct SetupArguments {
-  std::string family, restore, joints = kSo101Joints;
+  std::string family, restore, joints;
   servo_bus::CommissioningOptions options;
   std::vector<std::string> answers;
   bool scan = false, check = false, back_up = false;
@@ -97,8 +97,8 @@ int run_setup(int argc, char** argv) {
       ->check(CLI::IsMember({"feetech", "dynamixel"}));
   app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
   app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
-  app.add_option("--joints", a.joints, "names from base to tip, separated by commas; ids follow from 1")
-      ->capture_default_str();
+  app.add_option("--joints", a.joints,
+                 "names from base to tip, separated by commas; ids follow from 1 (feetech: those of SO-101)");
   a.options.calibration = "calibration.yaml";
   a.options.backup = "servo_backup.yaml";
   app.add_option("--calibration", a.options.calibration,
@@ -123,6 +123,11 @@ int run_setup(int argc, char** argv) {
                        "polyarm setup feetech --restore servo_backup.yaml"}) +
              "\nThe joints keep still all the while; torque goes off after a yes, never on.\n");
   if (const auto code = parse(app, argc, argv)) return *code;
+  if (a.joints.empty() && a.family == "feetech") a.joints = kSo101Joints;
+  if (a.joints.empty() && !a.scan && a.restore.empty()) {
+    fmt::print(stderr, "polyarm setup: which joints? say --joints base,shoulder,… from base to tip\n");
+    return kUsage;
+  }
   a.options.joints = split_words(a.joints, ", ");
   a.options.answer_timeout = nanoseconds(a.timeout_ms / 1000);
   return run(a);

@@ -135,7 +135,7 @@ int Commissioning::id_of(const std::string& joint) const {
 void Commissioning::give_id(const FoundServo& servo, int id) {
   if (servo.id == id) return;
   const auto from = static_cast<std::uint8_t>(servo.id), to = static_cast<std::uint8_t>(id);
-  get(servo.id, family_.torque) == 0 ? void() : take_torque_off("its id is to change");
+  if (get(servo.id, family_.torque) != 0) take_torque_off({servo.id}, "its id is to change");
   if (family_.lock && bus_->write_checked(from, family_.lock, 0) != Outcome::ok)
     throw Error("write-refused", "servo " + std::to_string(servo.id) + " does not open its lock",
                 "run this again");
@@ -233,13 +233,19 @@ std::filesystem::path Commissioning::back_up() {
   return path;
 }
 
-void Commissioning::take_torque_off(const std::string& why) {
+std::vector<int> Commissioning::ids() const {
+  std::vector<int> out;
+  for (const std::string& joint : options_.joints) out.push_back(id_of(joint));
+  return out;
+}
+
+void Commissioning::take_torque_off(const std::vector<int>& ids, const std::string& why) {
   if (!yes(dialogue_.ask("Torque goes off (" + why + ") and the arm will sink. Hold it, then type yes")))
     throw Error("not-agreed", "torque stays as it is: that was not yes",
                 "run this again when the arm is supported");
-  for (const std::string& joint : options_.joints) {
-    const auto id = static_cast<std::uint8_t>(id_of(joint));
-    if (bus_->ping(id) == Outcome::ok && bus_->write_checked(id, family_.torque, 0) != Outcome::ok)
+  for (const int id : ids) {
+    const auto own = static_cast<std::uint8_t>(id);
+    if (bus_->write_checked(own, family_.torque, 0) != Outcome::ok)
       throw Error("write-refused", "servo " + std::to_string(id) + " does not let go",
                   "switch its power off");
   }
@@ -285,7 +291,7 @@ void Commissioning::move_away_from_the_wrap(const std::string& joint, Range& ran
 
 void Commissioning::calibrate() {
   if (!bus_) find();
-  take_torque_off("the joints are moved by hand");
+  take_torque_off(ids(), "the joints are moved by hand");
   std::map<std::string, Range> ranges;
   for (const std::string& joint : options_.joints) ranges[joint];
   for (int attempt = 0;; ++attempt) {
@@ -367,7 +373,10 @@ int Commissioning::restore(const std::filesystem::path& file) {
     }
   }
   problems.throw_if_errors();  // all or nothing
-  if (!writes.empty()) take_torque_off("registers are written back");
+  std::vector<int> ids;
+  for (const Write& write : writes)
+    if (ids.empty() || ids.back() != write.id) ids.push_back(write.id);
+  if (!writes.empty()) take_torque_off(ids, "registers are written back");
   for (const Write& write : writes) set_lasting(write.id, write.reg, write.value);
   dialogue_.say(std::to_string(writes.size()) + " registers were different and are as in " + file.string() +
                 " again");

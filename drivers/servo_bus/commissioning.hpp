@@ -78,7 +78,8 @@ class Commissioning {
   void set_lasting(int id, const Register& reg, std::int32_t value);
   int id_of(const std::string& joint) const;
   void give_id(const FoundServo& servo, int id);
-  void take_torque_off(const std::string& why);
+  void take_torque_off(const std::vector<int>& ids, const std::string& why);
+  std::vector<int> ids() const;
   void follow(std::map<std::string, Range>& ranges);
   void move_away_from_the_wrap(const std::string& joint, Range& range);
   void read_calibration();

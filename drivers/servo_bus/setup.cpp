@@ -65,15 +65,15 @@ class Reader {
   Problems& problems_;
 };
 
+/// Beside the description, or where the process stands; empty: nowhere.
 std::filesystem::path find_calibration(const std::string& given, const hardware::ComponentContext& context) {
   std::error_code ignored;
-  if (std::filesystem::exists(given, ignored)) return given;
   for (const hardware::RobotInstance& robot : context.robots)
     for (const description::HardwareInfo& info : robot.hardware) {
       const auto beside = std::filesystem::path(info.where.file).parent_path() / given;
       if (!info.where.file.empty() && std::filesystem::exists(beside, ignored)) return beside;
     }
-  return given;
+  return std::filesystem::exists(given, ignored) ? std::filesystem::path(given) : std::filesystem::path();
 }
 
 /// joint → its values, from the file that `polyarm setup` has written.
@@ -83,7 +83,12 @@ std::map<std::string, Values> read_calibration(const hardware::ComponentContext&
   const auto given = bus.find("calibration");
   if (given == bus.end() || trim(given->second).empty()) return out;
   collect(problems, [&] {
-    const Yaml yaml = Yaml::load(find_calibration(given->second, context).string());
+    const auto path = find_calibration(std::string(trim(given->second)), context);
+    if (path.empty())
+      throw Error("no-calibration",
+                  "there is no calibration '" + given->second + "' beside the description, nor here",
+                  std::string("make it with `polyarm setup ") + family.name + " --calibration FILE`");
+    const Yaml yaml = Yaml::load(path.string());
     if (yaml["polyarm"].text("") != "servo_calibration/1")
       problems.error("wrong-kind", yaml.where(), "this is no servo_calibration/1 file",
                      std::string("make one with `polyarm setup ") + family.name + "`");

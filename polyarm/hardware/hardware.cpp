@@ -274,6 +274,10 @@ void Hardware::configure_and_activate() {
     if (hosted_[i]->options.initial != LifecycleState::unconfigured) configure(i);
   for (std::size_t i = 0; i < hosted_.size(); ++i)
     if (hosted_[i]->options.initial == LifecycleState::active) activate(i);
+  // What waits for a device has measured before controllers begin; its thread does not run yet.
+  for (const auto& hosted : hosted_)
+    if (hosted->runner && hosted->component->blocks() && hosted->state.load() != LifecycleState::unconfigured)
+      hosted->own_result.store(hosted->component->read(hosted->own_cycle, hosted->own_states));
   note_world();
 }
 

@@ -65,6 +65,27 @@ TEST(Hardware, GivesEachComponentItsOwnPlacesInTheTable) {
   EXPECT_TRUE(std::isnan(table.states()[*table.find_state("left/j/position")]));
 }
 
+/// Waits for a device, and knows nothing before it has asked it.
+class Device : public Echo {
+ public:
+  std::vector<InterfaceDescription> state_interfaces() const override { return {{"device/j/position"}}; }
+  ReturnType read(const Cycle&, std::span<double> states) noexcept override {
+    states[0] = 7;
+    return ReturnType::ok;
+  }
+  bool blocks() const noexcept override { return true; }
+};
+
+TEST(Hardware, WhatWaitsForADeviceHasMeasuredBeforeControllersBegin) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Device>(), named("device"));
+  hardware.configure_and_activate();
+  hardware.read({});
+  EXPECT_EQ(table.states()[0], 7);
+}
+
 TEST(Hardware, NamesTheComponentThatFails) {
   InterfaceTable table;
   realtime::Jobs jobs;

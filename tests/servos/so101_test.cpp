@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "drivers/feetech/family.hpp"
+#include "drivers/servo_bus/fake_bus.hpp"
+#include "polyarm/base/file.hpp"
+#include "tests/support/command.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::ExampleCopy;
+using test::Finished;
+using test::run_command;
+
+void change(const ExampleCopy& copy, const std::string& from, const std::string& to) {
+  std::string text = read_file(copy.file("cell.yaml"));
+  ASSERT_NE(text.find(from), std::string::npos);
+  text.replace(text.find(from), from.size(), to);
+  write_file_atomically(copy.file("cell.yaml"), text);
+}
+
+TEST(So101, WavesSimulatedAndRepeatsItself) {
+  const std::string example = std::string(POLYARM_SOURCE_DIR) + "/examples/so101";
+  const Finished ran = run_command({"run", example, "--fast", "--json", "--no-socket"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 10.9);
+  EXPECT_EQ(run_command({"run", example, "--fast", "--json", "--no-socket"}).result()["trace_hash"],
+            ran.result()["trace_hash"]);
+}
+
+TEST(So101, WavesOverTheRealWireByOneWord) {
+  const ExampleCopy copy("so101");
+  change(copy, "hardware: mock", "hardware: feetech_fake");
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 10.9);
+}
+
+/// The servos of an arm on a pty, and the example's cell that drives them.
+struct ArmOnAWire {
+  servo_bus::FakeBus bus{servo_bus::Wire::feetech, {1, 2, 3, 4, 5, 6}};
+  ExampleCopy copy{"so101"};
+  ArmOnAWire() {
+    change(copy, "hardware: mock", "hardware: feetech");
+    change(copy, "/dev/ttyACM0", bus.path() + "\n      answer_timeout_ms: 500");
+    std::ofstream(copy.file("calibration.yaml"))
+        << "polyarm: servo_calibration/1\nfamily: feetech\njoints:\n  wrist_roll: {id: 5, direction: -1}\n";
+  }
+};
+
+TEST(So101, TheDriverMovesTheServosOfTheArm) {
+  ArmOnAWire arm;
+  int most = 0, least = 4096;
+  arm.bus.on_instruction([&](std::uint64_t) {
+    const int at = arm.bus.get(5, feetech::sts_family().present_position);
+    most = std::max(most, at);
+    least = std::min(least, at);
+  });
+  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  arm.bus.on_instruction({});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NEAR(least, 2048 - 0.5 * 4096 / 6.283185, 10) << "wrist_roll goes to 0.5 rad, against its servo";
+  EXPECT_NEAR(arm.bus.get(1, feetech::sts_family().present_position), 2048, 2);
+  EXPECT_EQ(arm.bus.get(1, feetech::sts_family().torque), 1) << "the end of a run lets nothing fall";
+  EXPECT_EQ(arm.bus.get(6, feetech::sts_family().soft_limit), 500);
+}
+
+TEST(So101, WithoutACalibrationItSaysHowToMakeOne) {
+  ArmOnAWire arm;
+  std::filesystem::remove(arm.copy.file("calibration.yaml"));
+  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.output.find("polyarm setup feetech --calibration"), std::string::npos) << ran.output;
+}
+
+TEST(So101, APulledCableEndsTheRunWithTheJoints) {
+  ArmOnAWire arm;
+  arm.bus.on_instruction([&](std::uint64_t number) {
+    if (number != 700) return;
+    servo_bus::Mischief silent;
+    silent.silent = {4, 5, 6};
+    arm.bus.mischief(silent);
+  });
+  change(arm.copy, "answer_timeout_ms: 500", "answer_timeout_ms: 50");
+  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 1) << ran.output;
+  EXPECT_NE(ran.output.find("wrist_flex (servo 4"), std::string::npos) << ran.output;
+  EXPECT_EQ(ran.output.find("shoulder_pan (servo 1"), std::string::npos) << ran.output;
+}
+
+TEST(SetupCommand, ScansKeepsAndBringsBack) {
+  servo_bus::FakeBus bus(servo_bus::Wire::feetech, {1, 2, 3, 4, 5, 6});
+  const ExampleCopy copy("so101");
+  const std::string backup = copy.file("backup.yaml").string();
+  const std::vector<std::string> common{
+      "--port", bus.path(), "--baud", "1000000", "--highest-id", "8", "--answer-timeout-ms", "100"};
+  const auto setup = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"setup", "feetech"});
+    arguments.insert(arguments.end(), common.begin(), common.end());
+    return run_command(arguments);
+  };
+  const Finished scan = setup({"--scan"});
+  EXPECT_EQ(scan.exit_code, 0) << scan.output;
+  EXPECT_NE(scan.output.find("id 6 at 1000000 bit/s: STS3215"), std::string::npos) << scan.output;
+  EXPECT_EQ(setup({"--check"}).exit_code, 0);
+  const Finished kept = setup({"--back-up", "--backup", backup});
+  EXPECT_EQ(kept.exit_code, 0) << kept.output;
+  bus.set(4, feetech::sts_family().min_limit, 77);
+  EXPECT_EQ(setup({"--restore", backup, "--answer", "no"}).exit_code, 1);
+  EXPECT_EQ(bus.get(4, feetech::sts_family().min_limit), 77);
+  const Finished back = setup({"--restore", backup, "--answer", "yes"});
+  EXPECT_EQ(back.exit_code, 0) << back.output;
+  EXPECT_EQ(bus.get(4, feetech::sts_family().min_limit), 0);
+  bus.unplug(2);
+  EXPECT_EQ(setup({"--check"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace polyarm
