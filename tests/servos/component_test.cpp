@@ -1,5 +1,7 @@
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <thread>
 
 #include "tests/servos/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -217,6 +219,32 @@ TEST_P(Disturbed, ACycleIsLostAndTheNextIsGood) {
   for (int k = 0; k < 3; ++k) ASSERT_EQ(rig.step(), ReturnType::ok) << rig.component->reason();
   EXPECT_NEAR(rig.state(0, kPosition), 22 * kStep, 1e-9);
   EXPECT_GT(rig.component->counters().lost, before);
+}
+
+TEST_P(BothWires, SurvivesALineFullOfNoiseAndIsGoodAgainAfterIt) {
+  ServoRig rig(GetParam());
+  rig.set("answer_timeout_ms", "20");
+  rig.set("lost_cycles", "10000");
+  ASSERT_TRUE(rig.start());
+  std::mt19937 random(7);
+  const std::uint8_t likely[] = {0xFF, 0xFF, 0xFD, 0x00, 0x01, 0x02, 0xFE, 0x55, 0x04};
+  rig.commands = {0.1, -0.1, 0.2};
+  for (int k = 0; k < 60; ++k) {
+    Mischief noise;
+    noise.garbage.resize(random() % 12);
+    for (std::uint8_t& byte : noise.garbage) byte = likely[random() % std::size(likely)];
+    noise.echo = random() % 2;
+    for (int Mischief::*what : {&Mischief::next_lose_byte, &Mischief::next_wrong_checksum,
+                                &Mischief::next_extra_byte, &Mischief::next_late, &Mischief::next_wrong_id})
+      noise.*what = random() % 4 == 0;
+    rig.fake.mischief(noise);
+    ASSERT_EQ(rig.step(), ReturnType::ok) << rig.component->reason();
+    for (std::size_t joint = 0; joint < 3; ++joint)
+      ASSERT_LT(std::abs(rig.state(joint, kPosition)), 0.3) << "noise is never taken for a position";
+  }
+  rig.fake.mischief({});
+  for (int k = 0; k < 40; ++k) ASSERT_EQ(rig.step(), ReturnType::ok);
+  EXPECT_NEAR(rig.state(0, kPosition), 0.1, kStep);
 }
 
 TEST_P(BothWires, AServoThatFallsSilentIsNamedAfterSoManyCycles) {
