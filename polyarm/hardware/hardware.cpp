@@ -329,12 +329,16 @@ Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept 
 ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> states) noexcept {
   if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
   std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
-  return hosted.own_result.load(std::memory_order_acquire);
+  return hosted.own_result.exchange(ReturnType::ok, std::memory_order_acq_rel);  // a failure is told once
 }
 
 void Hardware::write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept {
   if (!hosted.runner->idle()) return hosted.runner->note_missed();
-  if (hosted.writing) std::copy(commands.begin(), commands.end(), hosted.own_commands.begin());
+  if (hosted.writing)
+    std::copy(commands.begin(), commands.end(), hosted.own_commands.begin());
+  else  // what it was told last must not lead when it is activated again
+    std::fill(hosted.own_commands.begin(), hosted.own_commands.end(),
+              std::numeric_limits<double>::quiet_NaN());
   hosted.own_cycle = cycle;
   hosted.own_cycle.period = cycle.period * hosted.options.divisor;
   hosted.runner->trigger();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -125,6 +126,64 @@ TEST(Hardware, ForcesAFaultOverWhatControllersSay) {
   EXPECT_EQ(table.commands()[0], 0.25);
   EXPECT_EQ(table.states()[0], 0.25);
   EXPECT_THROW(hardware.force("arm/k/position", 0), Error);
+}
+
+/// Notes every command it is given.
+class Waiting : public Component {
+ public:
+  CallbackReturn on_init(const ComponentContext&) override { return CallbackReturn::success; }
+  std::vector<InterfaceDescription> state_interfaces() const override { return {{"w/j/velocity", 0.0}}; }
+  std::vector<InterfaceDescription> command_interfaces() const override { return {{"w/j/velocity"}}; }
+  ReturnType read(const Cycle&, std::span<double>) noexcept override { return ReturnType::ok; }
+  ReturnType write(const Cycle&, std::span<const double> commands) noexcept override {
+    told.push_back(commands[0]);
+    return std::exchange(fail, false) ? ReturnType::error : ReturnType::ok;
+  }
+  bool blocks() const noexcept override { return true; }
+  static inline std::vector<double> told;
+  static inline bool fail = false;
+};
+
+class WaitingTest : public ::testing::Test {
+ protected:
+  WaitingTest() {
+    Waiting::told.clear();
+    HostOptions options;
+    options.lock_step = true;
+    hardware.add(std::make_unique<Waiting>(), named("w"), options);
+    hardware.configure_and_activate();
+    cycle();
+    table.commands()[0] = 0.5;
+    cycle();
+  }
+  Fault cycle() {
+    const Fault fault = hardware.read({});
+    hardware.write({});
+    return fault;
+  }
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware{table, jobs};
+};
+
+TEST_F(WaitingTest, AComponentWithAThreadIsNotToldOldCommandsWhenItIsInactive) {
+  ASSERT_EQ(Waiting::told.back(), 0.5);
+  hardware.begin_deactivate(0);
+  cycle();
+  hardware.finish_deactivate(0);
+  cycle();
+  EXPECT_TRUE(std::isnan(Waiting::told.back())) << Waiting::told.back();
+}
+
+TEST_F(WaitingTest, AComponentWithAThreadFailsOnceAndCanBeUsedAgain) {
+  Waiting::fail = true;
+  cycle();
+  EXPECT_TRUE(cycle()) << "the failure of the cycle before";
+  hardware.recover_from_error(0);
+  hardware.configure(0);
+  hardware.activate(0);
+  for (int k = 0; k < 3; ++k) EXPECT_FALSE(cycle()) << k;
+  EXPECT_EQ(hardware.state_of(0), LifecycleState::active);
 }
 
 TEST(Hardware, RefusesTwoInterfacesOfOneName) {
