@@ -9,6 +9,7 @@ struct HardwareChoice {
   std::string driver;  ///< "mock", "mujoco", …
   std::string flag;    ///< parameter that makes the driver behave like the plugin; empty: none
   std::string note;    ///< one sentence when something was replaced, else empty
+  std::string real;    ///< the driver of the robot itself, where there is one beside what plays it
 };
 
 /// The driver for a plugin name of a description: the table of the names that ROS users have, a driver of
@@ -21,6 +22,7 @@ struct HardwareAlias {
   const char* plugin;
   const char* driver;
   const char* flag = "";
+  const char* real = "";
 };
 const std::vector<HardwareAlias>& hardware_aliases();
 

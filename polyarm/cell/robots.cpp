@@ -95,7 +95,7 @@ std::string unless_real(const std::string& driver, const std::string& who, bool 
 void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
   const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
   for (const description::HardwareInfo& info : robot.model.hardware) {
-    HardwareChoice choice{asked, "", ""};
+    HardwareChoice choice{asked, "", "", ""};
     if (asked == "declared") choice = choose_hardware(info.plugin, info.name);
     choice.driver = unless_real(choice.driver, info.name, real, notes);
     if (!choice.note.empty()) notes.push_back(choice.note);

@@ -1,0 +1,97 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "drivers/pca9685/chip.hpp"
+#include "drivers/pca9685/settings.hpp"
+#include "drivers/pca9685/watchdog_link.hpp"
+#include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/device_lock.hpp"
+
+namespace polyarm::drivers {
+
+/// What the component finds outside; tests put a chip of their own there.
+struct BoardEnvironment {
+  BusOpener open;
+  std::string watchdog;  ///< the program
+};
+BoardEnvironment real_board();
+
+/// Direct-current motors on a board with a PCA9685 (Adafruit's motor HAT and FeatherWing, the JetBot): one
+/// velocity command for each wheel, rad/s. There is no encoder: the velocity state is what is commanded,
+/// after dead band and clamp, and the position state is its integral over the cycles; neither is measured.
+///
+/// Motors are off after on_configure, on_activate, on_deactivate, on_error, on_shutdown and destruction, and
+/// whenever a wheel has no command (NaN). When this process dies or stands still, the watchdog's process
+/// turns them off. After any failure nothing is driven until on_activate.
+///
+/// Reads and writes wait for the bus. The on_… calls may come from another thread than read and write.
+class Pca9685Component : public hardware::Component {
+ public:
+  explicit Pca9685Component(BoardEnvironment environment = real_board())
+      : environment_(std::move(environment)) {}
+  ~Pca9685Component() override;
+
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_configure() override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  hardware::CallbackReturn on_shutdown() override;
+  hardware::CallbackReturn on_error() override;
+
+  std::vector<hardware::InterfaceDescription> state_interfaces() const override { return settings_.states; }
+  std::vector<hardware::InterfaceDescription> command_interfaces() const override {
+    return settings_.commands;
+  }
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle,
+                             std::span<const double> commands) noexcept override;
+  bool real() const noexcept override { return true; }
+  bool blocks() const noexcept override { return true; }
+  std::string reason() const override;
+  std::string summary() const override;
+
+  int watchdog_process() const noexcept { return watchdog_.process(); }
+
+ private:
+  /// Why it failed last, in one word of 64 bits, so that another thread may read it at any time.
+  enum class Trouble : std::uint8_t { none, lock, bus, chip, watchdog, command };
+  struct Motor {
+    MotorDrive applied;
+    double velocity = 0, position = 0;  // rad/s, rad
+  };
+  void note(Trouble trouble, std::uint8_t step, std::uint8_t where = 0, std::uint8_t value = 0,
+            int error = 0) noexcept;
+  bool ok(const ChipFailure& failure) noexcept;
+  bool ok(WatchdogLink::Health health) noexcept;
+  hardware::CallbackReturn configure();
+  bool open();
+  void close() noexcept;
+  bool all_off() noexcept;
+  hardware::ReturnType stop_for_failure() noexcept;
+  ChipFailure apply(std::size_t wheel, const MotorDrive& drive) noexcept;
+  bool drive_all(std::span<const double> commands) noexcept;
+  bool heartbeat() noexcept;
+  std::string bus_reason(std::uint8_t step, int error) const;
+  std::string chip_reason(std::uint8_t step, std::uint8_t where, std::uint8_t value, int error) const;
+  std::string watchdog_reason(std::uint8_t step) const;
+  std::string place() const;  ///< "the motor board at /dev/i2c-1 0x60"
+
+  BoardEnvironment environment_;
+  std::string name_, lock_refusal_;
+  BoardSettings settings_;
+  std::mutex mutex_;  // of all below
+  hardware::DeviceLock lock_;
+  std::unique_ptr<I2cBus> bus_;
+  std::unique_ptr<Pca9685> chip_;
+  WatchdogLink watchdog_;
+  std::vector<Motor> motors_;
+  bool driving_ = false, failed_ = false;
+  std::uint64_t since_beat_ = 0, beat_every_ = 1, since_check_ = 0, check_every_ = 1;  // cycles
+  std::atomic<std::uint64_t> trouble_{0};
+};
+
+}  // namespace polyarm::drivers

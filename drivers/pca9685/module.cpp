@@ -1,0 +1,3 @@
+#include "drivers/pca9685/component.hpp"
+
+POLYARM_DRIVER(polyarm::drivers::Pca9685Component)

@@ -1,0 +1,172 @@
+/// A driver in a process of its own comes to harm; the registers tell what becomes of the motors.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "tests/pca9685/rig.hpp"
+
+namespace polyarm::drivers {
+namespace {
+
+using test::FakeBoard;
+using test::FakeChip;
+using test::Transaction;
+
+class DrivingProcess {
+ public:
+  explicit DrivingProcess(const std::string& bus) {
+    int in[2], out[2];
+    if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(in[0], STDIN_FILENO);
+      dup2(out[1], STDOUT_FILENO);
+      execl(POLYARM_FAKE_PROCESS, POLYARM_FAKE_PROCESS, "drive", bus.c_str(), nullptr);
+      _exit(127);
+    }
+    close(in[0]);
+    close(out[1]);
+    to_ = in[1];
+    from_ = fdopen(out[0], "r");
+  }
+  ~DrivingProcess() {
+    signal(SIGCONT);
+    signal(SIGKILL);
+    wait();
+    close(to_);
+    std::fclose(from_);
+  }
+  DrivingProcess(const DrivingProcess&) = delete;
+  DrivingProcess& operator=(const DrivingProcess&) = delete;
+
+  void signal(int number) const {
+    if (pid_ > 0) kill(pid_, number);
+  }
+  void tell(const std::string& word) const {
+    const std::string line = word + "\n";
+    if (::write(to_, line.data(), line.size()) < 0) throw std::runtime_error("it does not listen");
+  }
+  std::string line() {
+    char text[1024];
+    return std::fgets(text, sizeof text, from_) ? text : "nothing more";
+  }
+  void wait() {
+    if (pid_ > 0) waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int to_ = -1;
+  std::FILE* from_ = nullptr;
+};
+
+bool turning(const FakeChip& c) {
+  return c.output(8) == 2048 && c.output(9) == 4096 && c.output(13) == 2048 && c.output(12) == 4096;
+}
+bool off(const FakeChip& c) {
+  return c.all_off();
+}
+
+class WatchdogTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(process.line(), "driving\n");
+    ASSERT_TRUE(board.wait(turning));
+  }
+  FakeBoard board;
+  DrivingProcess process{board.path()};
+};
+
+struct Death {
+  const char* name;
+  int signal;        ///< sent to it, or
+  const char* word;  ///< told to it
+};
+class Deaths : public WatchdogTest, public ::testing::WithParamInterface<Death> {};
+
+TEST_P(Deaths, TurnMotorsOff) {
+  if (GetParam().word)
+    process.tell(GetParam().word);
+  else
+    process.signal(GetParam().signal);
+  EXPECT_TRUE(board.wait(off));
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, Deaths,
+                         ::testing::Values(Death{"kill", SIGKILL, nullptr}, Death{"term", SIGTERM, nullptr},
+                                           Death{"interrupt", SIGINT, nullptr},
+                                           Death{"hangup", SIGHUP, nullptr}, Death{"segv", SIGSEGV, nullptr},
+                                           Death{"abort", 0, "abort"}, Death{"crash", 0, "crash"},
+                                           Death{"throw", 0, "throw"}, Death{"exit", 0, "exit"},
+                                           Death{"return", 0, "return"}),
+                         [](const auto& death) { return std::string(death.param.name); });
+
+TEST_F(WatchdogTest, AProcessThatStandsStillIsStoppedAndStaysSo) {
+  process.signal(SIGSTOP);
+  ASSERT_TRUE(board.wait([](const FakeChip& c) { return c.all_off() && c.asleep(); }));
+  board.forget_log();
+  process.signal(SIGCONT);
+  const std::string said = process.line();
+  EXPECT_NE(said.find("error: this process stood still"), std::string::npos) << said;
+  EXPECT_NE(said.find("activate it again"), std::string::npos) << said;
+  EXPECT_FALSE(board.was_on()) << "nothing moves by itself";
+  process.tell("activate");
+  ASSERT_EQ(process.line(), "driving\n");
+  EXPECT_TRUE(board.wait(turning));
+}
+
+TEST_F(WatchdogTest, ALoopThatHangsIsStopped) {
+  process.tell("spin");
+  EXPECT_TRUE(board.wait([](const FakeChip& c) { return c.all_off() && c.asleep(); }));
+}
+
+TEST_F(WatchdogTest, StoppedAndThenKilledItLeavesMotorsOff) {
+  process.signal(SIGSTOP);
+  process.signal(SIGKILL);
+  EXPECT_TRUE(board.wait(off));
+}
+
+TEST_F(WatchdogTest, ADeadBusIsTriedUntilItAnswers) {
+  board.set_fault([](const Transaction&) { return EIO; });
+  process.signal(SIGKILL);
+  process.wait();
+  board.forget_log();
+  ASSERT_TRUE(board.wait_for_count(5)) << "attempts of the watchdog";
+  EXPECT_FALSE(board.look(off));
+  board.set_fault(nullptr);
+  EXPECT_TRUE(board.wait(off));
+}
+
+TEST_F(WatchdogTest, TheNextProcessFindsTheBoardFree) {
+  process.signal(SIGKILL);
+  process.wait();
+  ASSERT_TRUE(board.wait(off));
+  DrivingProcess next(board.path());
+  EXPECT_EQ(next.line(), "driving\n");
+  EXPECT_TRUE(board.wait(turning));
+}
+
+TEST(WatchdogProgram, WordsThatAreNoSettingsAreRefused) {
+  const auto taken = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "watchdog");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    WatchdogSettings settings;
+    return settings_from(static_cast<int>(argv.size()), argv.data(), settings);
+  };
+  EXPECT_TRUE(taken({"/dev/i2c-1", "96", "250", "656", "60000"}));
+  EXPECT_FALSE(taken({}));
+  EXPECT_FALSE(taken({"/dev/i2c-1", "96", "250", "656"}));
+  EXPECT_FALSE(taken({"/dev/i2c-1", "300", "250", "656", "60000"}));
+  EXPECT_FALSE(taken({"/dev/i2c-1", "96", "0", "656", "60000"}));
+  EXPECT_FALSE(taken({"/dev/i2c-1", "96", "2x", "656", "60000"}));
+}
+
+}  // namespace
+}  // namespace polyarm::drivers
