@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "drivers/mujoco/mjcf.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::drivers {
@@ -22,6 +24,14 @@ void check_parts(const description::Scene& scene) {
                      "the part '" + part.name + "' has a mesh as its shape, which physics does not simulate",
                      "give it a box, cylinder, capsule or sphere of its size");
   problems.throw_if_errors();
+}
+
+/// As ROS names the numbers of a pose.
+constexpr const char* kPoseNames[] = {"position.x",    "position.y",    "position.z",   "orientation.x",
+                                      "orientation.y", "orientation.z", "orientation.w"};
+
+std::array<double, 7> pose_numbers(const Pose& p) {
+  return {p.position.x, p.position.y, p.position.z, p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w};
 }
 }  // namespace
 
@@ -48,6 +58,12 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
             {name, position && j < facts.initial_positions.size() ? facts.initial_positions[j] : 0.0});
         commands_.push_back({name});
       }
+    if (stands_free(facts)) {
+      robot.base_state = static_cast<int>(states_.size());
+      const std::array<double, 7> at = pose_numbers(facts.base);
+      for (std::size_t k = 0; k < at.size(); ++k)
+        states_.push_back({facts.name + "/base/" + kPoseNames[k], at[k]});
+    }
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
     if (robot.gripper->suction() || robot.gripper->parallel()) {
       const std::string tool = facts.name + "/tool/";
@@ -179,6 +195,13 @@ void MujocoComponent::copy_robots(const ModelView& from, ModelView& to) noexcept
       const auto &a = from.robots[r].followers[k], &b = to.robots[r].followers[k];
       copy(a.qpos, b.qpos, a.dof, b.dof);
     }
+    if (const ModelView::Robot& a = from.robots[r], &b = to.robots[r]; a.base_dof >= 0) {
+      for (int k = 0; k < 7; ++k) to.d()->qpos[b.base_qpos + k] = from.d()->qpos[a.base_qpos + k];
+      for (int k = 0; k < 6; ++k) {
+        to.d()->qvel[b.base_dof + k] = from.d()->qvel[a.base_dof + k];
+        to.d()->qacc_warmstart[b.base_dof + k] = from.d()->qacc_warmstart[a.base_dof + k];
+      }
+    }
     for (std::size_t side = 0; side < 2; ++side)
       if (from.robots[r].finger_dof[side] >= 0)
         copy(from.robots[r].finger_qpos[side], to.robots[r].finger_qpos[side],
@@ -223,6 +246,11 @@ ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double>
       states[robot.first_state + 3 * j] = view().d()->qpos[at.qpos[j]];
       states[robot.first_state + 3 * j + 1] = view().d()->qvel[at.dof[j]];
       states[robot.first_state + 3 * j + 2] = robot.servo->torque(j);
+    }
+    if (robot.base_state >= 0) {
+      const mjtNum* q = view().d()->qpos + at.base_qpos;  // x y z, then w x y z
+      const double numbers[] = {q[0], q[1], q[2], q[4], q[5], q[6], q[3]};
+      std::copy_n(numbers, 7, states.begin() + robot.base_state);
     }
     if (robot.tool_state < 0) continue;
     states[static_cast<std::size_t>(robot.tool_state)] =

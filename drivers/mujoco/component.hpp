@@ -44,6 +44,7 @@ class MujocoComponent : public hardware::Component {
     std::size_t joints = 0;
     std::size_t first_state = 0, first_command = 0;  // position, velocity, effort of each joint in turn
     int tool_state = -1, tool_command = -1;
+    int base_state = -1;                             // of one that stands free: the first of seven
     std::vector<double> position, velocity, effort;  // commands, taken apart
   };
   ModelView& view() noexcept { return models_->view(active_); }

@@ -16,6 +16,11 @@ double body_speed(const mjModel* m, const mjData* d, int geom) {
   const mjtNum* v = d->cvel + 6 * m->geom_bodyid[geom];
   return std::sqrt(mju_dot(v, v, 6));
 }
+
+bool stands_on_floor(const ModelView& view, const Owner& robot, const Owner& floor) {
+  return floor.kind == Kind::floor && robot.kind == Kind::link &&
+         view.robots[static_cast<std::size_t>(robot.index)].base_dof >= 0;
+}
 }  // namespace
 
 ContactReader::ContactReader(std::size_t robots, std::size_t parts)
@@ -162,6 +167,7 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
             held_force_[static_cast<std::size_t>(one.index)] + (sign * force[0]) * vec3(c.frame);
       }
     }
+    if (stands_on_floor(view, a, b) || stands_on_floor(view, b, a)) continue;
     if (!is_finding(a, b, c, parts)) continue;
     Owner first = a, second = b;
     first.name = name_of(a, parts);

@@ -90,9 +90,12 @@ class Writer {
     out_ += fmt::format(format, std::forward<Args>(args)...) + "\n";
   }
 
-  void geom(const std::string& name, const Shape& shape, const Pose& at, double friction) {
+  void geom(const std::string& name, const Shape& shape, const Pose& at, double friction,
+            bool its_friction_counts = false) {
     const std::string what = geometry(shape, at);
-    if (!what.empty()) line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"/>", name, what, friction);
+    if (!what.empty())
+      line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"{}/>", name, what, friction,
+           its_friction_counts ? " priority=\"1\"" : "");
   }
 
   void inertial(const description::Inertial& i) {
@@ -109,6 +112,7 @@ class Writer {
   void robot(std::size_t r) {
     const hardware::RobotInstance& robot = context_.robots[r];
     line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(robot.base));
+    if (stands_free(robot)) line("<freejoint name=\"{}\"/>", base_name(r));
     link(r, robot.model->root);
     line("</body>");
   }
@@ -123,7 +127,8 @@ class Writer {
     }
     for (std::size_t s = 0; s < link.collisions.size(); ++s)
       geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose,
-           link.contact.mu1.value_or(kLinkFriction));
+           link.contact.mu1.value_or(kLinkFriction),
+           link.contact.mu1 && stands_free(context_.robots[r]));  // a caster slides on any floor
     if (index == model.tool_link()) tool(r);
     for (std::size_t j = 0; j < model.joints.size(); ++j)
       if (model.joints[j].parent_link == index) child(r, static_cast<int>(j));
@@ -299,6 +304,7 @@ class Writer {
 
   /// The first moving link turns where the robot is bolted down, its loose capsule may reach into the table.
   void world_excludes(std::size_t r, const Rigid& rigid) {
+    if (stands_free(context_.robots[r])) return;
     const description::RobotModel& model = *context_.robots[r].model;
     const int root = rigid.body_of_link[static_cast<std::size_t>(model.root)];
     for (std::size_t i = 0; i < model.links.size(); ++i) {
@@ -350,6 +356,13 @@ std::string link_name(std::size_t robot, int link) {
 }
 std::string finger_name(std::size_t robot, int side) {
   return fmt::format("finger{}_{}", robot, side);
+}
+
+bool stands_free(const hardware::RobotInstance& robot) {
+  return std::any_of(robot.hardware.begin(), robot.hardware.end(), [](const auto& block) {
+    const auto found = block.parameters.find("base");
+    return found != block.parameters.end() && found->second == "free";
+  });
 }
 
 Rigid rigid_links(const description::RobotModel& model) {

@@ -18,6 +18,9 @@ inline std::string tool_name(std::size_t robot) {
 inline std::string held_name(std::size_t robot) {
   return "held" + std::to_string(robot);
 }
+inline std::string base_name(std::size_t robot) {
+  return "base" + std::to_string(robot);
+}
 inline std::string twin_name(std::size_t part) {
   return "twin" + std::to_string(part);
 }
@@ -36,6 +39,10 @@ struct Rigid {
   std::vector<int> body_of_link;  ///< the link whose body carries each link: itself, or one it is fixed to
 };
 Rigid rigid_links(const description::RobotModel& model);
+
+/// Does the robot stand on the floor instead of being bolted down? One of its <ros2_control> blocks says so:
+/// `<param name="base">free</param>`. Then its links may touch the floor.
+bool stands_free(const hardware::RobotInstance& robot);
 
 /// A mimic joint: its position is `multiplier` times that of `source` plus `offset`. Chains are followed to
 /// the joint that has a value of its own. Indices of RobotModel::joints.

@@ -125,6 +125,11 @@ void ModelSet::find_places(const hardware::ComponentContext& context, ModelView&
                                  static_cast<std::size_t>(source - actuated.begin()), f.multiplier,
                                  f.offset});
     }
+    if (const int id = find(m, mjOBJ_JOINT, base_name(r)); id >= 0) {
+      robot.base_qpos = m->jnt_qposadr[id];
+      robot.base_dof = m->jnt_dofadr[id];
+      robot.base_body = m->jnt_bodyid[id];
+    }
     robot.tool_body = find(m, mjOBJ_BODY, tool_name(r));
     robot.held_body = find(m, mjOBJ_BODY, held_name(r));
     robot.held_geom = find(m, mjOBJ_GEOM, held_name(r));

@@ -26,6 +26,7 @@ struct ModelView {
   std::size_t slots = 0;
   struct Robot {
     std::vector<int> qpos, dof;  ///< of the actuated joints
+    int base_qpos = -1, base_dof = -1, base_body = -1;  ///< of one that stands free; else -1
     struct Follower {            ///< a mimic joint
       int qpos = -1, dof = -1;
       std::size_t source = 0;  ///< place among the actuated joints

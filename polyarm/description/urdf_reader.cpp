@@ -38,6 +38,7 @@ class UrdfReader : private XmlReader {
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
     problems_.throw_if_errors();
+    if (model_.links.empty() && joints_.empty()) stand_in({file_, robot->GetLineNum()});
     tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_);
     problems_.throw_if_errors();
     check_hardware(model_, problems_, warnings_);
@@ -59,6 +60,28 @@ class UrdfReader : private XmlReader {
     for (const XMLElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement())
       if (const XMLElement* found = unexpanded(*child)) return found;
     return nullptr;
+  }
+
+  /// A description of hardware alone (the JetBot's of ROS 2 tutorials): its joints get a link each, without
+  /// shape, and turn for ever.
+  void stand_in(const Location& where) {
+    for (const HardwareInfo& hardware : model_.hardware)
+      for (const ComponentInfo& component : hardware.components) {
+        if (component.kind != "joint") continue;
+        if (model_.links.empty()) model_.links.emplace_back().name = "base_link";
+        NamedJoint made;
+        made.joint.name = component.name;
+        made.joint.type = JointType::continuous;
+        made.parent = "base_link";
+        made.child = component.name + "_link";
+        made.where = component.where;
+        model_.links.emplace_back().name = made.child;
+        joints_.push_back(std::move(made));
+      }
+    if (!model_.links.empty())
+      warnings_.warning("no-links", where,
+                        "the description has no links: the joints of its <ros2_control> run without shapes",
+                        "controllers work as they are; physics and a picture need links");
   }
 
   void element(const XMLElement& e) {

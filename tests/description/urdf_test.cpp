@@ -167,6 +167,21 @@ TEST_P(BadUrdf, IsRefusedWithLineAndReason) {
   }
 }
 
+TEST(Urdf, HardwareWithoutLinksGetsOneForEachJoint) {
+  Problems warnings;
+  const RobotModel model = read_urdf(
+      "<robot name=\"r\"><ros2_control name=\"B\" type=\"system\"><hardware><plugin>p/P</plugin></hardware>"
+      "<joint name=\"left\"><command_interface name=\"velocity\"/></joint>"
+      "<joint name=\"right\"><command_interface name=\"velocity\"/></joint></ros2_control></robot>",
+      "r.urdf", warnings);
+  EXPECT_EQ(model.joint_names(), (std::vector<std::string>{"left", "right"}));
+  EXPECT_EQ(model.links.size(), 3u);
+  EXPECT_EQ(model.joints[0].type, JointType::continuous);
+  ASSERT_EQ(warnings.list().size(), 1u);
+  EXPECT_EQ(warnings.list()[0].code, "no-links");
+  EXPECT_EQ(warnings.list()[0].severity, Severity::warning);
+}
+
 std::vector<Bad> bad_files() {
   const std::string ab = joint("j", "a", "b");
   return {
