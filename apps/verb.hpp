@@ -37,6 +37,7 @@ int run_health(int argc, char** argv);
 int run_limits(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);
+int run_teleop(int argc, char** argv);
 int run_param(int argc, char** argv);
 int run_setup(int argc, char** argv);
 int run_completion(int argc, char** argv);

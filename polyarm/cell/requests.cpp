@@ -45,7 +45,7 @@ const std::vector<Row>& rows() {
       {{"control.list",
         {},
         "[{name, type, state, chained, async, rate, updates, missed, claimed, commands, states, references, "
-        "exported_states, fallback}]",
+        "exported_states, fallback, inputs: [{name, types}]}]",
         "the controllers, their states and what they claim and offer",
         false},
        control_list},

@@ -163,6 +163,17 @@ Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer)
   };
 }
 
+namespace {
+/// The messages that a controller takes, with the types of ROS.
+Json inputs_of(Cell& cell, const std::string& name) {
+  Json out = Json::array();
+  if (const controllers::Controller* controller = cell.loop().controllers().find(name))
+    for (const controllers::InputPort& port : controller->inputs())
+      out.push_back({{"name", port.name}, {"types", port.types}});
+  return out;
+}
+}  // namespace
+
 Poll control_list(Cell& cell, const Json&) {
   Json out = Json::array();
   const double rate = 1 / seconds(cell.loop().options().period);
@@ -180,7 +191,8 @@ Poll control_list(Cell& cell, const Json&) {
                    {"states", c.required_states},
                    {"references", c.references},
                    {"exported_states", c.exported},
-                   {"fallback", c.fallback}});
+                   {"fallback", c.fallback},
+                   {"inputs", inputs_of(cell, c.name)}});
   return at_once(std::move(out));
 }
 

@@ -21,6 +21,7 @@ TEST(Command, AnUnknownVerbIsAnErrorWithTheNearestOne) {
 
 TEST(Command, EveryVerbHasHelpWithExamples) {
   for (const char* verb :
+  for (const char* verb :
        {"run",        "check",  "new",    "plugins", "robots", "describe", "fk",    "ik",    "xacro", "replay",   "control", "hardware",
         "interfaces", "health", "limits", "send",    "watch",  "param",    "setup", "teleop", "doctor", "drivers", "completion"}) {
     const Finished help = run_command({verb, "--help"});
