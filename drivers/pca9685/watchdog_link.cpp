@@ -69,7 +69,8 @@ std::string find_watchdog() {
   if (dladdr(reinterpret_cast<void*>(&find_watchdog), &self) == 0 || !self.dli_fname) return {};
   std::error_code error;
   const fs::path here = fs::absolute(self.dli_fname, error).parent_path();
-  for (const fs::path& folder : {here, here / "drivers"})
+  for (const fs::path& folder :
+       {here, here / "drivers", here.parent_path() / "drivers", here.parent_path() / "lib" / "polyarm"})
     if (fs::exists(folder / "polyarm_pca9685_watchdog", error))
       return (folder / "polyarm_pca9685_watchdog").string();
   return {};

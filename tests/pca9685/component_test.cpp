@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/pca9685/rig.hpp"
 
@@ -255,6 +256,31 @@ TEST_F(ComponentTest, AnErrorAtAnyTransactionIsToldAndNothingKeepsTurning) {
     component.on_cleanup();
   }
   EXPECT_LE(survived, 5) << "only orders to stop are repeated";
+}
+
+TEST_F(ComponentTest, WhateverABadBusDoesMotorsAreOffInTheEnd) {
+  component.on_init(wheels_on(parameters));
+  std::mt19937 random(0x60);
+  const auto chance = [&random](int percent) { return static_cast<int>(random() % 100) < percent; };
+  for (int round = 0; round < 60; ++round) {
+    board.set_fault([noise = std::mt19937(static_cast<unsigned>(round))](const Transaction&) mutable {
+      constexpr int kErrors[] = {EREMOTEIO, EIO, ETIMEDOUT, EAGAIN};
+      return noise() % 100 < 8 ? kErrors[noise() % 4] : 0;
+    });
+    component.on_configure();
+    component.on_activate();
+    for (int k = 0; k < 20; ++k) {
+      write(std::uniform_real_distribution<double>(-2, 2)(random), chance(10) ? kNone : 0.3);
+      read();
+      if (chance(5)) component.on_deactivate();
+      if (chance(5)) component.on_activate();
+    }
+    component.on_error();
+    board.set_fault(nullptr);
+    EXPECT_TRUE(board.wait([](const FakeChip& c) { return c.all_off(); })) << "round " << round;
+    EXPECT_EQ(component.on_configure(), CallbackReturn::success) << component.reason();
+    EXPECT_TRUE(all_off());
+  }
 }
 
 TEST_F(ComponentTest, ABusThatDiesWhileDrivingEndsInAnErrorAndTheWatchdogGoesOnTrying) {

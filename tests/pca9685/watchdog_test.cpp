@@ -152,6 +152,16 @@ TEST_F(WatchdogTest, TheNextProcessFindsTheBoardFree) {
   EXPECT_TRUE(board.wait(turning));
 }
 
+TEST(WatchdogProgram, LiesBesideTheDriverAndSaysWhenItCannotOpenTheBus) {
+  const std::string program = find_watchdog();
+  ASSERT_NE(program, "");
+  WatchdogLink link;
+  EXPECT_EQ(link.start(program, {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::cannot_open);
+  EXPECT_EQ(link.start(program, {"/nonexistent", 0x60, 250, 656}), WatchdogLink::Health::cannot_open);
+  EXPECT_EQ(link.start("/bin/false", {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::missing);
+  EXPECT_EQ(link.start("", {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::missing);
+}
+
 TEST(WatchdogProgram, WordsThatAreNoSettingsAreRefused) {
   const auto taken = [](std::vector<std::string> words) {
     words.insert(words.begin(), "watchdog");
