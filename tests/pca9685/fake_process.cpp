@@ -41,7 +41,9 @@ std::string heard() {
 
 int drive(const std::string& bus) {
   drivers::Pca9685Component component(fake_environment());
-  component.on_init(wheels_on(jetbot(bus)));
+  auto parameters = jetbot(bus);
+  parameters["watchdog_ms"] = "1000";
+  component.on_init(wheels_on(parameters));
   if (!start(component)) return 1;
   const double commands[] = {0.5, 0.5};
   double states[4];

@@ -150,7 +150,7 @@ class TeleopTest : public ::testing::Test {
 };
 
 TEST_F(TeleopTest, HoldsToDriveAndStopsWhenTheKeyIsLetGo) {
-  AtTerminal teleop({"teleop"});
+  AtTerminal teleop({"teleop", "--hold", "1", "--first", "2"});
   ASSERT_TRUE(teleop.shows("jetbot_base_controller"));
   ASSERT_TRUE(teleop.shows("speed 0.016 m/s  turn 0.25 rad/s")) << "the controller's limits";
   ASSERT_TRUE(teleop.shows("standing"));
@@ -201,7 +201,7 @@ TEST_F(TeleopTest, KeysAreThoseOfTeleopTwistKeyboard) {
 
 TEST_F(TeleopTest, StopsTheBaseAndGivesTheTerminalBackWhateverEndsIt) {
   for (const int number : {SIGTERM, SIGHUP, SIGINT, SIGTSTP}) {
-    AtTerminal teleop({"teleop"});
+    AtTerminal teleop({"teleop", "--hold", "1", "--first", "2"});
     ASSERT_TRUE(teleop.shows("standing"));
     EXPECT_FALSE(teleop.is_as_it_was()) << "keys come one by one";
     ASSERT_TRUE(comes_true([&] {
