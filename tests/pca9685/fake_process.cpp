@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   if (argc == 3 && std::string(argv[1]) == "drive") return test::drive(argv[2]);
   drivers::WatchdogSettings settings;
   if (!drivers::settings_from(argc, argv, settings)) return 2;
+  settings.give_up_ms = 20'000;  // a board of a test that has ended never answers
   drivers::become_watchdog();
   return drivers::watch(settings, drivers::kWatchdogSocket, test::open_fake_bus);
 }

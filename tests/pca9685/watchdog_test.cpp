@@ -79,6 +79,14 @@ class WatchdogTest : public ::testing::Test {
     ASSERT_EQ(process.line(), "driving\n");
     ASSERT_TRUE(board.wait(turning));
   }
+  /// The board stays until the watchdog has had its way, which else tries for a while.
+  void TearDown() override {
+    board.set_fault(nullptr);
+    process.signal(SIGCONT);
+    process.signal(SIGKILL);
+    process.wait();
+    EXPECT_TRUE(board.wait(off));
+  }
   FakeBoard board;
   DrivingProcess process{board.path()};
 };
