@@ -34,6 +34,7 @@ const std::vector<Verb>& verbs() {
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
       {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
+      {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
       {"completion", "print shell completion (bash, zsh, fish)", run_completion},
       {"version", "print the version", run_version},
   };

@@ -40,6 +40,7 @@ int run_watch(int argc, char** argv);
 int run_teleop(int argc, char** argv);
 int run_param(int argc, char** argv);
 int run_setup(int argc, char** argv);
+int run_doctor(int argc, char** argv);
 int run_completion(int argc, char** argv);
 int run_version(int argc, char** argv);
 

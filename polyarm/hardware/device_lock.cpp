@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -41,7 +43,38 @@ std::string holder_in(int file) {
   const ssize_t length = pread(file, text, sizeof(text) - 1, 0);
   return length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "another process";
 }
+
+/// The number in "… (process 1234)"; 0: none.
+int process_in(const std::string& holder) {
+  constexpr std::string_view kBefore = "(process ";
+  const auto at = holder.rfind(kBefore);
+  return at == std::string::npos ? 0 : std::atoi(holder.c_str() + at + kBefore.size());
+}
+
+/// Does the process have the file open? Nothing where that cannot be seen (another user's).
+std::optional<bool> has_open(int process, const fs::path& file) {
+  std::error_code error;
+  fs::directory_iterator at("/proc/" + std::to_string(process) + "/fd", error);
+  if (error) return std::nullopt;
+  for (const fs::directory_iterator end; !error && at != end; at.increment(error)) {
+    std::error_code ignored;
+    if (fs::equivalent(at->path(), file, ignored)) return true;
+  }
+  return false;
+}
 }  // namespace
+
+std::string DeviceLock::holder(const std::string& device) {
+  const fs::path path = lock_file(device);
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0) return {};
+  const std::string text = holder_in(file);
+  close(file);  // before looking, or this process would have it open
+  const int process = process_in(text);
+  std::error_code error;
+  if (process <= 0 || !fs::exists("/proc/" + std::to_string(process), error)) return {};
+  return has_open(process, path).value_or(true) ? text : std::string();
+}
 
 DeviceLock::DeviceLock(const std::string& device, const std::string& holder) {
   const fs::path path = lock_file(device);

@@ -22,6 +22,9 @@ class DeviceLock {
 
   bool held() const noexcept { return file_ >= 0; }
 
+  /// Who holds the device, in its own words; empty: nobody, as far as this user can see. Touches nothing.
+  static std::string holder(const std::string& device);
+
  private:
   int file_ = -1;
 };

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <string_view>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -49,22 +50,27 @@ void register_driver(const std::string& name, ComponentFactory factory) {
   registered()[name] = std::move(factory);
 }
 
-bool driver_available(const std::string& name) {
-  return registered().contains(name) || !find_library(name).empty();
+std::vector<std::filesystem::path> driver_folders() {
+  return folders();
 }
 
 std::vector<std::string> driver_names() {
   std::vector<std::string> out;
   for (const auto& [name, factory] : registered()) out.push_back(name);
-  std::error_code error;
-  for (const auto& folder : folders())
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-      if (const std::string file = entry.path().stem().string();
-          file.starts_with(kPrefix) && entry.path().extension() == ".so")
+  for (const auto& folder : folders()) {
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+      if (const std::string file = at->path().stem().string();
+          file.starts_with(kPrefix) && at->path().extension() == ".so")
         out.push_back(file.substr(std::string_view(kPrefix).size()));
+  }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
+}
+
+bool driver_available(const std::string& name) {
+  return registered().contains(name) || !find_library(name).empty();
 }
 
 Problem unknown_driver(const std::string& name) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Hardware by name: what is linked in, what plugins have brought, and Polyarm's own drivers in shared
 /// libraries `polyarm_driver_<name>.so`, which are loaded when one is asked for.
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,5 +26,7 @@ bool driver_available(const std::string& name);
 std::vector<std::string> driver_names();
 /// The words of the error for a name that make_driver does not find.
 Problem unknown_driver(const std::string& name);
+/// Where libraries of drivers are looked for, in order; some may not exist.
+std::vector<std::filesystem::path> driver_folders();
 
 }  // namespace polyarm::hardware

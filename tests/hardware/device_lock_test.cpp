@@ -73,6 +73,17 @@ TEST(DeviceLock, TwoNamesOfOneDeviceMeet) {
   std::filesystem::remove(link);
 }
 
+TEST(DeviceLock, ItsHolderIsSeenWithoutTouchingIt) {
+  const std::string name = device("seen");
+  EXPECT_EQ(DeviceLock::holder(name), "");
+  {
+    const DeviceLock first(name, "the first");
+    EXPECT_EQ(DeviceLock::holder(name), "the first (process " + std::to_string(getpid()) + ")");
+    EXPECT_NE(refusal(name), "") << "it is held still";
+  }
+  EXPECT_EQ(DeviceLock::holder(name), "") << "the name that is left behind holds nothing";
+}
+
 TEST(DeviceLock, MovesWithItsHolder) {
   const std::string name = device("moved");
   DeviceLock kept;
