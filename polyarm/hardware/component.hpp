@@ -14,6 +14,7 @@
 #include "polyarm/base/time.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/description/scene.hpp"
+#include "polyarm/hardware/driver_facts.hpp"
 #include "polyarm/hardware/plugin.hpp"
 #include "polyarm/hardware/world_state.hpp"
 
@@ -113,6 +114,8 @@ class Component {
   /// may be empty. Called from the thread that builds or switches, while the control thread may be in read
   /// or write: keep the reason as an atomic number and make the text here.
   virtual std::string reason() const { return {}; }
+  /// What the driver says of itself, for lists; null: nothing. Valid after construction.
+  virtual const DriverFacts* facts() const noexcept { return nullptr; }
   /// What is worth one line at the start of a run ("MuJoCo 2.2.2, step 1 ms"); may be empty.
   virtual std::string summary() const { return {}; }
 };

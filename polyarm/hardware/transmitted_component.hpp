@@ -43,6 +43,7 @@ class TransmittedComponent : public Component {
   bool real() const noexcept override { return inside_->real(); }
   bool blocks() const noexcept override { return inside_->blocks(); }
   std::string reason() const override { return inside_->reason(); }
+  const DriverFacts* facts() const noexcept override { return inside_->facts(); }
   std::string summary() const override;
 
  private:
