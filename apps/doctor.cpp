@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using doctor::Finding;
 
 void look_at_modules(doctor::Installation& here) {
-  std::vector<std::string> names = split_words(POLYARM_MODULES, ";");
+  std::vector<std::string> names = split_words(POLYARM_MODULES, ",");
   for (const std::string& name : hardware::driver_names())
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   for (const std::string& name : names) {
