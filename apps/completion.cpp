@@ -16,7 +16,7 @@ constexpr const char* kOptions =
     "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp --socket "
     "--no-socket "
     "--cell --activate --deactivate --strictness --type --file --param --rate --once --goal --count "
-    "--plugins --vendor --folder --budget";
+    "--plugins --vendor --folder --budget --move --report --real --full-speed";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc

@@ -135,6 +135,23 @@ void MockComponent::add_declared(const hardware::RobotInstance& robot,
   }
 }
 
+const hardware::DriverFacts* MockComponent::facts() const noexcept {
+  using enum hardware::ParameterKind;
+  static constexpr hardware::DriverParameter kParameters[] = {
+      {"calculate_dynamics", boolean, "false", "velocities and accelerations are integrated"},
+      {"integrate_velocity", boolean, "false", "commanded velocities lead, positions are passed over"},
+      {"disable_commands", boolean, "false", "states stay where they are"},
+      {"position_state_following_offset", number, "0", "rad or m that a position state is off its command"},
+      {"custom_interface_with_following_offset", text, "", "the state that takes the offset instead"},
+      {"mock_sensor_commands", boolean, "false", "sensors can be commanded"},
+      {"mock_gpio_commands", boolean, "false", "states of GPIOs can be commanded"},
+  };
+  static constexpr hardware::DriverFacts kFacts = {
+      "system", "nothing: states follow commands at once, no physics",
+      "the behaviour of mock_components/GenericSystem, tested case by case", kParameters};
+  return &kFacts;
+}
+
 CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context) {
   dynamics_ = flag(context.parameters, "calculate_dynamics");
   velocity_leads_ = flag(context.parameters, "integrate_velocity");

@@ -35,6 +35,7 @@ class MockComponent : public hardware::Component {
   const hardware::WorldState* world() const noexcept override { return world_ ? &world_->state() : nullptr; }
   std::vector<std::string> world_names() const override { return {}; }
   std::string reason() const override { return injection_.reason(); }
+  const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override { return "mock hardware: states follow commands at once, no physics"; }
 
  private:

@@ -269,6 +269,13 @@ ReturnType MujocoComponent::write(const hardware::Cycle& cycle, std::span<const 
   return failed_ ? ReturnType::error : ReturnType::ok;
 }
 
+const hardware::DriverFacts* MujocoComponent::facts() const noexcept {
+  static constexpr hardware::DriverFacts kFacts = {
+      "system", "robots, tools, parts and machines of a cell in the physics of MuJoCo",
+      "laws of physics and whole cells, in tests", {}};
+  return &kFacts;
+}
+
 std::string MujocoComponent::summary() const {
   return fmt::format("MuJoCo {}, physics step {:.3g} ms", mj_versionString(), timestep_ * 1e3);
 }

@@ -34,6 +34,7 @@ class MujocoComponent : public hardware::Component {
   std::vector<std::string> world_names() const override {
     return models_ ? models_->names() : std::vector<std::string>{};
   }
+  const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
  private:

@@ -125,6 +125,6 @@ inline constexpr std::uint32_t kComponentLayout =
     layout_of<Component, ComponentContext, RobotInstance, InterfaceDescription, Cycle, WorldState,
               description::RobotModel, description::Link, description::Joint, description::HardwareInfo,
               description::ComponentInfo, description::InterfaceInfo, description::TransmissionInfo,
-              description::Tool, description::Scene>();
+              description::Tool, description::Scene, DriverFacts>();
 
 }  // namespace polyarm::hardware

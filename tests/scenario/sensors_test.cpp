@@ -1,9 +1,11 @@
 /// Sensors on serial lines in a cell on the wall clock, told by their broadcasters to another process.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/yaml.hpp"
 #include "tests/sensors/far_sides.hpp"
 #include "tests/support/command.hpp"
 
@@ -20,9 +22,10 @@ class SensorsInACell : public ::testing::Test {
     imu.start();
     gnss.start();
     write_file_atomically(copy.file("cart.urdf"), urdf());
-    write_file_atomically(copy.file("cell.yaml"),
-                          "polyarm: cell/1\nrate: 200\nrobots:\n  cart: {model: cart.urdf, hardware: declared}\n"
-                          "controllers: [controllers.yaml]\n");
+    write_file_atomically(
+        copy.file("cell.yaml"),
+        "polyarm: cell/1\nrate: 200\nrobots:\n  cart: {model: cart.urdf, hardware: declared}\n"
+        "controllers: [controllers.yaml]\n");
     write_file_atomically(copy.file("controllers.yaml"), R"(
 controller_manager:
   ros__parameters:
@@ -103,7 +106,8 @@ TEST_F(SensorsInACell, ACableThatIsPulledIsAFaultThatNamesSensorAndPort) {
   watched("level", "0.70710");
   imu.stop();
   imu.pty.hang_up();
-  EXPECT_TRUE(cell.wait_for("unplugged")) << cell.wait().output;
+  EXPECT_TRUE(cell.wait_for("unplugged"));
+  cell.signal(SIGTERM);
   const std::string said = cell.wait().output;
   EXPECT_NE(said.find("on " + port + ": the port is gone"), std::string::npos) << said;
 }
@@ -116,6 +120,40 @@ TEST_F(SensorsInACell, ACellDoesNotStartWhereADeviceIsMissing) {
   const auto said = run_command({"run", copy.path()});
   EXPECT_EQ(said.exit_code, 1);
   EXPECT_NE(said.output.find("inertial"), std::string::npos) << said.output;
+}
+
+TEST_F(SensorsInACell, ADriverIsTriedOnItsDeviceAndTheReportCanBeSent) {
+  const std::string file = copy.file("report.yaml").string();
+  const auto tried = run_command({"drivers", "test", "ublox_gnss", "port=" + gnss.path(), "rate=10",
+                                  "--seconds", "0.5", "--report", file});
+  EXPECT_EQ(tried.exit_code, 0) << tried.output;
+  EXPECT_NE(tried.output.find("HPG 1.32"), std::string::npos) << tried.output;
+  EXPECT_NE(tried.output.find("trial/gps/frames"), std::string::npos) << tried.output;
+  const Yaml report = Yaml::load(file);
+  EXPECT_EQ(report["result"].text(), "passed");
+  EXPECT_EQ(report["parameters"]["rate"].text(), "10");
+  const auto wrong = run_command(
+      {"drivers", "test", "serial_imu", "port=" + gnss.path(), "start_timeout=0.2", "--report", file});
+  EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
+  EXPECT_NE(wrong.output.find("no WIT frames"), std::string::npos) << wrong.output;
+  EXPECT_EQ(Yaml::load(file)["result"].text(), "failed");
+}
+
+TEST(DriversCommand, ListsEachDriverWithItsParametersAndItsProof) {
+  const auto said = run_command({"drivers", "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.output;
+  std::vector<std::string> names;
+  for (const auto& driver : said.result()) {
+    names.push_back(driver["name"]);
+    if (driver["name"] != "serial_imu" && driver["name"] != "ublox_gnss") continue;
+    EXPECT_NE(driver["proof"].get<std::string>().find("never on hardware"), std::string::npos);
+    EXPECT_EQ(driver["real"], false);
+    EXPECT_GE(driver["parameters"].size(), 6u);
+    EXPECT_EQ(driver["parameters"][0]["name"], "port");
+    EXPECT_TRUE(driver["parameters"][0]["default"].is_null());
+  }
+  for (const char* name : {"mock", "serial_imu", "ublox_gnss"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
 }  // namespace
