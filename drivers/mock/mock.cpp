@@ -145,6 +145,9 @@ const hardware::DriverFacts* MockComponent::facts() const noexcept {
       {"custom_interface_with_following_offset", text, "", "the state that takes the offset instead"},
       {"mock_sensor_commands", boolean, "false", "sensors can be commanded"},
       {"mock_gpio_commands", boolean, "false", "states of GPIOs can be commanded"},
+      {"inject", text, "",
+       "faults on purpose: KIND@CYCLE[:JOINT][=VALUE] …, kinds read_error, write_error, "
+       "deactivate, nan, jump, freeze, slow"},
   };
   static constexpr hardware::DriverFacts kFacts = {
       "system", "nothing: states follow commands at once, no physics",

@@ -354,7 +354,7 @@ void Cell::tick(Nanoseconds now) {
   const control::Snapshot& snapshot = loop_->outbox().value();
   tell_loop_events();
   tell_overruns();
-  if (!started_) send_start_messages();
+  if (!started_ && armed()) send_start_messages();
   requests_->tick();
   follow_strangers(snapshot);
   update_states(snapshot);
@@ -474,6 +474,7 @@ void Cell::require_verified() const {
 
 void Cell::set_armed() {
   armed_ = true;
+  armed_at_ = now_;
   for (std::size_t i = 0; i < motions_.size(); ++i) {  // moves begin where the robot is
     if (!motions_[i]) continue;
     std::vector<double> at = motions_[i]->planned();
@@ -588,10 +589,11 @@ void Cell::watch_end(Nanoseconds now) {
                     Problem{"failed", task->status().where, task->name() + " failed", {}}));
   if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
   if (failure_) return;
+  if (!program_ && !file_.send.empty() && !started_) return;
   if (!program_ && !file_.send.empty()) {  // what was sent has been done
     if (!loop_->outbox().value().standing) ended_at_ = now;
     finished_ = ended_at_ >= 0 && loop_->outbox().value().standing && now - ended_at_ > kSendSettle;
-    if (now > kSettlePatience && ended_at_ < 0) finished_ = true;
+    if (now - armed_at_ > kSettlePatience && ended_at_ < 0) finished_ = true;
     return;
   }
   if (!program_ || !program_->ended()) return;

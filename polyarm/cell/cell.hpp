@@ -174,7 +174,7 @@ class Cell {
   bool armed_ = false, reduced_ = false;
   double share_ = 1;  ///< of the planned speed, in reduced mode
   std::vector<Vec3> tcp_before_;
-  Nanoseconds tcp_before_at_ = 0;
+  Nanoseconds tcp_before_at_ = 0, armed_at_ = 0;
   std::unique_ptr<FaultRecord> record_;
   Nanoseconds record_at_ = 0;
   std::future<std::filesystem::path> recorded_;

@@ -97,6 +97,7 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
   for (const description::HardwareInfo& info : robot.model.hardware) {
     HardwareChoice choice{asked, "", "", ""};
     if (asked == "declared") choice = choose_hardware(info.plugin, info.name);
+    if (real && !choice.real.empty()) choice = {choice.real, "", "", ""};
     choice.driver = unless_real(choice.driver, info.name, real, notes);
     if (!choice.note.empty()) notes.push_back(choice.note);
     robot.blocks.push_back({&info, choice.driver, choice.flag});

@@ -66,6 +66,7 @@ class Console {
     return out;
   }
   bool on() const { return on_; }
+  bool is_terminal() const { return ::isatty(STDIN_FILENO) != 0; }
 
  private:
   bool on_;
@@ -189,6 +190,8 @@ class Runner {
       cell_.loop().post(control::Request::discard);
     } else if (line == "recover") {
       cell_.loop().post(control::Request::recover);
+    } else if (line == "arm" && !cell_.disarmed().empty() && !console_.is_terminal()) {
+      observer_.on_note("only a person at a terminal arms real hardware");
     } else if (line == "arm" && !cell_.disarmed().empty()) {
       cell_.requests().handle(R"({"request": "control.arm", "confirmed": true})",
                               [this](const std::string& answer) {

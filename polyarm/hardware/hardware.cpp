@@ -276,8 +276,11 @@ void Hardware::configure_and_activate() {
     if (hosted_[i]->options.initial == LifecycleState::active) activate(i);
   // What waits for a device has measured before controllers begin; its thread does not run yet.
   for (const auto& hosted : hosted_)
-    if (hosted->runner && hosted->component->blocks() && hosted->state.load() != LifecycleState::unconfigured)
+    if (hosted->runner && hosted->component->blocks() &&
+        hosted->state.load() != LifecycleState::unconfigured) {
       hosted->own_result.store(hosted->component->read(hosted->own_cycle, hosted->own_states));
+      hosted->ran.store(true);
+    }
   note_world();
 }
 

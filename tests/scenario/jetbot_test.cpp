@@ -53,7 +53,7 @@ TEST(JetBot, OnTheRobotItSaysWhichBusIsMissing) {
   cell.replace(cell.find(declared), declared.size(),
                "hardware: pca9685, parameters: {bus: /nonexistent/i2c-9}}");
   write_file_atomically(copy.file("cell.yaml"), cell);
-  const Finished ran = run_command({"run", copy.path(), "--seconds", "1"});
+  const Finished ran = run_command({"run", copy.path(), "--real", "--seconds", "1"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_NE(ran.output.find("/nonexistent/i2c-9 cannot be opened"), std::string::npos) << ran.output;
 }

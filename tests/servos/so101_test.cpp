@@ -50,6 +50,14 @@ struct ArmOnAWire {
   }
 };
 
+/// Runs the cell on its hardware, with somebody at the terminal who arms it.
+Finished run_armed(const std::string& cell) {
+  test::Command command({"run", cell, "--real", "--full-speed", "--json", "--no-socket"},
+                        test::Input::terminal);
+  if (command.wait_for("nothing moves before a person types")) command.type("arm\n");
+  return command.wait();
+}
+
 TEST(So101, TheDriverMovesTheServosOfTheArm) {
   ArmOnAWire arm;
   int most = 0, least = 4096;
@@ -58,7 +66,7 @@ TEST(So101, TheDriverMovesTheServosOfTheArm) {
     most = std::max(most, at);
     least = std::min(least, at);
   });
-  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  const Finished ran = run_armed(arm.copy.path());
   arm.bus.on_instruction({});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NEAR(least, 2048 - 0.5 * 4096 / 6.283185, 10) << "wrist_roll goes to 0.5 rad, against its servo";
@@ -67,10 +75,27 @@ TEST(So101, TheDriverMovesTheServosOfTheArm) {
   EXPECT_EQ(arm.bus.get(6, feetech::sts_family().soft_limit), 500);
 }
 
+TEST(So101, TheDriverMovesNothingBeforeItIsArmed) {
+  ArmOnAWire arm;
+  const Finished ran =
+      run_command({"run", arm.copy.path(), "--real", "--seconds", "1", "--json", "--no-socket"});
+  EXPECT_NE(ran.output.find("disarmed"), std::string::npos) << ran.output;
+  EXPECT_EQ(arm.bus.get(5, feetech::sts_family().torque), 0);
+  EXPECT_EQ(arm.bus.get(5, feetech::sts_family().present_position), 2048);
+}
+
+TEST(So101, WithoutRealItIsSimulated) {
+  ArmOnAWire arm;
+  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("feetech drives real hardware; it is played by"), std::string::npos)
+      << ran.output;
+}
+
 TEST(So101, WithoutACalibrationItSaysHowToMakeOne) {
   ArmOnAWire arm;
   std::filesystem::remove(arm.copy.file("calibration.yaml"));
-  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  const Finished ran = run_command({"run", arm.copy.path(), "--real", "--json", "--no-socket"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_NE(ran.output.find("polyarm setup feetech --calibration"), std::string::npos) << ran.output;
 }
@@ -84,7 +109,7 @@ TEST(So101, APulledCableEndsTheRunWithTheJoints) {
     arm.bus.mischief(silent);
   });
   change(arm.copy, "answer_timeout_ms: 500", "answer_timeout_ms: 50");
-  const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
+  const Finished ran = run_armed(arm.copy.path());
   EXPECT_EQ(ran.exit_code, 1) << ran.output;
   EXPECT_NE(ran.output.find("wrist_flex (servo 4"), std::string::npos) << ran.output;
   EXPECT_EQ(ran.output.find("shoulder_pan (servo 1"), std::string::npos) << ran.output;

@@ -1,5 +1,7 @@
 #pragma once
+#include <fcntl.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,10 +24,22 @@ struct Finished {
   }
 };
 
+/// Whether the command's standard input is a terminal, at which type() types.
+enum class Input { nobody, terminal };
+
 /// The built command, running.
 class Command {
  public:
-  explicit Command(const std::vector<std::string>& arguments) {
+  explicit Command(const std::vector<std::string>& arguments, Input input = Input::nobody) {
+    std::string terminal = "/dev/null";
+    if (input == Input::terminal) {
+      char name[128] = {};
+      keyboard_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+      if (keyboard_ < 0 || ::grantpt(keyboard_) != 0 || ::unlockpt(keyboard_) != 0 ||
+          ::ptsname_r(keyboard_, name, sizeof name) != 0)
+        throw std::runtime_error("no terminal");
+      terminal = name;
+    }
     int fds[2];
     if (::pipe(fds) != 0) throw std::runtime_error("pipe");
     pid_ = ::fork();
@@ -34,7 +48,9 @@ class Command {
       ::dup2(fds[1], STDERR_FILENO);
       ::close(fds[0]);
       ::close(fds[1]);
-      if (::freopen("/dev/null", "r", stdin) == nullptr) ::_exit(126);
+      const int in = ::open(terminal.c_str(), O_RDWR | O_NOCTTY);
+      if (in < 0 || ::dup2(in, STDIN_FILENO) < 0) ::_exit(126);
+      ::close(in);
       std::vector<char*> argv{const_cast<char*>(POLYARM_COMMAND)};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
       argv.push_back(nullptr);
@@ -49,10 +65,15 @@ class Command {
       ::kill(pid_, SIGKILL);
       wait();
     }
+    if (keyboard_ >= 0) ::close(keyboard_);
   }
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
+  /// As if a person typed it.
+  void type(const std::string& text) {
+    if (::write(keyboard_, text.data(), text.size()) < 0) throw std::runtime_error("nobody can type");
+  }
   void signal(int number) { ::kill(pid_, number); }
   /// Reads until a line contains `text`; false at the end of the output.
   bool wait_for(const std::string& text) {
@@ -77,6 +98,7 @@ class Command {
 
  private:
   pid_t pid_ = -1;
+  int keyboard_ = -1;  ///< the near side of the terminal
   std::FILE* out_ = nullptr;
   Finished finished_;
 };
