@@ -201,6 +201,23 @@ Pose Chain::forward(std::span<const double> q) const noexcept {
   return pose_of(frame);
 }
 
+std::vector<Chain::Axis> Chain::axes() const {
+  const std::vector<double> zero(joints(), 0.0);
+  std::vector<Axis> out;
+  Frame frame;
+  for (const Step& step : steps_) {
+    append(frame, step.fixed);
+    move(frame, step, step.drive.value(zero));
+    if (step.drive.variable < 0 || step.drive.multiplier == 0) continue;
+    out.push_back({static_cast<std::size_t>(step.drive.variable),
+                   step.prismatic,
+                   step.drive.multiplier,
+                   {frame.r[2], frame.r[5], frame.r[8]},
+                   {frame.p[0], frame.p[1], frame.p[2]}});
+  }
+  return out;
+}
+
 void Chain::link_poses(std::span<const double> q, std::span<Pose> out) const noexcept {
   std::fill(out.begin(), out.end(), T_world_base_);
   for (const TreeJoint& joint : tree_) {

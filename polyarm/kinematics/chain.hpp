@@ -42,6 +42,17 @@ class Chain {
   double period(std::size_t i) const noexcept { return period_[i]; }
   /// Whether joint `i` has such a period.
   const std::vector<bool>& turns() const noexcept { return turns_; }
+  /// One moving joint of the way from base to TCP, as it stands where all joint values are zero, in the
+  /// world. Its angle (or its way along `direction`) is ratio * q[joint] + offset, the offset being part of
+  /// where it stands.
+  struct Axis {
+    std::size_t joint = 0;
+    bool slides = false;
+    double ratio = 1;  ///< of a mimic joint; else 1
+    Vec3 direction, point;
+  };
+  /// From the base outwards. A joint that others mimic comes more than once. Allocates.
+  std::vector<Axis> axes() const;
   /// How many links the model has, which is the size of link_poses().
   std::size_t links() const noexcept { return link_count_; }
   const Pose& base() const noexcept { return T_world_base_; }

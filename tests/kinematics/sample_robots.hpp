@@ -3,6 +3,7 @@
 /// whose second axis carries a mimic joint.
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "polyarm/description/robot_model.hpp"
 
@@ -97,6 +98,40 @@ inline description::RobotModel gantry() {
   model.links.push_back({"finger", {}, {}, {}, static_cast<int>(model.joints.size())});
   model.actuated = {0, 1, 3, static_cast<int>(model.joints.size())};
   model.joints.push_back(finger);
+  return model;
+}
+
+/// An axis as it stands in the base where all joint values are zero.
+struct AxisRow {
+  Vec3 direction, point;
+};
+
+/// A robot of turning joints given by their axes, each within +-3 rad; all frames are parallel at zero.
+inline description::RobotModel robot_of_axes(const std::string& name, const std::vector<AxisRow>& rows,
+                                             const Pose& tool) {
+  description::RobotModel model;
+  model.name = name;
+  model.links.push_back({"base_link", {}, {}, {}, -1});
+  Vec3 at;
+  for (std::size_t i = 0; i <= rows.size(); ++i) {
+    const bool last = i == rows.size();
+    description::Joint joint;
+    joint.name = last ? "tool" : "joint_" + std::to_string(i + 1);
+    joint.type = last ? description::JointType::fixed : description::JointType::revolute;
+    joint.parent_link = static_cast<int>(i);
+    joint.child_link = static_cast<int>(i) + 1;
+    const Vec3 point = last ? tool.position : rows[i].point;
+    joint.origin = {point - at, last ? tool.rotation : Quaternion{}};
+    at = point;
+    if (!last) {
+      joint.axis = normalized(rows[i].direction);
+      joint.limits.lower = -3;
+      joint.limits.upper = 3;
+      model.actuated.push_back(static_cast<int>(i));
+    }
+    model.joints.push_back(joint);
+    model.links.push_back({last ? "tool0" : "link_" + std::to_string(i + 1), {}, {}, {}, static_cast<int>(i)});
+  }
   return model;
 }
 

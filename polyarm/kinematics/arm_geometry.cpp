@@ -1,0 +1,168 @@
+#include "polyarm/kinematics/arm_geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyarm::kinematics {
+
+Rotation rotation_of(const Quaternion& q) {
+  const auto& [x, y, z, w] = q;
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
+Rotation rotation_about(const Vec3& h, double angle) {
+  const double s = std::sin(angle), c = std::cos(angle), v = 1 - c;
+  return {{c + v * h.x * h.x, v * h.x * h.y + s * h.z, v * h.x * h.z - s * h.y},
+          {v * h.x * h.y - s * h.z, c + v * h.y * h.y, v * h.y * h.z + s * h.x},
+          {v * h.x * h.z + s * h.y, v * h.y * h.z - s * h.x, c + v * h.z * h.z}};
+}
+
+void ArmGeometry::forward(std::span<const double> values, Rotation& rotation, Vec3& position) const noexcept {
+  rotation = tool_rotation;
+  position = tool_position;
+  for (std::size_t i = count; i-- > 0;) {
+    const JointAxis& axis = axes[i];
+    if (axis.slides) {
+      position = position + values[i] * axis.direction;
+      continue;
+    }
+    const Rotation turn = rotation_about(axis.direction, values[i]);
+    rotation = turn * rotation;
+    position = axis.point + turn * (position - axis.point);
+  }
+}
+
+namespace {
+
+/// From a point to its foot on the axis.
+Vec3 to_axis(const JointAxis& axis, const Vec3& point) {
+  const Vec3 away = axis.point - point;
+  return away - dot(away, axis.direction) * axis.direction;
+}
+
+}  // namespace
+
+double ArmGeometry::least_motion(std::span<const double> values, std::span<double> direction) const noexcept {
+  constexpr std::size_t kSix = 6;
+  const double scale = 1 / size();
+  std::array<std::array<double, 6>, kMostAxes> columns{};
+  Rotation tool, turn;
+  Vec3 tip, shift;
+  forward(values, tool, tip);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vec3 h = turn * axes[k].direction, o = turn * axes[k].point + shift;
+    const Vec3 v = scale * cross(h, tip - o);
+    columns[k] = {v.x, v.y, v.z, h.x, h.y, h.z};
+    const Rotation next = rotation_about(h, values[k]);
+    shift = next * (shift - o) + o;
+    turn = next * turn;
+  }
+  // (J^T J + small) by L D L^T, twice applied to a vector that is square to nothing in particular.
+  double a[kSix][kSix]{}, x[kSix];
+  for (std::size_t i = 0; i < kSix; ++i) {
+    x[i] = 1 + 0.3 * static_cast<double>(i * i % 5);
+    for (std::size_t j = 0; j <= i; ++j)
+      for (std::size_t r = 0; r < 6; ++r) a[i][j] += columns[i][r] * columns[j][r];
+    a[i][i] += i < count ? 1e-14 : 1e6;
+  }
+  for (std::size_t j = 0; j < kSix; ++j)
+    for (std::size_t i = j + 1; i < kSix; ++i) {
+      const double factor = a[i][j] / a[j][j];
+      for (std::size_t k = i; k < kSix; ++k) a[k][i] -= factor * a[k][j];
+      a[i][j] = factor;
+    }
+  double length = 1;
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < kSix; ++i)
+      for (std::size_t k = 0; k < i; ++k) x[i] -= a[i][k] * x[k];
+    for (std::size_t i = kSix; i-- > 0;) {
+      x[i] /= a[i][i];
+      for (std::size_t k = i + 1; k < kSix; ++k) x[i] -= a[k][i] * x[k];
+    }
+    length = 0;
+    for (const double value : x) length += value * value;
+    length = std::sqrt(length);
+    for (double& value : x) value /= length;
+  }
+  std::copy(x, x + std::min(count, kSix), direction.begin());
+  return 1 / std::sqrt(length);
+}
+
+double ArmGeometry::size() const noexcept {
+  double sum = 0;
+  Vec3 at = axes[0].point;
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vec3 way = to_axis(axes[i], at);
+    sum += norm(way);
+    at = at + way;
+  }
+  return sum + norm(tool_position - at);
+}
+
+std::optional<ArmGeometry> geometry_of(const Chain& chain, std::string& why_not) {
+  ArmGeometry out;
+  std::array<bool, Chain::kMaxJoints> seen{};
+  for (const Chain::Axis& axis : chain.axes()) {
+    if (seen[axis.joint]) {
+      why_not = fmt::format("{} drives more than one joint", chain.names()[axis.joint]);
+      return std::nullopt;
+    }
+    if (std::abs(axis.ratio) != 1.0) {
+      why_not = fmt::format("{} is followed at {} times its value", chain.names()[axis.joint], axis.ratio);
+      return std::nullopt;
+    }
+    if (out.count == ArmGeometry::kMostAxes) {
+      why_not = fmt::format("there are more than {} joints", ArmGeometry::kMostAxes);
+      return std::nullopt;
+    }
+    seen[axis.joint] = true;
+    out.axes[out.count++] = {axis.ratio * axis.direction, axis.point, axis.slides, axis.joint};
+  }
+  if (out.count == 0) {
+    why_not = "no joint moves the tool";
+    return std::nullopt;
+  }
+  const Pose tool = chain.forward(std::vector<double>(chain.joints(), 0.0));
+  out.tool_rotation = rotation_of(tool.rotation);
+  out.tool_position = tool.position;
+  return out;
+}
+
+ArmGeometry reversed(const ArmGeometry& arm) noexcept {
+  ArmGeometry out;
+  out.count = arm.count;
+  out.tool_rotation = transposed(arm.tool_rotation);
+  out.tool_position = -(out.tool_rotation * arm.tool_position);
+  for (std::size_t i = 0; i < arm.count; ++i) {
+    JointAxis axis = arm.axes[arm.count - 1 - i];
+    axis.direction = -(out.tool_rotation * axis.direction);
+    axis.point = out.tool_rotation * (axis.point - arm.tool_position);
+    out.axes[i] = axis;
+  }
+  return out;
+}
+
+ArmGeometry locked(const ArmGeometry& arm, std::size_t k, double value) noexcept {
+  ArmGeometry out;
+  const JointAxis& held = arm.axes[k];
+  const Rotation turn = held.slides ? Rotation{} : rotation_about(held.direction, value);
+  const Vec3 shift = held.slides ? value * held.direction : held.point - turn * held.point;
+  out.tool_rotation = turn * arm.tool_rotation;
+  out.tool_position = shift + turn * arm.tool_position;
+  for (std::size_t i = 0; i < arm.count; ++i) {
+    if (i == k) continue;
+    JointAxis axis = arm.axes[i];
+    if (i > k) {
+      axis.direction = turn * axis.direction;
+      axis.point = shift + turn * axis.point;
+    }
+    out.axes[out.count++] = axis;
+  }
+  return out;
+}
+
+}  // namespace polyarm::kinematics

@@ -1,0 +1,71 @@
+#pragma once
+/// An arm as the axes of its joints: the product of exponentials (Brockett 1984; Lynch and Park, Modern
+/// Robotics, chapter 4). What the closed-form inverse kinematics looks at. Metres, radians, world frame.
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "polyarm/kinematics/chain.hpp"
+
+namespace polyarm::kinematics {
+
+/// A rotation matrix by its columns.
+struct Rotation {
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  friend constexpr Vec3 operator*(const Rotation& r, const Vec3& v) {
+    return {r.x.x * v.x + r.y.x * v.y + r.z.x * v.z, r.x.y * v.x + r.y.y * v.y + r.z.y * v.z,
+            r.x.z * v.x + r.y.z * v.y + r.z.z * v.z};
+  }
+  friend constexpr Rotation operator*(const Rotation& a, const Rotation& b) {
+    return {a * b.x, a * b.y, a * b.z};
+  }
+  friend constexpr Rotation transposed(const Rotation& r) {
+    return {{r.x.x, r.y.x, r.z.x}, {r.x.y, r.y.y, r.z.y}, {r.x.z, r.y.z, r.z.z}};
+  }
+};
+Rotation rotation_of(const Quaternion& unit);
+/// By `angle` about a unit axis (Rodrigues' formula).
+Rotation rotation_about(const Vec3& unit_axis, double angle);
+
+/// One joint's axis as it stands where all joint values are zero.
+struct JointAxis {
+  Vec3 direction;         ///< unit vector; the joint turns about it by its value, right-handed
+  Vec3 point;             ///< any point of the axis
+  bool slides = false;    ///< moves along `direction` instead of turning
+  std::size_t joint = 0;  ///< index in a joint state
+};
+
+/// T(q) = E_1(q_1) ... E_n(q_n) T(0), where E_i turns about axis i as it stands at zero.
+struct ArmGeometry {
+  static constexpr std::size_t kMostAxes = 8;
+  std::array<JointAxis, kMostAxes> axes;  ///< from the base outwards
+  std::size_t count = 0;
+  Rotation tool_rotation;  ///< of the TCP where all joint values are zero
+  Vec3 tool_position;
+
+  /// The TCP's pose; `values` in the order of `axes`.
+  void forward(std::span<const double> values, Rotation& rotation, Vec3& position) const noexcept;
+  /// How close these values are to a singularity: the direction in joint space (a unit vector, written to
+  /// `direction`, of `count` values) that moves the TCP least, and by how much it does, lengths measured in
+  /// size(). By inverse iteration (Golub and Van Loan, section 8.2), so roughly. For turning axes, at most
+  /// six.
+  double least_motion(std::span<const double> values, std::span<double> direction) const noexcept;
+  /// A length to measure deviations by: the sum of the ways from axis to axis, m.
+  double size() const noexcept;
+};
+
+/// The axes of a chain; nothing where it is no plain row of up to eight joints (a mimic joint drives two of
+/// them, or at another rate), with the reason in `why_not`.
+std::optional<ArmGeometry> geometry_of(const Chain& chain, std::string& why_not);
+
+/// The arm seen from its tool: joint n first, and the pose that it reaches is the inverse of the arm's. The
+/// joint values are the same, in reverse order.
+ArmGeometry reversed(const ArmGeometry& arm) noexcept;
+
+/// The arm with axis `k` held at `value`: one axis less.
+ArmGeometry locked(const ArmGeometry& arm, std::size_t k, double value) noexcept;
+
+}  // namespace polyarm::kinematics
