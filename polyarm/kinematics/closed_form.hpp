@@ -1,0 +1,81 @@
+#pragma once
+/// The closed forms of six turning axes, all eight branches side by side. What InverseKinematics is built on;
+/// used inside this room only. Nothing here allocates or throws after construction; any thread.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "polyarm/kinematics/arm_class.hpp"
+
+namespace polyarm::kinematics {
+
+inline constexpr std::size_t kBranches = 8;
+
+/// A pose as the solvers take it, in the world.
+struct PoseTarget {
+  Rotation rotation;
+  Vec3 position;
+};
+
+/// Constants of one arm's family, taken from its ideal form.
+struct SixAxisForm {
+  ArmFamily family = ArmFamily::none;
+  bool from_tool = false;
+  std::array<Vec3, 6> h;          ///< directions of the axes
+  Vec3 p12, p23, p34, p45;        ///< from a point of one axis to a point of the next
+  Vec3 first;                     ///< a point of axis 1
+  Vec3 center_in_tool;            ///< the wrist's point (or where axes 5 and 6 meet), as the tool sees it
+  Vec3 beside_6;                  ///< a unit vector square to axis 6
+  Vec3 beside_1;                  ///< and to axis 1
+  Rotation from_tool_rotation;    ///< transposed rotation of the tool at zero
+  double height = 0;              ///< what the first step holds on to, m
+  double side_3 = 1, side_4 = 1;  ///< whether axes 3 and 4 point along axis 2 (1) or against it (-1)
+  double least_length = 0;        ///< shorter than this is nothing, m
+  double least_sine = 0;          ///< smaller than this is parallel
+  double edge = 0;                ///< how far from a border solutions are parted (Edge::part)
+  bool wary = false;              ///< what is near a border is told
+};
+/// `known` has a family with a quadratic form. With `wary`, what is nearly singular, in view of how far the
+/// ideal arm is from the true one, counts as singular.
+SixAxisForm form_of(const SixAxisClass& known, bool wary = false);
+
+/// The true arm for sweeps over all branches: each axis is z of a frame of its own.
+struct LaneArm {
+  std::size_t count = 0;
+  std::array<Rotation, ArmGeometry::kMostAxes + 1> turn;  ///< from the frame before to this one (tool: last)
+  std::array<Vec3, ArmGeometry::kMostAxes + 1> step;
+  double size = 1;
+};
+LaneArm lane_arm(const ArmGeometry& arm);
+
+/// One question to the kernel.
+struct BranchJob {
+  const SixAxisForm* form = nullptr;
+  const LaneArm* arm = nullptr;
+  PoseTarget target;
+  /// For each axis of the form, the axis of the true arm; -1: an axis that the arm has not.
+  std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
+  /// Values of all axes of the true arm: what free angles take, and where axes outside of the form stay.
+  const double* seed = nullptr;
+  double beside_seed = 0;  ///< what is added to the seed's values for free angles
+  /// Errors up to this are worked on, m and rad; 0: answers are only checked.
+  double worth_polishing = 1e-3;
+  int patience = 4;  ///< steps after which only small errors are worth more
+};
+
+/// What came out, axis after axis, for each branch. Angles are within a turn about zero.
+struct Branches {
+  alignas(64) double value[ArmGeometry::kMostAxes][kBranches];
+  alignas(64) double position_error2[kBranches];     ///< square of metres
+  alignas(64) double orientation_error2[kBranches];  ///< square of radians, at most double
+  std::uint32_t free = 0;                            ///< branches in which an angle was free (bits)
+};
+
+/// Solves, checks on the true arm, and improves there what is not exact: errors end near rounding or are
+/// those of the nearest that the family has to offer.
+void solve_branches(const BranchJob& job, Branches& out) noexcept;
+
+/// Checks and improves, on the true arm, values that came from elsewhere: `out.value` in, all of `out` out.
+void polish_branches(const BranchJob& job, Branches& out) noexcept;
+
+}  // namespace polyarm::kinematics

@@ -1,0 +1,87 @@
+#pragma once
+/// Inverse kinematics in closed form, found at run time from an arm's description: all branches of a pose in
+/// one call, for the control cycle too. Metres, radians, poses of the TCP in the world.
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "polyarm/kinematics/arm_class.hpp"
+#include "polyarm/kinematics/chain.hpp"
+
+namespace polyarm::kinematics {
+
+/// One joint state that leads to the pose, or near it.
+struct IkSolution {
+  std::array<double, Chain::kMaxJoints> q;  ///< a joint state of the chain; the first joints() count
+  double position_error = 0;                ///< of the TCP, m
+  double orientation_error = 0;             ///< rad, for small ones at most a factor 1.5 too large
+  double distance = 0;                      ///< weighted distance from the seed
+  bool exact = false;                       ///< within IkSettings' tolerances
+  /// At a singularity a whole family of joint states leads to the pose; this is its member with the seed's
+  /// value of the joint that is free.
+  bool singular = false;
+};
+
+/// Up to 64 solutions, nearest to the seed first.
+struct IkSolutions {
+  static constexpr std::size_t kCapacity = 64;
+  std::array<IkSolution, kCapacity> all;
+  std::size_t count = 0;
+  const IkSolution* begin() const noexcept { return all.data(); }
+  const IkSolution* end() const noexcept { return all.data() + count; }
+  const IkSolution& operator[](std::size_t i) const noexcept { return all[i]; }
+};
+
+enum class IkOutcome {
+  solved,
+  no_closed_form,  ///< report() says why; ask solve_nearest()
+  malformed,       ///< the pose or the seed has numbers that are none, or the sizes do not match
+  unreachable,     ///< no joint state leads to the pose, whatever the limits
+  limits,          ///< joint states lead there, all of them outside the limits
+};
+const char* name(IkOutcome outcome);
+
+struct IkSettings {
+  double position_tolerance = 1e-9;     ///< m; errors up to this are exact
+  double orientation_tolerance = 1e-9;  ///< rad
+  /// What a radian (or a metre) of each joint counts in a distance; empty: 1 each.
+  std::vector<double> weights;
+  /// Of an arm with one joint too many: how many values of it are tried over its range.
+  int samples = 16;
+};
+
+/// The closed form of one arm. Built once (some 10 us, allocates), then const and without hidden state: any
+/// thread. solve() and solve_all() allocate nothing, throw nothing and read no clock; their time is bounded.
+class InverseKinematics {
+ public:
+  /// Keeps nothing of `chain` but copies.
+  explicit InverseKinematics(const Chain& chain, IkSettings settings = {});
+  ~InverseKinematics();
+  InverseKinematics(InverseKinematics&&) noexcept;
+  InverseKinematics& operator=(InverseKinematics&&) noexcept;
+
+  /// Whether this arm has a closed form.
+  explicit operator bool() const noexcept;
+  ArmFamily family() const noexcept;
+  /// Whether all solutions of a pose are found; false of an arm with a joint too many, which has endlessly
+  /// many.
+  bool complete() const noexcept;
+  /// What was found in this arm and why, in words, for a person.
+  const std::string& report() const noexcept;
+
+  /// The exact solution within limits that is nearest to `seed` (a joint state of the chain; joints that turn
+  /// further than once come to the turn nearest the seed, joints that do not move the TCP keep its values).
+  /// Where there is none, `out` is the nearest to the pose that the arm's branches offer within limits, and
+  /// not exact; where they offer none, the seed.
+  IkOutcome solve(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
+  /// All branches within limits that lead there exactly, nearest to the seed first.
+  IkOutcome solve_all(const Pose& target, std::span<const double> seed, IkSolutions& out) const noexcept;
+
+ private:
+  struct Arm;
+  std::unique_ptr<const Arm> arm_;
+};
+
+}  // namespace polyarm::kinematics

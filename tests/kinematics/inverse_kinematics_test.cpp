@@ -1,0 +1,284 @@
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/kinematics/inverse.hpp"
+#include "tests/kinematics/sample_families.hpp"
+#include "tests/support/realtime_guard.hpp"
+
+namespace polyarm::kinematics {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<double> random_state(const Chain& chain, Random& random) {
+  std::vector<double> q;
+  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
+  return q;
+}
+
+/// Joint values at which arms are singular, where limits allow.
+std::vector<double> grid_state(const Chain& chain, Random& random) {
+  std::vector<double> q = random_state(chain, random);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    const double value = kPi / 2 * std::floor(random.between(-1, 3));
+    if (value >= chain.lower()[j] && value <= chain.upper()[j]) q[j] = value;
+  }
+  return q;
+}
+
+double error_of(const Chain& chain, std::span<const double> q, const Pose& target) {
+  const Pose pose = chain.forward(q);
+  const Rotation a = rotation_of(pose.rotation), b = rotation_of(target.rotation);
+  const Vec3 turn = 0.5 * (cross(a.x, b.x) + cross(a.y, b.y) + cross(a.z, b.z));
+  return std::max(norm(pose.position - target.position), norm(turn));
+}
+
+/// The largest difference of any joint, whole turns aside.
+double difference(const Chain& chain, std::span<const double> a, std::span<const double> b) {
+  double most = 0;
+  for (std::size_t j = 0; j < chain.joints(); ++j) {
+    const double d = a[j] - b[j];
+    most = std::max(most, std::abs(chain.turns()[j] ? std::remainder(d, 2 * kPi) : d));
+  }
+  return most;
+}
+
+/// Counts of one arm's questions; each miss is printed as a case to repeat.
+struct Tally {
+  int asked = 0, missed = 0, inexact = 0, outside = 0, unsorted = 0;
+  Tally& operator+=(const Tally& other) {
+    asked += other.asked;
+    missed += other.missed;
+    inexact += other.inexact;
+    outside += other.outside;
+    unsorted += other.unsorted;
+    return *this;
+  }
+};
+
+/// Asks for the pose of `q` and looks for `q` among the answers.
+void ask(const Chain& chain, const InverseKinematics& arm, std::span<const double> q,
+         std::span<const double> seed, const std::string& robot, Tally& tally) {
+  const Pose target = chain.forward(q);
+  IkSolutions found;
+  const IkOutcome outcome = arm.solve_all(target, seed, found);
+  ++tally.asked;
+  // At a singularity two solutions become one, or endlessly many; q is then known to fewer digits.
+  const double same = smallest_singular_value(chain, q) < 1e-4 ? 1e-2 : 1e-6;
+  bool there = false;
+  for (const IkSolution& one : found) {
+    const std::span<const double> values(one.q.data(), chain.joints());
+    there |= difference(chain, values, q) < same;
+    tally.inexact += !one.exact || error_of(chain, values, target) > 2e-9;
+    for (std::size_t j = 0; j < chain.joints(); ++j)
+      tally.outside += values[j] < chain.lower()[j] || values[j] > chain.upper()[j];
+    if (&one != found.begin()) tally.unsorted += one.distance < (&one - 1)->distance;
+  }
+  if (there) return;
+  if (++tally.missed <= 300)
+    fmt::print("missed by {} ({}, {} solutions): q = {} seed = {}\n", robot, name(outcome), found.count, q,
+               seed);
+}
+
+void expect_clean(const Tally& tally) {
+  EXPECT_EQ(tally.inexact, 0);
+  EXPECT_EQ(tally.outside, 0);
+  EXPECT_EQ(tally.unsorted, 0);
+}
+
+Chain chain_of(const description::RobotModel& model) {
+  return Chain(model, test::tip_of(model));
+}
+
+TEST(InverseKinematics, FindsEveryConfigurationOfEveryArmOfTheCatalogueThatHasAClosedForm) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  Random random(1);
+  Tally exact, near;
+  int arms = 0;
+  for (const std::string& robot : catalogue.names()) {
+    const auto model = catalogue.load(robot);
+    const Chain chain(model, model.tool_link());
+    const InverseKinematics arm(chain);
+    if (!arm || !arm.complete()) continue;
+    ++arms;
+    Tally& tally = arm.report().find("true within") == std::string::npos ? exact : near;
+    for (int i = 0; i < 200; ++i)
+      ask(chain, arm, random_state(chain, random), random_state(chain, random), robot, tally);
+  }
+  EXPECT_GE(arms, 279);
+  EXPECT_EQ(exact.missed, 0) << "of " << exact.asked;
+  EXPECT_LE(near.missed, near.asked / 1000) << "of " << near.asked;
+  expect_clean(exact);
+  expect_clean(near);
+}
+
+TEST(InverseKinematics, FindsTheSeedAtSingularPosesOfTheCatalogue) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  Random random(2);
+  Tally tally;
+  for (const std::string& robot : catalogue.names()) {
+    const auto model = catalogue.load(robot);
+    const Chain chain(model, model.tool_link());
+    const InverseKinematics arm(chain);
+    if (!arm || !arm.complete()) continue;
+    for (int i = 0; i < 60; ++i) {
+      const auto q = grid_state(chain, random);
+      ask(chain, arm, q, q, robot, tally);
+    }
+  }
+  EXPECT_EQ(tally.missed, 0) << "of " << tally.asked;
+  expect_clean(tally);
+}
+
+constexpr ArmFamily kFamilies[] = {
+    ArmFamily::wrist_2_parallel_3, ArmFamily::wrist_1_parallel_2,     ArmFamily::wrist_1_meets_2,
+    ArmFamily::wrist_2_meets_3,    ArmFamily::parallel_234_5_meets_6, ArmFamily::parallel_123_5_meets_6,
+};
+
+TEST(InverseKinematics, FindsEveryConfigurationOfRandomArmsOfEachFamilyAndTurnedRound) {
+  Random random(3);
+  for (const ArmFamily family : kFamilies) {
+    Tally tally;
+    for (int i = 0; i < 40; ++i) {
+      auto axes = test::random_axes(family, random);
+      if (i % 2) axes = test::turned_round(axes);
+      const Chain chain = chain_of(test::random_arm(axes, random));
+      const InverseKinematics arm(chain);
+      ASSERT_EQ(arm.family(), family) << arm.report();
+      for (int k = 0; k < 100; ++k)
+        ask(chain, arm, random_state(chain, random), random_state(chain, random), describe(family), tally);
+    }
+    EXPECT_EQ(tally.missed, 0) << describe(family) << ", of " << tally.asked;
+    expect_clean(tally);
+  }
+}
+
+TEST(InverseKinematics, CalibratedArmsLoseHardlyABranch) {
+  Random random(4);
+  Tally tally;
+  for (const double size : {1e-4, 3e-4}) {
+    for (const ArmFamily family : kFamilies) {
+      for (int i = 0; i < 20; ++i) {
+        const auto axes = test::spoiled(test::random_axes(family, random), size, random);
+        const Chain chain = chain_of(test::random_arm(axes, random));
+        const InverseKinematics arm(chain);
+        if (!arm) continue;  // spoiled too much for so small an arm
+        for (int k = 0; k < 100; ++k)
+          ask(chain, arm, random_state(chain, random), random_state(chain, random), describe(family), tally);
+      }
+    }
+  }
+  EXPECT_GT(tally.asked, 20000);
+  EXPECT_LE(tally.missed, tally.asked / 1000) << "of " << tally.asked;
+  expect_clean(tally);
+}
+
+TEST(InverseKinematics, FindsAllEightOfAUr3AndNamesItsKind) {
+  const Chain chain = chain_of(test::ur3());
+  const InverseKinematics arm(chain);
+  EXPECT_EQ(arm.family(), ArmFamily::parallel_234_5_meets_6);
+  EXPECT_EQ(arm.report(), "axes 2, 3 and 4 parallel, axes 5 and 6 meet");
+  const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3};
+  IkSolutions found;
+  EXPECT_EQ(arm.solve_all(chain.forward(q), q, found), IkOutcome::solved);
+  ASSERT_EQ(found.count, 8u);
+  EXPECT_LT(difference(chain, found[0].q, q), 1e-9);
+  EXPECT_LT(found[0].distance, 1e-9);
+}
+
+TEST(InverseKinematics, JointsComeToTheTurnNearestTheSeedWithinLimits) {
+  const Chain chain = chain_of(test::ur3());
+  const InverseKinematics arm(chain);
+  const std::vector<double> q{0.4, -1.2, 1.3, -1.5, -1.2, 0.3};
+  for (const double turn : {-2 * kPi, 2 * kPi}) {
+    auto seed = q;
+    seed[5] = q[5] + turn * 0.99;
+    IkSolution found;
+    ASSERT_EQ(arm.solve(chain.forward(q), seed, found), IkOutcome::solved);
+    EXPECT_NEAR(found.q[5], turn > 0 ? q[5] : q[5] + turn, 1e-9);  // 0.3 + 2 pi is beyond the limit
+  }
+}
+
+TEST(InverseKinematics, WeightsDecideWhatIsNear) {
+  const Chain chain = chain_of(test::ur3());
+  const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed{3.2, -1.0, 1.8, -1.8, 0.2, 0.3};
+  IkSettings settings;
+  settings.weights = {1e3, 1, 1, 1, 1, 1};
+  IkSolutions even, heavy;
+  InverseKinematics(chain).solve_all(chain.forward(q), seed, even);
+  InverseKinematics(chain, settings).solve_all(chain.forward(q), seed, heavy);
+  ASSERT_EQ(even.count, heavy.count);
+  for (const IkSolution& one : even)
+    EXPECT_GE(std::abs(one.q[0] - seed[0]) + 1e-9, std::abs(heavy[0].q[0] - seed[0]));
+}
+
+TEST(InverseKinematics, SaysWhyNothingWasFound) {
+  auto model = test::ur3();
+  const Chain chain = chain_of(model);
+  const InverseKinematics arm(chain);
+  const std::vector<double> q{0.5, -1.2, 1.5, -1.8, -1.5, 0.3};
+  IkSolution found;
+  EXPECT_EQ(arm.solve({{5, 1.7, 0.5}, {}}, q, found), IkOutcome::unreachable);
+  EXPECT_FALSE(found.exact);
+  EXPECT_GT(found.position_error, 4);
+  EXPECT_EQ(arm.solve({{NAN, 0, 0}, {}}, q, found), IkOutcome::malformed);
+  EXPECT_EQ(arm.solve({{0.2, 0, 0}, {0, 0, 0, 0}}, q, found), IkOutcome::malformed);
+  EXPECT_EQ(arm.solve({}, std::vector<double>(5), found), IkOutcome::malformed);
+  EXPECT_EQ(arm.solve({}, std::vector<double>{0, INFINITY, 0, 0, 0, 0}, found), IkOutcome::malformed);
+  const Pose target = chain.forward(q);
+  for (description::Joint& joint : model.joints)
+    if (joint.moves()) joint.limits.lower = -0.1, joint.limits.upper = 0.1;
+  EXPECT_EQ(InverseKinematics(chain_of(model)).solve(target, std::vector<double>(6, 0.0), found),
+            IkOutcome::limits);
+}
+
+TEST(InverseKinematics, ALittleOutOfReachItGivesTheNearestAndSaysSo) {
+  const Vec3 y{0, 1, 0}, z{0, 0, 1};
+  const Chain chain = chain_of(test::robot_of_axes(
+      "straight", {{z, {}}, {y, {}}, {y, {0, 0, 0.5}}, {z, {0, 0, 1}}, {y, {0, 0, 1}}, {z, {0, 0, 1}}},
+      {{0, 0, 1.1}, {}}));
+  const InverseKinematics arm(chain);
+  const std::vector<double> q{0.5, 0.4, 0, 0.3, 0.4, 0.3};  // the elbow is stretched
+  Pose target = chain.forward(q);
+  target.position = target.position + 1e-3 * (from_rpy(0, 0.4, 0.5) * z);
+  IkSolution found;
+  EXPECT_EQ(arm.solve(target, q, found), IkOutcome::unreachable);
+  EXPECT_FALSE(found.exact);
+  EXPECT_NEAR(found.position_error, 1e-3, 1e-4);
+  EXPECT_LT(difference(chain, found.q, q), 0.1);
+}
+
+TEST(InverseKinematics, IsFitForTheControlLoop) {
+  if (!test::RealtimeGuard::watches()) GTEST_SKIP() << "sanitizers watch here";
+  Random random(5);
+  for (const auto& model : {test::ur3()}) {
+    const Chain chain = chain_of(model);
+    const InverseKinematics arm(chain);
+    const auto q = random_state(chain, random), seed = random_state(chain, random);
+    const Pose reachable = chain.forward(q),
+               singular = chain.forward(std::vector<double>(chain.joints(), 0.0));
+    const Pose far{{9, 9, 9}, {}};
+    IkSolutions all;
+    IkSolution one;
+    std::string violations;
+    {
+      const test::RealtimeGuard guard;
+      for (int i = 0; i < 100000 / 3; ++i)
+        for (const Pose& target : {reachable, singular, far}) {
+          arm.solve_all(target, seed, all);
+          arm.solve(target, seed, one);
+        }
+      violations = guard.violations();
+    }
+    EXPECT_EQ(violations, "");
+  }
+}
+
+}  // namespace
+}  // namespace polyarm::kinematics
