@@ -31,8 +31,15 @@ struct Gathered {
   std::size_t count = 0;
   Candidate nearest;  ///< to the pose, of those that are not exact
   double nearest_size = 1e300;
+  AxisValues seed{};
   bool beyond_limits = false;  ///< something exact was found outside of them
 
+  const Candidate& best() const noexcept {
+    std::size_t out = 0;
+    for (std::size_t k = 1; k < count; ++k)
+      if (all[k].distance2 < all[out].distance2) out = k;
+    return all[out];
+  }
   void take(const Candidate& one) noexcept {
     if (count < all.size()) {
       all[count++] = one;
@@ -63,6 +70,14 @@ double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) n
   return most;
 }
 
+/// The point nearest to two axes that are not parallel.
+Vec3 nearest_point(const JointAxis& a, const JointAxis& b) noexcept {
+  const Vec3 n = cross(a.direction, b.direction), way = b.point - a.point;
+  const double scale = 1 / dot(n, n);
+  const double s = scale * dot(way, cross(b.direction, n)), t = scale * dot(way, cross(a.direction, n));
+  return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
+}
+
 bool finite(const Pose& p) noexcept {
   const auto& [x, y, z, w] = p.rotation;
   return std::isfinite(p.position.x + p.position.y + p.position.z + x + y + z + w) &&
@@ -88,10 +103,18 @@ struct InverseKinematics::Arm {
 
   bool solvable() const noexcept { return known.family != ArmFamily::none; }
   void read(const Chain& chain);
+  std::string describe_known() const;
+  void settle(const SixAxisClass& found, std::array<int, 6> six);
   void find_form();
+  void find_six();
+  void find_five();
+  void find_seven();
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
-  void gather(const Pose& target, std::span<const double> seed, Gathered& out) const noexcept;
-  void solve_at(BranchJob& job, Gathered& out) const noexcept;
+  void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
+              Gathered& out) const noexcept;
+  void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
+  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+                Gathered& out) const noexcept;
   void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
   void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
   void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
@@ -109,32 +132,115 @@ void InverseKinematics::Arm::read(const Chain& chain) {
   lanes = lane_arm(geometry);
 }
 
+/// What is known of the six axes that the closed form is about, in words.
+std::string InverseKinematics::Arm::describe_known() const {
+  std::string out = describe(known.family);
+  if (known.from_tool) out += ", counted from the tool";
+  if (!known.exact())
+    out += fmt::format("; true within {:.2g} mm and {:.2g} mrad, so answers are improved on the true arm",
+                       1000 * known.worst_gap, 1000 * known.worst_angle);
+  return out;
+}
+
+/// `six` are axes of the arm, -1 one that it has not.
+void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6> six) {
+  known = found;
+  if (found.from_tool) std::reverse(six.begin(), six.end());
+  to_arm = six;
+  if (!found.exact()) worth_polishing = 0.1;
+  form = form_of(found);
+  wary = form_of(found, true);
+}
+
 void InverseKinematics::Arm::find_form() {
-  if (geometry.count != 6) {
-    report = fmt::format("no closed form for {} axes", geometry.count);
-    return;
+  if (std::any_of(geometry.axes.begin(), geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count),
+                  [](const JointAxis& axis) { return axis.slides; })) {
+    report = "no closed form for sliding joints yet";
+  } else if (geometry.count == 6) {
+    find_six();
+  } else if (geometry.count == 5) {
+    find_five();
+  } else if (geometry.count == 7) {
+    find_seven();
+  } else {
+    report = fmt::format("no closed form for {} axes yet", geometry.count);
   }
-  known = classify(geometry);
-  if (known.from_tool)
-    for (int k = 0; k < 6; ++k) to_arm[static_cast<std::size_t>(k)] = 5 - k;
-  if (known.family == ArmFamily::none) {
+}
+
+void InverseKinematics::Arm::find_six() {
+  const SixAxisClass found = classify(geometry);
+  if (found.family == ArmFamily::none) {
     report = "no closed form: " + why_no_family(geometry);
+  } else if (quartic(found.family)) {
+    report = fmt::format("no closed form yet for {}", describe(found.family));
+  } else {
+    settle(found, {0, 1, 2, 3, 4, 5});
+    report = describe_known();
+  }
+}
+
+/// Five axes are six of which one stands still: an axis at the tool that meets the last, or one in a wrist
+/// whose other two meet. The true arm decides which of the six axes' answers are its own.
+void InverseKinematics::Arm::find_five() {
+  const auto with_axis = [&](std::size_t at, const Vec3& direction, const Vec3& point) {
+    ArmGeometry six = geometry;
+    std::copy_backward(six.axes.begin() + static_cast<std::ptrdiff_t>(at), six.axes.begin() + 5,
+                       six.axes.begin() + 6);
+    six.axes[at] = {normalized(direction), point};
+    six.count = 6;
+    return six;
+  };
+  const auto &four = geometry.axes[3], &last = geometry.axes[4];
+  const Vec3 foot = last.point + dot(last.direction, geometry.tool_position - last.point) * last.direction;
+  const Vec3 square = cross(four.direction, last.direction);
+  const Vec3 along = cross(last.direction, square);
+  const struct {
+    std::size_t at;
+    ArmGeometry six;
+  } attempts[] = {{5, with_axis(5, square, foot)},
+                  {5, with_axis(5, along, foot)},
+                  {3, with_axis(3, square, nearest_point(four, last))},
+                  {3, with_axis(3, along, nearest_point(four, last))}};
+  for (const auto& [at, six] : attempts) {
+    const SixAxisClass found = classify(six);
+    if (norm(square) < 0.1 || found.family == ArmFamily::none || quartic(found.family)) continue;
+    std::array<int, 6> axes{};
+    for (std::size_t k = 0; k < 6; ++k) axes[k] = k == at ? -1 : static_cast<int>(k < at ? k : k - 1);
+    settle(found, axes);
+    report =
+        fmt::format("five axes, solved as six of which axis {} stands still: {}", at + 1, describe_known());
     return;
   }
-  report = describe(known.family);
-  if (known.from_tool) report += ", counted from the tool";
-  if (!known.exact()) {
-    worth_polishing = 0.1;
-    report += fmt::format("; true within {:.2g} mm and {:.2g} mrad, so answers are improved on the true arm",
-                          1000 * known.worst_gap, 1000 * known.worst_angle);
+  report = "no closed form for these five axes";
+}
+
+/// Seven axes are six for each value of the one that is held; the one whose hold leaves a family whatever its
+/// value.
+void InverseKinematics::Arm::find_seven() {
+  constexpr std::size_t kOrder[] = {2, 6, 4, 0, 3, 5, 1};
+  constexpr double kValues[] = {0.37, 1.1, -0.9, 2.3};
+  SixAxisClass best;
+  for (const std::size_t k : kOrder) {
+    SixAxisClass common = classify(locked(geometry, k, kValues[0]));
+    for (const double value : kValues) {
+      const SixAxisClass other = classify(locked(geometry, k, value));
+      if (other.family != common.family || other.from_tool != common.from_tool)
+        common.family = ArmFamily::none;
+    }
+    if (common.family == ArmFamily::none || quartic(common.family)) continue;
+    if (best.family != ArmFamily::none && (best.exact() || !common.exact())) continue;
+    best = common;
+    spare = static_cast<int>(k);
   }
-  if (quartic(known.family)) {
-    report = "no closed form yet: " + report;
-    known.family = ArmFamily::none;
+  if (spare < 0) {
+    report = "no closed form: no joint whose hold leaves one";
     return;
   }
-  form = form_of(known);
-  wary = form_of(known, true);
+  std::array<int, 6> axes{};
+  for (int k = 0; k < 6; ++k) axes[static_cast<std::size_t>(k)] = k < spare ? k : k + 1;
+  settle(best, axes);
+  report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
+                       describe_known());
 }
 
 bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double> seed) const noexcept {
@@ -146,15 +252,16 @@ bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double>
 
 /// All branches. Near singularities both those with the seed's value of what is nearly free, and those that
 /// the pose determines; of an arm that is not ideal also what descent finds around the seed and beyond folds.
-void InverseKinematics::Arm::solve_at(BranchJob& job, Gathered& out) const noexcept {
+void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_form,
+                                      const SixAxisForm& wary_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
   Branches branches;
-  job.form = &wary;
+  job.form = &wary_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
   if (branches.free == 0) return;
   if (known.exact()) {
-    job.form = &form;
+    job.form = &strict_form;
     solve_branches(job, branches);
     return sift(job, branches, before, out);
   }
@@ -165,7 +272,7 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, Gathered& out) const noexc
     sift(job, branches, before, out);
   }
   job.beside_seed = 0;
-  job.form = &form;
+  job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
   for (std::size_t i = 0; i < geometry.count; ++i)
@@ -174,7 +281,7 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, Gathered& out) const noexc
   branches.free = 0;
   polish_branches(job, branches);
   sift(job, branches, before, out);
-  look_for_twins(job, before, out);
+  if (spare < 0) look_for_twins(job, before, out);
 }
 
 /// Near a fold a solution has a twin on the other side of it, in the direction that hardly moves the tool.
@@ -214,8 +321,8 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     bool inside = true;
     for (std::size_t i = 0; i < n; ++i) {
       one.value[i] = branches.value[i][k];
-      inside &= unwind(one.value[i], job.seed[i], lower[i], upper[i]);
-      const double away = one.value[i] - job.seed[i];
+      inside &= unwind(one.value[i], out.seed[i], lower[i], upper[i]);
+      const double away = one.value[i] - out.seed[i];
       one.distance2 += weight[i] * away * away;
     }
     out.beyond_limits |= one.exact && !inside;
@@ -235,18 +342,45 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
   }
 }
 
-void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> seed,
+void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> seed, bool nearest_only,
                                     Gathered& out) const noexcept {
-  AxisValues at{};
-  for (std::size_t i = 0; i < geometry.count; ++i) at[i] = seed[geometry.axes[i].joint];
+  for (std::size_t i = 0; i < geometry.count; ++i) out.seed[i] = seed[geometry.axes[i].joint];
+  AxisValues at = out.seed;
   BranchJob job;
-  job.form = &form;
   job.arm = &lanes;
   job.target = {rotation_of(normalized(target.rotation)), target.position};
   job.to_arm = to_arm;
   job.seed = at.data();
   job.worth_polishing = worth_polishing;
-  solve_at(job, out);
+  if (spare < 0) return solve_at(job, form, wary, out);
+  sample(job, at, nearest_only, out);
+}
+
+/// The spare axis at its seed's value and at values all over its range; then, where only the nearest solution
+/// is wanted, at values ever closer around the best one.
+void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
+                                    Gathered& out) const noexcept {
+  const auto k = static_cast<std::size_t>(spare);
+  const double least = std::max(lower[k], out.seed[k] - kTurn / 2), most = std::min(upper[k], least + kTurn);
+  const double cell = (most - least) / std::max(1, settings.samples);
+  const auto look_at = [&](double value) {
+    at[k] = std::clamp(value, least, most);
+    const SixAxisClass six = seen_as(locked(geometry, k, at[k]), known.family, known.from_tool);
+    solve_at(job, form_of(six), form_of(six, true), out);
+  };
+  look_at(out.seed[k]);
+  for (int i = 0; i < settings.samples; ++i) look_at(least + (i + 0.5) * cell);
+  // Where limits leave but a little of the range: look closer before giving up.
+  constexpr int kCloser = 4;
+  for (int i = 0; out.count == 0 && i < kCloser * settings.samples; ++i) look_at(least + i * cell / kCloser);
+  if (!nearest_only || out.count == 0) return;
+  constexpr int kHalvings = 14;
+  double step = cell / 2;
+  for (int i = 0; i < kHalvings; ++i, step /= 2) {
+    const double center = out.best().value[k];
+    look_at(center - step);
+    look_at(center + step);
+  }
 }
 
 void InverseKinematics::Arm::write(const Candidate& from, std::span<const double> seed,
@@ -299,15 +433,12 @@ IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> s
   if (!arm_->solvable()) return IkOutcome::no_closed_form;
   if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
-  arm_->gather(target, seed, found);
+  arm_->gather(target, seed, true, found);
   if (found.count == 0) {
     if (found.nearest_size < 1e299) arm_->write(found.nearest, seed, out);
     return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
   }
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < found.count; ++k)
-    if (found.all[k].distance2 < found.all[best].distance2) best = k;
-  arm_->write(found.all[best], seed, out);
+  arm_->write(found.best(), seed, out);
   return IkOutcome::solved;
 }
 
@@ -317,7 +448,7 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
   if (!arm_->solvable()) return IkOutcome::no_closed_form;
   if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
-  arm_->gather(target, seed, found);
+  arm_->gather(target, seed, false, found);
   std::array<std::uint8_t, IkSolutions::kCapacity> order;
   for (std::size_t k = 0; k < found.count; ++k) {
     std::size_t at = k;
