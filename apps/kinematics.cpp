@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
 
 namespace polyarm::apps {
 
@@ -74,6 +76,22 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
   return out;
 }
 
+/// How the solutions of `--all` were found, in words: the arm's closed form and its kind, or why it has none.
+std::string way_of(const kinematics::Chain& chain) {
+  const kinematics::InverseKinematics arm(chain);
+  if (!arm) return arm.report() + "; found by descent from many seeds";
+  return "closed form: " + arm.report();
+}
+
+/// What a person wants to know of a branch beside its joint values.
+std::string remark_on(const kinematics::Chain& chain, const std::vector<double>& q,
+                      const std::vector<double>& seed) {
+  double sum = 0;
+  for (std::size_t j = 0; j < q.size(); ++j) sum += (q[j] - seed[j]) * (q[j] - seed[j]);
+  const bool singular = kinematics::smallest_singular_value(chain, q) < kinematics::kSingular;
+  return fmt::format("{:.3f} from the seed{}", std::sqrt(sum), singular ? ", near a singularity" : "");
+}
+
 }  // namespace
 
 int run_fk(int argc, char** argv) {
@@ -115,7 +133,7 @@ int run_ik(int argc, char** argv) {
   CLI::Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
   app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
   app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
-  app.add_flag("--all", all, "every solution found, nearest to the seed first");
+  app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");
   app.footer(examples(
       {"polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --rpy 3.1416 0 0",
        "polyarm ik fanuc/lr_mate_200id --tool suction_cup --xyz 0.3 0.15 0.04 --rpy 3.1416 0 0 --json",
@@ -142,14 +160,21 @@ int run_ik(int argc, char** argv) {
   if (!result) out["reason"] = result.reason;
   std::vector<std::vector<double>> solutions;
   if (all && result) solutions = kinematics::find_solutions(*robot.chain, target, seed);
-  if (all) out["solutions"] = solutions;
+  if (all) {
+    out["solutions"] = solutions;
+    out["found_by"] = way_of(*robot.chain);
+  }
   if (common.as_json) {
     fmt::print("{}\n", out.dump());
   } else if (!result) {
     fmt::print(stderr, "polyarm ik: {} cannot: {}\n", robot.model.name, result.reason);
+  } else if (!all) {
+    fmt::print("{:.6f}\n", fmt::join(result.q, " "));
   } else {
-    if (!all) solutions = {result.q};
-    for (const std::vector<double>& q : solutions) fmt::print("{:.6f}\n", fmt::join(q, " "));
+    fmt::print("# {}\n# {} solution{} within limits\n", way_of(*robot.chain), solutions.size(),
+               solutions.size() == 1 ? "" : "s");
+    for (const std::vector<double>& q : solutions)
+      fmt::print("{:.6f}  # {}\n", fmt::join(q, " "), remark_on(*robot.chain, q, seed));
   }
   return result ? kOk : kFailed;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "polyarm/kinematics/descent.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
 
 namespace polyarm::kinematics {
 
@@ -134,9 +136,32 @@ IkResult search(const Question& question) {
   return out;
 }
 
+/// All branches of the arm's closed form, where it has one, nearest to the seed first.
+std::vector<std::vector<double>> collect_branches(const Question& question) {
+  std::vector<std::vector<double>> out;
+  const InverseKinematics arm(question.chain);
+  if (!arm || question.options.orientation_free) return out;
+  const std::size_t n = question.chain.joints();
+  const auto add = [&](const IkSolution& one) {
+    const std::span<const double> q(one.q.data(), n);
+    const auto same = [&](const auto& other) { return largest_change(other, q) < kSameSolution; };
+    if (out.size() < kMostSolutions && std::none_of(out.begin(), out.end(), same))
+      out.emplace_back(q.begin(), q.end());
+  };
+  IkSolution nearest;
+  if (!arm.complete() && arm.solve(question.target, question.seed, nearest) == IkOutcome::solved)
+    add(nearest);
+  const auto found = std::make_unique<IkSolutions>();
+  arm.solve_all(question.target, question.seed, *found);
+  for (const IkSolution& one : *found) add(one);
+  return out;
+}
+
 std::vector<std::vector<double>> collect(const Question& question) {
   std::vector<std::vector<double>> out;
   if (question.out_of_bounds()) return out;
+  out = collect_branches(question);
+  if (!out.empty()) return out;
   const std::size_t n = question.chain.joints();
   JointState q = state_of(question.seed);
   Random random(2);
@@ -236,7 +261,8 @@ IkResult solve_nearest(const Chain& chain, const Pose& target, std::span<const d
   if (!question.out_of_bounds() && descend(question, q, question.seed, nullptr)) {
     const std::span<const double> direct(q.data(), chain.joints());
     const double change = largest_change(direct, question.seed);
-    if (change <= kSameBranch || (change <= kNearby && smallest_singular_value(chain, direct) >= kVerySingular))
+    if (change <= kSameBranch ||
+        (change <= kNearby && smallest_singular_value(chain, direct) >= kVerySingular))
       return solved(question, direct);
   }
   const std::vector<std::vector<double>> found = collect(question);

@@ -43,9 +43,9 @@ struct IkResult {
 IkResult solve_inverse(const Chain& chain, const Pose& target, std::span<const double> seed,
                        const IkOptions& options = {});
 
-/// Distinct solutions found from `rank_from` and options.restarts random seeds, nearest to `rank_from`
-/// (Euclidean distance of joint states) first; at most 64, as arms of more than six joints have endlessly
-/// many.
+/// Distinct solutions, nearest to `rank_from` (Euclidean distance of joint states) first: all branches of the
+/// arm's closed form (InverseKinematics), else those found by descent from `rank_from` and options.restarts
+/// random seeds. At most 64, as arms of more than six joints have endlessly many.
 std::vector<std::vector<double>> find_solutions(const Chain& chain, const Pose& target,
                                                 std::span<const double> rank_from,
                                                 const IkOptions& options = {});
