@@ -17,12 +17,12 @@ constexpr double kAtLimit = 1e-10;      // rad beyond a limit that are rounding
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
 using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
 
-/// What one branch offers.
+/// What one branch offers. Without initial values: sixty-four of them would cost more than the solve.
 struct Candidate {
   AxisValues value;
-  double position2 = 1e300, orientation2 = 1e300;  ///< squares of the errors
-  double distance2 = 0;                            ///< square of the weighted distance from the seed
-  bool exact = false, singular = false;
+  double position2, orientation2;  ///< squares of the errors
+  double distance2;                ///< square of the weighted distance from the seed
+  bool exact, singular;
 };
 
 /// The candidates of one question that are within limits and exact, and the best of the others.
@@ -51,13 +51,23 @@ struct Gathered {
   }
 };
 
+/// std::rint and std::ceil for |a| < 2^51, without the call that they are where any x86-64 must do.
+double nearest_whole(double a) noexcept {
+  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: no bits are left for fractions
+  return (a + kShift) - kShift;
+}
+double whole_above(double a) noexcept {
+  const double near = nearest_whole(a);
+  return near < a ? near + 1 : near;
+}
+
 /// Within these limits, the turn of `value` nearest to `seed`; false where no turn is inside.
 bool unwind(double& value, double seed, double lower, double upper) noexcept {
   // Half a turn away is as near on either side; rounding must not decide which it is.
-  value += kTurn * std::rint((seed - value) * (1 / kTurn) - 1e-9);
-  if (value < lower - kAtLimit) value += kTurn * std::ceil((lower - value) / kTurn - 1e-11);
+  value += kTurn * nearest_whole((seed - value) * (1 / kTurn) - 1e-9);
+  if (value < lower - kAtLimit) value += kTurn * whole_above((lower - value) * (1 / kTurn) - 1e-11);
   if (value > upper + kAtLimit) {
-    value -= kTurn * std::ceil((value - upper) / kTurn - 1e-11);
+    value -= kTurn * whole_above((value - upper) * (1 / kTurn) - 1e-11);
     if (value < lower - kAtLimit) return false;
   }
   value = std::min(std::max(value, lower), upper);
@@ -313,6 +323,7 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
   const double orientation2 = settings.orientation_tolerance * settings.orientation_tolerance;
   for (std::size_t k = 0; k < kBranches; ++k) {
     Candidate one;
+    one.distance2 = 0;
     one.position2 = branches.position_error2[k];
     one.orientation2 = branches.orientation_error2[k];
     one.exact = one.position2 <= position2 && one.orientation2 <= orientation2;
