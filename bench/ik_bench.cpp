@@ -1,11 +1,11 @@
 // What all branches of a pose cost in closed form, in one call, for arms of the catalogue; what solve_nearest
 // costs on top; and forward kinematics and the Jacobian, which every other way is made of. Orocos KDL is
 // measured beside them in the same run where its library is installed: its Levenberg-Marquardt solver with
-// random restarts, whole turns taken off and limits checked, up to 20 restarts. Poses: 4,096 random joint states
-// within limits, each with a random seed; every answer of ours is checked by the chain's own forward kinematics
-// before the clock starts. Counters: p50_ns and p99_ns of single calls, timed one by one (some 20 ns of that is
-// the clock), branches per call, solved_percent. It cannot show what cold caches cost, and on a machine that
-// does other work the p99 is that work.
+// random restarts, whole turns taken off and limits checked, up to 20 restarts. Poses: 4,096 random joint
+// states within limits, each with a random seed; every answer of ours is checked by the chain's own forward
+// kinematics before the clock starts. Counters: p50_ns and p99_ns of single calls, timed one by one (some 20
+// ns of that is the clock), branches per call, solved_percent. It cannot show what cold caches cost, and on a
+// machine that does other work the p99 is that work.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

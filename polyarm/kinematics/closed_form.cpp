@@ -326,8 +326,8 @@ POLYARM_INLINE void descend(const LaneArm& arm, const bool* moves, const PoseTar
     if (!moves[k]) continue;
     Lane d{};
     for (int i = 0; i < 6; ++i) d += column[k][i] * b[i];
-    d = select(d > kLargestTurn, splat(kLargestTurn), d);
-    d = select(d < -kLargestTurn, splat(-kLargestTurn), d);
+    d = select(below(splat(kLargestTurn), d), splat(kLargestTurn), d);
+    d = select(below(d, splat(-kLargestTurn)), splat(-kLargestTurn), d);
     const Lane d2 = d * d;
     const LaneAngle by{d * (1.0 - d2 * (1.0 / 6) * (1.0 - d2 * (1.0 / 20))),
                        1.0 - d2 * 0.5 * (1.0 - d2 * (1.0 / 12))};

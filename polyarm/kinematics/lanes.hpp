@@ -33,8 +33,10 @@ POLYARM_INLINE Lane with_sign(Lane a, Lane sign) {
   constexpr long long kSign = static_cast<long long>(0x8000000000000000ULL);
   return (Lane)(((LaneMask)a & ~kSign) | ((LaneMask)sign & kSign));
 }
-POLYARM_INLINE Lane at_least_zero(Lane a) {
-  return select(a > 0.0, a, Lane{});
+/// Where a < b. By the sign of the difference: a comparison as such would be taken apart into eight before it
+/// is inlined to where there are instructions for it.
+POLYARM_INLINE LaneMask below(Lane a, Lane b) {
+  return (LaneMask)(a - b) >> 63;
 }
 POLYARM_INLINE Lane root(Lane a) {
 #if defined(__SSE2__)
@@ -65,12 +67,12 @@ POLYARM_INLINE Lane rounded(Lane a) {
 POLYARM_INLINE Lane angle_of(Lane y, Lane x) {
   constexpr double kPi = 3.14159265358979323846, kTanEighth = 0.41421356237309503;
   const Lane ax = magnitude(x), ay = magnitude(y);
-  const LaneMask steep = ay > ax;
+  const LaneMask steep = below(ax, ay);
   const Lane small = select(steep, ax, ay), large = select(steep, ay, ax);
-  const LaneMask wide = small > kTanEighth * large;
+  const LaneMask wide = below(kTanEighth * large, small);
   const Lane over = select(wide, small - large, small);
   Lane under = select(wide, small + large, large);
-  under = select(under > 0.0, under, splat(1.0));
+  under = select(below(Lane{}, under), under, splat(1.0));
   const Lane m = over / under, z = m * m;
   Lane p = z * 0.021135373157693246 - 0.04348052215716462;
   p = p * z + 0.056883492268090106;
@@ -84,7 +86,7 @@ POLYARM_INLINE Lane angle_of(Lane y, Lane x) {
   Lane angle = m + m * z * p;
   angle = select(wide, angle + kPi / 4, angle);
   angle = select(steep, kPi / 2 - angle, angle);
-  angle = select(x < 0.0, kPi - angle, angle);
+  angle = select((LaneMask)x >> 63, kPi - angle, angle);
   return with_sign(angle, y);
 }
 

@@ -14,7 +14,7 @@ namespace polyarm::kinematics {
 /// `free`.
 POLYARM_INLINE LaneAngle toward(Lane s, Lane c, double least, const LaneAngle& offered, LaneMask& free) {
   const Lane square = s * s + c * c;
-  const LaneMask any = square < least * least;
+  const LaneMask any = below(square, splat(least * least));
   free |= any;
   const Lane scale = 1.0 / root(select(any, splat(1.0), square));
   return {select(any, offered.s, s * scale), select(any, offered.c, c * scale)};
@@ -43,10 +43,10 @@ struct Edge {
 POLYARM_INLINE LaneAngle level(const LaneAngle& along, Lane b, Lane open, Lane sign, const Edge& edge,
                                double least, const LaneAngle& offered, LaneMask& free) {
   const Lane square = along.s * along.s + along.c * along.c;
-  const LaneMask any = square < least * least;
+  const LaneMask any = below(square, splat(least * least));
   free |= any;
-  if (edge.tell) free |= magnitude(open) < edge.part * square;
-  const LaneMask crossing = open > edge.part * square;
+  if (edge.tell) free |= below(magnitude(open), edge.part * square);
+  const LaneMask crossing = below(edge.part * square, open);
   const Lane taken = root(select(crossing, open, square * (1.0 - edge.part)));
   const Lane side = sign * select(crossing, taken, taken * edge.slope);
   const Lane ahead = select(crossing, b, with_sign(taken, b));
