@@ -545,6 +545,10 @@ void solve_branches(const BranchJob& job, Branches& out) noexcept {
   kKernels.solve(job, out);
 }
 
+void solve_branches_portably(const BranchJob& job, Branches& out) noexcept {
+  solve_anywhere(job, out);
+}
+
 void polish_branches(const BranchJob& job, Branches& out) noexcept {
   kKernels.polish(job, out);
 }

@@ -74,6 +74,8 @@ struct Branches {
 /// Solves, checks on the true arm, and improves there what is not exact: errors end near rounding or are
 /// those of the nearest that the family has to offer.
 void solve_branches(const BranchJob& job, Branches& out) noexcept;
+/// The same with the instructions that every processor has; results differ in the last digits. For tests.
+void solve_branches_portably(const BranchJob& job, Branches& out) noexcept;
 
 /// Checks and improves, on the true arm, values that came from elsewhere: `out.value` in, all of `out` out.
 void polish_branches(const BranchJob& job, Branches& out) noexcept;

@@ -1,0 +1,52 @@
+#include "polyarm/kinematics/closed_form.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/kinematics/sample_families.hpp"
+
+namespace polyarm::kinematics {
+namespace {
+
+constexpr ArmFamily kFamilies[] = {
+    ArmFamily::wrist_2_parallel_3, ArmFamily::wrist_1_parallel_2,     ArmFamily::wrist_1_meets_2,
+    ArmFamily::wrist_2_meets_3,    ArmFamily::parallel_234_5_meets_6, ArmFamily::parallel_123_5_meets_6,
+};
+
+/// What one processor finds another does too: the vector instructions here against those that all have.
+TEST(ClosedForm, IsTheSameWithAndWithoutTheInstructionsOfThisProcessor) {
+  Random random(1);
+  int exact = 0;
+  for (const ArmFamily family : kFamilies)
+    for (int i = 0; i < 40; ++i) {
+      std::string why_not;
+      const auto model = test::random_arm(test::random_axes(family, random), random);
+      const ArmGeometry arm = *geometry_of(Chain(model, test::tip_of(model)), why_not);
+      const SixAxisForm form = form_of(classify(arm));
+      const LaneArm lanes = lane_arm(arm);
+      std::array<double, 6> q{}, seed{};
+      for (double& value : q) value = random.between(-3, 3);
+      BranchJob job;
+      job.form = &form;
+      job.arm = &lanes;
+      job.seed = seed.data();
+      arm.forward(q, job.target.rotation, job.target.position);
+      Branches here, anywhere;
+      solve_branches(job, here);
+      solve_branches_portably(job, anywhere);
+      EXPECT_EQ(here.free, anywhere.free);
+      for (std::size_t k = 0; k < kBranches; ++k) {
+        const bool good = here.position_error2[k] < 1e-18 && here.orientation_error2[k] < 1e-18;
+        EXPECT_EQ(good, anywhere.position_error2[k] < 1e-18 && anywhere.orientation_error2[k] < 1e-18);
+        exact += good;
+        for (std::size_t j = 0; good && j < 6; ++j)
+          EXPECT_LT(std::abs(std::remainder(here.value[j][k] - anywhere.value[j][k], 2 * std::numbers::pi)),
+                    1e-6);
+      }
+    }
+  EXPECT_GT(exact, 800);
+}
+
+}  // namespace
+}  // namespace polyarm::kinematics
