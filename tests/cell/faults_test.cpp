@@ -129,7 +129,7 @@ TEST(Faults, ASlowReadIsCountedAndNothingElse) {
 }
 
 TEST(Faults, WhatCannotBeInjectedIsRefusedWithWhatCan) {
-  for (const std::string& wrong : {"nann@500", "nan@x", "nan@5:elbow", "jump@1:a=much", "slow@-1"}) {
+  for (const char* wrong : {"nann@500", "nan@x", "nan@5:elbow", "jump@1:a=much", "slow@-1"}) {
     const Folder folder;
     try {
       LockStepCell cell(folder.write("arm.urdf", injected(wrong)), kControllers);
