@@ -187,6 +187,34 @@ void posted(benchmark::State& state) {
   state.counters["cycles_to_first_command"] = static_cast<double>(cycles) / static_cast<double>(sent);
 }
 
+/// Cycles from a reason to stop until no joint is measured to move, in the middle of a move at full speed
+/// (2 rad/s, 8 rad/s², 80 rad/s³). 0: asked, 1: asked twice, 2: wall time went missing, 3: the cell fell
+/// silent (half a second of it is the patience). A component that fails stands as its driver says.
+void stop(benchmark::State& state) {
+  for (auto _ : state) {
+    Bench bench(1, 6, true, true);
+    bench.loop.supervisor().watch_cell = state.range(0) == 3;
+    auto goal = std::make_unique<controllers::TrajectoryGoal>();
+    goal->id = bench.followers.front()->new_goal_id();
+    goal->trajectory =
+        trajectory::plan_joint_move(bench.at, std::vector<double>(bench.at.size(), 2.5), bench.limits, {});
+    bench.followers.front()->follow(goal);
+    const auto heart = [&] { bench.loop.supervisor().heartbeat(bench.loop.cycle().time); };
+    for (int k = 0; k < 700; ++k) heart(), bench.loop.step_next();
+    realtime::StopLatch& latch = bench.loop.supervisor().latch();
+    if (state.range(0) == 0) latch.request(realtime::StopKind::controlled);
+    if (state.range(0) == 1) latch.request(realtime::StopKind::immediate);
+    int cycles = 0;
+    for (double last = 1e9; cycles < 5000; ++cycles) {
+      bench.loop.step_next(state.range(0) == 2 && cycles == 0);
+      const double now = bench.loop.table().states()[2];
+      if (now == last && bench.loop.supervisor().state() != control::RunState::running) break;
+      last = now;
+    }
+    state.counters["cycles"] = cycles;
+  }
+}
+
 BENCHMARK(cycle)
     ->ArgNames({"joints", "limits", "publish"})
     ->ArgsProduct({{6, 12, 60, 600}, {0, 1}, {1}})
@@ -194,6 +222,7 @@ BENCHMARK(cycle)
     ->Unit(benchmark::kNanosecond);
 BENCHMARK(arms)->ArgName("")->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
 BENCHMARK(paced)->ArgName("joints")->Arg(6)->Arg(600)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(stop)->ArgName("cause")->DenseRange(0, 3)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(posted)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

@@ -111,6 +111,23 @@ INSTANTIATE_TEST_SUITE_P(
                         "a joint does not follow its command", "arm/a/position is more than 0.2"}),
     [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
 
+TEST(Faults, AThousandWaitingRequestsDoNotDelayAStopByACycle) {
+  const Folder folder;
+  std::string controllers = kControllers;
+  controllers.replace(controllers.find("update_rate: 1000"), 17, "update_rate: 10");
+  LockStepCell cell(folder.write("arm.urdf", description("")), controllers);
+  cell.give(kMove);
+  cell.run(0.8);
+  const double at = cell.value_of("states", "arm/a/position");
+  ASSERT_TRUE(at > 0.05 && at < 1.4) << "it moves";
+  for (int k = 0; k < 1000; ++k) cell.give(Json{{"request", "control.switch"}, {"activate", {"states"}}});
+  for (int k = 0; k < 64; ++k) cell.cell().loop().post(control::Request::discard);
+  cell.cell().loop().supervisor().latch().request(realtime::StopKind::controlled);
+  const controllers::Verdict verdict = cell.cell().loop().step_next();
+  EXPECT_EQ(verdict.speed, 0);
+  EXPECT_EQ(cell.cell().loop().supervisor().state(), control::RunState::stopping);
+}
+
 TEST(Faults, ASmallStepIsNoJump) {
   const Folder folder;
   LockStepCell cell(folder.write("arm.urdf", injected("jump@500:a=0.015")), kControllers);
