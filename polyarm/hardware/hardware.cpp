@@ -23,7 +23,7 @@ class Hardware::Letting : public realtime::Job {
       hosted_.restarted = true;
     }
     if (writing_ && !hosted_.writing)
-      for (Watch& watch : hosted_.watched) watch.behind = 0;
+      for (Following& following : hosted_.following) following.behind = 0;
     hosted_.reading = reading_;
     hosted_.writing = writing_;
   }
@@ -357,15 +357,23 @@ std::optional<bool> Hardware::await_cycle(Nanoseconds timeout) noexcept {
   return came;
 }
 
+/// Of a joint whose velocity nobody limits; still less than infinite.
+constexpr double kAnyStep = 1e38;
+
 void Hardware::watch(const std::vector<WatchedJoint>& joints, Nanoseconds period) {
   following_cycles_ = static_cast<std::uint32_t>(kFollowingTime / period);
   for (const auto& hosted : hosted_) {
     hosted->watched.clear();
+    hosted->following.clear();
     const double between = seconds(period) * hosted->options.divisor * (hosted->options.async ? 50 : 1);
     for (const WatchedJoint& joint : joints)
-      if (joint.state >= hosted->first_state && joint.state < hosted->first_state + hosted->states)
-        hosted->watched.push_back(
-            {joint.state, joint.command, kJumpFactor * joint.velocity * between + kJumpFloor});
+      if (joint.state >= hosted->first_state && joint.state < hosted->first_state + hosted->states) {
+        const double step = kJumpFactor * joint.velocity * between + kJumpFloor;
+        hosted->watched.push_back({std::numeric_limits<double>::quiet_NaN(),
+                                   static_cast<float>(std::min(step, kAnyStep)),
+                                   static_cast<std::uint32_t>(joint.state)});
+        hosted->following.push_back({joint.command});
+      }
   }
 }
 
@@ -374,11 +382,14 @@ FaultKind Hardware::judge_states(Hosted& hosted) noexcept {
   const std::span<const double> states = table_.states();
   for (Watch& watch : hosted.watched) {
     const double now = states[watch.state];
-    FaultKind kind = FaultKind::none;
-    if (!std::isfinite(now) && !std::isnan(watch.last)) kind = FaultKind::not_a_number;
-    if (std::abs(now - watch.last) > watch.step) kind = FaultKind::jump;
+    if (std::abs(now - watch.last) <= watch.step) {  // nearly always
+      watch.last = now;
+      continue;
+    }
+    const bool first = std::isnan(watch.last);
     if (std::isfinite(now)) watch.last = now;
-    if (kind == FaultKind::none) continue;
+    if (first) continue;
+    const FaultKind kind = std::isfinite(now) ? FaultKind::jump : FaultKind::not_a_number;
     hosted.bad_kind.store(kind, std::memory_order_relaxed);
     hosted.bad_state.store(static_cast<int>(watch.state), std::memory_order_release);
     return kind;
@@ -388,14 +399,16 @@ FaultKind Hardware::judge_states(Hosted& hosted) noexcept {
 
 /// Are all joints near where they are commanded to be?
 bool Hardware::follows(Hosted& hosted) noexcept {
-  for (Watch& watch : hosted.watched) {
-    if (watch.command < 0) continue;
-    const double wanted = table_.commands()[static_cast<std::size_t>(watch.command)];
-    const bool far = std::abs(wanted - table_.states()[watch.state]) > hosted.options.following_error;
-    watch.behind = far ? watch.behind + 1 : 0;
-    if (watch.behind < following_cycles_) continue;
+  for (std::size_t k = 0; k < hosted.following.size(); ++k) {
+    Following& following = hosted.following[k];
+    const std::uint32_t state = hosted.watched[k].state;
+    if (following.command < 0) continue;
+    const double wanted = table_.commands()[static_cast<std::size_t>(following.command)];
+    const bool far = std::abs(wanted - table_.states()[state]) > hosted.options.following_error;
+    following.behind = far ? following.behind + 1 : 0;
+    if (following.behind < following_cycles_) continue;
     hosted.bad_kind.store(FaultKind::not_following, std::memory_order_relaxed);
-    hosted.bad_state.store(static_cast<int>(watch.state), std::memory_order_release);
+    hosted.bad_state.store(static_cast<int>(state), std::memory_order_release);
     return false;
   }
   return true;

@@ -155,11 +155,14 @@ class Hardware {
   std::string reason(std::size_t i) const;
 
  private:
+  /// Two lists side by side: the first is gone through in every cycle, and kept small for it.
   struct Watch {
-    std::size_t state;
-    int command;
-    double step;  ///< largest change between two reads
     double last = std::numeric_limits<double>::quiet_NaN();
+    float step;  ///< largest change between two reads
+    std::uint32_t state;
+  };
+  struct Following {
+    int command;
     std::uint32_t behind = 0;  ///< cycles in which it was too far from its command
   };
   struct Hosted {
@@ -177,6 +180,7 @@ class Hardware {
     std::atomic<FaultKind> bad_kind{FaultKind::none};
     // the control thread's
     std::vector<Watch> watched;
+    std::vector<Following> following;  // of the same joints
     bool reading = false, writing = false, restarted = false;
     Fall newly_failed = Fall::none;
   };
