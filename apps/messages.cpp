@@ -1,6 +1,7 @@
 /// Verbs that give messages to controllers and show what comes out of them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iostream>

@@ -1,5 +1,6 @@
 #include "drivers/sensors/ublox_gnss.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 

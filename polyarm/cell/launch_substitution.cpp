@@ -1,5 +1,6 @@
 #include "polyarm/cell/launch_substitution.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <optional>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"

@@ -1,6 +1,7 @@
 #include "polyarm/controllers/imu_sensor_broadcaster.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "polyarm/controllers/sensor_interfaces.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"

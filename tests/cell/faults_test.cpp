@@ -2,7 +2,9 @@
 /// it goes on from where it is measured.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <thread>
 
 #include "polyarm/cell/fault_record.hpp"
 #include "tests/support/lock_step_cell.hpp"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "polyarm/base/file.hpp"
 #include "tests/description/support.hpp"

@@ -1,6 +1,8 @@
 #ifdef POLYARM_MUJOCO
 
 #include "drivers/mujoco/component.hpp"
+
+#include <algorithm>
 #include "tests/drivers/rig.hpp"
 
 namespace polyarm::test {

@@ -2,6 +2,7 @@
 /// A driver under test: its interfaces by name, its clock, and small robots and things to put around it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
