@@ -52,6 +52,7 @@ class Pca9685Component : public hardware::Component {
   bool real() const noexcept override { return true; }
   bool blocks() const noexcept override { return true; }
   std::string reason() const override;
+  const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
   int watchdog_process() const noexcept { return watchdog_.process(); }

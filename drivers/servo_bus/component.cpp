@@ -1,9 +1,11 @@
 #include "drivers/servo_bus/component.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -499,6 +501,33 @@ std::string ServoComponent::reason() const {
       break;
   }
   return refusal_;
+}
+
+namespace {
+auto parameters_with(const char* baud) {
+  using enum hardware::ParameterKind;
+  return std::to_array<hardware::DriverParameter>({
+      {"port", text, nullptr, "serial port, for example /dev/serial/by-id/usb-…"},
+      {"baud", number, baud, "bit/s"},
+      {"calibration", text, "", "file from `polyarm setup`"},
+      {"answer_timeout_ms", number, "10", "ms beyond the time the bytes take"},
+      {"lost_cycles", number, "5", "cycles in a row without an answer of a joint until it is an error"},
+      {"torque_off", text, "never", "on_shutdown: lowers slowly at the end of a run"},
+      {"release_time", number, "3", "s, for that"},
+      {"JOINT.id", number, nullptr, "of each joint; also direction, zero, offset, min, max, mode, model, …"},
+  });
+}
+constexpr const char* kProof =
+    "a byte-exact servo on a pty, with echo, garbage, lost and late bytes; never on hardware";
+}  // namespace
+
+const hardware::DriverFacts* ServoComponent::facts() const noexcept {
+  static const auto kFeetech = parameters_with("1000000"), kDynamixel = parameters_with("57600");
+  static const hardware::DriverFacts kFeetechFacts = {"system", "Feetech bus servos, STS series", kProof,
+                                                      kFeetech};
+  static const hardware::DriverFacts kDynamixelFacts = {
+      "system", "Dynamixel bus servos, X series, protocol 2.0", kProof, kDynamixel};
+  return std::string_view(family_.name) == "feetech" ? &kFeetechFacts : &kDynamixelFacts;
 }
 
 std::string ServoComponent::summary() const {

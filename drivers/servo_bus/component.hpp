@@ -39,6 +39,7 @@ class ServoComponent : public hardware::Component {
   bool real() const noexcept override { return true; }
   bool blocks() const noexcept override { return true; }
   std::string reason() const override;
+  const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
   const LineCounters& counters() const noexcept { return bus_.counters(); }
