@@ -227,6 +227,37 @@ TEST(ControlLoop, AComponentErrorIsAFaultThatHolds) {
   EXPECT_DOUBLE_EQ(bench.commanded(0), 1);
 }
 
+TEST(ControlLoop, LateCyclesInARowAreCountedHeldOrAFaultAsTheCellSays) {
+  for (const Overrun overrun : {Overrun::report, Overrun::hold, Overrun::fault}) {
+    LoopOptions options;
+    options.overrun = overrun;
+    options.overrun_after = 3;
+    ControlLoop loop(options);
+    loop.supervisor().watch_cell = false;
+    for (int k = 0; k < 10; ++k) {  // never three in a row
+      EXPECT_FALSE(loop.woke(600'000, 0));
+      EXPECT_FALSE(loop.woke(600'000, 0));
+      EXPECT_FALSE(loop.woke(100'000, 0));
+    }
+    EXPECT_EQ(loop.supervisor().state(), RunState::running);
+    EXPECT_EQ(std::uint64_t{loop.health().late}, 20u);
+    for (int k = 0; k < 3; ++k) loop.woke(600'000, 0);
+    const RunState wanted = overrun == Overrun::report ? RunState::running
+                            : overrun == Overrun::hold ? RunState::stopping
+                                                       : RunState::fault;
+    EXPECT_EQ(loop.supervisor().state(), wanted);
+    if (overrun != Overrun::report) {
+      EXPECT_EQ(loop.supervisor().cause(), StopCause::late);
+    }
+  }
+}
+
+TEST(ControlLoop, HalfASecondThatWentMissingIsAGapAndLessIsNot) {
+  ControlLoop loop(LoopOptions{});
+  EXPECT_FALSE(loop.woke(0, 499));
+  EXPECT_TRUE(loop.woke(0, 500));
+}
+
 TEST(ControlLoop, TwoControllersNeverShareACommand) {
   Bench bench;
   controllers::ControllerContext context;

@@ -87,6 +87,46 @@ TEST(Hardware, WhatWaitsForADeviceHasMeasuredBeforeControllersBegin) {
   EXPECT_EQ(table.states()[0], 7);
 }
 
+/// A robot with a clock of its own.
+class Pacer : public Echo {
+ public:
+  bool paces() const noexcept override { return true; }
+  bool await_cycle(Nanoseconds timeout) noexcept override {
+    asked = timeout;
+    return ticks-- > 0;
+  }
+  static inline int ticks = 0;
+  static inline Nanoseconds asked = 0;
+};
+
+TEST(Hardware, AnActiveComponentWithAClockPacesTheLoop) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Pacer>(), named("robot"));
+  EXPECT_FALSE(hardware.await_cycle(1000).has_value()) << "not active, the loop keeps its own time";
+  hardware.configure_and_activate();
+  Pacer::ticks = 1;
+  EXPECT_EQ(hardware.await_cycle(2'000'000), std::optional<bool>(true));
+  EXPECT_EQ(Pacer::asked, 2'000'000) << "never longer than it may";
+  EXPECT_EQ(hardware.await_cycle(2'000'000), std::optional<bool>(false)) << "the robot is silent";
+  hardware.begin_deactivate(0);
+  EXPECT_FALSE(hardware.await_cycle(1000).has_value());
+}
+
+TEST(Hardware, ALoopHasOneClock) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Pacer>(), named("robot"));
+  try {
+    hardware.add(std::make_unique<Pacer>(), named("other"));
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().at(0).code, "two-clocks");
+  }
+}
+
 TEST(Hardware, NamesTheComponentThatFails) {
   InterfaceTable table;
   realtime::Jobs jobs;
