@@ -129,7 +129,7 @@ std::string keep_failure(cell::Cell& cell, const cell::RunResult& result, const 
   const Problem problem =
       result.problems.empty() ? Problem{"failed", {}, "the run failed", {}} : result.problems.front();
   cell::FaultRecord record = cell::begin_record(cell, problem);
-  record.rows = &cell.loop().black_box();
+  record.stopped = &cell.loop().black_box();
   record.files["command.txt"] = command + "\n";
   record.files["result.json"] = result_json(result, "") + "\n";
   return cell::write_record(record, "failures").string();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -19,8 +18,6 @@
 namespace polyarm::cell {
 
 namespace {
-/// How long the black box goes on after a fault.
-constexpr Nanoseconds kAftermath = 200'000'000;
 /// A run in which nothing can happen any more is given this long, in cell time, before it is called a
 /// deadlock.
 constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
@@ -68,7 +65,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   problems.throw_if_errors();
   loop_->start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
-  find_real_hardware();
+  arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
 
   requests_ = std::make_unique<Requests>(*this);
   worker_ = std::make_unique<Worker>(options_.lock_step);
@@ -112,13 +109,13 @@ void Cell::build_tags(Problems& problems) {
 void Cell::build_controllers(Problems& problems) {
   ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), options_.lock_step,
                                          observer_, problems);
-  wanted_controllers_ = wanted_controllers(plan, file_);
+  wanted_controllers_ = cell::wanted_controllers(plan, file_);
   start_controllers(std::move(plan), file_, *loop_, observer_, problems);
   if (auto* io = loop_->controllers().find(kIoController))
     tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(io));
   for (const auto& robot : robots_) {
     controllers::JointTrajectoryController* follower =
-        trajectory_controller_of(*robot, loop_->controllers(), !armed());
+        trajectory_controller_of(*robot, loop_->controllers(), !arming_->armed());
     trajectory_controllers_.push_back(follower);
     motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(*robot->facts, *follower) : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
@@ -355,15 +352,20 @@ void Cell::tick(Nanoseconds now) {
   const control::Snapshot& snapshot = loop_->outbox().value();
   tell_loop_events();
   tell_overruns();
-  if (!started_ && armed()) send_start_messages();
+  if (!started_ && arming_->armed()) send_start_messages();
   requests_->tick();
   follow_strangers(snapshot);
   update_states(snapshot);
   tags_->read(snapshot.states, states_);
   for (Camera& camera : cameras_) camera.tick(snapshot.world, store_);
-  govern_speed(now);
-  if (!failure_ && plc_ && armed()) plc_->tick();
-  if (!failure_ && program_ && armed() && snapshot.state == control::RunState::running) program_->tick();
+  if (arming_->needed()) {
+    std::vector<Vec3> tcps;
+    for (std::size_t i = 0; i < robots_.size(); ++i) tcps.push_back(tcp(i).position);
+    arming_->govern(now, tcps, program_ && (program_->ended() || program_->status().passes > 0));
+  }
+  const bool may_run = !failure_ && arming_->armed();
+  if (may_run && plc_) plc_->tick();
+  if (may_run && program_ && snapshot.state == control::RunState::running) program_->tick();
   tags_->write();
   files_->exchange(now);
   for (const Problem& problem : files_->take_warnings()) observer_.on_problem(now, problem);
@@ -414,68 +416,11 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     }
   }
   watch_faults(now, snapshot);
-  keep_record(now);
-  tell_record();
-}
-
-namespace {
-// Until a program has run through once (EN ISO 10218-1, reduced speed): the TCP at most at 250 mm/s, joints
-// at most at a tenth of their limits.
-constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
-constexpr double kGovernedTcp = 0.9 * kReducedTcp, kSlowest = 0.01, kRise = 1.005;
-}  // namespace
-
-void Cell::find_real_hardware() {
-  for (std::size_t i = 0; i < loop_->hardware().size(); ++i)
-    if (loop_->hardware().real(i)) disarmed_.push_back(i);
-  if (disarmed_.empty()) return;
-  reduced_ = !options_.full_speed;
-  share_ = reduced_ ? kReducedJoint : 1;
-  loop_->supervisor().set_share(share_);
-  loop_->limits().set_share(share_);
-  for (const std::size_t i : disarmed_)
-    observer_.on_note(loop_->hardware().component_name(i) + " is real hardware and disarmed");
-  for (const Expected& joint : expected_positions())
-    observer_.on_note(
-        fmt::format("{}: measured {:.4f}, expected {:.4f}", joint.joint, joint.measured, joint.expected));
-  observer_.on_note(
-      "nothing moves before a person types 'arm' here, or 'polyarm control arm' in another terminal");
-}
-
-std::vector<Cell::Expected> Cell::expected_positions() {
-  std::vector<Expected> out;
-  const hardware::InterfaceTable& table = loop_->table();
-  for (const auto& robot : robots_)
-    for (std::size_t j = 0; j < robot->joints.size(); ++j) {
-      const auto index = table.find_state(robot->joints[j].name + "/position");
-      if (!index) continue;
-      const int component = loop_->hardware().component_of_state(*index);
-      if (std::find(disarmed_.begin(), disarmed_.end(), static_cast<std::size_t>(component)) ==
-          disarmed_.end())
-        continue;
-      const std::vector<double>& seen = snapshot().states;
-      out.push_back({robot->joints[j].name, *index < seen.size() ? seen[*index] : table.states()[*index],
-                     robot->start[j]});
-    }
-  return out;
-}
-
-void Cell::require_verified() const {
-  for (const auto& robot : robots_) {
-    const std::vector<std::string>& doubts = robot->model.provenance.notes;
-    if (doubts.empty() || robot->entry.accept_unverified) continue;
-    throw Error(
-        Problem{"unverified", robot->entry.where,
-                "facts of " + robot->model.name + " are not verified: " + doubts.front() +
-                    (doubts.size() > 1 ? " (and " + std::to_string(doubts.size() - 1) + " more)" : ""),
-                "compare them with the maker's data, then write 'accept_unverified: true' at the robot '" +
-                    robot->entry.name + "' of the cell"});
-  }
+  if (const auto note = recorder_.tick(now, *loop_, *worker_)) observer_.on_note(*note);
 }
 
 void Cell::set_armed() {
-  armed_ = true;
-  armed_at_ = now_;
+  arming_->set_armed(now_);
   for (std::size_t i = 0; i < motions_.size(); ++i) {  // moves begin where the robot is
     if (!motions_[i]) continue;
     std::vector<double> at = motions_[i]->planned();
@@ -484,32 +429,6 @@ void Cell::set_armed() {
         if (std::isfinite(snapshot().states[*index])) at[j] = snapshot().states[*index];
     motions_[i]->set_planned(at);
   }
-  observer_.on_note(reduced_ ? "armed, at reduced speed until the program has run through once"
-                             : "armed, at full speed");
-}
-
-/// Reduced speed: the share of the planned speed falls at once where the TCP is too fast and rises slowly.
-void Cell::govern_speed(Nanoseconds now) {
-  if (!reduced_) return;
-  if (program_ && (program_->ended() || program_->status().passes > 0)) {
-    reduced_ = false;
-    loop_->supervisor().set_share(1);
-    loop_->limits().set_share(1);
-    observer_.on_note("the program has run through once: full speed from now on");
-    return;
-  }
-  double fastest = 0;
-  tcp_before_.resize(robots_.size());
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    const Vec3 at = tcp(i).position;
-    if (now > tcp_before_at_ && tcp_before_at_ > 0)
-      fastest = std::max(fastest, norm(at - tcp_before_[i]) / seconds(now - tcp_before_at_));
-    tcp_before_[i] = at;
-  }
-  tcp_before_at_ = now;
-  share_ = fastest > kGovernedTcp ? share_ * kGovernedTcp / fastest : share_ * kRise;
-  share_ = std::clamp(share_, kSlowest, kReducedJoint);
-  loop_->supervisor().set_share(share_);
 }
 
 /// A fault ends what works towards an end; a cell that waits for others is brought back by them.
@@ -539,29 +458,7 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
                        : "polyarm hardware list and polyarm hardware recover";
   if (!waits) return fail(now, std::move(problem));
   observer_.on_problem(now, problem);
-  record_ = std::make_unique<FaultRecord>(begin_record(*this, problem));
-  record_at_ = now + kAftermath;
-}
-
-/// With every fault the black box is written, with a little of what came after.
-void Cell::keep_record(Nanoseconds now) {
-  if (!record_ || now < record_at_) return;
-  if (!record_->box) {
-    collect_quietly([&] { record_->box = loop_->take_black_box(); });
-  } else if (record_->box->done()) {
-    auto folder = std::make_shared<std::promise<std::filesystem::path>>();
-    recorded_ = folder->get_future();
-    worker_->post([folder, record = std::shared_ptr<FaultRecord>(std::move(record_))] {
-      folder->set_value(write_record(*record, "faults"));
-    });
-  }
-}
-
-void Cell::tell_record() {
-  if (!recorded_.valid() || recorded_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  const std::filesystem::path folder = recorded_.get();
-  observer_.on_note(folder.empty() ? "the cycles before the fault could not be written"
-                                   : "the cycles before the fault: polyarm replay " + folder.string());
+  recorder_.begin(begin_record(*this, problem), now);
 }
 
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {
@@ -594,7 +491,7 @@ void Cell::watch_end(Nanoseconds now) {
   if (!program_ && !file_.send.empty()) {  // what was sent has been done
     if (!loop_->outbox().value().standing) ended_at_ = now;
     finished_ = ended_at_ >= 0 && loop_->outbox().value().standing && now - ended_at_ > kSendSettle;
-    if (now - armed_at_ > kSettlePatience && ended_at_ < 0) finished_ = true;
+    if (now - arming_->armed_at() > kSettlePatience && ended_at_ < 0) finished_ = true;
     return;
   }
   if (!program_ || !program_->ended()) return;

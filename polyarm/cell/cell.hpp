@@ -3,13 +3,13 @@
 #include <array>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "polyarm/cell/arming.hpp"
 #include "polyarm/cell/camera.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
@@ -85,20 +85,11 @@ class Cell {
   /// Kinematics and limits stay those that the cell started with. Returns the warnings.
   Problems reload_component(const std::string& name);
 
-  // Arming of real hardware; cell thread.
-  /// Components that wait to be armed; empty for a cell without real hardware.
-  const std::vector<std::size_t>& disarmed() const { return disarmed_; }
-  bool armed() const { return disarmed_.empty() || armed_; }
-  /// What a person sees before arming: each joint, where it is measured and where the cell expects it.
-  struct Expected {
-    std::string joint;
-    double measured, expected;  ///< rad or m; measured is NaN where nothing is measured yet
-  };
-  std::vector<Expected> expected_positions();
-  /// Throws Error("unverified") for a robot whose facts nobody accepted.
-  void require_verified() const;
-  /// The controllers that begin when the cell is armed.
-  const std::vector<std::string>& armed_controllers() const { return wanted_controllers_; }
+  /// Real hardware and whether it is armed; cell thread.
+  const Arming& arming() const { return *arming_; }
+  /// The controllers that begin when the cell is armed, or at once where nothing is real.
+  const std::vector<std::string>& wanted_controllers() const { return wanted_controllers_; }
+  /// A person has armed it: programs and messages may begin.
   void set_armed();
 
   // For requests; cell thread.
@@ -127,8 +118,6 @@ class Cell {
  private:
   void build_controllers(Problems& problems);
   void offer_named_states();
-  void find_real_hardware();
-  void govern_speed(Nanoseconds now);
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void add_controller(const std::string& type, controllers::ControllerContext context);
@@ -139,8 +128,6 @@ class Cell {
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
-  void keep_record(Nanoseconds now);
-  void tell_record();
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
   void fail(Nanoseconds now, Problem problem);
@@ -169,15 +156,9 @@ class Cell {
   std::map<std::string, std::vector<std::string>> fallen_;  // component → controllers
   std::string falling_;                                     // component whose fall is being told
   std::unique_ptr<Requests> requests_;
-  std::vector<std::size_t> disarmed_;
+  std::unique_ptr<Arming> arming_;
   std::vector<std::string> wanted_controllers_;
-  bool armed_ = false, reduced_ = false;
-  double share_ = 1;  ///< of the planned speed, in reduced mode
-  std::vector<Vec3> tcp_before_;
-  Nanoseconds tcp_before_at_ = 0, armed_at_ = 0;
-  std::unique_ptr<FaultRecord> record_;
-  Nanoseconds record_at_ = 0;
-  std::future<std::filesystem::path> recorded_;
+  FaultRecorder recorder_;
   bool started_ = false, in_fault_ = false;
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;

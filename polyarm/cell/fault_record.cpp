@@ -1,6 +1,7 @@
 #include "polyarm/cell/fault_record.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -18,6 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// How long the black box goes on after a fault.
+constexpr Nanoseconds kAftermath = 200'000'000;
 constexpr std::uintmax_t kLargestKept = 10'000'000;  // bytes of one file of the cell
 const std::vector<std::string> kHead = {"cycle", "state", "cause", "request"};
 constexpr const char* kStates[] = {"running", "stopping", "held", "fault"};
@@ -82,12 +85,37 @@ fs::path write_record(const FaultRecord& record, const char* kind) noexcept {
     write_file_atomically(folder / "fault.txt", "polyarm: fault/1\nperiod: " + number(record.period_s) +
                                                     "\n" + record.problem.text() + "\n");
     std::ofstream cycles(folder / "cycles.csv");
-    write_cycles(cycles, record, record.box ? record.box->box : *record.rows);
+    write_cycles(cycles, record, record.box ? record.box->box : *record.stopped);
     cycles.close();
     return cycles ? folder : fs::path{};
   } catch (const std::exception&) {
     return {};
   }
+}
+
+void FaultRecorder::begin(FaultRecord record, Nanoseconds now) {
+  record_ = std::make_unique<FaultRecord>(std::move(record));
+  due_ = now + kAftermath;
+}
+
+std::optional<std::string> FaultRecorder::tick(Nanoseconds now, control::ControlLoop& loop, Worker& worker) {
+  if (record_ && now >= due_) {
+    if (!record_->box) {
+      Problems busy;  // tried again in the next tick
+      collect(busy, [&] { record_->box = loop.take_black_box(); });
+    } else if (record_->box->done()) {
+      auto folder = std::make_shared<std::promise<fs::path>>();
+      written_ = folder->get_future();
+      worker.post([folder, record = std::shared_ptr<FaultRecord>(std::move(record_))] {
+        folder->set_value(write_record(*record, "faults"));
+      });
+    }
+  }
+  if (!written_.valid() || written_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return std::nullopt;
+  const fs::path folder = written_.get();
+  return folder.empty() ? "the cycles before the fault could not be written"
+                        : "the cycles before the fault: polyarm replay " + folder.string();
 }
 
 RecordedCycles read_cycles(const fs::path& csv) {

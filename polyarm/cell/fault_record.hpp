@@ -1,11 +1,15 @@
 #pragma once
 /// What is kept of a run that went wrong, in one folder: enough to look at it and to play it again.
 #include <filesystem>
+#include <future>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/cell/worker.hpp"
 #include "polyarm/control/control_loop.hpp"
 
 namespace polyarm::cell {
@@ -20,8 +24,8 @@ struct FaultRecord {
   double period_s = 1e-3;
   std::vector<std::string> states, commands;                ///< names of the columns
   std::map<std::string, std::string> files;                 ///< name → text, written beside the cycles
-  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< null: `rows`
-  const control::BlackBox* rows = nullptr;
+  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< of a loop that goes on; null: `stopped`
+  const control::BlackBox* stopped = nullptr;               ///< of a loop that nobody steps any more
 };
 
 FaultRecord begin_record(Cell& cell, Problem problem);
@@ -30,6 +34,20 @@ FaultRecord begin_record(Cell& cell, Problem problem);
 /// with cycle, state, cause, request, all states and all commands, and `fault.txt`. Returns the folder; empty
 /// where it could not be written, since the run's result stands without it.
 std::filesystem::path write_record(const FaultRecord& record, const char* kind) noexcept;
+
+/// Keeps the black box of a running cell after a fault, with a little of what came after. Cell thread.
+class FaultRecorder {
+ public:
+  void begin(FaultRecord record, Nanoseconds now);
+  /// Takes the box out of the loop when it is time, and lets the worker write it. A sentence when that is
+  /// done.
+  std::optional<std::string> tick(Nanoseconds now, control::ControlLoop& loop, Worker& worker);
+
+ private:
+  std::unique_ptr<FaultRecord> record_;
+  Nanoseconds due_ = 0;
+  std::future<std::filesystem::path> written_;
+};
 
 /// A record that was read back.
 struct RecordedCycles {

@@ -387,11 +387,12 @@ Poll hardware_recover(Cell& cell, const Json& arguments) {
 namespace {
 /// The components one after the other, then the controllers, then the programs may begin.
 Poll arm_from(Cell& cell, std::size_t next) {
-  if (next < cell.disarmed().size())
-    return then(walk(cell, cell.disarmed()[next], LifecycleState::active, Json::object()),
+  const std::vector<std::size_t>& real = cell.arming().components();
+  if (next < real.size())
+    return then(walk(cell, real[next], LifecycleState::active, Json::object()),
                 [next](Cell& c) { return arm_from(c, next + 1); });
   std::vector<std::string> idle;
-  for (const std::string& name : cell.armed_controllers())
+  for (const std::string& name : cell.wanted_controllers())
     if (state_of(cell, name) == LifecycleState::inactive) idle.push_back(name);
   const Json answer{{"armed", true}, {"started", idle}};
   const auto finish = [answer](Cell& c) {
@@ -405,15 +406,16 @@ Poll arm_from(Cell& cell, std::size_t next) {
 
 Poll control_arm(Cell& cell, const Json& arguments) {
   Json seen = Json::array();
-  for (const Cell::Expected& joint : cell.expected_positions())
+  for (const Arming::Expected& joint : cell.arming().expected_positions(cell.snapshot().states))
     seen.push_back(
         {{"joint", joint.joint}, {"measured", number(joint.measured)}, {"expected", number(joint.expected)}});
-  if (cell.disarmed().empty())
+  if (!cell.arming().needed())
     throw Error("not-real", "nothing in this cell is real hardware that could be armed",
                 "polyarm run --real drives what the cell declares as real");
-  if (!flag_argument(arguments, "confirmed")) return at_once({{"armed", cell.armed()}, {"joints", seen}});
-  if (cell.armed()) return at_once({{"armed", true}, {"started", Json::array()}});
-  cell.require_verified();
+  if (!flag_argument(arguments, "confirmed"))
+    return at_once({{"armed", cell.arming().armed()}, {"joints", seen}});
+  if (cell.arming().armed()) return at_once({{"armed", true}, {"started", Json::array()}});
+  cell.arming().require_verified();
   const control::RunState state = cell.snapshot().state;
   if (state != control::RunState::running && state != control::RunState::held)
     throw Error("wrong-state", std::string("the loop is at ") + control::name(state),

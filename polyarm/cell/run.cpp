@@ -191,9 +191,9 @@ class Runner {
       cell_.loop().post(control::Request::discard);
     } else if (line == "recover") {
       cell_.loop().post(control::Request::recover);
-    } else if (line == "arm" && !cell_.disarmed().empty() && !console_.is_terminal()) {
+    } else if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {
       observer_.on_note("only a person at a terminal arms real hardware");
-    } else if (line == "arm" && !cell_.disarmed().empty()) {
+    } else if (line == "arm" && cell_.arming().needed()) {
       cell_.requests().handle(R"({"request": "control.arm", "confirmed": true})",
                               [this](const std::string& answer) {
                                 if (answer.find("\"ok\":true") == std::string::npos)

@@ -153,16 +153,15 @@ class ControlLoop {
   unsigned late_in_a_row_ = 0;
 };
 
+/// The box is empty before the job is done, and then what the loop had recorded.
 class ControlLoop::TakeBlackBox : public realtime::Job {
  public:
-  explicit TakeBlackBox(BlackBox& running) : running_(running), box(running.empty_one()) {}
+  explicit TakeBlackBox(BlackBox& running) : box(running.empty_one()), running_(running) {}
   void run() noexcept override { std::swap(running_, box); }
+  BlackBox box;
 
  private:
   BlackBox& running_;
-
- public:
-  BlackBox box;
 };
 
 }  // namespace polyarm::control

@@ -80,7 +80,7 @@ void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit
   record.given.store(given, std::memory_order_relaxed);
 }
 
-void CommandLimits::one(Full& f, std::span<double> commands, std::span<const double> states,
+void CommandLimits::one(Full& f, double share, std::span<double> commands, std::span<const double> states,
                         std::uint64_t cycle) noexcept {
   const double asked = commands[f.command];
   if (std::isnan(asked) && std::isnan(f.given)) return;  // never commanded
@@ -88,6 +88,8 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
     return place < 0 ? kNone : states[static_cast<std::size_t>(place)];
   };
   const controllers::JointNow now{state(f.position), state(f.velocity)};
+  controllers::LimiterSettings settings = f.settings;
+  settings.velocity *= share;
   controllers::Allowed allowed{asked};
   switch (f.quantity) {
     case Quantity::position: {
@@ -96,18 +98,18 @@ void CommandLimits::one(Full& f, std::span<double> commands, std::span<const dou
         f.before = f.given;
       }
       const double speed = (f.given - f.before) / dt_;
-      allowed = controllers::allow_position(f.settings, now, asked, f.given, speed, dt_);
+      allowed = controllers::allow_position(settings, now, asked, f.given, speed, dt_);
       break;
     }
     case Quantity::velocity:
       if (std::isnan(f.given)) f.given = std::isfinite(now.velocity) ? now.velocity : 0;
-      allowed = controllers::allow_velocity(f.settings, now, asked, f.given, dt_);
+      allowed = controllers::allow_velocity(settings, now, asked, f.given, dt_);
       break;
     case Quantity::acceleration:
-      allowed = controllers::allow_acceleration(f.settings, now, asked, f.given, dt_);
+      allowed = controllers::allow_acceleration(settings, now, asked, f.given, dt_);
       break;
     case Quantity::effort:
-      allowed = controllers::allow_effort(f.settings, now, asked);
+      allowed = controllers::allow_effort(settings, now, asked);
       break;
   }
   judge(f.command, allowed.fault, f.outside);
@@ -145,12 +147,7 @@ void CommandLimits::restrict(std::span<double> commands, std::span<const double>
            asked, given);
     commands[p.command] = p.given = given;
   }
-  for (Full& f : full_) {
-    const double velocity = f.settings.velocity;
-    f.settings.velocity *= share;
-    one(f, commands, states, cycle);
-    f.settings.velocity = velocity;
-  }
+  for (Full& f : full_) one(f, share, commands, states, cycle);
 }
 
 std::vector<Clamp> CommandLimits::report() const {

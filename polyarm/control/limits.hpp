@@ -66,7 +66,8 @@ class CommandLimits {
   };
   void add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint, const char* quantity,
            Quantity kind);
-  void one(Full& f, std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
+  void one(Full& f, double share, std::span<double> commands, std::span<const double> states,
+           std::uint64_t cycle) noexcept;
   void note(std::uint64_t cycle, std::uint32_t command, controllers::Limit limit, double asked,
             double given) noexcept;
   /// Tells of a joint that was not far outside before.

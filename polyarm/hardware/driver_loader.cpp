@@ -18,7 +18,24 @@ std::map<std::string, ComponentFactory>& registered() {
   return drivers;
 }
 
-std::vector<std::filesystem::path> folders() {
+constexpr const char* kPrefix = "polyarm_driver_";
+
+std::filesystem::path find_library(const std::string& name) {
+  std::error_code error;
+  if (name.find('/') != std::string::npos) return {};  // a plugin's, never a path
+  for (const auto& folder : driver_folders()) {
+    const auto path = folder / (kPrefix + name + ".so");
+    if (std::filesystem::exists(path, error)) return path;
+  }
+  return {};
+}
+}  // namespace
+
+void register_driver(const std::string& name, ComponentFactory factory) {
+  registered()[name] = std::move(factory);
+}
+
+std::vector<std::filesystem::path> driver_folders() {
   std::vector<std::filesystem::path> out;
   if (const char* from_user = std::getenv("POLYARM_DRIVERS"))
     for (const std::string& folder : split_words(from_user, ":")) out.emplace_back(folder);
@@ -33,31 +50,10 @@ std::vector<std::filesystem::path> folders() {
   return out;
 }
 
-constexpr const char* kPrefix = "polyarm_driver_";
-
-std::filesystem::path find_library(const std::string& name) {
-  std::error_code error;
-  if (name.find('/') != std::string::npos) return {};  // a plugin's, never a path
-  for (const auto& folder : folders()) {
-    const auto path = folder / (kPrefix + name + ".so");
-    if (std::filesystem::exists(path, error)) return path;
-  }
-  return {};
-}
-}  // namespace
-
-void register_driver(const std::string& name, ComponentFactory factory) {
-  registered()[name] = std::move(factory);
-}
-
-std::vector<std::filesystem::path> driver_folders() {
-  return folders();
-}
-
 std::vector<std::string> driver_names() {
   std::vector<std::string> out;
   for (const auto& [name, factory] : registered()) out.push_back(name);
-  for (const auto& folder : folders()) {
+  for (const auto& folder : driver_folders()) {
     std::error_code error;
     for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
       if (const std::string file = at->path().stem().string();

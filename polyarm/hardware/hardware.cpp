@@ -18,8 +18,7 @@ class Hardware::Letting : public realtime::Job {
     if (reading_ && !hosted_.reading) {  // it may stand anywhere now
       hosted_.ran.store(false, std::memory_order_relaxed);
       for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
-    }
-    if (reading_ && !hosted_.reading) {  // what was commanded before means nothing any more
+      // What was commanded before means nothing any more.
       std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
       hosted_.restarted = true;
     }

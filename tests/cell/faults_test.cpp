@@ -210,7 +210,7 @@ TEST(Arming, WithoutRealTheCellIsSimulatedAndSaysSo) {
     void on_note(const std::string& text) override { all += text + "\n"; }
   } notes;
   const auto cell = real_cell(folder, false, false, notes);
-  EXPECT_TRUE(cell->armed());
+  EXPECT_TRUE(cell->arming().armed());
   EXPECT_NE(notes.all.find("real_mock drives real hardware; it is played by"), std::string::npos)
       << notes.all;
   EXPECT_EQ(ask(*cell, {{"request", "control.arm"}})["error"]["code"], "not-real");
@@ -221,7 +221,7 @@ TEST(Arming, NothingMovesBeforeAPersonHasArmedIt) {
   const Folder folder;
   cell::Observer nobody;
   const auto cell = real_cell(folder, true, true, nobody);
-  EXPECT_FALSE(cell->armed());
+  EXPECT_FALSE(cell->arming().armed());
   run(*cell, 0.05);
   EXPECT_EQ(ask(*cell, kMove)["ok"], false) << "its controller is not active";
   run(*cell, 0.5);
@@ -231,7 +231,7 @@ TEST(Arming, NothingMovesBeforeAPersonHasArmedIt) {
   EXPECT_EQ(seen["result"]["joints"].size(), 2u);
   const Json armed = ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
   EXPECT_EQ(armed["result"]["started"].dump(), R"(["follow"])") << armed;
-  EXPECT_TRUE(cell->armed());
+  EXPECT_TRUE(cell->arming().armed());
   EXPECT_EQ(ask(*cell, kMove)["ok"], true);
   run(*cell, 2.5);
   EXPECT_NEAR(position(*cell), 1.5, 1e-6);

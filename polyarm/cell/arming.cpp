@@ -1,0 +1,99 @@
+#include "polyarm/cell/arming.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace polyarm::cell {
+
+namespace {
+// Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
+constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
+constexpr double kGovernedTcp = 0.9 * kReducedTcp, kSlowest = 0.01, kRise = 1.005;
+}  // namespace
+
+Arming::Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer)
+    : loop_(loop), robots_(robots), observer_(observer) {
+  for (std::size_t i = 0; i < loop_.hardware().size(); ++i)
+    if (loop_.hardware().real(i)) components_.push_back(i);
+  if (components_.empty()) return;
+  reduced_ = !full_speed;
+  share_ = reduced_ ? kReducedJoint : 1;
+  set_share(share_, share_);
+  for (const std::size_t i : components_)
+    observer_.on_note(loop_.hardware().component_name(i) + " is real hardware and disarmed");
+  for (const Expected& joint : expected_positions(loop_.table().states()))
+    observer_.on_note(
+        fmt::format("{}: measured {:.4f}, expected {:.4f}", joint.joint, joint.measured, joint.expected));
+  observer_.on_note(
+      "nothing moves before a person types 'arm' here, or 'polyarm control arm' in another terminal");
+}
+
+void Arming::set_share(double of_path, double of_joints) {
+  loop_.supervisor().set_share(of_path);
+  loop_.limits().set_share(of_joints);
+}
+
+bool Arming::is_real(std::size_t component) const {
+  return std::find(components_.begin(), components_.end(), component) != components_.end();
+}
+
+void Arming::require_armed(std::size_t component) const {
+  if (armed() || !is_real(component)) return;
+  throw Error("disarmed",
+              "'" + loop_.hardware().component_name(component) + "' is real hardware that nobody has armed",
+              "polyarm control arm");
+}
+
+std::vector<Arming::Expected> Arming::expected_positions(std::span<const double> states) const {
+  std::vector<Expected> out;
+  for (const auto& robot : robots_)
+    for (std::size_t j = 0; j < robot->joints.size(); ++j) {
+      const auto index = loop_.table().find_state(robot->joints[j].name + "/position");
+      if (!index || *index >= states.size()) continue;
+      const int component = loop_.hardware().component_of_state(*index);
+      if (component >= 0 && is_real(static_cast<std::size_t>(component)))
+        out.push_back({robot->joints[j].name, states[*index], robot->start[j]});
+    }
+  return out;
+}
+
+void Arming::require_verified() const {
+  for (const auto& robot : robots_) {
+    const std::vector<std::string>& doubts = robot->model.provenance.notes;
+    if (doubts.empty() || robot->entry.accept_unverified) continue;
+    throw Error(
+        Problem{"unverified", robot->entry.where,
+                "facts of " + robot->model.name + " are not verified: " + doubts.front() +
+                    (doubts.size() > 1 ? " (and " + std::to_string(doubts.size() - 1) + " more)" : ""),
+                "compare them with the maker's data, then write 'accept_unverified: true' at the robot '" +
+                    robot->entry.name + "' of the cell"});
+  }
+}
+
+void Arming::set_armed(Nanoseconds now) {
+  armed_ = true;
+  armed_at_ = now;
+  observer_.on_note(reduced_ ? "armed, at reduced speed until the program has run through once"
+                             : "armed, at full speed");
+}
+
+void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, bool passed) {
+  if (!reduced_) return;
+  if (passed) {
+    reduced_ = false;
+    set_share(1, 1);
+    observer_.on_note("the program has run through once: full speed from now on");
+    return;
+  }
+  double fastest = 0;
+  for (std::size_t i = 0; i < tcps_before_.size() && now > before_; ++i)
+    fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(now - before_));
+  tcps_before_ = tcps;
+  before_ = now;
+  share_ = fastest > kGovernedTcp ? share_ * kGovernedTcp / fastest : share_ * kRise;
+  share_ = std::clamp(share_, kSlowest, kReducedJoint);
+  set_share(share_, kReducedJoint);
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,60 @@
+#pragma once
+/// Real hardware moves after a person has armed it, and slowly at first.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/pose.hpp"
+#include "polyarm/cell/observer.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/control/control_loop.hpp"
+
+namespace polyarm::cell {
+
+/// What of a cell is real, whether it is armed, and how fast it may go. Cell thread. Loop, robots and
+/// observer outlive it.
+class Arming {
+ public:
+  /// Finds the real components, tells them with where their joints are measured and expected, and slows the
+  /// loop down unless `full_speed`. Nothing happens in a cell without real hardware.
+  Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer);
+
+  /// Real components; empty for a cell without.
+  const std::vector<std::size_t>& components() const { return components_; }
+  bool needed() const { return !components_.empty(); }
+  bool armed() const { return components_.empty() || armed_; }
+  /// Throws Error("disarmed") for a real component that nobody has armed.
+  void require_armed(std::size_t component) const;
+
+  /// What a person sees before arming: each joint, where it is measured and where the cell expects it.
+  struct Expected {
+    std::string joint;
+    double measured, expected;  ///< rad or m; measured is NaN where nothing is measured yet
+  };
+  /// `states`: of the interface table, or of a snapshot.
+  std::vector<Expected> expected_positions(std::span<const double> states) const;
+  /// Throws Error("unverified") for a robot whose facts nobody accepted.
+  void require_verified() const;
+  void set_armed(Nanoseconds now);
+  Nanoseconds armed_at() const { return armed_at_; }
+
+  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast and
+  /// rises slowly. `tcps`: places of the TCPs in the world, m. `passed`: the program has run through once,
+  /// which ends it.
+  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, bool passed);
+
+ private:
+  void set_share(double of_path, double of_joints);
+  bool is_real(std::size_t component) const;
+
+  control::ControlLoop& loop_;
+  const CellRobots& robots_;
+  Observer& observer_;
+  std::vector<std::size_t> components_;
+  bool armed_ = false, reduced_ = false;
+  double share_ = 1;  ///< of the planned speed, at reduced speed
+  std::vector<Vec3> tcps_before_;
+  Nanoseconds before_ = 0, armed_at_ = 0;
+};
+
+}  // namespace polyarm::cell
