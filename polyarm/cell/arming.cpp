@@ -3,23 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace polyarm::cell {
 
 namespace {
 // Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
-constexpr double kGovernedTcp = 0.9 * kReducedTcp, kSlowest = 0.01, kRise = 1.005;
+constexpr double kGovernedTcp = 0.9 * kReducedTcp, kSlowest = 0.01, kRise = 1.005, kFall = 0.9;
+constexpr double kStandingTcp = 0.01;  // m/s; what measured positions of a standing robot may shake
 }  // namespace
 
 Arming::Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer)
-    : loop_(loop), robots_(robots), observer_(observer) {
+    : loop_(loop), robots_(robots), observer_(observer), full_speed_(full_speed) {
   for (std::size_t i = 0; i < loop_.hardware().size(); ++i)
     if (loop_.hardware().real(i)) components_.push_back(i);
   if (components_.empty()) return;
-  reduced_ = !full_speed;
-  share_ = reduced_ ? kReducedJoint : 1;
-  set_share(share_, share_);
+  slow_down();
   for (const std::size_t i : components_)
     observer_.on_note(loop_.hardware().component_name(i) + " is real hardware and disarmed");
   for (const Expected& joint : expected_positions(loop_.table().states()))
@@ -27,6 +27,22 @@ Arming::Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_s
         fmt::format("{}: measured {:.4f}, expected {:.4f}", joint.joint, joint.measured, joint.expected));
   observer_.on_note(
       "nothing moves before a person types 'arm' here, or 'polyarm control arm' in another terminal");
+}
+
+void Arming::slow_down() {
+  reduced_ = !full_speed_;
+  share_ = reduced_ ? kSlowest : 1;
+  set_share(share_, reduced_ ? kReducedJoint : 1);
+}
+
+void Arming::look_again() {
+  for (std::size_t i = 0; i < loop_.hardware().size(); ++i) {
+    if (!loop_.hardware().real(i) || is_real(i)) continue;
+    components_.push_back(i);
+    armed_ = false;
+    slow_down();
+    observer_.on_note(loop_.hardware().component_name(i) + " is real hardware now and disarmed");
+  }
 }
 
 void Arming::set_share(double of_path, double of_joints) {
@@ -39,7 +55,7 @@ bool Arming::is_real(std::size_t component) const {
 }
 
 void Arming::require_armed(std::size_t component) const {
-  if (armed() || !is_real(component)) return;
+  if (may_be_enabled(component)) return;
   throw Error("disarmed",
               "'" + loop_.hardware().component_name(component) + "' is real hardware that nobody has armed",
               "polyarm control arm");
@@ -78,7 +94,16 @@ void Arming::set_armed(Nanoseconds now) {
                              : "armed, at full speed");
 }
 
-void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, bool passed) {
+bool Arming::stands(double fastest, std::span<const double> commands) {
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  const bool unchanged =
+      std::equal(commands.begin(), commands.end(), commands_before_.begin(), commands_before_.end(), same);
+  commands_before_.assign(commands.begin(), commands.end());
+  return unchanged && fastest < kStandingTcp;
+}
+
+void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands,
+                    bool passed) {
   if (!reduced_) return;
   if (passed) {
     reduced_ = false;
@@ -91,7 +116,10 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, bool passed)
     fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(now - before_));
   tcps_before_ = tcps;
   before_ = now;
-  share_ = fastest > kGovernedTcp ? share_ * kGovernedTcp / fastest : share_ * kRise;
+  if (stands(fastest, commands))
+    share_ *= kFall;
+  else
+    share_ *= fastest > kGovernedTcp ? kGovernedTcp / fastest : kRise;
   share_ = std::clamp(share_, kSlowest, kReducedJoint);
   set_share(share_, kReducedJoint);
 }

@@ -23,8 +23,11 @@ class Arming {
   const std::vector<std::size_t>& components() const { return components_; }
   bool needed() const { return !components_.empty(); }
   bool armed() const { return components_.empty() || armed_; }
-  /// Throws Error("disarmed") for a real component that nobody has armed.
+  bool may_be_enabled(std::size_t component) const { return armed() || !is_real(component); }
+  /// Throws Error("disarmed") for a real component that nobody has armed. Asked before one is enabled.
   void require_armed(std::size_t component) const;
+  /// After a reload: what was simulated and is real now waits for a person like everything real.
+  void look_again();
 
   /// What a person sees before arming: each joint, where it is measured and where the cell expects it.
   struct Expected {
@@ -38,22 +41,27 @@ class Arming {
   void set_armed(Nanoseconds now);
   Nanoseconds armed_at() const { return armed_at_; }
 
-  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast and
-  /// rises slowly. `tcps`: places of the TCPs in the world, m. `passed`: the program has run through once,
-  /// which ends it.
-  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, bool passed);
+  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast, rises
+  /// slowly while something moves, and waits low while all stands, so that no motion begins too fast. `tcps`:
+  /// places of the TCPs in the world, m. `commands`: of a snapshot. `passed`: the program has run through
+  /// once, which ends it.
+  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed);
 
  private:
   void set_share(double of_path, double of_joints);
+  void slow_down();
   bool is_real(std::size_t component) const;
+  bool stands(double fastest, std::span<const double> commands);
 
   control::ControlLoop& loop_;
   const CellRobots& robots_;
   Observer& observer_;
   std::vector<std::size_t> components_;
+  bool full_speed_;
   bool armed_ = false, reduced_ = false;
   double share_ = 1;  ///< of the planned speed, at reduced speed
   std::vector<Vec3> tcps_before_;
+  std::vector<double> commands_before_;
   Nanoseconds before_ = 0, armed_at_ = 0;
 };
 

@@ -138,6 +138,7 @@ Problems Cell::reload_component(const std::string& name) {
   problems.throw_if_errors();
   cell::reload_component(loop_->hardware(), name, robots, scene_, loop_->options().period);
   reloaded_.push_back(std::move(robots));
+  arming_->look_again();
   return problems;
 }
 
@@ -361,7 +362,8 @@ void Cell::tick(Nanoseconds now) {
   if (arming_->needed()) {
     std::vector<Vec3> tcps;
     for (std::size_t i = 0; i < robots_.size(); ++i) tcps.push_back(tcp(i).position);
-    arming_->govern(now, tcps, program_ && (program_->ended() || program_->status().passes > 0));
+    arming_->govern(now, tcps, snapshot.commands,
+                    program_ && (program_->ended() || program_->status().passes > 0));
   }
   const bool may_run = !failure_ && arming_->armed();
   if (may_run && plc_) plc_->tick();

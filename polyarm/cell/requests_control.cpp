@@ -354,14 +354,19 @@ Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   answer["warnings"] = Json::array();
   const Problems warnings = cell.reload_component(name);
   for (const Problem& warning : warnings.list()) answer["warnings"].push_back(warning.text());
-  answer["next"] = "start its controllers: polyarm control switch --start NAME";
+  const bool waits = wanted == LifecycleState::active && !cell.arming().may_be_enabled(i);
+  if (waits) wanted = LifecycleState::inactive;
+  answer["next"] = waits ? "it is real hardware: polyarm control arm"
+                         : "start its controllers: polyarm control switch --start NAME";
   return walk(cell, i, wanted, std::move(answer));
 }
 }  // namespace
 
 Poll hardware_state(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
-  return take_to(cell, i, state_argument(arguments));
+  const LifecycleState wanted = state_argument(arguments);
+  if (wanted == LifecycleState::active) cell.arming().require_armed(i);
+  return take_to(cell, i, wanted);
 }
 
 Poll hardware_reload(Cell& cell, const Json& arguments) {
@@ -376,6 +381,7 @@ Poll hardware_reload(Cell& cell, const Json& arguments) {
 
 Poll hardware_recover(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
+  cell.arming().require_armed(i);
   cell.tell_loop_events();
   const std::string name = cell.loop().hardware().component_name(i);
   const Json answer{{"name", name},

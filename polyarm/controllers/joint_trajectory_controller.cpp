@@ -398,6 +398,8 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
     drop_all();
   }
   const double factor = scaling();
+  const bool led = std::any_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
+  if (!led) scale_ = trajectory::TimeScale(scale_.ramp(), verdict.speed);
   const double dt = period_s_ * (verdict.immediate ? kImmediateFactor : 1.0);
   const double step = scale_.advance(dt, verdict.speed) / (verdict.immediate ? kImmediateFactor : 1.0);
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
