@@ -85,6 +85,34 @@ TEST(So101, TheDriverMovesNothingBeforeItIsArmed) {
   EXPECT_EQ(arm.bus.get(5, feetech::sts_family().present_position), 2048);
 }
 
+TEST(So101, APersonArmsItFromAnotherTerminal) {
+  ArmOnAWire arm;
+  const std::filesystem::path doors = arm.copy.path() + "/doors";
+  std::filesystem::create_directory(doors);
+  ::setenv("XDG_RUNTIME_DIR", doors.c_str(), 1);
+  test::Command cell({"run", arm.copy.path(), "--real", "--full-speed", "--json"}, test::Input::terminal);
+  ASSERT_TRUE(cell.wait_for("nothing moves before a person types"));
+
+  const Finished nobody = run_command({"control", "arm"});
+  EXPECT_EQ(nobody.exit_code, 1);
+  EXPECT_NE(nobody.output.find("only a person at a terminal"), std::string::npos) << nobody.output;
+  const auto answered = [](const std::string& answer) {
+    test::Command ask({"control", "arm"}, test::Input::terminal);
+    ask.type(answer);
+    return ask.wait();
+  };
+  const Finished no = answered("no\n");
+  EXPECT_EQ(no.exit_code, 1);
+  EXPECT_NE(no.output.find("wrist_roll"), std::string::npos) << "shows where the joints are\n" << no.output;
+  EXPECT_EQ(arm.bus.get(5, feetech::sts_family().torque), 0);
+
+  const Finished yes = answered("yes\n");
+  EXPECT_EQ(yes.exit_code, 0) << yes.output;
+  EXPECT_EQ(arm.bus.get(5, feetech::sts_family().torque), 1);
+  cell.signal(SIGINT);
+  EXPECT_EQ(cell.wait().exit_code, 3);
+}
+
 TEST(So101, WithoutRealItIsSimulated) {
   ArmOnAWire arm;
   const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
