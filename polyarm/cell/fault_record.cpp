@@ -1,10 +1,13 @@
 #include "polyarm/cell/fault_record.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -21,6 +24,7 @@ namespace {
 
 /// How long the black box goes on after a fault.
 constexpr Nanoseconds kAftermath = 200'000'000;
+constexpr std::size_t kKeptRecords = 50;             // of each kind
 constexpr std::uintmax_t kLargestKept = 10'000'000;  // bytes of one file of the cell
 const std::vector<std::string> kHead = {"cycle", "state", "cause", "request"};
 constexpr const char* kStates[] = {"running", "stopping", "held", "fault"};
@@ -30,11 +34,28 @@ std::vector<std::string> first(const std::vector<std::string>& names, std::size_
   return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
+/// The number of a record's folder; nothing of what somebody has given a name.
+std::optional<int> number_of(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  int number = 0;
+  const auto [end, wrong] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (wrong != std::errc() || end != name.data() + name.size() || name.size() < 4) return std::nullopt;
+  return number;
+}
+
+/// Numbers go on from the highest; the oldest records make room.
 fs::path next_folder(const fs::path& base) {
-  for (int n = 1;; ++n) {
+  fs::create_directories(base);
+  std::map<int, fs::path> there;
+  for (const auto& entry : fs::directory_iterator(base))
+    if (const auto number = number_of(entry.path())) there[*number] = entry.path();
+  std::error_code ignored;  // what cannot be removed stays
+  for (; there.size() >= kKeptRecords; there.erase(there.begin()))
+    fs::remove_all(there.begin()->second, ignored);
+  for (int n = there.empty() ? 1 : there.rbegin()->first + 1;; ++n) {
     std::string name = std::to_string(n);
     name.insert(0, name.size() < 4 ? 4 - name.size() : 0, '0');
-    if (fs::create_directories(base / name)) return base / name;
+    if (fs::create_directory(base / name)) return base / name;
   }
 }
 

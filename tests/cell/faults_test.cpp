@@ -336,6 +336,25 @@ TEST(Arming, RealHardwareDoesNotRunInLockStep) {
   }
 }
 
+TEST(FaultRecord, TheOldestMakeRoomAndWhatHasANameStays) {
+  const Folder folder;
+  const std::filesystem::path faults = folder.path() / ".state/faults";
+  for (const std::string name : {"0007", "0123", "crash on monday"})
+    std::filesystem::create_directories(faults / name);
+  cell::FaultRecord record;
+  record.cell_folder = folder.path();
+  control::BlackBox box;
+  box.build(1, 1, 1);
+  record.stopped = &box;
+  for (int k = 0; k < 60; ++k) ASSERT_FALSE(cell::write_record(record, "faults").empty());
+  const auto count = std::distance(std::filesystem::directory_iterator(faults), {});
+  EXPECT_EQ(count, 51);
+  EXPECT_TRUE(std::filesystem::exists(faults / "0183/cycles.csv")) << "numbers go on";
+  EXPECT_FALSE(std::filesystem::exists(faults / "0133"));
+  EXPECT_TRUE(std::filesystem::exists(faults / "0134"));
+  EXPECT_TRUE(std::filesystem::exists(faults / "crash on monday"));
+}
+
 TEST(FaultRecord, IsWrittenWithEveryFaultAndPlaysAgain) {
   const Folder folder;
   hardware::register_driver("mock",
