@@ -1,0 +1,116 @@
+#pragma once
+/// Time-optimal motion of several axes from any state to any state, limited in velocity, acceleration and
+/// jerk. Each axis in its own unit (rad, m, mm …), seconds. For the control cycle: no allocation, no
+/// exceptions, no clock, bounded time.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace polyarm::trajectory {
+
+struct MotionState {
+  double position = 0, velocity = 0, acceleration = 0;
+};
+
+/// The lower limits of velocity and acceleration are given as they are, below zero.
+struct MotionLimits {
+  double max_velocity = 1, max_acceleration = 1, max_jerk = 1;
+  double min_velocity = -1, min_acceleration = -1;
+  static MotionLimits symmetric(double velocity, double acceleration, double jerk) noexcept {
+    return {velocity, acceleration, jerk, -velocity, -acceleration};
+  }
+};
+
+/// none: each axis as fast as it can. time: all arrive together, as soon as all can. phase: besides, all move
+/// in proportion, on a straight line, where the states allow it; else as with time.
+enum class Synchronization : std::uint8_t { none, time, phase };
+
+/// position: arrives at the target's position, velocity and acceleration. velocity: at its velocity and
+/// acceleration, wherever that is.
+enum class TargetKind : std::uint8_t { position, velocity };
+
+struct MotionOptions {
+  Synchronization synchronization = Synchronization::time;
+  TargetKind target = TargetKind::position;
+  double minimum_duration = 0;  ///< s
+};
+
+enum class MotionStatus : std::uint8_t {
+  ok,
+  wrong_size,      ///< spans of different sizes, none, or more than kMostAxes
+  bad_number,      ///< something is not finite
+  bad_limit,       ///< a limit on the wrong side of zero
+  target_outside,  ///< no motion within limits leads to the target's velocity and acceleration
+};
+const char* name(MotionStatus status) noexcept;
+
+/// The motion of one axis: pieces of constant jerk.
+class AxisMotion {
+ public:
+  /// Brake, and the pieces of two extremal motions.
+  static constexpr std::size_t kMostPieces = 7 + 14;
+
+  double duration() const noexcept { return duration_; }
+  /// After the end the velocity of the target goes on, without acceleration.
+  MotionState at(double t) const noexcept;
+  std::size_t pieces() const noexcept { return count_; }
+  /// When piece `i` begins, s; the state there; its jerk.
+  double begin_of(std::size_t i) const noexcept { return pieces_[i].begin; }
+  const MotionState& state_of(std::size_t i) const noexcept { return pieces_[i].state; }
+  double jerk_of(std::size_t i) const noexcept { return pieces_[i].jerk; }
+
+ private:
+  friend class StateToState;
+  struct Piece {
+    double begin;
+    MotionState state;
+    double jerk;
+  };
+  void start(const MotionState& at) noexcept;
+  void append(double time, double jerk) noexcept;
+  void finish(const MotionState& at, double duration) noexcept;
+
+  std::array<Piece, kMostPieces> pieces_;
+  std::size_t count_ = 0;
+  double duration_ = 0;
+  MotionState end_;
+};
+
+/// Plans once, or anew in every cycle with a target that moves.
+///
+/// Method: for a given duration the displacements that an axis can reach form an interval, whose ends are
+/// motions given by quadratic equations (axis_reach.hpp). The durations at which the target enters or leaves
+/// that interval are roots of monotone functions, so the shortest duration, and those in which an axis cannot
+/// arrive, are found safely; and a motion that takes longer than its shortest is the mixture of both ends
+/// that arrives, which keeps every limit because limits are convex. An axis whose start is outside its
+/// limits, or cannot help leaving them, first brakes back inside.
+class StateToState {
+ public:
+  static constexpr std::size_t kMostAxes = 16;
+
+  /// After any status but ok the last motion stays as it was.
+  MotionStatus plan(std::span<const MotionState> start, std::span<const MotionState> target,
+                    std::span<const MotionLimits> limits, const MotionOptions& options = {}) noexcept;
+
+  std::size_t axes() const noexcept { return count_; }
+  /// Until the last axis has arrived, s.
+  double duration() const noexcept { return duration_; }
+  const AxisMotion& axis(std::size_t i) const noexcept { return motions_[i]; }
+  /// All axes, `t` seconds after the start. `out`: axes() states.
+  void sample(double t, std::span<MotionState> out) const noexcept;
+  /// Is the motion a straight line? Only after a plan with Synchronization::phase.
+  bool straight() const noexcept { return straight_; }
+
+ private:
+  struct Axis;
+  bool plan_straight(std::span<const MotionState> start, std::span<const MotionState> target,
+                     std::span<const MotionLimits> limits, const MotionOptions& options) noexcept;
+
+  std::size_t count_ = 0;
+  double duration_ = 0;
+  bool straight_ = false;
+  std::array<AxisMotion, kMostAxes> motions_;
+};
+
+}  // namespace polyarm::trajectory
