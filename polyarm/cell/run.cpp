@@ -22,7 +22,7 @@ std::atomic<int> stops_asked{0};
 /// The loop is silent when no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
 /// A stopped robot must stand within this time, or the run ends all the same.
-constexpr double kStopPatience = 3;
+constexpr double kStopPatience = 6;
 
 /// A loop that does nothing, beside the real one: what the machine itself is late.
 class EmptyLoop {

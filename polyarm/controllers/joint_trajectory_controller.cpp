@@ -9,8 +9,12 @@
 namespace polyarm::controllers {
 
 namespace {
-/// A stop that was asked for as immediate runs down this many times faster than one on the path.
-constexpr double kImmediateFactor = 8;
+/// A stop that was asked for as immediate brakes this many times as hard as one within the limits.
+constexpr double kImmediateFactor = 3;
+/// No change from full speed to rest or back is faster than this, s, unless it is immediate.
+constexpr double kShortestRamp = 0.05;
+/// Nor is a stop slower than this after it has lasted for long enough, s.
+constexpr double kLastRamp = 0.5;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 double shortest(double angle) {
@@ -40,7 +44,8 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
   over_since_ = -1;
   factor_ = initial_scaling_;
   asked_factor_.store(factor_, std::memory_order_relaxed);
-  scale_ = trajectory::TimeScale(scale_.ramp());
+  scale_ = trajectory::TimeScale();
+  stopping_for_ = 0;
   command_all(0);
   return CallbackReturn::success;
 }
@@ -88,6 +93,7 @@ void JointTrajectoryController::take_joint(std::size_t j) noexcept {
   braking_[j].on = false;
   const int old = leader_[j];
   leader_[j] = -1;
+  if (old < 0) plan_velocity_[j] = plan_acceleration_[j] = 0;
   if (old >= 0 && --tracks_[static_cast<std::size_t>(old)].joints == 0)
     retire(static_cast<std::size_t>(old), false);
 }
@@ -263,6 +269,51 @@ double JointTrajectoryController::scaling() noexcept {
   return factor_;
 }
 
+/// What the joints allow the speed of time to change by. Of joints that nothing leads nobody asks.
+trajectory::ScaleRates JointTrajectoryController::scale_rates(bool immediate) const noexcept {
+  const double harder = immediate ? kImmediateFactor : 1;
+  trajectory::ScaleRates out = trajectory::ScaleRates::of_ramp(kShortestRamp / harder);
+  // A rate has its whole effect two cycles later, when a joint that turns round here is faster already.
+  const double s = scale_.value(), ahead = 2 * period_s_;
+  const double soon = std::clamp(s + scale_.rate() * ahead, s, 1.0);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (leader_[j] < 0) continue;
+    const trajectory::JointDynamics& d = dynamics_[j];
+    const trajectory::JointDynamics most{harder * d.acceleration, harder * d.deceleration,
+                                         harder * harder * d.jerk};
+    const double v = plan_velocity_[j] * factor_, a = plan_acceleration_[j] * factor_ * factor_;
+    out.narrow(v, a, s, most);
+    out.narrow(v + a * s * ahead, a, soon, most);
+  }
+  if (stopping_for_ > longest_stop_)  // of a plan that breaks its limits itself
+    out.down = std::max(out.down, 1 / kLastRamp), out.change = std::max(out.change, 20 / kLastRamp);
+  return out;
+}
+
+/// Is what every joint moves no more than it may lose in one cycle?
+bool JointTrajectoryController::stands_in_one_cycle() const noexcept {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (leader_[j] < 0) continue;
+    const double most = std::isfinite(dynamics_[j].deceleration) ? dynamics_[j].deceleration * period_s_ : 0;
+    if (!(std::abs(plan_velocity_[j] * factor_) * scale_.value() <= most)) return false;
+  }
+  return true;
+}
+
+/// The seconds of the trajectories that pass in this cycle: towards the speed that the verdict asks for, as
+/// fast as the joints can.
+double JointTrajectoryController::pass_time(const Verdict& verdict) noexcept {
+  const bool stops = !(verdict.speed > 0);
+  stopping_for_ = stops && scale_.value() > 0 ? stopping_for_ + period_s_ : 0;
+  const bool led = std::any_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
+  if (!led || (stops && scale_.rate() == 0 && stands_in_one_cycle())) {
+    scale_.jump(verdict.speed);
+    return period_s_ * scale_.value();
+  }
+  if (scale_.value() == verdict.speed && scale_.rate() == 0) return period_s_ * scale_.value();
+  return scale_.advance(period_s_, verdict.speed, scale_rates(verdict.immediate));
+}
+
 void JointTrajectoryController::brake(std::size_t j, double dt) noexcept {
   Braking& b = braking_[j];
   const double end = std::abs(b.velocity) / b.acceleration;
@@ -286,6 +337,8 @@ void JointTrajectoryController::advance(double dt) noexcept {
     const std::size_t n = goal.trajectory.joints();
     if (goal.joints.empty()) {  // all joints in order, nobody else leads any
       goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
+      std::copy(velocity_.begin(), velocity_.end(), plan_velocity_.begin());
+      std::copy(acceleration_.begin(), acceleration_.end(), plan_acceleration_.begin());
       if (speed != 1) {
         for (double& v : velocity_) v *= speed;
         for (double& a : acceleration_) a *= speed * speed;
@@ -300,6 +353,8 @@ void JointTrajectoryController::advance(double dt) noexcept {
         const std::size_t j = goal.joints[k];
         if (leader_[j] != static_cast<int>(i)) continue;
         position_[j] = sample_position_[k];
+        plan_velocity_[j] = sample_velocity_[k];
+        plan_acceleration_[j] = sample_acceleration_[k];
         velocity_[j] = sample_velocity_[k] * speed;
         acceleration_[j] = sample_acceleration_[k] * speed * speed;
         effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
@@ -398,10 +453,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
     drop_all();
   }
   const double factor = scaling();
-  const bool led = std::any_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
-  if (!led) scale_ = trajectory::TimeScale(scale_.ramp(), verdict.speed);
-  const double dt = period_s_ * (verdict.immediate ? kImmediateFactor : 1.0);
-  const double step = scale_.advance(dt, verdict.speed) / (verdict.immediate ? kImmediateFactor : 1.0);
+  const double step = pass_time(verdict);
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
   if (over_since_ >= 0) over_since_ += period_s_;
   if (looks && !judge(cycle)) hold(true);

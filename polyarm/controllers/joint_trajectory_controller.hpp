@@ -98,6 +98,9 @@ class JointTrajectoryController : public Controller {
   void publish(const Cycle& cycle) noexcept;
   double position_error(std::size_t joint) const noexcept;
   double scaling() noexcept;
+  double pass_time(const Verdict& verdict) noexcept;
+  bool stands_in_one_cycle() const noexcept;
+  trajectory::ScaleRates scale_rates(bool immediate) const noexcept;
 
   // configuration
   std::vector<std::string> joints_;
@@ -110,6 +113,8 @@ class JointTrajectoryController : public Controller {
   bool replacement_ = true, from_desired_ = false, keep_command_ = true, brake_on_cancel_ = false;
   double cmd_timeout_ = 0;
   double initial_scaling_ = 1;
+  std::vector<trajectory::JointDynamics> dynamics_;
+  double longest_stop_ = 0;  // s after which a stop no longer waits for what the plan itself does
   int scaling_state_ = -1, scaling_command_ = -1;
   std::vector<double> most_braking_;
   std::vector<PidGains> gains_;
@@ -119,6 +124,7 @@ class JointTrajectoryController : public Controller {
   std::vector<Pid> pids_;
   std::vector<double> position_, velocity_, acceleration_, effort_;  // desired
   std::vector<double> measured_position_, measured_velocity_, measured_acceleration_;
+  std::vector<double> plan_velocity_, plan_acceleration_;  // of what leads, as planned
   std::vector<double> error_, error_velocity_, output_;
   std::vector<double> sample_position_, sample_velocity_, sample_acceleration_, sample_effort_;
   std::vector<int> leader_;  // track of each joint; -1: held
@@ -133,6 +139,7 @@ class JointTrajectoryController : public Controller {
   double period_s_ = 1e-3;
   double factor_ = 1;
   trajectory::TimeScale scale_;
+  double stopping_for_ = 0;  // s
 
   // between the threads
   std::uint64_t next_id_ = 1;

@@ -10,17 +10,34 @@ namespace polyarm::controllers {
 
 namespace {
 
-/// The time from full speed to a hold that keeps the joint with the least acceleration for its speed within
-/// its limit.
-double ramp_of(const ControllerContext& context, const std::vector<std::string>& joints) {
-  constexpr double kShortest = 0.1, kLongest = 2.0;  // s
-  double ramp = kShortest;
+/// From nothing to full acceleration, s, where no jerk is stated.
+constexpr double kTimeToAcceleration = 0.1;
+/// A change of speed stays this far within a limit that commands are held to, and may go this far beyond one
+/// that nobody enforces: the rest is what a plan that brakes at its limit leaves to stop with.
+constexpr double kWithin = 0.99, kBeyond = 1.02;
+
+trajectory::JointDynamics dynamics_of(const JointFacts* facts) {
+  trajectory::JointDynamics out{kUnlimited, kUnlimited, kUnlimited};
+  if (!facts || !std::isfinite(facts->acceleration)) return out;
+  const double share = facts->states_acceleration ? kWithin : kBeyond;
+  out.acceleration = share * facts->acceleration;
+  out.deceleration = share * std::min(facts->acceleration, facts->deceleration);
+  out.jerk = std::isfinite(facts->jerk) ? facts->jerk : facts->acceleration / kTimeToAcceleration;
+  return out;
+}
+
+/// From full speed to rest it takes velocity / deceleration, and at most 2.6 times that where the plan brakes
+/// some joint at its limit all the while.
+double longest_stop_of(const ControllerContext& context, const std::vector<std::string>& joints) {
+  constexpr double kShortest = 0.5, kLongest = 5, kPatience = 2.6;  // s, s
+  double out = kShortest;
   for (const std::string& joint : joints) {
     const JointFacts* facts = context.find_joint(joint);
-    if (facts && std::isfinite(facts->velocity) && std::isfinite(facts->acceleration))
-      ramp = std::max(ramp, trajectory::TimeScale::ramp_for(facts->velocity, facts->acceleration));
+    const double most = dynamics_of(facts).deceleration;
+    if (facts && std::isfinite(facts->velocity) && std::isfinite(most))
+      out = std::max(out, kPatience * facts->velocity / most + 2 * kTimeToAcceleration);
   }
-  return std::min(ramp, kLongest);
+  return std::min(out, kLongest);
 }
 
 bool contains(const std::vector<std::string>& list, const char* word) {
@@ -250,16 +267,20 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
   read_behaviour(context);
   make_output();
   const std::size_t n = joints_.size();
-  for (auto* values : {&position_, &velocity_, &acceleration_, &effort_, &measured_position_,
-                       &measured_velocity_, &error_, &error_velocity_, &output_, &sample_position_,
-                       &sample_velocity_, &sample_acceleration_, &sample_effort_})
+  for (auto* values :
+       {&position_, &velocity_, &acceleration_, &effort_, &measured_position_, &measured_velocity_,
+        &plan_velocity_, &plan_acceleration_, &error_, &error_velocity_, &output_, &sample_position_,
+        &sample_velocity_, &sample_acceleration_, &sample_effort_})
     values->assign(n, 0.0);
   leader_.assign(n, -1);
   braking_.assign(n, {});
   tracks_.assign(n + 1, {});
   waiting_.assign(8, nullptr);
   period_s_ = seconds(context.period);
-  scale_ = trajectory::TimeScale(ramp_of(context, joints_));
+  dynamics_.clear();
+  for (const std::string& joint : joints_) dynamics_.push_back(dynamics_of(context.find_joint(joint)));
+  longest_stop_ = longest_stop_of(context, joints_);
+  scale_ = trajectory::TimeScale();
   return CallbackReturn::success;
 }
 

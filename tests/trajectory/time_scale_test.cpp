@@ -77,23 +77,53 @@ TEST(TimeScale, SurvivesTargetsAndTimesThatAreNone) {
   EXPECT_EQ(abrupt.value(), 0);
 }
 
-/// Whenever the hold comes, with the ramp made for the limits, the joint's real acceleration stays by the
-/// limit.
+/// Whenever the hold comes, with the rates that the limits leave, the joint's real acceleration stays by the
+/// limit, and it stands as soon as that allows.
 TEST(TimeScale, AHoldAtAnyMomentKeepsTheAccelerationByItsLimit) {
   const std::vector<JointMotionLimits> limits{{1, 4, 40}};
   const Trajectory move = plan_joint_move(std::vector{0.0}, std::vector{2.0}, limits);
   for (double hold_at = 0; hold_at < move.duration(); hold_at += 0.05) {
-    TimeScale scale(TimeScale::ramp_for(1, 4));
-    double time = 0;
+    TimeScale scale;
+    double time = 0, stopped = 0;
     std::vector<double> v(1), a(1);
     std::size_t hint = 0;
     for (double clock = 0; clock < 3; clock += kPeriod) {
-      time += scale.advance(kPeriod, clock < hold_at ? 1 : 0);
+      ScaleRates rates = ScaleRates::of_ramp(0.05);
+      move.sample(time, {}, v, a, hint);
+      rates.narrow(v[0], a[0], scale.value(), {4, 4, 40});
+      time += scale.advance(kPeriod, clock < hold_at ? 1 : 0, rates);
       move.sample(time, {}, v, a, hint);
       const double s = scale.value();
-      EXPECT_LE(std::abs(a[0] * s * s + v[0] * scale.rate()), 4 * 1.07) << hold_at << " " << clock;
+      EXPECT_LE(std::abs(a[0] * s * s + v[0] * scale.rate()), 4 * 1.02) << hold_at << " " << clock;
+      if (v[0] * s > 0) stopped = clock;
     }
+    EXPECT_LE(stopped - hold_at, 1.0 / 4 + 4.0 / 40 + 0.02) << hold_at;
   }
+}
+
+TEST(TimeScale, RatesLeaveWhatTheJointsAllow) {
+  ScaleRates rates = ScaleRates::of_ramp(0.05);
+  const ScaleRates wide = rates;
+  rates.narrow(0, 3, 1, {4, 4, 40});
+  EXPECT_EQ(rates.down, wide.down) << "what stands bounds nothing";
+  rates.narrow(-2, 0, 1, {8, 4, 80});
+  EXPECT_DOUBLE_EQ(rates.down, 2) << "its deceleration, not its acceleration";
+  EXPECT_DOUBLE_EQ(rates.up, 4);
+  EXPECT_DOUBLE_EQ(rates.change, 40);
+  rates.narrow(2, -3, 1, {8, 4, 80});
+  EXPECT_DOUBLE_EQ(rates.down, 0.5) << "the plan brakes already";
+  rates.narrow(2, -5, 1, {8, 4, 80});
+  EXPECT_DOUBLE_EQ(rates.down, 0) << "the plan brakes harder than it may: no rate is negative";
+}
+
+TEST(TimeScale, JumpsWhenNothingMoves) {
+  TimeScale scale;
+  scale.advance(kPeriod, 0);
+  scale.jump(0);
+  EXPECT_EQ(scale.value(), 0);
+  EXPECT_EQ(scale.rate(), 0);
+  scale.jump(NAN);
+  EXPECT_EQ(scale.value(), 0);
 }
 
 }  // namespace
