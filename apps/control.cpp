@@ -21,7 +21,8 @@ void list(const Json& controllers) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& c : controllers)
     rows.push_back({shown(c["name"]), shown(c["type"]),
-                    shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : ""),
+                    shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : "") +
+                        (c.value("stale", false) ? " (nothing new comes)" : ""),
                     fmt::format("{:g} Hz", c["rate"].get<double>()), shown(c["claimed"])});
   print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
 }

@@ -207,8 +207,11 @@ void Cell::tell_loop_events() {
     const std::string name = hardware ? loop_->hardware().component_name(who) : manager.name_of(event.who);
     constexpr const char* kTexts[] = {
         "the controller {} failed and is inactive, with all that works through it",
-        "the controller {} was stopped with what it works on", "the controller {} took over",
-        "the hardware component {} failed", "the hardware component {} asked to be deactivated"};
+        "the controller {} was stopped with what it works on",
+        "the controller {} took over",
+        "the hardware component {} failed",
+        "the hardware component {} asked to be deactivated",
+        "nothing new comes for the controller {}: what it was sent last has ended"};
     std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
     if (const std::string reason = hardware ? loop_->hardware().reason(who) : ""; !reason.empty())
       text += ": " + reason;

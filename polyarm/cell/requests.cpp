@@ -44,7 +44,7 @@ const std::vector<Row>& rows() {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
       {{"control.list",
         {},
-        "[{name, type, state, chained, async, rate, updates, missed, claimed, commands, states, references, "
+        "[{name, type, state, chained, async, stale, rate, updates, missed, claimed, commands, states, references, "
         "exported_states, fallback, inputs: [{name, types}]}]",
         "the controllers, their states and what they claim and offer",
         false},

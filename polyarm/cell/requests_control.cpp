@@ -183,6 +183,7 @@ Poll control_list(Cell& cell, const Json&) {
                    {"state", hardware::name(c.state)},
                    {"chained", c.chained},
                    {"async", c.async},
+                   {"stale", c.stale},
                    {"rate", rate / c.divisor},
                    {"updates", c.updates},
                    {"missed", c.missed},

@@ -464,7 +464,8 @@ void ControllerManager::post_schedule() {
 std::vector<LoopEvent> ControllerManager::take_events() {
   std::vector<LoopEvent> out;
   for (LoopEvent event{}; events_.pop(event);) out.push_back(event);
-  if (!out.empty()) {
+  const auto switches = [](const LoopEvent& e) { return e.kind != LoopEvent::Kind::commands_stale; };
+  if (std::any_of(out.begin(), out.end(), switches)) {
     for (const LoopEvent& event : out)
       if (event.kind == LoopEvent::Kind::controller_failed ||
           event.kind == LoopEvent::Kind::component_failed ||
@@ -497,6 +498,7 @@ std::vector<ListedController> ControllerManager::list() const {
     listed.state = s->state.load();
     listed.chained = s->chained.load();
     listed.async = s->options.async;
+    listed.stale = listed.state == LifecycleState::active && c.command_watch().stale();
     listed.divisor = s->options.divisor;
     listed.updates = s->updates.load();
     listed.missed = s->runner ? s->runner->missed() : 0;

@@ -32,6 +32,7 @@ struct LoopEvent {
     fallback_started,
     component_failed,
     component_deactivated,
+    commands_stale,  ///< what is streamed to a controller has grown older than its command_timeout
   };
   Kind kind;
   std::int32_t who = -1;  ///< id of the controller, or index of the component
@@ -42,6 +43,7 @@ struct ListedController {
   std::string name, type;
   hardware::LifecycleState state;
   bool chained = false, async = false;
+  bool stale = false;  ///< its last command has grown old
   unsigned divisor = 1;
   std::uint64_t updates = 0, missed = 0;
   std::vector<std::string> claimed, required_commands, required_states, references, exported, fallback;

@@ -57,6 +57,8 @@ void ControllerManager::update(const hardware::Cycle& cycle, const controllers::
       result = run(s, longer, verdict);
     }
     s.updates.store(s.updates.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    if (s.controller->command_watch().take_news())
+      events_.push({LoopEvent::Kind::commands_stale, s.id, cycle.index});
     if (result == ReturnType::ok || !entry.fall) continue;
     const bool somebody_takes_over = !entry.fall->start.empty();
     fall(*entry.fall, &s, cycle);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/controllers/command_watch.hpp"
 #include "polyarm/controllers/messages.hpp"
 #include "polyarm/controllers/parameters.hpp"
 #include "polyarm/hardware/component.hpp"
@@ -122,6 +123,10 @@ class Controller {
   const std::vector<std::unique_ptr<Output>>& outputs() const { return outputs_; }
   Output* find_output(std::string_view name) const;
 
+  /// Whether what is streamed to it still comes; of a controller that does not use it nothing grows old.
+  CommandWatch& command_watch() noexcept { return command_watch_; }
+  const CommandWatch& command_watch() const noexcept { return command_watch_; }
+
   // What it named in on_configure.
   const std::vector<std::string>& command_interfaces() const { return commands_; }
   const std::vector<std::string>& state_interfaces() const { return states_; }
@@ -141,6 +146,8 @@ class Controller {
   std::size_t export_reference(const std::string& whole_name);
   std::size_t export_state(const std::string& whole_name);
   Output& add_output(std::string name, std::string type, std::vector<std::string> fields);
+  /// Declares `command_timeout` and reads it into the command watch; off unless it is stated.
+  void read_command_timeout(Parameters& parameters);
 
   double state(std::size_t i) const noexcept { return bindings_.states[bindings_.state[i]]; }
   double command(std::size_t i) const noexcept { return bindings_.commands[bindings_.command[i]]; }
@@ -158,6 +165,7 @@ class Controller {
   std::vector<std::string> commands_, states_, references_, exported_;
   std::vector<std::unique_ptr<Output>> outputs_;
   Bindings bindings_;
+  CommandWatch command_watch_;
   bool chained_ = false;
 };
 

@@ -73,7 +73,7 @@ void DiffDriveController::on_parameters_changed() noexcept {
 }
 
 void DiffDriveController::forget() noexcept {
-  has_command_ = false;
+  command_watch().forget();
   command_ = {};
   if (!chained()) {
     set_reference(0, 0);
@@ -107,10 +107,7 @@ void DiffDriveController::take_command(const Cycle& cycle) noexcept {
   if (!commands_inbox_.fetch()) return;
   const Command& sent = commands_inbox_.value();
   const Nanoseconds stamp = std::min(sent.stamp.value_or(cycle.time), cycle.time);
-  if (timeout_ > 0 && seconds(cycle.time - stamp) >= timeout_) return;  // it was too long on its way
-  command_ = sent.speeds;
-  commanded_at_ = stamp;
-  has_command_ = true;
+  if (command_watch().take(stamp, cycle.time)) command_ = sent.speeds;
 }
 
 /// What another controller wrote; what is no speed leaves the last as it is.
@@ -131,11 +128,11 @@ DiffDriveController::Speeds DiffDriveController::wanted(const Cycle& cycle, cons
   }
   Speeds out;
   if (chained()) {
-    has_command_ = false;
+    command_watch().forget();
     out = referenced();
   } else {
-    if (has_command_ && timeout_ > 0 && seconds(cycle.time - commanded_at_) > timeout_) has_command_ = false;
-    if (has_command_) out = command_;
+    command_watch().expires(cycle.time, command_ != Speeds{});
+    if (command_watch().counts()) out = command_;
     set_reference(0, out.linear);
     set_reference(1, out.angular);
     reference_ = out;  // a controller that is put before this one begins with its own first value

@@ -71,7 +71,6 @@ class DiffDriveController : public Controller {
   bool open_loop_ = false, position_feedback_ = true;
   // changeable
   SpeedLimits linear_limits_, angular_limits_;
-  double timeout_ = 0.5;  // s
   bool tell_tf_ = true, tell_limited_ = false;
 
   // between the threads
@@ -83,8 +82,6 @@ class DiffDriveController : public Controller {
   SpeedLimiter linear_, angular_;
   Odometry odometry_;
   Speeds command_;
-  Nanoseconds commanded_at_ = 0;
-  bool has_command_ = false;
   Speeds reference_;           // the last that was followed
   bool reference_old_ = true;  // it is from before a stop: not followed until it changes
   Output* odom_ = nullptr;

@@ -164,15 +164,17 @@ void DiffDriveController::read_behaviour(Parameters& p) {
   p.superseded("allow_multiple_cmd_vel_publishers", "the last command counts, whoever sends it");
   p.superseded("publish_wheel_joint_controller_state", "a joint_state_broadcaster tells the wheels");
   open_loop_ = false, position_feedback_ = true, tell_tf_ = true, tell_limited_ = false;
-  timeout_ = 0.5, window_ = 10;
+  window_ = 10;
+  double& timeout = command_watch().timeout;
+  timeout = 0.5;
   p.read("open_loop", open_loop_, {"odometry from what is commanded, not from what the wheels do"});
   p.read("position_feedback", position_feedback_,
          {"odometry from the positions of the wheels; false: from their velocities"});
   p.read("velocity_rolling_window_size", window_,
          {.text = "updates over which the told velocity is a mean", .least = 1, .most = 10000});
-  p.read("cmd_vel_timeout", timeout_,
+  p.read("cmd_vel_timeout", timeout,
          {.text = "s after which a command no longer counts; 0: never", .changeable = true, .least = 0});
-  if (std::isnan(timeout_))
+  if (std::isnan(timeout))
     p.problems().error("bad-value", where(p, "cmd_vel_timeout"), "cmd_vel_timeout is not a number");
   p.read("publish_limited_velocity", tell_limited_,
          {.text = "tell the speeds after the limits as cmd_vel_out", .changeable = true});

@@ -66,13 +66,16 @@ std::vector<std::string> wanted_interfaces(ControllerContext& context) {
 
 CallbackReturn ForwardCommandController::on_configure(ControllerContext& context) {
   const std::vector<std::string> names = wanted_interfaces(context);
+  read_command_timeout(context.parameters);
   for (const std::string& name : names) claim_command(name);
   position_of_.assign(names.size(), -1);
   stops_at_zero_.assign(names.size(), 0);
+  pushes_.assign(names.size(), 0);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string kind = last_part(names[i]);
     const bool joint = context.find_joint(names[i].substr(0, names[i].rfind('/'))) != nullptr;
     stops_at_zero_[i] = joint && (kind == "velocity" || kind == "acceleration");
+    pushes_[i] = joint && (kind == "effort" || kind == "force" || kind == "torque");
     if (joint && kind == "position" && context.has_state(names[i]))
       position_of_[i] = static_cast<int>(claim_state(names[i]));
   }
@@ -84,6 +87,7 @@ CallbackReturn ForwardCommandController::on_configure(ControllerContext& context
 
 CallbackReturn ForwardCommandController::on_activate(const Cycle&) noexcept {
   inbox_.fetch();  // what was sent while it was not active is forgotten
+  command_watch().forget();
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
     double start = 0;
     if (!stops_at_zero_[i]) {
@@ -97,12 +101,28 @@ CallbackReturn ForwardCommandController::on_activate(const Cycle&) noexcept {
   return CallbackReturn::success;
 }
 
-ReturnType ForwardCommandController::update(const Cycle&, const Verdict& verdict) noexcept {
+bool ForwardCommandController::asks() const noexcept {
+  for (std::size_t i = 0; i < wanted_.size(); ++i)
+    if ((!stops_at_zero_[i] && !pushes_[i]) || wanted_[i] != 0) return true;
+  return false;
+}
+
+/// What the last command asked for ends, as far as it is something that goes on by itself.
+void ForwardCommandController::let_expire() noexcept {
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    if (stops_at_zero_[i] || pushes_[i]) wanted_[i] = 0;
+    if (position_of_[i] >= 0) wanted_[i] = command(i);  // as limits have let it through
+  }
+}
+
+ReturnType ForwardCommandController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
   if (inbox_.fetch()) {
+    command_watch().take(cycle.time, cycle.time);
     const std::vector<double>& sent = inbox_.value();
     for (std::size_t i = 0; i < wanted_.size(); ++i)
       if (std::isfinite(sent[i])) wanted_[i] = sent[i];
   }
+  if (command_watch().expires(cycle.time, asks())) let_expire();
   const bool stop = verdict.speed <= 0;
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
     if (stop && stops_at_zero_[i])

@@ -8,7 +8,9 @@ namespace polyarm::controllers {
 /// MultiInterfaceForwardCommandController do, and the forwarding single and group controllers of ros_control.
 /// Parameters: `joints` and `interface_name`, or `joint` with `interface_name` or `interface_names`, or
 /// `interfaces` (whole names). Until something is sent it holds: a position at the last command, else where
-/// it is; all else at zero. Input: `commands` (and `command`, as ros_control calls it).
+/// it is; all else at zero. With `command_timeout` (s) what was sent ends when nothing more comes:
+/// velocities, accelerations and efforts of joints become 0, positions hold where they have been commanded to
+/// so far. Input: `commands` (and `command`, as ros_control calls it).
 class ForwardCommandController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
@@ -22,8 +24,12 @@ class ForwardCommandController : public Controller {
   void send(std::span<const double> values) noexcept;
 
  private:
+  void let_expire() noexcept;
+  bool asks() const noexcept;
+
   std::vector<int> position_of_;     // per command: index of the position state, or -1
   std::vector<char> stops_at_zero_;  // velocity-like: a stop means zero
+  std::vector<char> pushes_;         // effort-like: a stop leaves it
   std::vector<double> wanted_;
   realtime::Latest<std::vector<double>> inbox_;
 };

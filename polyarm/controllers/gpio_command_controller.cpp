@@ -106,6 +106,7 @@ CallbackReturn GpioCommandController::on_configure(ControllerContext& context) {
   read_commands(context, gpios);
   read_states(context, gpios);
   pass_over_strangers(p, gpios);
+  read_command_timeout(p);
   if (!gpios.empty() && command_names_.empty() && state_names_.empty())
     p.problems().error("bad-value", place_of(p, "gpios"),
                        "there is nothing to command and nothing to tell: no gpio of these has states",
@@ -119,14 +120,21 @@ CallbackReturn GpioCommandController::on_configure(ControllerContext& context) {
 CallbackReturn GpioCommandController::on_activate(const Cycle&) noexcept {
   activation_.fetch_add(1);  // what was sent before is forgotten
   inbox_.fetch();
+  command_watch().forget();
   return CallbackReturn::success;
 }
 
 ReturnType GpioCommandController::update(const Cycle& cycle, const Verdict&) noexcept {
   if (inbox_.fetch() && inbox_.value().activation == activation_.load(std::memory_order_relaxed)) {
     const std::vector<double>& asked = inbox_.value().values;
+    command_watch().take(cycle.time, cycle.time);
     for (std::size_t i = 0; i < command_places_.size(); ++i)
       if (!std::isnan(asked[i])) set_command(command_places_[i], asked[i]);
+  }
+  if (command_watch().expires(cycle.time)) {
+    activation_.fetch_add(1);  // what was sent before does not come back with the next message
+    for (std::size_t i = 0; i < command_places_.size(); ++i)
+      if (!std::isnan(inbox_.value().values[i])) set_command(command_places_[i], 0);
   }
   std::vector<double>& out = states_->draft().values;
   for (std::size_t i = 0; i < state_places_.size(); ++i) out[i] = state(state_places_[i]);

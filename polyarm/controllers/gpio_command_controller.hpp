@@ -10,7 +10,8 @@ namespace polyarm::controllers {
 /// `command_interfaces.<gpio>.interfaces`, `state_interfaces.<gpio>.interfaces` (where none is named: every
 /// state of these gpios). Input `commands`: values by name ("gpio/interface"); what is not named, or is NaN,
 /// stays as it was commanded last. Output `gpio_states`. Until something is sent it commands nothing, and a
-/// stop of motion leaves outputs as they are.
+/// stop of motion leaves outputs as they are. With `command_timeout` (s) what was sent ends when nothing more
+/// comes: everything that was commanded becomes 0.
 class GpioCommandController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;

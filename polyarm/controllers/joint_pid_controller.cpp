@@ -64,6 +64,7 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
   output_ = &add_output("state", "control_msgs/JointControllerState", std::move(fields));
   inbox_.reset(std::vector<double>(names.size(), std::numeric_limits<double>::quiet_NaN()));
   period_s_ = seconds(context.period);
+  read_command_timeout(p);
   return CallbackReturn::success;
 }
 
@@ -83,6 +84,7 @@ void JointPidController::hold(Joint& joint) noexcept {
 
 CallbackReturn JointPidController::on_activate(const Cycle&) noexcept {
   inbox_.fetch();  // what was sent while it was not active is forgotten
+  command_watch().forget();
   for (Joint& joint : joints_) {
     hold(joint);
     if (!std::isfinite(joint.set_point)) return CallbackReturn::error;
@@ -105,12 +107,17 @@ std::string JointPidController::refuse_changes(const std::vector<ParameterChange
 }
 
 ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
-  if (inbox_.fetch() && verdict.speed > 0)
+  if (inbox_.fetch() && verdict.speed > 0) {
+    command_watch().take(cycle.time, cycle.time);
     for (std::size_t j = 0; j < joints_.size(); ++j)
       if (const double asked = inbox_.value()[j]; std::isfinite(asked))
         joints_[j].set_point = position_ ? std::clamp(asked, joints_[j].lower, joints_[j].upper) : asked;
+  }
+  const bool asks = position_ || std::any_of(joints_.begin(), joints_.end(),
+                                             [](const Joint& joint) { return joint.set_point != 0; });
+  const bool expired = command_watch().expires(cycle.time, asks);
   // A stop: from now on it is held where it is, and what was asked for does not come back.
-  if (verdict.speed <= 0 && !std::exchange(stopped_, true))
+  if ((verdict.speed <= 0 && !std::exchange(stopped_, true)) || expired)
     for (Joint& joint : joints_)
       joint.set_point = position_ ? measured(joint) : 0;  // its integral carries it
   if (verdict.speed > 0) stopped_ = false;

@@ -12,7 +12,8 @@ namespace polyarm::controllers {
 /// `command_interface` come with the type's name. Parameters: `joint` or `joints`; the gains under `pid`, or
 /// `gains.<joint>`, `<joint>.pid` for several, which may also share one `pid`. They are gains as ros_control
 /// has them: the present error enters the integral first, and without `i_clamp` the integral has no share.
-/// When it starts it holds: a position where the joint is, a velocity of zero. Inputs `commands`, `command`;
+/// When it starts, and when what was sent has become older than `command_timeout`, it holds: a position where
+/// the joint is, a velocity of zero. Inputs `commands`, `command`;
 /// output `state`.
 class JointPidController : public Controller {
  public:

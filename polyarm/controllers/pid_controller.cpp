@@ -56,6 +56,7 @@ CallbackReturn PidController::on_configure(ControllerContext& context) {
   p.read("dof_names", names, {"the degrees of freedom that are commanded"});
   p.read("reference_and_state_dof_names", others,
          {"names of their references and states, where these are others"});
+  read_command_timeout(p);
   p.read("command_interface", command, {"the interface that is commanded"});
   p.read("reference_and_state_interfaces", interfaces,
          {"what is asked for and measured; the second is its derivative"});
@@ -152,6 +153,7 @@ std::string PidController::refuse_changes(const std::vector<ParameterChange>& ch
 
 void PidController::forget_values() noexcept {
   references_.forget();
+  command_watch().forget();
   external_states_.forget();
   std::fill(measured_.begin(), measured_.end(), kNone);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
@@ -201,16 +203,20 @@ void PidController::measure() noexcept {
   for (std::size_t k = 0; k < measured_.size(); ++k) set_exported(k, measured_[k]);
 }
 
-void PidController::take_references(bool stop) noexcept {
+void PidController::take_references(bool stop, Nanoseconds now) noexcept {
   const bool chained = Controller::chained();
+  if (chained) command_watch().forget();
   if (chained)
     for (std::size_t k = 0; k < wanted_.size(); ++k) wanted_[k] = reference(k);
   else if (std::exchange(released_, false))
     for (std::size_t k = quantity_ == Quantity::velocity ? 0 : dofs_.size(); k < wanted_.size(); ++k)
       ask(k, 0);
   references_.fetch([&](std::size_t k, double value) {
-    if (!chained && !stop && std::isfinite(value)) ask(k, value);
+    if (chained || stop || !std::isfinite(value)) return;
+    ask(k, value);
+    command_watch().take(now, now);
   });
+  if (command_watch().expires(now)) hold();
   if (!external_ || !start_here_ || chained) return;
   for (std::size_t i = 0; i < dofs_.size(); ++i)
     if (std::isnan(wanted_[i]) && std::isfinite(measured_[i])) {
@@ -270,7 +276,7 @@ bool PidController::rests(std::size_t i) noexcept {
 ReturnType PidController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
   const bool stop = verdict.speed <= 0;
   measure();
-  take_references(stop);
+  take_references(stop, cycle.time);
   if (stop && !std::exchange(stopped_, true) && !chained()) hold();
   stopped_ = stop;
   standing_ = true;

@@ -82,7 +82,7 @@ class PidController : public Controller {
   }
   void forget_values() noexcept;
   void measure() noexcept;
-  void take_references(bool stop) noexcept;
+  void take_references(bool stop, Nanoseconds now) noexcept;
   void hold() noexcept;
   void control(std::size_t dof, bool stop) noexcept;
   bool rests(std::size_t dof) noexcept;

@@ -87,6 +87,38 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
   }
 }
 
+TEST(StreamedCommands, ThatStopComingAreToldOnceAndSeen) {
+  std::string controllers = kControllers;
+  controllers.replace(controllers.find("    interface_name: position"), 28,
+                      "    interface_name: position\n    command_timeout: 0.2");
+  LockStepCell cell{controllers};
+  const auto stale = [&cell] {
+    for (const Json& c : cell.result({{"request", "control.list"}}))
+      if (c["name"] == "tail") return c["stale"].get<bool>();
+    return false;
+  };
+  cell.ask({{"request", "control.switch"},
+            {"activate", "tail"},
+            {"deactivate", "tail_too"},
+            {"strictness", "best_effort"}});
+  ASSERT_EQ(cell.state_of("tail"), "active");
+  cell.run(1);
+  EXPECT_FALSE(stale());
+  const auto send = [&cell] {
+    EXPECT_TRUE(cell.ask({{"request", "send"}, {"to", "tail/commands"}, {"message", {0.1, 0.1}}})["ok"]);
+  };
+  send();
+  cell.run(0.1);
+  EXPECT_FALSE(stale());
+  cell.run(2);
+  EXPECT_TRUE(stale());
+  EXPECT_EQ(cell.told("nothing new comes for the controller tail"), 1);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running") << "the cell goes on";
+  send();
+  cell.run(0.02);
+  EXPECT_FALSE(stale());
+}
+
 TEST_F(RequestsTest, AnIdComesBack) {
   EXPECT_EQ(cell.ask({{"request", "health"}, {"id", {1, "a"}}})["id"], Json({1, "a"}));
   EXPECT_EQ(cell.ask({{"request", "nothing"}, {"id", 7}})["id"], 7);

@@ -82,6 +82,23 @@ TEST(GpioController, ForgetsWhatWasSentBeforeItBecameActiveAgain) {
   EXPECT_EQ(g.rig.command("gpio2/ana.1"), 3);
 }
 
+TEST(GpioController, WhatNobodyRepeatsBecomesZeroWhereATimeoutIsStated) {
+  Rig::Values values = Gpio::usual();
+  values["command_timeout"] = {"0.1"};
+  Gpio g(values);
+  g.rig.start();
+  g.send({"gpio1/dig.1", "gpio2/ana.1"}, {1, 2.5});
+  g.rig.steps(2000);
+  EXPECT_EQ(g.rig.command("gpio1/dig.1"), 0);
+  EXPECT_EQ(g.rig.command("gpio2/ana.1"), 0);
+  EXPECT_TRUE(std::isnan(g.rig.command("gpio1/dig.2"))) << "nobody ever commanded it";
+  EXPECT_TRUE(g.gpio.command_watch().stale());
+  g.send({"gpio2/ana.1"}, {3});
+  g.rig.step();
+  EXPECT_EQ(g.rig.command("gpio2/ana.1"), 3);
+  EXPECT_EQ(g.rig.command("gpio1/dig.1"), 0) << "what has ended does not come back with another";
+}
+
 TEST(GpioController, TellsItsStates) {
   Gpio g;
   g.rig.start();

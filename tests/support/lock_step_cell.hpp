@@ -1,6 +1,7 @@
 #pragma once
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -133,11 +134,21 @@ class LockStepCell {
     return NAN;
   }
   cell::Cell& cell() { return *cell_; }
+  /// How many notes have said this so far.
+  int told(const std::string& part) const {
+    return static_cast<int>(
+        std::count_if(observer_.notes.begin(), observer_.notes.end(),
+                      [&](const std::string& note) { return note.find(part) != std::string::npos; }));
+  }
   const Folder& folder() const { return folder_; }
 
  private:
+  struct Notes : cell::Observer {
+    std::vector<std::string> notes;
+    void on_note(const std::string& text) override { notes.push_back(text); }
+  };
   Folder folder_;
-  cell::Observer observer_;
+  Notes observer_;
   std::unique_ptr<cell::Cell> cell_;
 };
 
