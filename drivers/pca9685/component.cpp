@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "drivers/pca9685/watchdog.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -17,8 +18,7 @@ using hardware::ReturnType;
 namespace {
 /// An order to stop is given so often before it is left to the watchdog.
 constexpr int kOffTries = 3;
-/// Heartbeats in the time the watchdog waits, and seconds between two looks at the chip.
-constexpr double kBeats = 8, kCheckEvery = 0.1;
+constexpr double kCheckEvery = 0.1;  // s between two looks at the chip
 
 std::string hex(int value) {
   constexpr char kDigits[] = "0123456789ABCDEF";
@@ -37,7 +37,7 @@ BoardEnvironment real_board() {
   return {[](const std::string& path, std::uint8_t address, BusFailure& failure) {
             return open_linux_bus(path, address, failure);
           },
-          find_watchdog()};
+          watchdog::find_program(kPca9685Watchdog)};
 }
 
 Pca9685Component::~Pca9685Component() {
@@ -52,11 +52,9 @@ CallbackReturn Pca9685Component::on_init(const hardware::ComponentContext& conte
   name_ = context.name;
   settings_ = read_settings(context);
   motors_.assign(settings_.wheels.size(), {});
-  const auto cycles = [&](double time) {
-    return static_cast<std::uint64_t>(std::max(1.0, std::floor(time / std::max(settings_.period, 1e-6))));
-  };
-  beat_every_ = cycles(settings_.watchdog_ms * 1e-3 / kBeats);
-  check_every_ = cycles(kCheckEvery);
+  watchdog_.expect(settings_.watchdog_ms, settings_.period);
+  check_every_ =
+      static_cast<std::uint64_t>(std::max(1.0, std::floor(kCheckEvery / std::max(settings_.period, 1e-6))));
   return CallbackReturn::success;
 }
 
@@ -91,7 +89,7 @@ CallbackReturn Pca9685Component::configure() {
   if (!open() || !ok(chip_->identify()) || !ok(chip_->off())) return CallbackReturn::failure;
   const WatchdogSettings watched{settings_.bus, settings_.address, settings_.watchdog_ms,
                                  static_cast<int>(std::ceil(1e6 / frequency_of(settings_.prescale)))};
-  if (!ok(watchdog_.start(environment_.watchdog, watched)) || !ok(chip_->start(settings_.prescale)))
+  if (!ok(watchdog_.start(environment_.watchdog, words_of(watched))) || !ok(chip_->start(settings_.prescale)))
     return CallbackReturn::failure;
   for (Motor& motor : motors_) motor = {{}, 0, motor.position};
   failed_ = false;
@@ -103,7 +101,7 @@ CallbackReturn Pca9685Component::on_activate() {
   if (!chip_ || failed_) return CallbackReturn::error;
   if (!ok(watchdog_.listen()) || !ok(chip_->check()) || !all_off() || !ok(watchdog_.arm()))
     return CallbackReturn::error;
-  since_beat_ = since_check_ = 0;
+  since_check_ = 0;
   driving_ = true;
   return CallbackReturn::success;
 }
@@ -169,7 +167,7 @@ ReturnType Pca9685Component::write(const hardware::Cycle&, std::span<const doubl
   if (failed_) return ReturnType::error;
   if (!driving_) return ReturnType::ok;
   // First what the watchdog has to say: after a standstill the commands are old.
-  const bool fine = ok(watchdog_.listen()) && drive_all(commands) && heartbeat();
+  const bool fine = ok(watchdog_.listen()) && drive_all(commands) && ok(watchdog_.beat());
   return fine ? ReturnType::ok : stop_for_failure();
 }
 
@@ -206,12 +204,6 @@ ChipFailure Pca9685Component::apply(std::size_t wheel, const MotorDrive& drive) 
     if (const ChipFailure f = chip_->set(pins.enable, drive.enable)) return f;
   now = drive;
   return {};
-}
-
-bool Pca9685Component::heartbeat() noexcept {
-  if (++since_beat_ < beat_every_) return true;
-  since_beat_ = 0;
-  return ok(watchdog_.beat());
 }
 
 bool Pca9685Component::all_off() noexcept {
@@ -253,8 +245,8 @@ bool Pca9685Component::ok(const ChipFailure& failure) noexcept {
   return false;
 }
 
-bool Pca9685Component::ok(WatchdogLink::Health health) noexcept {
-  if (health == WatchdogLink::Health::fine) return true;
+bool Pca9685Component::ok(watchdog::Health health) noexcept {
+  if (health == watchdog::Health::fine) return true;
   note(Trouble::watchdog, static_cast<std::uint8_t>(health));
   return false;
 }
@@ -315,27 +307,9 @@ std::string Pca9685Component::chip_reason(std::uint8_t step, std::uint8_t where,
 }
 
 std::string Pca9685Component::watchdog_reason(std::uint8_t step) const {
-  using Health = WatchdogLink::Health;
-  switch (static_cast<Health>(step)) {
-    case Health::missing:
-      return "the program polyarm_pca9685_watchdog cannot be started; it belongs beside the driver, install "
-             "both";
-    case Health::not_ready:
-      return "the watchdog of " + place() + " has not answered; is the machine overloaded?";
-    case Health::cannot_open:
-      return "the watchdog cannot open " + settings_.bus + "; it needs the rights this process has";
-    case Health::gone:
-      return "the watchdog of " + place() + " has ended; motors are off, configure it again";
-    case Health::deaf:
-      return "the watchdog of " + place() + " does not run; motors are off, configure it again";
-    case Health::tripped:
-      return "this process stood still for more than " + std::to_string(settings_.watchdog_ms) +
-             " ms, and the watchdog has turned the motors of " + place() +
-             " off; see that nothing is in the way, then configure and activate it again";
-    case Health::fine:
-      break;
-  }
-  return {};
+  return watchdog::sentence(static_cast<watchdog::Health>(step),
+                            {kPca9685Watchdog, place(), settings_.bus, "motors are off",
+                             "turned the motors of " + place() + " off", settings_.watchdog_ms});
 }
 
 std::string Pca9685Component::reason() const {

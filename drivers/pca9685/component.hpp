@@ -6,7 +6,7 @@
 
 #include "drivers/pca9685/chip.hpp"
 #include "drivers/pca9685/settings.hpp"
-#include "drivers/pca9685/watchdog_link.hpp"
+#include "drivers/watchdog/link.hpp"
 #include "polyarm/hardware/component.hpp"
 #include "polyarm/hardware/device_lock.hpp"
 
@@ -67,7 +67,7 @@ class Pca9685Component : public hardware::Component {
   void note(Trouble trouble, std::uint8_t step, std::uint8_t where = 0, std::uint8_t value = 0,
             int error = 0) noexcept;
   bool ok(const ChipFailure& failure) noexcept;
-  bool ok(WatchdogLink::Health health) noexcept;
+  bool ok(watchdog::Health health) noexcept;
   hardware::CallbackReturn configure();
   bool open();
   void close() noexcept;
@@ -75,7 +75,6 @@ class Pca9685Component : public hardware::Component {
   hardware::ReturnType stop_for_failure() noexcept;
   ChipFailure apply(std::size_t wheel, const MotorDrive& drive) noexcept;
   bool drive_all(std::span<const double> commands) noexcept;
-  bool heartbeat() noexcept;
   std::string bus_reason(std::uint8_t step, int error) const;
   std::string chip_reason(std::uint8_t step, std::uint8_t where, std::uint8_t value, int error) const;
   std::string watchdog_reason(std::uint8_t step) const;
@@ -88,10 +87,10 @@ class Pca9685Component : public hardware::Component {
   hardware::DeviceLock lock_;
   std::unique_ptr<I2cBus> bus_;
   std::unique_ptr<Pca9685> chip_;
-  WatchdogLink watchdog_;
+  watchdog::Link watchdog_;
   std::vector<Motor> motors_;
   bool driving_ = false, failed_ = false;
-  std::uint64_t since_beat_ = 0, beat_every_ = 1, since_check_ = 0, check_every_ = 1;  // cycles
+  std::uint64_t since_check_ = 0, check_every_ = 1;  // cycles
   std::atomic<std::uint64_t> trouble_{0};
 };
 

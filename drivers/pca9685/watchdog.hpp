@@ -1,24 +1,14 @@
 #pragma once
-/// The process that turns motors off when the one that drives them stands still or is gone. The chip keeps
-/// its last duty for ever, so that no handler within the driving process is enough: SIGKILL and SIGSTOP leave
-/// it no moment. This process has the bus and one end of a socket, nothing else.
+/// What the watchdog (drivers/watchdog) does to a board. The chip keeps its last duty for ever.
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "drivers/pca9685/i2c_bus.hpp"
 
 namespace polyarm::drivers {
 
-/// Messages on the socket (SOCK_SEQPACKET), one byte each; `ready` is followed by the process id.
-enum class WatchdogWord : char {
-  arm = 'A',      ///< from now on heartbeats are expected
-  beat = 'B',     ///<
-  disarm = 'D',   ///< motors are off, heartbeats end
-  quit = 'Q',     ///< motors off once more, then end
-  ready = 'R',    ///< to the driver: the bus is open
-  no_bus = 'N',   ///< to the driver: it is not
-  tripped = 'T',  ///< to the driver: motors were turned off, and the chip sent to sleep
-};
+inline constexpr const char* kPca9685Watchdog = "polyarm_pca9685_watchdog";
 
 struct WatchdogSettings {
   std::string bus = {};
@@ -29,20 +19,12 @@ struct WatchdogSettings {
 };
 
 /// The words after the program's name, and back; false where they are not such words.
-std::string text_of(const WatchdogSettings& settings);
+std::vector<std::string> words_of(const WatchdogSettings& settings);
 bool settings_from(int argc, char** argv, WatchdogSettings& settings);
 
-/// The descriptor at which the watchdog finds its socket.
-constexpr int kWatchdogSocket = 3;
-
-/// Leaves the session of the driver (whose Ctrl-C would reach it too) and closes what it has inherited.
-/// Comes back in a child alone; the process that was called ends.
-void become_watchdog();
-
-/// Until it is told to quit, or the other end of the socket is closed, by whatever death: then motors are
-/// turned off, again and again until the chip has answered. When heartbeats end while it is armed, motors are
-/// turned off and the chip is sent to sleep, so that a duty that the driver still had in hand when it was
-/// stopped moves nothing when it goes on. Returns the exit code of the process.
+/// Motors off, until the chip has answered; after a standstill of the driver the chip is sent to sleep as
+/// well, so that a duty that the driver still had in hand when it was stopped moves nothing when it goes on.
+/// Returns the exit code of the process.
 int watch(const WatchdogSettings& settings, int socket, const BusOpener& open);
 
 }  // namespace polyarm::drivers

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "drivers/pca9685/watchdog.hpp"
 #include "polyarm/base/error.hpp"
 #include "tests/pca9685/rig.hpp"
 
@@ -77,6 +78,6 @@ int main(int argc, char** argv) {
   drivers::WatchdogSettings settings;
   if (!drivers::settings_from(argc, argv, settings)) return 2;
   settings.give_up_ms = 20'000;  // a board of a test that has ended never answers
-  drivers::become_watchdog();
-  return drivers::watch(settings, drivers::kWatchdogSocket, test::open_fake_bus);
+  watchdog::become_watchdog();
+  return drivers::watch(settings, watchdog::kSocket, test::open_fake_bus);
 }

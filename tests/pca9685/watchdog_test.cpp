@@ -1,4 +1,6 @@
 /// A driver in a process of its own comes to harm; the registers tell what becomes of the motors.
+#include "drivers/pca9685/watchdog.hpp"
+
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -161,13 +163,15 @@ TEST_F(WatchdogTest, TheNextProcessFindsTheBoardFree) {
 }
 
 TEST(WatchdogProgram, LiesBesideTheDriverAndSaysWhenItCannotOpenTheBus) {
-  const std::string program = find_watchdog();
+  using watchdog::Health;
+  const std::string program = watchdog::find_program(kPca9685Watchdog);
   ASSERT_NE(program, "");
-  WatchdogLink link;
-  EXPECT_EQ(link.start(program, {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::cannot_open);
-  EXPECT_EQ(link.start(program, {"/nonexistent", 0x60, 250, 656}), WatchdogLink::Health::cannot_open);
-  EXPECT_EQ(link.start("/bin/false", {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::missing);
-  EXPECT_EQ(link.start("", {"/dev/null", 0x60, 250, 656}), WatchdogLink::Health::missing);
+  watchdog::Link link;
+  const auto words = words_of({"/dev/null", 0x60, 250, 656});
+  EXPECT_EQ(link.start(program, words), Health::cannot_open);
+  EXPECT_EQ(link.start(program, words_of({"/nonexistent", 0x60, 250, 656})), Health::cannot_open);
+  EXPECT_EQ(link.start("/bin/false", words), Health::missing);
+  EXPECT_EQ(link.start("", words), Health::missing);
 }
 
 TEST(WatchdogProgram, WordsThatAreNoSettingsAreRefused) {

@@ -1,4 +1,4 @@
-#include "drivers/pca9685/watchdog_link.hpp"
+#include "drivers/watchdog/link.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -9,28 +9,49 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
-#include "polyarm/base/text.hpp"
-
 extern char** environ;
 
-namespace polyarm::drivers {
+namespace polyarm::watchdog {
 
 namespace {
 constexpr int kStartTimeout_ms = 10'000, kEndTimeout_ms = 2'000;
 /// So many heartbeats in a row may find the queue full.
 constexpr int kUnheard = 4;
 
-using Health = WatchdogLink::Health;
+/// Heartbeats in the time that the watchdog waits.
+constexpr double kBeats = 8;
 
-/// The program with the socket as descriptor 3, the null device as 0 to 2, and signals as they were at birth.
-bool spawn(const std::string& program, const WatchdogSettings& settings, int socket) {
-  std::vector<std::string> words = split_words(text_of(settings));
+/// Copies of descriptors that are out of the way of the numbers at which the child finds them.
+class OutOfTheWay {
+ public:
+  explicit OutOfTheWay(int first, std::span<const int> others) {
+    copy(first);
+    for (const int fd : others) copy(fd);
+  }
+  ~OutOfTheWay() {
+    for (const int fd : copies_)
+      if (fd >= 0) close(fd);
+  }
+  OutOfTheWay(const OutOfTheWay&) = delete;
+  OutOfTheWay& operator=(const OutOfTheWay&) = delete;
+  const std::vector<int>& copies() const { return copies_; }
+
+ private:
+  void copy(int fd) { copies_.push_back(fcntl(fd, F_DUPFD_CLOEXEC, 64)); }
+  std::vector<int> copies_;
+};
+
+/// The program with the socket and what is handed over as descriptors 3 and on, the null device as 0 to 2,
+/// and signals as they were at birth.
+bool spawn(const std::string& program, std::vector<std::string>& words, const std::vector<int>& descriptors) {
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -45,7 +66,9 @@ bool spawn(const std::string& program, const WatchdogSettings& settings, int soc
   sigemptyset(&none);
   sigfillset(&all);
   bool ok = true;
-  ok = posix_spawn_file_actions_adddup2(&actions, socket, kWatchdogSocket) == 0 && ok;
+  for (std::size_t k = 0; k < descriptors.size(); ++k)
+    ok = descriptors[k] >= 0 &&
+         posix_spawn_file_actions_adddup2(&actions, descriptors[k], kSocket + static_cast<int>(k)) == 0 && ok;
   for (int fd = 0; fd < 3; ++fd)
     ok = posix_spawn_file_actions_addopen(&actions, fd, "/dev/null", O_RDWR, 0) == 0 && ok;
   ok = posix_spawnattr_setsigmask(&attributes, &none) == 0 && ok;
@@ -63,36 +86,62 @@ bool spawn(const std::string& program, const WatchdogSettings& settings, int soc
 }
 }  // namespace
 
-std::string find_watchdog() {
+std::string find_program(const char* name) {
   namespace fs = std::filesystem;
   Dl_info self{};
-  if (dladdr(reinterpret_cast<void*>(&find_watchdog), &self) == 0 || !self.dli_fname) return {};
+  if (dladdr(reinterpret_cast<void*>(&find_program), &self) == 0 || !self.dli_fname) return {};
   std::error_code error;
   const fs::path here = fs::absolute(self.dli_fname, error).parent_path();
   for (const fs::path& folder :
        {here, here / "drivers", here.parent_path() / "drivers", here.parent_path() / "lib" / "polyarm"})
-    if (fs::exists(folder / "polyarm_pca9685_watchdog", error))
-      return (folder / "polyarm_pca9685_watchdog").string();
+    if (fs::exists(folder / name, error)) return (folder / name).string();
   return {};
 }
 
-Health WatchdogLink::start(const std::string& program, const WatchdogSettings& settings) {
+std::string sentence(Health health, const Names& names) {
+  switch (health) {
+    case Health::missing:
+      return std::string("the program ") + names.program +
+             " cannot be started; it belongs beside the driver, install both";
+    case Health::not_ready:
+      return "the watchdog of " + names.device + " has not answered; is the machine overloaded?";
+    case Health::cannot_open:
+      return "the watchdog cannot open " + names.path + "; it needs the rights this process has";
+    case Health::gone:
+      return "the watchdog of " + names.device + " has ended; " + names.safe + ", configure it again";
+    case Health::deaf:
+      return "the watchdog of " + names.device + " does not run; " + names.safe + ", configure it again";
+    case Health::tripped:
+      return "this process stood still for more than " + std::to_string(names.timeout_ms) +
+             " ms, and the watchdog has " + names.made +
+             "; see that nothing is in the way, then configure and activate it again";
+    case Health::fine:
+      break;
+  }
+  return {};
+}
+
+Health Link::start(const std::string& program, std::vector<std::string> words, std::span<const int> handed) {
   stop();
   int ends[2];
-  if (program.empty() || settings.bus.find_first_of(" \t\r\n") != std::string::npos) return Health::missing;
+  if (program.empty()) return Health::missing;
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return Health::missing;
   // A short queue, so that a watchdog that does not listen is found out soon.
   const int queue = 1;  // the kernel makes it the least it has, a few messages
   if (setsockopt(ends[0], SOL_SOCKET, SO_SNDBUF, &queue, sizeof queue) != 0) errno = 0;
   socket_ = ends[0];
-  const bool spawned = spawn(program, settings, ends[1]);
-  close(ends[1]);
+  bool spawned = false;
+  {
+    const OutOfTheWay descriptors(ends[1], handed);
+    close(ends[1]);
+    spawned = spawn(program, words, descriptors.copies());
+  }
   const Health health = spawned ? wait_ready() : Health::missing;
   if (health != Health::fine) abandon();
   return health;
 }
 
-Health WatchdogLink::wait_ready() {
+Health Link::wait_ready() {
   pollfd waiting{socket_, POLLIN, 0};
   int ready = 0;
   while ((ready = poll(&waiting, 1, kStartTimeout_ms)) < 0 && errno == EINTR) {
@@ -100,8 +149,8 @@ Health WatchdogLink::wait_ready() {
   if (ready <= 0) return Health::not_ready;
   char message[1 + sizeof(pid_t)] = {};
   const ssize_t size = recv(socket_, message, sizeof message, 0);
-  if (size == 1 && message[0] == static_cast<char>(WatchdogWord::no_bus)) return Health::cannot_open;
-  if (size != sizeof message || message[0] != static_cast<char>(WatchdogWord::ready)) return Health::missing;
+  if (size == 1 && message[0] == static_cast<char>(Word::no_device)) return Health::cannot_open;
+  if (size != sizeof message || message[0] != static_cast<char>(Word::ready)) return Health::missing;
   pid_t process = 0;
   std::memcpy(&process, message + 1, sizeof process);
   process_ = process;
@@ -109,34 +158,46 @@ Health WatchdogLink::wait_ready() {
   return Health::fine;
 }
 
-Health WatchdogLink::say(WatchdogWord word) noexcept {
+Health Link::say(Word word) noexcept {
   const char byte = static_cast<char>(word);
   if (send(socket_, &byte, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1) return Health::fine;
   return errno == EAGAIN || errno == EWOULDBLOCK ? Health::deaf : Health::gone;
 }
 
-Health WatchdogLink::beat() noexcept {
-  const Health health = say(WatchdogWord::beat);
+void Link::expect(int timeout_ms, double period) noexcept {
+  beat_every_ = static_cast<std::uint64_t>(
+      std::max(1.0, std::floor(timeout_ms * 1e-3 / kBeats / std::max(period, 1e-6))));
+}
+
+Health Link::arm() noexcept {
+  since_beat_ = 0;
+  return say(Word::arm);
+}
+
+Health Link::beat() noexcept {
+  if (++since_beat_ < beat_every_) return Health::fine;
+  since_beat_ = 0;
+  const Health health = say(Word::beat);
   unheard_ = health == Health::deaf ? unheard_ + 1 : 0;
   return health == Health::deaf && unheard_ < kUnheard ? Health::fine : health;
 }
 
-Health WatchdogLink::listen() noexcept {
+Health Link::listen() noexcept {
   char word[1 + sizeof(pid_t)];
   const ssize_t size = recv(socket_, word, sizeof word, MSG_DONTWAIT);
-  if (size > 0) return word[0] == static_cast<char>(WatchdogWord::tripped) ? Health::tripped : Health::fine;
+  if (size > 0) return word[0] == static_cast<char>(Word::tripped) ? Health::tripped : Health::fine;
   if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return Health::fine;
   return Health::gone;
 }
 
-void WatchdogLink::abandon() noexcept {
+void Link::abandon() noexcept {
   if (socket_ >= 0) close(std::exchange(socket_, -1));
   process_ = 0;
 }
 
-void WatchdogLink::stop() noexcept {
+void Link::stop() noexcept {
   if (socket_ < 0) return;
-  if (say(WatchdogWord::quit) == Health::fine) {
+  if (say(Word::quit) == Health::fine) {
     pollfd waiting{socket_, POLLIN, 0};
     char word[8];
     // What it still says is passed over; its end is the end of the socket.
@@ -146,4 +207,4 @@ void WatchdogLink::stop() noexcept {
   abandon();
 }
 
-}  // namespace polyarm::drivers
+}  // namespace polyarm::watchdog
