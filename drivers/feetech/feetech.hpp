@@ -9,6 +9,8 @@ namespace polyarm::feetech {
 class FeetechComponent : public servo_bus::ServoComponent {
  public:
   FeetechComponent() : ServoComponent(sts_family(), std::make_unique<Protocol0>()) {}
+  explicit FeetechComponent(std::string watchdog)
+      : ServoComponent(sts_family(), std::make_unique<Protocol0>(), std::move(watchdog)) {}
 };
 
 }  // namespace polyarm::feetech

@@ -132,6 +132,14 @@ Port::Port(const PortOptions& options) : path_(options.path) {
   }
 }
 
+Port Port::handed_over(int file, int lock, std::string path) noexcept {
+  Port out;
+  out.file_ = file;
+  out.foreign_lock_ = lock;
+  out.path_ = std::move(path);
+  return out;
+}
+
 Port::~Port() {
   close();
 }
@@ -140,6 +148,7 @@ Port::Port(Port&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::move(other.lock_)),
       file_(std::exchange(other.file_, -1)),
+      foreign_lock_(std::exchange(other.foreign_lock_, -1)),
       low_latency_(other.low_latency_) {}
 
 Port& Port::operator=(Port&& other) noexcept {
@@ -148,6 +157,7 @@ Port& Port::operator=(Port&& other) noexcept {
   path_ = std::move(other.path_);
   lock_ = std::move(other.lock_);
   file_ = std::exchange(other.file_, -1);
+  foreign_lock_ = std::exchange(other.foreign_lock_, -1);
   low_latency_ = other.low_latency_;
   return *this;
 }
@@ -157,6 +167,7 @@ void Port::close() noexcept {
   ioctl(file_, TIOCNXCL);  // on a port that is gone this fails, and nothing is lost
   ::close(std::exchange(file_, -1));
   lock_ = hardware::DeviceLock();
+  if (foreign_lock_ >= 0) ::close(std::exchange(foreign_lock_, -1));
 }
 
 void Port::set_baud(int baud) {

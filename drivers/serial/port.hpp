@@ -1,5 +1,6 @@
 #pragma once
 /// A serial port: a tty of the kernel (USB adapter, UART) or a pty of a test.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -41,6 +42,9 @@ class Port {
   /// "port-not-permitted" (with the group to join), "device-in-use", "not-a-serial-port",
   /// "baud-not-supported", "port-failed".
   explicit Port(const PortOptions& options);
+  /// A port that another process has opened, set up and handed over; never throws, whatever it is. `lock`:
+  /// the descriptor of its DeviceLock, closed with the port; -1: none.
+  static Port handed_over(int file, int lock, std::string path) noexcept;
   ~Port();
   Port(Port&& other) noexcept;
   Port& operator=(Port&& other) noexcept;
@@ -50,6 +54,9 @@ class Port {
   bool is_open() const noexcept { return file_ >= 0; }
   void close() noexcept;
   const std::string& path() const noexcept { return path_; }
+  /// What handed_over() of another process takes: the port, and its lock. Both processes then share it, and
+  /// it is free when both have closed it.
+  std::array<int, 2> descriptors() const noexcept { return {file_, lock_.descriptor()}; }
   bool low_latency() const noexcept { return low_latency_; }
   /// Throws Error("baud-not-supported") and leaves the rate as it was.
   void set_baud(int baud);
@@ -68,7 +75,7 @@ class Port {
 
   std::string path_;
   hardware::DeviceLock lock_;
-  int file_ = -1;
+  int file_ = -1, foreign_lock_ = -1;
   bool low_latency_ = false;
 };
 

@@ -29,8 +29,12 @@ Outcome outcome_of(serial::Status status) {
 
 void ServoBus::open(const serial::PortOptions& options, Nanoseconds answer_timeout) {
   port_.close();  // ours, else it would be found in use
-  port_ = serial::Port(options);
-  baud_ = options.baud;
+  take(serial::Port(options), options.baud, answer_timeout);
+}
+
+void ServoBus::take(serial::Port port, int baud, Nanoseconds answer_timeout) noexcept {
+  port_ = std::move(port);
+  baud_ = baud;
   answer_timeout_ = answer_timeout;
   echo_ = protocol_->echo_looks_like_answer() ? Echo::unknown : Echo::no;
   unsettled_ = false;

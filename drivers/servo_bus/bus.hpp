@@ -43,7 +43,11 @@ class ServoBus {
 
   /// `answer_timeout` is what is waited beyond the time the bytes take. Throws what serial::Port throws.
   void open(const serial::PortOptions& options, Nanoseconds answer_timeout);
+  /// A port that is open already.
+  void take(serial::Port port, int baud, Nanoseconds answer_timeout) noexcept;
   void close() noexcept { port_.close(); }
+  /// What a watchdog is handed, as serial::Port has it.
+  std::array<int, 2> descriptors() const noexcept { return port_.descriptors(); }
   bool is_open() const noexcept { return port_.is_open(); }
   void set_baud(int baud);
   void set_answer_timeout(Nanoseconds timeout) noexcept { answer_timeout_ = timeout; }

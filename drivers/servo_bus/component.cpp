@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "drivers/servo_bus/parameters.hpp"
+#include "drivers/servo_bus/standstill.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -21,9 +23,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kAttempts = 3;
 constexpr int kOutsideTolerance = 20;  // steps, 1.8°: play, and what a joint sags below its stop
-constexpr int kStillMoving = 30;       // steps between goal and joint above which it is on its way
 constexpr int kStallDistance = 20;     // steps from the goal at which a joint that does not move is stuck
-constexpr double kStandstill = 0.02;   // rad/s
 constexpr Nanoseconds kLoweringStep = 20'000'000;
 
 constexpr const char* kQuantities[] = {"position", "velocity", "effort", "current", "temperature", "voltage"};
@@ -157,6 +157,7 @@ bool ServoComponent::measure_all() {
 }
 
 CallbackReturn ServoComponent::on_configure() {
+  watchdog_.stop();  // one that has not had its way yet: from here on this process sees to it
   refusal_.clear();
   fault_ = 0;
   active_ = false;
@@ -226,12 +227,6 @@ bool ServoComponent::set_mode(std::size_t j, Problems& problems) {
   return false;
 }
 
-const Register& ServoComponent::goal_register(Mode mode) const noexcept {
-  return mode == Mode::position   ? family_.goal_position
-         : mode == Mode::velocity ? family_.goal_velocity
-                                  : family_.goal_current;
-}
-
 bool ServoComponent::enable(std::size_t j, Problems& problems) {
   const JointSetup& joint = setup_.joints[j];
   Servo& servo = servos_[j];
@@ -248,11 +243,11 @@ bool ServoComponent::enable(std::size_t j, Problems& problems) {
     done = done && bus_.write_checked(joint.id, reg, value) == Outcome::ok;
   };
   if (family_.watchdog) set(family_.watchdog, 0);
-  set(goal_register(joint.mode), servo.goal);
+  set(goal_register(family_, joint.mode), servo.goal);
   set(family_.soft_limit, servo.soft_limit);
   set(family_.torque, 1);
-  if (family_.watchdog && setup_.watchdog_ms > 0 && joint.mode != Mode::position)
-    set(family_.watchdog, std::max(1, setup_.watchdog_ms / 20));
+  if (family_.watchdog && setup_.bus_watchdog_ms > 0 && joint.mode != Mode::position)
+    set(family_.watchdog, std::max(1, setup_.bus_watchdog_ms / 20));
   if (!done)
     problems.error("torque-refused", {},
                    who(j) + " could not be set up to hold: its answers were wrong or did not come",
@@ -268,34 +263,27 @@ CallbackReturn ServoComponent::on_activate() {
     problems.error("no-servo", {}, "not all servos on " + setup_.port + " answer", "check cables and power");
   else
     for (std::size_t j = 0; j < ids_.size(); ++j) check_before_torque(j, problems);
+  if (!problems.has_errors() && !start_watchdog(problems)) return refuse(problems);
   // Goal = measured, and only then torque.
   for (std::size_t j = 0; j < ids_.size() && !problems.has_errors(); ++j)
     if (!enable(j, problems) && !problems.has_errors())
       problems.error("torque-refused", {}, who(j) + " could not be enabled");
   if (problems.has_errors()) return refuse(problems);
+  if (setup_.watched && !fine(watchdog_.arm())) return CallbackReturn::error;
+  last_written_ = 0;
   active_ = true;
   return CallbackReturn::success;
 }
 
-/// Stops what is under way, where it is; torque stays.
-void ServoComponent::hold() noexcept {
+/// Stops what is under way, where it is; torque stays. Have all joints confirmed it?
+bool ServoComponent::hold() noexcept {
+  bool all = true;
   for (std::size_t j = 0; j < ids_.size(); ++j) {
-    const JointSetup& joint = setup_.joints[j];
-    std::int32_t at = servos_[j].steps;
-    Outcome outcome = Outcome::ok;
-    if (joint.mode == Mode::position) {
-      outcome = bus_.read(joint.id, family_.present_position, at);
-      const bool under_way = outcome == Outcome::ok && std::abs(at - servos_[j].goal) > kStillMoving;
-      if (under_way)
-        outcome = bus_.write_checked(joint.id, family_.goal_position,
-                                     std::clamp(at, servos_[j].min, servos_[j].max));
-    } else {
-      // A watchdog that has bitten keeps the goal shut.
-      if (family_.watchdog) outcome = bus_.write_checked(joint.id, family_.watchdog, 0);
-      if (outcome != Outcome::gone) outcome = bus_.write_checked(joint.id, goal_register(joint.mode), 0);
-    }
-    if (outcome == Outcome::gone || outcome == Outcome::failed) return;
+    const Outcome outcome = stand(bus_, ids_[j], setup_.joints[j].mode, servos_[j].min, servos_[j].max);
+    all = all && outcome == Outcome::ok;
+    if (outcome == Outcome::gone || outcome == Outcome::failed) break;
   }
+  return all;
 }
 
 /// Takes the torque away little by little, then off.
@@ -319,16 +307,21 @@ void ServoComponent::lower() noexcept {
 
 CallbackReturn ServoComponent::on_deactivate() {
   active_ = false;
-  if (bus_.is_open()) hold();
-  return CallbackReturn::success;
+  held_ = !bus_.is_open() || hold();
+  if (!watchdog_.running()) return CallbackReturn::success;
+  return held_ && fine(watchdog_.disarm()) ? CallbackReturn::success : CallbackReturn::error;
 }
 
 CallbackReturn ServoComponent::on_cleanup() {
+  if (held_) watchdog_.stop();
   bus_.close();
   return CallbackReturn::success;
 }
 
 CallbackReturn ServoComponent::on_shutdown() {
+  if (active_ && bus_.is_open()) held_ = hold();
+  active_ = false;
+  leave_watchdog();
   if (bus_.is_open() && setup_.lowers_on_shutdown) lower();
   bus_.close();
   return CallbackReturn::success;
@@ -336,9 +329,20 @@ CallbackReturn ServoComponent::on_shutdown() {
 
 CallbackReturn ServoComponent::on_error() {
   active_ = false;
-  if (bus_.is_open()) hold();
+  if (!bus_.is_open()) return CallbackReturn::success;
+  watchdog_.disarm();  // one on the line at a time
+  held_ = hold();
+  if (held_)
+    watchdog_.stop();
+  else
+    watchdog_.make_safe();
   bus_.close();
   return CallbackReturn::success;
+}
+
+ServoComponent::~ServoComponent() {
+  if (active_ && bus_.is_open()) held_ = hold();
+  leave_watchdog();
 }
 
 void ServoComponent::fault(FaultKind kind, std::uint32_t joints, unsigned detail) noexcept {
@@ -444,8 +448,7 @@ int ServoComponent::goal_of(std::size_t j, double command) const noexcept {
   return static_cast<int>(std::lround(std::clamp(goal, lower, upper)));
 }
 
-ReturnType ServoComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
-  if (!active_ || fault_.load(std::memory_order_relaxed)) return fault_ ? ReturnType::error : ReturnType::ok;
+bool ServoComponent::send_goals(std::span<const double> commands) noexcept {
   for (const Mode mode : {Mode::position, Mode::velocity, Mode::current}) {
     std::array<std::uint8_t, kMost> ids{};
     std::array<std::int32_t, kMost> goals{};
@@ -456,14 +459,31 @@ ReturnType ServoComponent::write(const hardware::Cycle&, std::span<const double>
       ids[count] = ids_[j];
       goals[count++] = servos_[j].goal;
     }
-    const Outcome outcome =
-        bus_.sync_write(std::span(ids).first(count), goal_register(mode), std::span(goals).first(count));
+    const Outcome outcome = bus_.sync_write(std::span(ids).first(count), goal_register(family_, mode),
+                                            std::span(goals).first(count));
     if (outcome == Outcome::ok) continue;
     const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << ids_.size()) - 1);
     fault(outcome == Outcome::gone ? FaultKind::gone : FaultKind::failed, all, 0);
-    return ReturnType::error;
+    return false;
   }
-  return ReturnType::ok;
+  return true;
+}
+
+ReturnType ServoComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (!active_ || fault_.load(std::memory_order_relaxed)) return fault_ ? ReturnType::error : ReturnType::ok;
+  // First what the watchdog has to say: after a standstill the commands are old.
+  if (!fine(watchdog_.running() ? watchdog_.listen() : watchdog::Health::fine) || servos_have_waited() ||
+      !send_goals(commands))
+    return ReturnType::error;
+  last_written_ = realtime::monotonic_now();
+  if (!watchdog_.running()) return ReturnType::ok;
+  // Once more: this process may have stood still between the question and the goals.
+  if (fine(watchdog_.listen())) return fine(watchdog_.beat()) ? ReturnType::ok : ReturnType::error;
+  std::array<double, kMost> zero{};
+  for (std::size_t j = 0; j < ids_.size(); ++j)
+    if (setup_.joints[j].mode == Mode::position) zero[j] = kNone;
+  send_goals(std::span(zero).first(ids_.size()));
+  return ReturnType::error;
 }
 
 std::string ServoComponent::reason() const {
@@ -497,37 +517,21 @@ std::string ServoComponent::reason() const {
     case FaultKind::stalled:
       return joints +
              " pushes with all it has and does not move: something is in its way; free it and activate again";
+    case FaultKind::watchdog:
+      return watchdog::sentence(static_cast<watchdog::Health>(detail), watchdog_names());
+    case FaultKind::stood_still:
+      return "this process stood still for more than " + std::to_string(setup_.bus_watchdog_ms) +
+             " ms, and the servos on " + setup_.port +
+             " have stopped by themselves; see that nothing is in the way, then configure and activate it "
+             "again";
     case FaultKind::none:
       break;
   }
   return refusal_;
 }
 
-namespace {
-auto parameters_with(const char* baud) {
-  using enum hardware::ParameterKind;
-  return std::to_array<hardware::DriverParameter>({
-      {"port", text, nullptr, "serial port, for example /dev/serial/by-id/usb-…"},
-      {"baud", number, baud, "bit/s"},
-      {"calibration", text, "", "file from `polyarm setup`"},
-      {"answer_timeout_ms", number, "10", "ms beyond the time the bytes take"},
-      {"lost_cycles", number, "5", "cycles in a row without an answer of a joint until it is an error"},
-      {"torque_off", text, "never", "on_shutdown: lowers slowly at the end of a run"},
-      {"release_time", number, "3", "s, for that"},
-      {"JOINT.id", number, nullptr, "of each joint; also direction, zero, offset, min, max, mode, model, …"},
-  });
-}
-constexpr const char* kProof =
-    "a byte-exact servo on a pty, with echo, garbage, lost and late bytes; never on hardware";
-}  // namespace
-
 const hardware::DriverFacts* ServoComponent::facts() const noexcept {
-  static const auto kFeetech = parameters_with("1000000"), kDynamixel = parameters_with("57600");
-  static const hardware::DriverFacts kFeetechFacts = {"system", "Feetech bus servos, STS series", kProof,
-                                                      kFeetech};
-  static const hardware::DriverFacts kDynamixelFacts = {
-      "system", "Dynamixel bus servos, X series, protocol 2.0", kProof, kDynamixel};
-  return std::string_view(family_.name) == "feetech" ? &kFeetechFacts : &kDynamixelFacts;
+  return &facts_of(family_);
 }
 
 std::string ServoComponent::summary() const {

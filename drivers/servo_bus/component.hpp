@@ -8,6 +8,8 @@
 
 #include "drivers/servo_bus/bus.hpp"
 #include "drivers/servo_bus/setup.hpp"
+#include "drivers/servo_bus/watchdog.hpp"
+#include "drivers/watchdog/link.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::servo_bus {
@@ -19,10 +21,16 @@ namespace polyarm::servo_bus {
 /// Activation takes over from where the joints stand: goal = measured, then torque on. Deactivation stops and
 /// holds: torque stays on. Torque goes off only at the shutdown, only with `torque_off: on_shutdown`, and
 /// slowly. After an error the joints are told to hold where they are, as far as they can be reached.
+///
+/// Where joints turn for ever without a master, and wherever `watchdog: on` is given, a process stops them
+/// when this one dies or stands still. After a standstill nothing is sent until on_activate.
 class ServoComponent : public hardware::Component {
  public:
-  ServoComponent(const Family& family, std::unique_ptr<Protocol> protocol)
-      : family_(family), bus_(family, std::move(protocol)) {}
+  /// `watchdog`: the program.
+  ServoComponent(const Family& family, std::unique_ptr<Protocol> protocol,
+                 std::string watchdog = watchdog::find_program(kServoWatchdog))
+      : family_(family), bus_(family, std::move(protocol)), program_(std::move(watchdog)) {}
+  ~ServoComponent() override;
 
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
@@ -43,6 +51,7 @@ class ServoComponent : public hardware::Component {
   std::string summary() const override;
 
   const LineCounters& counters() const noexcept { return bus_.counters(); }
+  int watchdog_process() const noexcept { return watchdog_.process(); }
 
  protected:
   BusSetup& setup() noexcept { return setup_; }
@@ -73,7 +82,17 @@ class ServoComponent : public hardware::Component {
     int goal = 0;
     double stalled_for = 0;
   };
-  enum class FaultKind : std::uint8_t { none, lost, gone, failed, alarm, hot, stalled };
+  enum class FaultKind : std::uint8_t {
+    none,
+    lost,
+    gone,
+    failed,
+    alarm,
+    hot,
+    stalled,
+    watchdog,
+    stood_still
+  };
 
   bool fetch(std::size_t joint, const Register& reg, std::int32_t& value);
   bool identify(std::size_t joint, Problems& problems);
@@ -82,12 +101,17 @@ class ServoComponent : public hardware::Component {
   void check_before_torque(std::size_t joint, Problems& problems) const;
   bool enable(std::size_t joint, Problems& problems);
   bool set_mode(std::size_t joint, Problems& problems);
-  void hold() noexcept;
+  bool hold() noexcept;
+  bool start_watchdog(Problems& problems);
+  bool fine(watchdog::Health health) noexcept;
+  bool servos_have_waited() noexcept;
+  bool send_goals(std::span<const double> commands) noexcept;
+  void leave_watchdog() noexcept;
+  watchdog::Names watchdog_names() const;
   void lower() noexcept;
   void take(std::size_t joint, Bytes block, std::uint8_t error) noexcept;
   void watch(std::size_t joint, double dt) noexcept;
   void fault(FaultKind kind, std::uint32_t joints, unsigned detail) noexcept;
-  const Register& goal_register(Mode mode) const noexcept;
   int goal_of(std::size_t joint, double command) const noexcept;
   std::string who(std::size_t joint) const;
   hardware::CallbackReturn refuse(const Problems& problems);
@@ -102,6 +126,10 @@ class ServoComponent : public hardware::Component {
   std::vector<std::uint8_t> block_;
   std::array<Reply, kMost> replies_{};
   bool active_ = false;
+  std::string program_;
+  watchdog::Link watchdog_;
+  bool held_ = true;                     ///< after the last hold(): all joints have confirmed it
+  Nanoseconds last_written_ = 0;         ///< of monotonic_now(); 0: not yet
   std::string refusal_;                  ///< of the last callback
   std::atomic<std::uint64_t> fault_{0};  ///< kind, detail, joints
 };

@@ -2,22 +2,31 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <utility>
 
 #include "drivers/dynamixel/family.hpp"
 #include "drivers/feetech/family.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::servo_bus {
 
 namespace {
 using Frame = std::vector<std::uint8_t>;
+// Of a Dynamixel's bus watchdog: what its register says when it has bitten, and its unit.
+constexpr std::uint8_t kBitten = 0xFF;
+constexpr int kWatchdogUnit_ms = 20;
+constexpr std::chrono::seconds kLongestWait{60};
 
 /// Bit by bit, unlike the driver's table.
 std::uint16_t slow_crc(const Frame& bytes) {
@@ -147,6 +156,18 @@ std::int32_t FakeBus::get(int id, const Register& reg) {
   return decode(reg, servo_bus::Bytes(servos_.at(id).table).subspan(reg.address));
 }
 
+bool FakeBus::wait(int id, const Register& reg, const std::function<bool(std::int32_t)>& is) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, kLongestWait, [&] {
+    return is(decode(reg, servo_bus::Bytes(servos_.at(id).table).subspan(reg.address)));
+  });
+}
+
+bool FakeBus::wait_for_instructions(std::uint64_t count) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, kLongestWait, [&] { return instructions_ >= count; });
+}
+
 std::vector<std::int32_t> FakeBus::written(int id, const Register& reg) {
   const std::lock_guard lock(mutex_);
   return servos_.at(id).log[reg.address];
@@ -189,22 +210,70 @@ std::vector<int> FakeBus::ids() {
   return out;
 }
 
+void FakeBus::set_bit_rate(int bits_per_second, Nanoseconds return_delay) {
+  const std::lock_guard lock(mutex_);
+  bits_per_second_ = bits_per_second;
+  return_delay_ = return_delay;
+}
+
+std::vector<std::vector<std::uint8_t>> FakeBus::heard() {
+  const std::lock_guard lock(mutex_);
+  return {heard_.begin(), heard_.end()};
+}
+
+void FakeBus::forget_heard() {
+  const std::lock_guard lock(mutex_);
+  heard_.clear();
+}
+
+/// Until the first servo's own watchdog bites; -1: none is set.
+int FakeBus::silence_left_ms() {
+  const std::lock_guard lock(mutex_);
+  int least = -1;
+  for (const auto& [id, servo] : servos_) {
+    const int set = family_.watchdog ? servo.table[family_.watchdog.address] : 0;
+    if (set > 0 && set < kBitten && (least < 0 || set * kWatchdogUnit_ms < least))
+      least = set * kWatchdogUnit_ms;
+  }
+  if (least < 0) return -1;
+  const Nanoseconds end = last_heard_ + Nanoseconds{least} * 1'000'000;
+  return static_cast<int>(std::max<Nanoseconds>(0, (end - realtime::monotonic_now()) / 1'000'000 + 1));
+}
+
+void FakeBus::end_of_patience() {
+  const std::lock_guard lock(mutex_);
+  const Nanoseconds silent = realtime::monotonic_now() - last_heard_;
+  for (auto& [id, servo] : servos_) {
+    std::uint8_t& set = servo.table[family_.watchdog.address];
+    if (set == 0 || set >= kBitten || silent < Nanoseconds{set} * kWatchdogUnit_ms * 1'000'000) continue;
+    set = kBitten;
+    for (const Register& goal : {family_.goal_velocity, family_.goal_current})
+      if (goal) encode(goal, 0, std::span(servo.table).subspan(goal.address));
+  }
+  changed_.notify_all();
+}
+
 void FakeBus::serve() {
+  ::prctl(PR_SET_TIMERSLACK, 1);  // ns: the line's time is to be kept
   for (;;) {
     pollfd watched[2] = {{master_, POLLIN, 0}, {wake_[0], POLLIN, 0}};
-    if (::poll(watched, 2, -1) < 0) continue;
+    const int ready = ::poll(watched, 2, silence_left_ms());
+    if (ready == 0) end_of_patience();
+    if (ready <= 0) continue;
     if (watched[1].revents) return;
     std::uint8_t bytes[512];
     const ssize_t count = ::read(master_, bytes, sizeof bytes);
     if (count <= 0) return;
     in_.insert(in_.end(), bytes, bytes + count);
     while (take_instruction()) {
-      const std::uint64_t number = ++instructions_;
+      std::uint64_t number = 0;
       std::function<void(std::uint64_t)> call;
       {
         const std::lock_guard lock(mutex_);
+        number = ++instructions_;
         call = call_;
       }
+      changed_.notify_all();
       if (call) call(number);
     }
   }
@@ -225,7 +294,13 @@ bool FakeBus::take_instruction() {
   Frame frame(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
   in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
   const std::lock_guard lock(mutex_);
-  if (mischief_.echo) put(frame);
+  last_heard_ = realtime::monotonic_now();
+  bytes_in_ += size;
+  heard_.push_back(frame);
+  if (heard_.size() > 4096) heard_.pop_front();
+  line_free_ = std::max(line_free_, last_heard_);
+  take_time(size, 0);
+  if (mischief_.echo) put_at_once(frame);
   Frame parameters;
   if (feetech) {
     unsigned sum = 0;
@@ -306,6 +381,8 @@ void FakeBus::execute(std::uint8_t id, std::uint8_t instruction, const Bytes& p)
 }
 
 void FakeBus::write(Servo& servo, std::uint16_t address, const std::uint8_t* from, std::size_t size) {
+  const bool goal = address > family_.watchdog.address && address <= family_.goal_position.address;
+  if (family_.watchdog && goal && servo.table[family_.watchdog.address] == kBitten) return;
   std::copy(from, from + size, servo.table.begin() + address);
   const Register whole{address, static_cast<std::uint8_t>(size)};
   // Kept as what the register of that size says, with its sign.
@@ -408,7 +485,26 @@ void FakeBus::misbehave_and_send(int id, Bytes frame) {
   put(frame);
 }
 
+/// The line is taken for so many bytes.
+void FakeBus::take_time(std::size_t bytes, Nanoseconds before) {
+  if (bits_per_second_ > 0)
+    line_free_ += before + static_cast<Nanoseconds>(bytes) * 10'000'000'000 / bits_per_second_;
+}
+
+/// An answer, which has arrived when its last byte has.
 void FakeBus::put(const Bytes& bytes) {
+  bytes_out_ += bytes.size();
+  take_time(bytes.size(), return_delay_);
+  if (bits_per_second_ > 0) {
+    const timespec end{static_cast<time_t>(line_free_ / 1'000'000'000),
+                       static_cast<long>(line_free_ % 1'000'000'000)};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &end, nullptr) == EINTR) {
+    }
+  }
+  put_at_once(bytes);
+}
+
+void FakeBus::put_at_once(const Bytes& bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t count = ::write(master_, bytes.data() + done, bytes.size() - done);
     if (count <= 0) return;

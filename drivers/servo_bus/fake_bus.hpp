@@ -3,6 +3,7 @@
 /// and for whoever wants to try an arm without one. It has its own reading of the wires, so that a fault of
 /// the driver's does not meet the same fault here.
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "drivers/servo_bus/registers.hpp"
+#include "polyarm/base/time.hpp"
 
 namespace polyarm::servo_bus {
 
@@ -33,6 +35,11 @@ struct Mischief {
   int next_pieces = 0;                ///< so many answers come byte by byte
 };
 
+/// Bytes that have passed, each way.
+struct Traffic {
+  std::uint64_t instructions = 0, answers = 0;
+};
+
 /// Servos on a pty, served by a thread. Servos move towards their goals by `step` with each instruction that
 /// the bus takes, so that what happens depends on the traffic, not on the clock.
 class FakeBus {
@@ -46,6 +53,11 @@ class FakeBus {
   const std::string& path() const { return path_; }
   void set(int id, const Register& reg, std::int32_t value);
   std::int32_t get(int id, const Register& reg);
+  /// Waits until the register is so, as far as traffic and the servos' watchdogs change it; false after a
+  /// minute.
+  bool wait(int id, const Register& reg, const std::function<bool(std::int32_t)>& is);
+  /// Waits for so many instructions in all; false after a minute.
+  bool wait_for_instructions(std::uint64_t count);
   /// Every value that was written to the register of that servo, in order.
   std::vector<std::int32_t> written(int id, const Register& reg);
   void mischief(const Mischief& what);
@@ -56,6 +68,13 @@ class FakeBus {
   void set_step(int step);
   /// A servo pressed against something: it stays where it is, at full load.
   void block(int id, bool blocked);
+  /// From now on the line takes its time: 10 bits for each byte, one frame after the other, and
+  /// `return_delay` before each answer. 0: no time, as at first.
+  void set_bit_rate(int bits_per_second, Nanoseconds return_delay);
+  Traffic traffic() const { return {bytes_in_, bytes_out_}; }
+  /// The last instructions, whole frames; at most 4096.
+  std::vector<std::vector<std::uint8_t>> heard();
+  void forget_heard();
   /// The cable is pulled.
   void hang_up();
   std::uint64_t instructions() const { return instructions_; }
@@ -80,6 +99,10 @@ class FakeBus {
   void answer_fast(const std::vector<std::uint8_t>& ids, std::uint16_t address, std::uint16_t length);
   void misbehave_and_send(int id, Bytes frame);
   void put(const Bytes& bytes);
+  void put_at_once(const Bytes& bytes);
+  void take_time(std::size_t bytes, Nanoseconds before);
+  int silence_left_ms();
+  void end_of_patience();
   std::uint8_t status(Servo& servo) const;
   Servo fresh(int id) const;
 
@@ -88,11 +111,16 @@ class FakeBus {
   std::string path_, link_;
   int master_ = -1, slave_ = -1, wake_[2] = {-1, -1};
   std::mutex mutex_;
+  std::condition_variable changed_;
   std::map<int, Servo> servos_;
   Mischief mischief_;
   Bytes in_;
   std::deque<Bytes> late_;
+  std::deque<Bytes> heard_;
   int step_ = 40;
+  int bits_per_second_ = 0;
+  Nanoseconds return_delay_ = 0, line_free_ = 0, last_heard_ = 0;
+  std::atomic<std::uint64_t> bytes_in_{0}, bytes_out_{0};
   std::function<void(std::uint64_t)> call_;
   std::atomic<std::uint64_t> instructions_{0};
   std::thread thread_;

@@ -17,6 +17,7 @@ class FakeServos : public Real {
     hardware::ComponentContext own = context;
     own.parameters["port"] = "fake";
     own.parameters.erase("calibration");
+    own.parameters.try_emplace("watchdog", "off");           // the servos end with the process
     own.parameters.try_emplace("answer_timeout_ms", "200");  // a thread answers, not a chip
     const hardware::CallbackReturn done = Real::on_init(own);
     std::vector<int> ids;

@@ -1,9 +1,14 @@
 #include "drivers/servo_bus/setup.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
 
+#include "drivers/servo_bus/parameters.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
@@ -13,42 +18,71 @@ namespace polyarm::servo_bus {
 namespace {
 using Values = std::map<std::string, std::string>;
 
-const std::vector<std::string> kJointParameters = {
-    "id",    "mode",         "direction",       "offset",       "zero",         "min",       "max",
-    "model", "torque_limit", "max_temperature", "effort_scale", "stall_effort", "stall_time"};
+// Of a loop whose cycle is too slow for the usual time of the watchdog.
+constexpr double kWatchdogWrites = 4;
+
 const std::vector<std::string> kStates = {"position", "velocity",    "effort",
                                           "current",  "temperature", "voltage"};
 
-/// Takes values out of a map and collects what is wrong with them.
+std::vector<std::string> joint_parameters(const Family& family) {
+  std::vector<std::string> out;
+  for (const hardware::DriverParameter& row : facts_of(family).parameters)
+    if (std::string_view(row.name).starts_with(kOfJoint)) out.emplace_back(row.name + kOfJoint.size());
+  return out;
+}
+
+/// Takes values out of a map, as the table has them, and collects what is wrong with them.
 class Reader {
  public:
-  Reader(const Values& values, std::string prefix, Location where, Problems& problems)
-      : values_(values), prefix_(std::move(prefix)), where_(std::move(where)), problems_(problems) {}
+  /// `group`: "" or kOfJoint. `prefix`: what the user calls it by.
+  Reader(const Family& family, std::string_view group, const Values& values, std::string prefix,
+         Location where, Problems& problems)
+      : rows_(facts_of(family).parameters),
+        group_(group),
+        values_(values),
+        prefix_(std::move(prefix)),
+        where_(std::move(where)),
+        problems_(problems) {}
 
   std::optional<std::string> text(const std::string& key) const {
     const auto found = values_.find(key);
     if (found == values_.end()) return std::nullopt;
     return std::string(trim(found->second));
   }
-  std::optional<double> number(const std::string& key, double lower, double upper) const {
+  /// What is given, if it is right.
+  std::optional<double> given(const std::string& key) const {
     const auto given = text(key);
     if (!given) return std::nullopt;
+    const hardware::DriverParameter& r = row(key);
     const auto value = parse_number(*given);
-    if (value && *value >= lower && *value <= upper) return value;
-    wrong(key, *given, "a number from " + format_number(lower) + " to " + format_number(upper));
+    if (value && *value >= r.least && *value <= r.most) return value;
+    wrong(key, *given, "a number from " + format_number(r.least) + " to " + format_number(r.most));
     return std::nullopt;
   }
-  std::optional<int> integer(const std::string& key, int lower, int upper) const {
-    const auto value = number(key, lower, upper);
+  std::optional<int> given_whole(const std::string& key) const {
+    const auto value = given(key);
     if (!value) return std::nullopt;
     if (*value == std::floor(*value)) return static_cast<int>(*value);
     wrong(key, *text(key), "a whole number");
     return std::nullopt;
   }
+  /// The same, or the default.
+  double number(const std::string& key) const { return given(key).value_or(fallback(key)); }
+  int whole(const std::string& key) const {
+    return given_whole(key).value_or(static_cast<int>(fallback(key)));
+  }
+  std::string choice(const std::string& key) const {
+    const hardware::DriverParameter& r = row(key);
+    const std::string value = text(key).value_or(r.fallback);
+    const std::vector<std::string> all = split_words(r.one_of);
+    if (std::find(all.begin(), all.end(), value) != all.end()) return value;
+    wrong(key, value, "one of " + join(all, ", "));
+    return r.fallback;
+  }
   bool flag(const std::string& key) const {
-    const auto given = text(key);
-    if (!given || equal_ignoring_case(*given, "false")) return false;
-    if (!equal_ignoring_case(*given, "true")) wrong(key, *given, "true or false");
+    const std::string value = text(key).value_or(row(key).fallback);
+    if (equal_ignoring_case(value, "false")) return false;
+    if (!equal_ignoring_case(value, "true")) wrong(key, value, "true or false");
     return true;
   }
   void wrong(const std::string& key, const std::string& value, const std::string& wanted) const {
@@ -59,6 +93,19 @@ class Reader {
   }
 
  private:
+  const hardware::DriverParameter& row(const std::string& key) const {
+    const std::string name = std::string(group_) + key;
+    const auto found =
+        std::find_if(rows_.begin(), rows_.end(), [&](const auto& r) { return name == r.name; });
+    assert(found != rows_.end() && "a parameter that is not in the table");
+    return *found;
+  }
+  double fallback(const std::string& key) const {
+    return row(key).fallback ? parse_number(row(key).fallback).value_or(0) : 0;
+  }
+
+  std::span<const hardware::DriverParameter> rows_;
+  std::string_view group_;
   const Values& values_;
   std::string prefix_;
   Location where_;
@@ -145,31 +192,31 @@ Mode read_mode(const Declared& joint, const Family& family, const Reader& read) 
 }
 
 JointSetup read_joint(const Declared& joint, const Family& family, Problems& problems) {
-  const Reader read(joint.values, joint.name + ".", joint.where, problems);
+  const Reader read(family, kOfJoint, joint.values, joint.name + ".", joint.where, problems);
   JointSetup out;
   out.interface = joint.robot + "/" + joint.name;
   out.name = joint.name;
   out.mode = read_mode(joint, family, read);
   if (!joint.values.contains("id"))
     read.missing("id", std::string("`polyarm setup ") + family.name + "` writes it into a calibration file");
-  out.id = static_cast<std::uint8_t>(read.integer("id", 0, family.highest_id).value_or(0));
-  out.direction = read.integer("direction", -1, 1).value_or(1);
+  out.id = static_cast<std::uint8_t>(read.whole("id"));
+  out.direction = read.whole("direction");
   if (out.direction == 0) read.wrong("direction", "0", "1 or -1");
-  out.offset = read.number("offset", -100, 100).value_or(0);
-  out.zero = read.integer("zero", -32767, 32767).value_or(family.steps_per_turn / 2);
-  out.min = read.integer("min", -32767, 32767);
-  out.max = read.integer("max", -32767, 32767);
+  out.offset = read.number("offset");
+  out.zero = read.whole("zero");
+  out.min = read.given_whole("min");
+  out.max = read.given_whole("max");
   if (out.min && out.max && *out.min >= *out.max)
     problems.error("bad-value", joint.where, joint.name + ".min is not below " + joint.name + ".max");
   if (const auto model = read.text("model"); model && *model == "any")
     out.any_model = true;
   else
-    out.model = read.integer("model", 0, 65535);
-  out.torque_limit = read.number("torque_limit", 0.01, 1);
-  out.max_temperature = read.number("max_temperature", 20, 100);
-  out.effort_scale = read.number("effort_scale", 1e-6, 1e3).value_or(1);
-  out.stall_effort = read.number("stall_effort", 0, 1e3);
-  out.stall_time = read.number("stall_time", 0, 3600).value_or(2);
+    out.model = read.given_whole("model");
+  out.torque_limit = read.given("torque_limit");
+  out.max_temperature = read.given("max_temperature");
+  out.effort_scale = read.number("effort_scale");
+  out.stall_effort = read.given("stall_effort");
+  out.stall_time = read.number("stall_time");
   for (const std::string& state : joint.states) {
     if (std::find(kStates.begin(), kStates.end(), state) == kStates.end())
       problems.error("unknown-interface", joint.where,
@@ -182,7 +229,7 @@ JointSetup read_joint(const Declared& joint, const Family& family, Problems& pro
 
 /// Puts the cell's `joint.parameter` and the calibration where they belong; the cell has the last word.
 void merge(std::vector<Declared>& joints, const Values& bus, const std::map<std::string, Values>& calibration,
-           Problems& problems) {
+           const Family& family, Problems& problems) {
   for (Declared& joint : joints)
     if (const auto found = calibration.find(joint.name); found != calibration.end())
       joint.values.insert(found->second.begin(), found->second.end());
@@ -200,13 +247,21 @@ void merge(std::vector<Declared>& joints, const Values& bus, const std::map<std:
     else
       joint->values[parameter] = value;
   }
+  const std::vector<std::string> known = joint_parameters(family);
   for (const Declared& joint : joints)
     for (const auto& [key, value] : joint.values)
-      if (std::find(kJointParameters.begin(), kJointParameters.end(), key) == kJointParameters.end() &&
-          bus.contains(joint.name + "." + key))
-        problems.error(
-            "unknown-parameter", joint.where,
-            "there is no parameter " + joint.name + "." + key + did_you_mean(key, kJointParameters));
+      if (std::find(known.begin(), known.end(), key) == known.end() && bus.contains(joint.name + "." + key))
+        problems.error("unknown-parameter", joint.where,
+                       "there is no parameter " + joint.name + "." + key + did_you_mean(key, known));
+}
+
+/// s between two writes.
+double write_period(const hardware::ComponentContext& context) {
+  double out = seconds(context.period);
+  for (const hardware::RobotInstance& robot : context.robots)
+    for (const description::HardwareInfo& info : robot.hardware)
+      if (info.rw_rate > 0) out = std::max(out, 1.0 / info.rw_rate);
+  return out;
 }
 }  // namespace
 
@@ -217,23 +272,31 @@ const char* name(Mode mode) {
 BusSetup read_setup(const hardware::ComponentContext& context, const Family& family) {
   Problems problems;
   BusSetup out;
-  const Reader read(context.parameters, "", {}, problems);
+  const Reader read(family, "", context.parameters, "", {}, problems);
   out.port = read.text("port").value_or("");
   if (out.port.empty())
     read.missing(
         "port", std::string("for example /dev/serial/by-id/…; `polyarm setup ") + family.name + "` finds it");
-  out.baud = read.integer("baud", 1200, 10'000'000).value_or(family.default_baud);
-  out.answer_timeout = nanoseconds(read.number("answer_timeout_ms", 1, 10'000).value_or(10) / 1000);
-  out.lost_cycles = read.integer("lost_cycles", 1, 10'000).value_or(5);
-  const std::string off = read.text("torque_off").value_or("never");
-  if (off != "never" && off != "on_shutdown") read.wrong("torque_off", off, "never or on_shutdown");
-  out.lowers_on_shutdown = off == "on_shutdown";
-  out.release_time = nanoseconds(read.number("release_time", 0, 60).value_or(3));
-  out.fast_sync_read = read.flag("fast_sync_read");
-  out.watchdog_ms = read.integer("bus_watchdog_ms", 0, 2540).value_or(family.watchdog ? 200 : 0);
+  out.baud = read.whole("baud");
+  out.answer_timeout = nanoseconds(read.number("answer_timeout_ms") / 1000);
+  out.lost_cycles = read.whole("lost_cycles");
+  out.lowers_on_shutdown = read.choice("torque_off") == "on_shutdown";
+  out.release_time = nanoseconds(read.number("release_time"));
+  if (family.watchdog) {
+    out.fast_sync_read = read.flag("fast_sync_read");
+    out.bus_watchdog_ms = read.whole("bus_watchdog_ms");
+  }
+  out.period = write_period(context);
+  out.watchdog_ms = read.whole("watchdog_ms");
+  if (out.watchdog_ms * 1e-3 < 2 * out.period) {
+    if (read.text("watchdog_ms"))
+      read.wrong("watchdog_ms", *read.text("watchdog_ms"),
+                 "long enough for two writes, which are " + format_number(out.period * 1e3) + " ms apart");
+    out.watchdog_ms = static_cast<int>(std::ceil(kWatchdogWrites * out.period * 1e3));
+  }
 
   std::vector<Declared> joints = declared_joints(context);
-  merge(joints, context.parameters, read_calibration(context, family, context.parameters, problems),
+  merge(joints, context.parameters, read_calibration(context, family, context.parameters, problems), family,
         problems);
   for (const Declared& joint : joints) out.joints.push_back(read_joint(joint, family, problems));
   if (out.joints.empty()) problems.error("no-joints", {}, context.name + " has no joints to drive");
@@ -245,6 +308,11 @@ BusSetup read_setup(const hardware::ComponentContext& context, const Family& fam
         problems.error("same-id", joints[j].where,
                        out.joints[i].name + " and " + out.joints[j].name + " have the same servo id " +
                            std::to_string(out.joints[i].id));
+  const std::string watchdog = read.choice("watchdog");
+  const bool turns = std::any_of(out.joints.begin(), out.joints.end(),
+                                 [](const JointSetup& joint) { return joint.mode == Mode::velocity; });
+  out.all_watched = watchdog == "on";
+  out.watched = out.all_watched || (watchdog == "auto" && turns && !family.watchdog);
   problems.throw_if_errors();
   return out;
 }

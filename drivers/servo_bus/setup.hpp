@@ -42,7 +42,11 @@ struct BusSetup {
   bool lowers_on_shutdown = false;
   Nanoseconds release_time = 0;
   bool fast_sync_read = false;
-  int watchdog_ms = 0;
+  int bus_watchdog_ms = 0;   ///< of the servos themselves; 0: none
+  bool watched = false;      ///< a watchdog process shall stop the joints
+  bool all_watched = false;  ///< those in position as well
+  int watchdog_ms = 0;       ///< of that process
+  double period = 0;         ///< s, between two writes
   std::vector<JointSetup> joints;
 };
 

@@ -21,6 +21,9 @@ class DeviceLock {
   DeviceLock& operator=(const DeviceLock&) = delete;
 
   bool held() const noexcept { return file_ >= 0; }
+  /// For a process that goes on holding the device when this one is gone: it holds it as long as it has the
+  /// descriptor. -1: nothing is held.
+  int descriptor() const noexcept { return file_; }
 
   /// Who holds the device, in its own words; empty: nobody, as far as this user can see. Touches nothing.
   static std::string holder(const std::string& device);

@@ -1,72 +1,19 @@
 /// A driver in a process of its own comes to harm; the registers tell what becomes of the motors.
 #include "drivers/pca9685/watchdog.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <stdexcept>
 
 #include "tests/pca9685/rig.hpp"
+#include "tests/support/driving_process.hpp"
 
 namespace polyarm::drivers {
 namespace {
 
+using test::DrivingProcess;
 using test::FakeBoard;
 using test::FakeChip;
 using test::Transaction;
-
-class DrivingProcess {
- public:
-  explicit DrivingProcess(const std::string& bus) {
-    int in[2], out[2];
-    if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
-    pid_ = fork();
-    if (pid_ == 0) {
-      dup2(in[0], STDIN_FILENO);
-      dup2(out[1], STDOUT_FILENO);
-      execl(POLYARM_FAKE_PROCESS, POLYARM_FAKE_PROCESS, "drive", bus.c_str(), nullptr);
-      _exit(127);
-    }
-    close(in[0]);
-    close(out[1]);
-    to_ = in[1];
-    from_ = fdopen(out[0], "r");
-  }
-  ~DrivingProcess() {
-    signal(SIGCONT);
-    signal(SIGKILL);
-    wait();
-    close(to_);
-    std::fclose(from_);
-  }
-  DrivingProcess(const DrivingProcess&) = delete;
-  DrivingProcess& operator=(const DrivingProcess&) = delete;
-
-  void signal(int number) const {
-    if (pid_ > 0) kill(pid_, number);
-  }
-  void tell(const std::string& word) const {
-    const std::string line = word + "\n";
-    if (::write(to_, line.data(), line.size()) < 0) throw std::runtime_error("it does not listen");
-  }
-  std::string line() {
-    char text[1024];
-    return std::fgets(text, sizeof text, from_) ? text : "nothing more";
-  }
-  void wait() {
-    if (pid_ > 0) waitpid(pid_, nullptr, 0);
-    pid_ = -1;
-  }
-
- private:
-  pid_t pid_ = -1;
-  int to_ = -1;
-  std::FILE* from_ = nullptr;
-};
 
 bool turning(const FakeChip& c) {
   return c.output(8) == 2048 && c.output(9) == 4096 && c.output(13) == 2048 && c.output(12) == 4096;
@@ -90,7 +37,7 @@ class WatchdogTest : public ::testing::Test {
     EXPECT_TRUE(board.wait(off));
   }
   FakeBoard board;
-  DrivingProcess process{board.path()};
+  DrivingProcess process{{POLYARM_FAKE_PROCESS, "drive", board.path()}};
 };
 
 struct Death {
@@ -157,7 +104,7 @@ TEST_F(WatchdogTest, TheNextProcessFindsTheBoardFree) {
   process.signal(SIGKILL);
   process.wait();
   ASSERT_TRUE(board.wait(off));
-  DrivingProcess next(board.path());
+  DrivingProcess next({POLYARM_FAKE_PROCESS, "drive", board.path()});
   EXPECT_EQ(next.line(), "driving\n");
   EXPECT_TRUE(board.wait(turning));
 }
