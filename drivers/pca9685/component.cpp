@@ -335,26 +335,7 @@ std::string Pca9685Component::reason() const {
 }
 
 const hardware::DriverFacts* Pca9685Component::facts() const noexcept {
-  using enum hardware::ParameterKind;
-  static constexpr hardware::DriverParameter kParameters[] = {
-      {"bus", text, "/dev/i2c-1", "the bus, or its number"},
-      {"address", text, "0x60", "0x40 to 0x7F"},
-      {"frequency", number, "1600", "Hz of the pulses, 24 to 1743"},
-      {"pin_enable_K", number, nullptr, "channel of motor K, 0 to 15; also pin_pos_K and pin_neg_K"},
-      {"speed_scale", number, "1", "duty per rad/s of the wheel"},
-      {"trim", number, "1", "factor on the duty"},
-      {"direction", number, "1", "-1 for a motor that turns the wrong way"},
-      {"dead_band", number, "0.001", "rad/s; slower is a stop"},
-      {"least_duty", number, "0", "the duty at which a motor begins to turn"},
-      {"max_duty", number, "1", "never more"},
-      {"stop", text, "coast", "or brake: what a motor does at speed 0"},
-      {"watchdog_ms", number, "",
-       "ms without a heartbeat until motors are turned off; 4 writes, at least 250"},
-  };
-  static constexpr hardware::DriverFacts kFacts = {
-      "system", "DC motors on a PCA9685 board at I2C: the JetBot, motor HATs",
-      "a register-exact chip, with its watchdog under SIGKILL and SIGSTOP; never on hardware", kParameters};
-  return &kFacts;
+  return &board_facts();
 }
 
 std::string Pca9685Component::summary() const {

@@ -1,10 +1,14 @@
 #include "drivers/pca9685/settings.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "drivers/pca9685/chip.hpp"
 #include "polyarm/base/error.hpp"
@@ -13,11 +17,39 @@
 namespace polyarm::drivers {
 
 namespace {
-constexpr const char* kEach[] = {"speed_scale", "trim",     "direction", "dead_band",
-                                 "least_duty",  "max_duty", "stop"};
+using hardware::DriverParameter;
+using enum hardware::ParameterKind;
+
+constexpr DriverParameter kParameters[] = {
+    {"bus", text, "/dev/i2c-1", "the bus, or its number"},
+    {"address", text, "0x60", "0x40 to 0x7F"},
+    {"frequency", number, "1600", "Hz of the pulses", 24, 1743},
+    {"watchdog_ms", number, "", "ms without a heartbeat until motors are turned off; 4 writes, at least 250"},
+    {"pin_enable_K", number, nullptr, "channel of motor K, 0 to 15; also pin_pos_K and pin_neg_K", 0, 15},
+    // Of all motors; with _K, of motor K alone.
+    {"speed_scale", number, "1", "duty per rad/s of the wheel", 1e-3, 100},
+    {"trim", number, "1", "factor on the duty", 0.1, 10},
+    {"direction", text, "1", "-1 for a motor that turns the wrong way", 0, 0, "1 -1 +1"},
+    {"dead_band", number, "0.001", "rad/s; slower is a stop", 0, 100},
+    {"least_duty", number, "0", "the duty at which a motor begins to turn", 0, 0.95},
+    {"max_duty", number, "1", "never more", 0, 1},
+    {"stop", text, "coast", "or brake: what a motor does at speed 0", 0, 0, "coast brake"},
+};
+constexpr std::span<const DriverParameter> kAll = kParameters;
+constexpr auto kOfBoard = kAll.first(4), kOfMotors = kAll.last(7);
+constexpr hardware::DriverFacts kFacts = {
+    "system", "DC motors on a PCA9685 board at I2C: the JetBot, motor HATs",
+    "a register-exact chip, with its watchdog under SIGKILL and SIGSTOP; never on hardware", kParameters};
 constexpr const char* kPins[] = {"pin_enable", "pin_pos", "pin_neg"};
 // Without a stated time the watchdog waits for four writes, and a quarter of a second at least.
 constexpr double kWatchdogCycles = 4, kLeastWatchdog = 0.25, kMostWatchdog = 5;
+
+const DriverParameter& row(std::string_view name) {
+  const auto found = std::find_if(std::begin(kParameters), std::end(kParameters),
+                                  [&](const auto& r) { return name == r.name; });
+  assert(found != std::end(kParameters) && "a parameter that is not in the table");
+  return *found;
+}
 
 class Reader {
  public:
@@ -106,7 +138,7 @@ class Reader {
   }
 
   double number(const std::string& key, const std::optional<std::string>& given, double fallback, double low,
-                double high, const char* unit) {
+                double high, const char* unit = "") {
     if (!given) return fallback;
     const auto value = parse_number(*given);
     if (value && *value >= low && *value <= high) return *value;
@@ -114,6 +146,25 @@ class Reader {
             format_number(high) + unit,
         "the usual value is " + format_number(fallback));
     return fallback;
+  }
+
+  // As the table has it, of motor k or of all.
+
+  double number(const char* name, std::size_t k) {
+    const DriverParameter& r = row(name);
+    return number(called(name, k), text(name, k), parse_number(r.fallback).value_or(0), r.least, r.most);
+  }
+  std::string choice(const char* name, std::size_t k) {
+    const DriverParameter& r = row(name);
+    const std::string value = text(name, k).value_or(r.fallback);
+    const std::vector<std::string> all = split_words(r.one_of);
+    if (std::find(all.begin(), all.end(), value) != all.end()) return value;
+    bad(called(name, k) + " = '" + value + "' is none of " + join(all, ", "), r.meaning);
+    return r.fallback;
+  }
+  std::string called(const char* name, std::size_t k) const {
+    const std::string own = name + ("_" + std::to_string(k));
+    return context_.parameters.contains(own) ? own : name;
   }
 
   /// A whole number of few digits, decimal or with 0x.
@@ -139,7 +190,8 @@ class Reader {
             "they are 0x40 to 0x7F; a JetBot's is "
             "0x60");
     }
-    out_.frequency = number("frequency", text("frequency"), 1600, 24, 1743, " Hz");
+    const DriverParameter& f = row("frequency");
+    out_.frequency = number("frequency", text("frequency"), out_.frequency, f.least, f.most, " Hz");
     out_.prescale = prescale_for(out_.frequency).value_or(out_.prescale);
   }
 
@@ -160,25 +212,15 @@ class Reader {
       else
         *channels[p] = *value;
     }
-    const auto of = [&](const char* key) { return text(key, k); };
-    const auto called = [&](const char* key) {
-      return context_.parameters.contains(key + tail) ? key + tail : std::string(key);
-    };
-    m.speed_scale = number(called("speed_scale"), of("speed_scale"), 1, 1e-3, 100, " per rad/s");
-    m.trim = number(called("trim"), of("trim"), 1, 0.1, 10, "");
-    m.dead_band = number(called("dead_band"), of("dead_band"), 0.001, 0, 100, " rad/s");
-    m.least_duty = number(called("least_duty"), of("least_duty"), 0, 0, 0.95, "");
-    m.most_duty = number(called("max_duty"), of("max_duty"), 1, 0, 1, "");
+    m.speed_scale = number("speed_scale", k);
+    m.trim = number("trim", k);
+    m.dead_band = number("dead_band", k);
+    m.least_duty = number("least_duty", k);
+    m.most_duty = number("max_duty", k);
     if (m.most_duty < m.least_duty)
       bad("max_duty of motor " + std::to_string(k) + " is below its least_duty", "the motor never turns so");
-    const std::string direction = of("direction").value_or("1");
-    if (direction != "1" && direction != "-1" && direction != "+1")
-      bad(called("direction") + " = '" + direction + "' is neither 1 nor -1", "-1 turns the motor round");
-    m.direction = direction == "-1" ? -1 : 1;
-    const std::string stop = of("stop").value_or("coast");
-    if (stop != "coast" && stop != "brake")
-      bad(called("stop") + " = '" + stop + "' is neither coast nor brake", "coast rolls out");
-    m.brake = stop == "brake";
+    m.direction = choice("direction", k) == "-1" ? -1 : 1;
+    m.brake = choice("stop", k) == "brake";
   }
 
   void pins() {
@@ -206,11 +248,13 @@ class Reader {
   /// A motor that there is not, or a key with a slip of the pen: what is silently ignored would drive
   /// wrongly.
   void superfluous() {
-    std::vector<std::string> known = {"bus", "address", "frequency", "watchdog_ms"};
-    for (const char* key : kEach) known.emplace_back(key);
+    std::vector<std::string> known;
+    for (const DriverParameter& r : kOfBoard) known.emplace_back(r.name);
+    for (const DriverParameter& r : kOfMotors) known.emplace_back(r.name);
     for (std::size_t k = 0; k < out_.wheels.size(); ++k) {
-      for (const char* key : kEach) known.push_back(key + ("_" + std::to_string(k)));
-      for (const char* key : kPins) known.push_back(key + ("_" + std::to_string(k)));
+      const std::string tail = "_" + std::to_string(k);
+      for (const DriverParameter& r : kOfMotors) known.push_back(r.name + tail);
+      for (const char* key : kPins) known.push_back(key + tail);
     }
     for (const auto& [key, value] : context_.parameters)
       if (std::find(known.begin(), known.end(), key) == known.end())
@@ -225,6 +269,10 @@ class Reader {
   int rate_ = 0;
 };
 }  // namespace
+
+const hardware::DriverFacts& board_facts() {
+  return kFacts;
+}
 
 BoardSettings read_settings(const hardware::ComponentContext& context) {
   return Reader(context).read();

@@ -32,6 +32,9 @@ struct BoardSettings {
   std::vector<std::size_t> wheel_of_command;
 };
 
+/// The parameters: the table that read_settings() reads by.
+const hardware::DriverFacts& board_facts();
+
 /// Throws Error with every parameter that is wrong.
 BoardSettings read_settings(const hardware::ComponentContext& context);
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/pca9685/rig.hpp"
+#include "tests/support/waiting_component.hpp"
 
 namespace polyarm::drivers {
 namespace {
@@ -330,6 +331,19 @@ TEST_F(ComponentTest, WithoutItsWatchdogItDrivesNoFurther) {
   while (last == ReturnType::ok) last = read();  // until the kernel has closed its socket
   EXPECT_NE(component.reason().find("has ended"), std::string::npos) << component.reason();
   EXPECT_TRUE(all_off());
+}
+
+TEST_F(ComponentTest, ReadAndWriteNeitherAllocateNorThrow) {
+  begin();
+  for (const double speed : {0.5, -0.5, kNone}) {
+    const double commands[] = {speed, -speed};
+    EXPECT_TRUE(test::neither_allocates_nor_throws(component, 100, states, commands)) << speed;
+    ASSERT_EQ(write(speed, -speed), ReturnType::ok) << component.reason();
+  }
+  board.set_fault([](const Transaction& t) { return t.from == getpid() ? EREMOTEIO : 0; });
+  const double commands[] = {0.5, 0.5};
+  EXPECT_TRUE(test::neither_allocates_nor_throws(component, 10, states, commands)) << "nor on a dead bus";
+  EXPECT_EQ(read(), ReturnType::error);
 }
 
 TEST_F(ComponentTest, AWatchdogThatIsStoppedTakesNoHeartbeats) {

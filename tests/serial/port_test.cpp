@@ -146,6 +146,22 @@ TEST(SerialPort, AMovedPortIsTheSamePort) {
   EXPECT_TRUE(first.read_exactly(got, soon()));
 }
 
+TEST(SerialPort, HandedOverItIsSharedUntilBothHaveClosedIt) {
+  test::Pty far;
+  Port first = open_port(far);
+  int copies[2];
+  const auto descriptors = first.descriptors();
+  for (int k = 0; k < 2; ++k) ASSERT_GE(copies[k] = ::dup(descriptors[k]), 0);
+  Port second = Port::handed_over(copies[0], copies[1], far.path());
+  first.close();
+  EXPECT_EQ(refusal(far.path()).problems().at(0).code, "device-in-use");
+  const std::uint8_t byte[] = {0x42};
+  ASSERT_TRUE(second.write(byte, soon()));
+  EXPECT_EQ(far.read_exactly(1), Bytes{0x42});
+  second.close();
+  EXPECT_NO_THROW(open_port(far));
+}
+
 TEST(SerialPort, SaysWhichPortsThereAreWhenTheNamedOneIsNot) {
   const Error e = refusal("/dev/ttyNone7");
   EXPECT_EQ(e.problems().at(0).code, "no-such-port");
