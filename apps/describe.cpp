@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
 
 namespace polyarm::apps {
 
@@ -17,6 +19,68 @@ json optional(const std::optional<double>& value) {
   return value ? json(*value) : json();
 }
 
+/// The closed form of the arm, or why it has none; why there is no chain where there is none.
+std::string way_to_solve(const RobotModel& model) {
+  try {
+    const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+    return arm ? "closed form: " + arm.report() : arm.report();
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+double mass_of(const RobotModel& model) {
+  double out = 0;
+  for (const description::Link& link : model.links)
+    if (link.inertial) out += link.inertial->mass;
+  return out;
+}
+
+/// The links whose masses are estimates.
+std::vector<std::string> estimated_masses(const RobotModel& model) {
+  std::vector<std::string> out;
+  for (const description::Link& link : model.links)
+    if (link.inertial && link.inertial->estimated) out.push_back(link.name);
+  return out;
+}
+
+/// "-J3 + J2 + 0.5" for what a controller shows of a joint.
+std::string formula(const description::ControllerAxis& axis, const std::vector<std::string>& names,
+                    std::size_t at) {
+  std::string out = (axis.sign < 0 ? "-" : "") + names[at];
+  for (const auto& [joint, factor] : axis.coupling) {
+    out += factor < 0 ? " - " : " + ";
+    if (std::abs(factor) != 1) out += fmt::format("{:g} ", std::abs(factor));
+    out += names[static_cast<std::size_t>(joint)];
+  }
+  if (axis.offset != 0) out += fmt::format(" {} {:g}", axis.offset < 0 ? "-" : "+", std::abs(axis.offset));
+  return out;
+}
+
+json controller_axes(const RobotModel& model) {
+  if (model.controller_axes.empty()) return nullptr;
+  json out = {{"source", model.provenance.controller_axes}};
+  const std::vector<std::string> names = model.joint_names();
+  for (std::size_t i = 0; i < model.controller_axes.size(); ++i)
+    out["display"][names[i]] = formula(model.controller_axes[i], names, i);
+  return out;
+}
+
+void print_controller_axes(const RobotModel& model) {
+  if (model.controller_axes.empty()) {
+    fmt::print("  what the maker's controller shows: not known; signs, zeros and couplings may differ\n");
+    return;
+  }
+  const std::vector<std::string> names = model.joint_names();
+  std::string differing;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (const std::string shown = formula(model.controller_axes[i], names, i); shown != names[i])
+      differing += fmt::format("{}{} as {}", differing.empty() ? "" : ", ", names[i], shown);
+  fmt::print("  what the maker's controller shows: {}\n    {}\n",
+             differing.empty() ? "these joint values" : differing + "; the others as they are",
+             model.provenance.controller_axes);
+}
+
 json json_of(const RobotModel& model) {
   json out = {{"name", model.name},
               {"maker", model.provenance.maker},
@@ -26,6 +90,9 @@ json json_of(const RobotModel& model) {
               {"notes", model.provenance.notes},
               {"root", model.links[static_cast<std::size_t>(model.root)].name},
               {"tool_link", model.links[static_cast<std::size_t>(model.tool_link())].name},
+              {"inverse_kinematics", way_to_solve(model)},
+              {"mass_kg", mass_of(model)},
+              {"controller_axes", controller_axes(model)},
               {"reach_m", optional(model.provenance.reach_m)},
               {"payload_kg", optional(model.provenance.payload_kg)}};
   for (const description::Joint& joint : model.joints) {
@@ -57,7 +124,7 @@ void print(const RobotModel& model) {
   fmt::print("{}{}{}\n", model.name, p.maker.empty() ? "" : "  —  " + p.maker + " ", p.model);
   if (p.reach_m) fmt::print("  reach {:g} m", *p.reach_m);
   if (p.payload_kg) fmt::print("  payload {:g} kg", *p.payload_kg);
-  if (p.reach_m || p.payload_kg) fmt::print("\n");
+  fmt::print("  mass {:.4g} kg\n", mass_of(model));
   fmt::print("  base {}, tool on {}\n\n  {:<28}{:<12}{:>10}{:>10}{:>10}{:>10}\n",
              model.links[static_cast<std::size_t>(model.root)].name,
              model.links[static_cast<std::size_t>(model.tool_link())].name, "joint", "type", "lower", "upper",
@@ -78,11 +145,15 @@ void print(const RobotModel& model) {
     fmt::print("\n  tool0 at home: xyz {:.4f} {:.4f} {:.4f}  rpy {:.4f} {:.4f} {:.4f}\n", tool.position.x,
                tool.position.y, tool.position.z, rpy.x, rpy.y, rpy.z);
   }
+  fmt::print("  inverse kinematics: {}\n", way_to_solve(model));
+  print_controller_axes(model);
   for (const description::HardwareInfo& hardware : model.hardware)
     fmt::print("\n  ros2_control {}: {} ({})", hardware.name, hardware.plugin, hardware.type);
   if (!model.hardware.empty()) fmt::print("\n");
   if (!p.source.empty()) fmt::print("\n  source: {}\n  licence of the source: {}\n", p.source, p.licence);
   for (const std::string& note : p.notes) fmt::print("  note: {}\n", note);
+  if (const auto links = estimated_masses(model); !links.empty())
+    fmt::print("  estimated masses: {}\n", fmt::join(links, ", "));
 }
 
 }  // namespace

@@ -16,6 +16,8 @@ struct CatalogueEntry {
   std::string model;
   int axes = 0;
   std::optional<double> reach_m, payload_kg;
+  std::optional<double> mass_kg;  ///< of all links together
+  bool mass_estimated = false;    ///< that of some link at least is an estimate
   std::filesystem::path file;
 };
 

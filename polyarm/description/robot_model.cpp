@@ -47,6 +47,17 @@ std::vector<std::string> RobotModel::joint_names() const {
   return out;
 }
 
+std::vector<double> RobotModel::displayed(std::span<const double> q) const {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < controller_axes.size() && i < q.size(); ++i) {
+    const ControllerAxis& axis = controller_axes[i];
+    out.push_back(axis.sign * q[i] + axis.offset);
+    for (const auto& [joint, factor] : axis.coupling)
+      out.back() += factor * q[static_cast<std::size_t>(joint)];
+  }
+  return out;
+}
+
 int RobotModel::tool_link() const {
   for (const char* wanted : {"tool0", "flange"})
     if (const int link = find_link(wanted); link >= 0) return link;

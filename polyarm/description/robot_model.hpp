@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -169,7 +170,19 @@ struct EndEffectorInfo {
 struct Provenance {
   std::string maker, model, source, licence;
   std::vector<std::string> notes;  ///< what is recalled, estimated or looks wrong, one sentence each
+  std::string controller_axes;     ///< where RobotModel::controller_axes comes from
   std::optional<double> payload_kg, reach_m;
+};
+
+/// What the maker's controller shows of one joint: sign * q + offset, and factor * q of other joints added.
+struct ControllerAxis {
+  double sign = 1;
+  double offset = 0;  ///< rad or m
+  struct Coupling {
+    int joint = -1;  ///< index in RobotModel::actuated
+    double factor = 0;
+  };
+  std::vector<Coupling> coupling;
 };
 
 struct RobotModel {
@@ -186,6 +199,8 @@ struct RobotModel {
   std::vector<GroupInfo> groups;
   std::vector<EndEffectorInfo> end_effectors;
   Provenance provenance;
+  /// In the order of `actuated`; empty where it is not known for certain.
+  std::vector<ControllerAxis> controller_axes;
   /// Pairs of links (indices, smaller first) whose collision shapes are never compared.
   std::vector<std::array<int, 2>> allowed_collisions;
 
@@ -193,6 +208,8 @@ struct RobotModel {
   int find_joint(std::string_view joint) const;  ///< -1 if there is none
   /// The names of the actuated joints, in order.
   std::vector<std::string> joint_names() const;
+  /// What the maker's controller shows for a joint state, rad or m; empty where that is not known.
+  std::vector<double> displayed(std::span<const double> q) const;
   /// The link where a tool is bolted on, z out of it: `tool0`, else `flange`, else the last link of the
   /// longest chain.
   int tool_link() const;

@@ -347,10 +347,15 @@ class UrdfReader : private XmlReader {
       if (const char* text = e.Attribute(name)) *value = text;
     p.payload_kg = number(&e, "payload");
     p.reach_m = number(&e, "reach");
+    if (const char* source = e.Attribute("controller_axes")) {
+      p.controller_axes = source;
+      model_.controller_axes.resize(model_.actuated.size());
+    }
     for (const XMLElement* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
       const std::string_view tag = c->Name();
       if (tag == "note" && c->GetText()) p.notes.emplace_back(c->GetText());
       if (tag == "state") read_state(*c);
+      if (tag == "controller_axis") read_controller_axis(*c);
       if (tag == "group") read_group(*c);
       if (tag == "end_effector")
         model_.end_effectors.push_back({attribute(*c, "name"), attribute(*c, "group"),
@@ -371,6 +376,27 @@ class UrdfReader : private XmlReader {
     const int found = model_.find_link(link);
     if (found < 0) error(e, "unknown-link", "there is no link '" + link + "'");
     return std::max(found, 0);
+  }
+
+  /// The index in `actuated` of the joint that the element names, none and a problem where there is none.
+  std::optional<std::size_t> value_of(const XMLElement& e) {
+    const std::vector<std::string> names = model_.joint_names();
+    const std::string joint = attribute(e, "joint");
+    const auto found = std::find(names.begin(), names.end(), joint);
+    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+    error(e, "unknown-joint", "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+    return std::nullopt;
+  }
+
+  void read_controller_axis(const XMLElement& e) {
+    const auto at = value_of(e);
+    if (!at || *at >= model_.controller_axes.size()) return;
+    ControllerAxis& axis = model_.controller_axes[*at];
+    axis.sign = number(&e, "sign").value_or(1);
+    axis.offset = number(&e, "offset").value_or(0);
+    for (const XMLElement* c = e.FirstChildElement("coupling"); c; c = c->NextSiblingElement("coupling"))
+      if (const auto other = value_of(*c))
+        axis.coupling.push_back({static_cast<int>(*other), number(c, "factor").value_or(0)});
   }
 
   void read_group(const XMLElement& e) {

@@ -228,7 +228,9 @@ class UrdfWriter {
       if (!text.empty()) attributes.emplace_back(name, text);
     if (p.payload_kg) attributes.emplace_back("payload", format_number(*p.payload_kg));
     if (p.reach_m) attributes.emplace_back("reach", format_number(*p.reach_m));
+    if (!model.controller_axes.empty()) attributes.emplace_back("controller_axes", p.controller_axes);
     open("polyarm", attributes);
+    for (std::size_t i = 0; i < model.controller_axes.size(); ++i) write_controller_axis(model, i);
     for (const std::string& note : p.notes) write_text("note", note);
     for (const auto& [name, values] : model.named_states) write_state(model, name, values);
     for (const auto& [first, second] : model.allowed_collisions)
@@ -242,6 +244,16 @@ class UrdfWriter {
                             {"parent_group", e.parent_group}});
     for (const Link& link : model.links)
       if (link.inertial && link.inertial->estimated) leaf("estimated", {{"link", link.name}});
+    xml_.CloseElement();
+  }
+  void write_controller_axis(const RobotModel& model, std::size_t at) {
+    const std::vector<std::string> joints = model.joint_names();
+    const ControllerAxis& axis = model.controller_axes[at];
+    open("controller_axis",
+         {{"joint", joints[at]}, {"sign", format_number(axis.sign)}, {"offset", format_number(axis.offset)}});
+    for (const auto& [joint, factor] : axis.coupling)
+      leaf("coupling",
+           {{"joint", joints[static_cast<std::size_t>(joint)]}, {"factor", format_number(factor)}});
     xml_.CloseElement();
   }
   void write_group(const RobotModel& model, const GroupInfo& group) {

@@ -59,8 +59,8 @@ void expect_provenance(const RobotModel& model) {
   EXPECT_FALSE(model.provenance.model.empty());
 }
 
-/// Flange and tool0 have their z out of the flange, along the last axis. Small arms of up to four axes may end
-/// in a joint that pitches: then it is square to it.
+/// Flange and tool0 have their z out of the flange, along the last axis. Small arms of up to four axes may
+/// end in a joint that pitches: then it is square to it.
 void expect_tool_frames(const RobotModel& model) {
   ASSERT_GE(model.find_link("flange"), 0);
   ASSERT_GE(model.find_link("tool0"), 0);
@@ -151,7 +151,9 @@ TEST_P(EveryRobot, IsWholeStandsWellAtHomeAndReadsBackEqual) {
   expect_dynamic_limits(model);
   expect_masses(model);
   const int shaped = expect_clear_of_the_table(model);
-  if (model.actuated.size() >= 5) EXPECT_EQ(shaped < 2, barely_shaped(GetParam())) << shaped << " shapes";
+  if (model.actuated.size() >= 5) {
+    EXPECT_EQ(shaped < 2, barely_shaped(GetParam())) << shaped << " shapes";
+  }
   if (tool_down_at_home(GetParam())) {
     const Pose tool = pose_of(model, at_home(model), "tool0");
     test::expect_near(tool.rotation * Vec3{0, 0, 1}, {0, 0, -1}, 1e-4);
@@ -196,6 +198,26 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, OneOfFour,
                            const std::string name = test.param;
                            return name.substr(name.find('/') + 1);
                          });
+
+// --- what the makers' controllers show
+
+/// Joint values and pendant values of one posture, read off an R-1000iA (ros-industrial/fanuc_experimental
+/// issue 17); the rule is the same for all of FANUC's arms whose joint 3 turns against joint 2.
+TEST(ControllerAxes, FanucShowsJoint3AgainstTheHorizontal) {
+  const RobotModel model = catalogue().load("fanuc/lr_mate_200id");
+  const std::vector<double> q{0.2743533253669739, 0.5467115640640259,  -0.035214900970458984,
+                              1.2852824926376343, -1.7649667263031006, -0.5436538457870483};
+  const std::vector<double> shown = model.displayed(q);
+  ASSERT_EQ(shown.size(), 6u);
+  EXPECT_NEAR(shown[2] * 180 / M_PI, -33.342, 0.001);
+  for (const std::size_t i : {0u, 1u, 3u, 4u, 5u}) EXPECT_EQ(shown[i], q[i]);
+}
+
+TEST(ControllerAxes, AreAbsentWhereTheyAreNotKnown) {
+  EXPECT_TRUE(catalogue().load("abb/irb_120").displayed(std::vector<double>(6, 0.1)).empty());
+  const std::vector<double> q{1, 2, 3, 4, 5, 6};
+  EXPECT_EQ(catalogue().load("universal_robots/ur5e").displayed(q), q);
+}
 
 // --- the catalogue
 
@@ -376,6 +398,14 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"FlatCapsule", "{name: tool0}",
             "{name: tool0, capsule: {from: [0, 0, 0], to: [0, 0, 1], radius: 0}}", 10, "above zero"},
         Bad{"HomeBeyondLimit", "{lift: 0.02}", "{lift: 51mm}", 12, "beyond the joint's limits"},
+        Bad{"ShownJointUnknown", "named_states:",
+            "controller_axes:\n  source: a\n  display: {lfit: {sign: -1}}\nnamed_states:", 13,
+            "did you mean 'lift'"},
+        Bad{"ShownSign", "named_states:",
+            "controller_axes:\n  source: a\n  display: {lift: {sign: 2}}\nnamed_states:", 13, "1 or -1"},
+        Bad{"CoupledJointUnknown", "named_states:",
+            "controller_axes:\n  source: a\n  display: {lift: {coupling: {lfit: 1}}}\nnamed_states:", 13,
+            "did you mean 'lift'"},
         Bad{"Syntax", "links:", "links: [", 9, "not valid YAML"}),
     [](const auto& test) { return std::string(test.param.name); });
 

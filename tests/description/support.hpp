@@ -110,6 +110,15 @@ inline void expect_equal(const RobotModel& a, const RobotModel& b) {
   EXPECT_EQ(a.named_states, b.named_states);
   EXPECT_EQ(a.allowed_collisions, b.allowed_collisions);
   expect_equal(a.provenance, b.provenance);
+  EXPECT_EQ(a.provenance.controller_axes, b.provenance.controller_axes);
+  ASSERT_EQ(a.controller_axes.size(), b.controller_axes.size());
+  for (std::size_t i = 0; i < a.controller_axes.size(); ++i) {
+    EXPECT_EQ(a.controller_axes[i].sign, b.controller_axes[i].sign);
+    EXPECT_EQ(a.controller_axes[i].offset, b.controller_axes[i].offset);
+    ASSERT_EQ(a.controller_axes[i].coupling.size(), b.controller_axes[i].coupling.size());
+    for (std::size_t k = 0; k < a.controller_axes[i].coupling.size(); ++k)
+      EXPECT_EQ(a.controller_axes[i].coupling[k].joint, b.controller_axes[i].coupling[k].joint);
+  }
 }
 
 /// The pose of every link in the root's frame, joint by joint; `q` in the order of `actuated`.
