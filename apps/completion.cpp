@@ -16,7 +16,8 @@ constexpr const char* kOptions =
     "--allow-contact --keep --answer --dry --urdf --xyz --rpy --quaternion --seed --joints --tcp --socket "
     "--no-socket "
     "--cell --activate --deactivate --strictness --type --file --param --rate --once --goal --count "
-    "--plugins --vendor --folder --budget --move --report --real --full-speed";
+    "--maker --axes --reach --payload --mass --sort --names --plugins --vendor --folder --budget --move "
+    "--report --real --full-speed";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc
@@ -25,6 +26,10 @@ _polyarm() {{
   if [[ $COMP_CWORD == 1 ]]; then COMPREPLY=($(compgen -W "{0}" -- "$word")); return; fi
   if [[ $before == --robot || ${{COMP_WORDS[1]}} =~ ^(describe|fk|ik)$ && $COMP_CWORD == 2 ]]; then
     COMPREPLY=($(compgen -W "$(polyarm robots --names)" -- "$word")); return; fi
+  if [[ $before == --maker ]]; then
+    COMPREPLY=($(compgen -W "$(polyarm robots --names | cut -d/ -f1 | sort -u)" -- "$word")); return; fi
+  if [[ $before == --sort ]]; then
+    COMPREPLY=($(compgen -W "name maker axes reach payload mass -reach -payload -mass" -- "$word")); return; fi
   if [[ $before == --hardware ]]; then COMPREPLY=($(compgen -W "declared mock mujoco" -- "$word")); return; fi
   if [[ $word == -* ]]; then COMPREPLY=($(compgen -W "{1}" -- "$word")); return; fi
   COMPREPLY=($(compgen -f -- "$word"))
@@ -46,6 +51,7 @@ void print_fish() {
     fmt::print("complete -c polyarm -n __fish_use_subcommand -f -a {} -d '{}'\n", verb.name, verb.summary);
   fmt::print(
       "complete -c polyarm -l robot -x -a '(polyarm robots --names)'\n"
+      "complete -c polyarm -l maker -x -a '(polyarm robots --names | cut -d/ -f1 | sort -u)'\n"
       "complete -c polyarm -l hardware -x -a 'declared mock mujoco'\n");
 }
 }  // namespace

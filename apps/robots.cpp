@@ -3,53 +3,101 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
+#include "apps/verb.hpp"
+#include "polyarm/description/catalogue_query.hpp"
 
 namespace polyarm::apps {
 
 namespace {
+
+nlohmann::json optional(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
 nlohmann::json json_of(const description::CatalogueEntry& robot) {
-  nlohmann::json out = {
-      {"name", robot.name}, {"maker", robot.maker}, {"model", robot.model}, {"axes", robot.axes}};
-  out["reach_m"] = robot.reach_m ? nlohmann::json(*robot.reach_m) : nlohmann::json();
-  out["payload_kg"] = robot.payload_kg ? nlohmann::json(*robot.payload_kg) : nlohmann::json();
-  return out;
+  return {{"name", robot.name},
+          {"maker", robot.maker},
+          {"model", robot.model},
+          {"axes", robot.axes},
+          {"reach_m", optional(robot.reach_m)},
+          {"payload_kg", optional(robot.payload_kg)},
+          {"mass_kg", optional(robot.mass_kg)},
+          {"mass_estimated", robot.mass_estimated}};
 }
 
 std::string number(const std::optional<double>& value, const char* unit) {
-  return value ? fmt::format("{:g} {}", *value, unit) : "-";
+  return value ? fmt::format("{:.4g} {}", *value, unit) : "-";
 }
-}  // namespace
 
-int run_robots(int argc, char** argv) {
-  CLI::App app("Lists the robots of the catalogue", "polyarm robots");
-  bool json = false, names = false;
-  std::string filter;
-  app.add_option("filter", filter, "only robots whose name contains this");
-  app.add_flag("--json", json, "an array of objects: name, maker, model, axes, reach_m, payload_kg");
-  app.add_flag("--names", names, "names only, one on a line");
-  app.footer(examples({"polyarm robots", "polyarm robots fanuc", "polyarm robots --json"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
-  const description::Catalogue catalogue = open_catalogue();
-  if (names) {
-    for (const std::string& name : catalogue.names()) fmt::print("{}\n", name);
-    return kOk;
+void print_line(const description::CatalogueEntry& robot) {
+  fmt::print("{:<40} {:<26} {} axes  reach {:>9}  payload {:>8}  mass {:>9}{}\n", robot.name, robot.model,
+             robot.axes, number(robot.reach_m, "m"), number(robot.payload_kg, "kg"),
+             number(robot.mass_kg, "kg"), robot.mass_estimated ? " (estimated)" : "");
+}
+
+/// The options of the finder, as written.
+struct Wanted {
+  std::string axes, reach, payload, mass;
+  description::CatalogueQuery query;
+
+  void add_to(CLI::App& app) {
+    app.add_option("filter", query.text, "only robots whose name or model contains this");
+    app.add_option("--maker", query.maker, "only this maker's (fanuc, 'Universal Robots')");
+    app.add_option("--axes", axes, "how many axes: 6, 4..6, '>=7'");
+    app.add_option("--reach", reach, "reach: '>=1.2', 0.5..0.9, '<500mm'; a bare number: at least that, m");
+    app.add_option("--payload", payload, "payload: '>=5', 3..10; a bare number: at least that, kg");
+    app.add_option("--mass", mass, "mass of the arm: '<30'; a bare number: at least that, kg");
+    app.add_option("--sort", query.sort,
+                   "name, maker, axes, reach, payload or mass; with - before it the largest first (-reach)");
   }
+  const description::CatalogueQuery& parsed() {
+    using description::BareNumber;
+    const auto read = [](std::optional<description::Range>& out, const std::string& text, const char* option,
+                         Dimension dimension, BareNumber bare) {
+      if (!text.empty()) out = description::parse_range(text, option, dimension, bare);
+    };
+    read(query.axes, axes, "--axes", Dimension::none, BareNumber::exactly);
+    read(query.reach_m, reach, "--reach", Dimension::length, BareNumber::at_least);
+    read(query.payload_kg, payload, "--payload", Dimension::mass, BareNumber::at_least);
+    read(query.mass_kg, mass, "--mass", Dimension::mass, BareNumber::at_least);
+    return query;
+  }
+};
+
+int list_robots(int argc, char** argv) {
+  CLI::App app("Finds robots of the catalogue", "polyarm robots");
+  bool json = false, names = false;
+  Wanted wanted;
+  wanted.add_to(app);
+  app.add_flag("--json", json,
+               "an array of objects: name, maker, model, axes, reach_m, payload_kg, mass_kg, mass_estimated");
+  app.add_flag("--names", names, "names only, one on a line");
+  app.footer(
+      examples({"polyarm robots --maker fanuc --sort -payload",
+                "polyarm robots --axes 6 --reach '>=1.2' --payload 5..12", "polyarm robots ur --json"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  const auto found = find_robots(open_catalogue().entries(), wanted.parsed());
   nlohmann::json list = nlohmann::json::array();
-  int count = 0;
-  for (const description::CatalogueEntry& robot : catalogue.entries()) {
-    if (robot.name.find(filter) == std::string::npos) continue;
-    ++count;
-    if (json)
+  for (const description::CatalogueEntry& robot : found) {
+    if (names)
+      fmt::print("{}\n", robot.name);
+    else if (json)
       list.push_back(json_of(robot));
     else
-      fmt::print("{:<40} {:<24} {} axes  reach {:>9}  payload {:>8}\n", robot.name, robot.model, robot.axes,
-                 number(robot.reach_m, "m"), number(robot.payload_kg, "kg"));
+      print_line(robot);
   }
+  if (names) return kOk;
   if (json)
     fmt::print("{}\n", list.dump(1));
   else
-    fmt::print("{} robots\n", count);
+    fmt::print("{} robot{}\n", found.size(), found.size() == 1 ? "" : "s");
   return kOk;
+}
+
+}  // namespace
+
+int run_robots(int argc, char** argv) {
+  return list_robots(argc, argv);
 }
 
 }  // namespace polyarm::apps
