@@ -188,17 +188,26 @@ Chain::Chain(const RobotModel& model, int tip_link, Pose T_world_base, Pose T_ti
   read_joints(model);
   read_path(model, tip_link);
   find_periods();
+  std::vector<ScrewAxis> screws;
+  for (const Axis& axis : axes())
+    screws.push_back({axis.joint, axis.slides, axis.ratio, axis.direction, axis.point});
+  const std::vector<double> zero(joints(), 0.0);
+  screws_ = ScrewChain(screws, joints(), pose_of(sweep(zero)), T_world_base_.position);
   find_reach();
 }
 
-Pose Chain::forward(std::span<const double> q) const noexcept {
+Chain::Frame Chain::sweep(std::span<const double> q) const noexcept {
   Frame frame;
   for (const Step& step : steps_) {
     append(frame, step.fixed);
     move(frame, step, step.drive.value(q));
   }
   append(frame, last_);
-  return pose_of(frame);
+  return frame;
+}
+
+Pose Chain::forward(std::span<const double> q) const noexcept {
+  return screws_.forward(q);
 }
 
 std::vector<Chain::Axis> Chain::axes() const {
@@ -230,41 +239,7 @@ void Chain::link_poses(std::span<const double> q, std::span<Pose> out) const noe
 }
 
 Pose Chain::jacobian(std::span<const double> q, std::span<double> J) const noexcept {
-  // More steps than joints are possible with mimic joints; a second sweep finds their axes again.
-  const std::size_t n = joints();
-  std::array<Frame, kMaxJoints> kept;
-  Frame frame;
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    append(frame, steps_[k].fixed);
-    move(frame, steps_[k], steps_[k].drive.value(q));
-    if (k < kept.size()) kept[k] = frame;
-  }
-  append(frame, last_);
-  std::fill(J.begin(), J.end(), 0.0);
-  Frame again;
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    const Step& step = steps_[k];
-    if (k < kept.size()) {
-      again = kept[k];
-    } else {
-      append(again, step.fixed);
-      move(again, step, step.drive.value(q));
-    }
-    if (step.drive.variable < 0) continue;
-    const double m = step.drive.multiplier;
-    const Vec3 axis{m * again.r[2], m * again.r[5], m * again.r[8]};
-    const Vec3 arm{frame.p[0] - again.p[0], frame.p[1] - again.p[1], frame.p[2] - again.p[2]};
-    const Vec3 linear = step.prismatic ? axis : cross(axis, arm);
-    double* column = J.data() + step.drive.variable;
-    column[0] += linear.x;
-    column[n] += linear.y;
-    column[2 * n] += linear.z;
-    if (step.prismatic) continue;
-    column[3 * n] += axis.x;
-    column[4 * n] += axis.y;
-    column[5 * n] += axis.z;
-  }
-  return pose_of(frame);
+  return screws_.jacobian(q, J);
 }
 
 double Chain::largest_value(const Step& step) const noexcept {

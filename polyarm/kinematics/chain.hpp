@@ -8,6 +8,7 @@
 
 #include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/kinematics/screw_chain.hpp"
 
 namespace polyarm::kinematics {
 
@@ -75,6 +76,8 @@ class Chain {
   /// Velocity of the TCP per joint velocity: 6 rows (linear x y z, angular x y z, world axes at the TCP) by
   /// joints() columns, row after row. Returns the TCP's pose, which the sweep finds on its way.
   Pose jacobian(std::span<const double> q, std::span<double> J) const noexcept;
+  /// The same chain compiled for speed, which forward() and jacobian() use: batches, other frames.
+  const ScrewChain& screws() const noexcept { return screws_; }
 
  private:
   /// How a joint of the model gets its value: multiplier * q[variable] + offset; a constant where variable is
@@ -116,6 +119,7 @@ class Chain {
   void read_joints(const description::RobotModel& model);
   void read_path(const description::RobotModel& model, int tip_link);
   void add_step(const description::Joint& joint, const Drive& drive, Pose& pending);
+  Frame sweep(std::span<const double> q) const noexcept;
   void find_periods();
   double largest_value(const Step& step) const noexcept;
   double distance_squared(std::span<const double> q) const noexcept;
@@ -130,6 +134,7 @@ class Chain {
   std::vector<Step> steps_;
   Frame last_;  ///< from the frame after the last joint to the TCP
   Pose T_world_base_, T_tip_tcp_;
+  ScrewChain screws_;
   std::size_t link_count_ = 0;
   int root_ = 0;
   double reach_ = 0, reach_bound_ = 0;

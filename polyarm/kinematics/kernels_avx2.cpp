@@ -1,0 +1,30 @@
+// This room's kernels, compiled for AVX2 and FMA.
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <cstddef>
+
+#include "polyarm/kinematics/screw_model.hpp"
+#if defined(__x86_64__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,fma")
+#endif
+#define POLYARM_WIDTH 4
+namespace polyarm::kinematics::avx2 {
+#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/kinematics/screw_chain_kernels.inc"
+}  // namespace polyarm::kinematics::avx2
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#pragma GCC diagnostic pop
+#endif

@@ -1,0 +1,31 @@
+// This room's kernels, compiled for AVX-512.
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <cstddef>
+
+#include "polyarm/kinematics/screw_model.hpp"
+#if defined(__x86_64__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))), \
+                             apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512vl,avx2,fma")
+#endif
+#define POLYARM_WIDTH 8
+namespace polyarm::kinematics::avx512 {
+#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/kinematics/screw_chain_kernels.inc"
+}  // namespace polyarm::kinematics::avx512
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#pragma GCC diagnostic pop
+#endif

@@ -1,0 +1,20 @@
+// This room's kernels, compiled for every processor of the architecture.
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <cstddef>
+
+#include "polyarm/kinematics/screw_model.hpp"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wpedantic"
+
+#define POLYARM_WIDTH 2
+namespace polyarm::kinematics::portable {
+#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/kinematics/screw_chain_kernels.inc"
+}  // namespace polyarm::kinematics::portable
+
+#pragma GCC diagnostic pop
