@@ -1,5 +1,9 @@
 // This room's kernels, compiled for AVX-512.
 #if defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wuninitialized"  // in the header
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
 #endif
 
@@ -7,7 +11,6 @@
 
 #include "polyarm/kinematics/screw_model.hpp"
 #if defined(__x86_64__)
-#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wpedantic"
 #if defined(__clang__)
@@ -27,5 +30,4 @@ namespace polyarm::kinematics::avx512 {
 #else
 #pragma GCC pop_options
 #endif
-#pragma GCC diagnostic pop
 #endif

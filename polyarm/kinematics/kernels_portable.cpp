@@ -1,5 +1,9 @@
 // This room's kernels, compiled for every processor of the architecture.
 #if defined(__x86_64__)
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wuninitialized"  // in the header
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
 #endif
 
@@ -7,7 +11,6 @@
 
 #include "polyarm/kinematics/screw_model.hpp"
 
-#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wpedantic"
 
@@ -16,5 +19,3 @@ namespace polyarm::kinematics::portable {
 #include "polyarm/kinematics/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
 }  // namespace polyarm::kinematics::portable
-
-#pragma GCC diagnostic pop
