@@ -9,7 +9,7 @@
 
 #include <cstddef>
 
-#include "polyarm/kinematics/screw_model.hpp"
+#include "polyarm/kinematics/tree_model.hpp"
 #if defined(__x86_64__)
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wpedantic"
@@ -24,6 +24,7 @@
 namespace polyarm::kinematics::avx512 {
 #include "polyarm/kinematics/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
+#include "polyarm/kinematics/tree_kernels.inc"
 }  // namespace polyarm::kinematics::avx512
 #if defined(__clang__)
 #pragma clang attribute pop

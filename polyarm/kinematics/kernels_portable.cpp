@@ -9,7 +9,7 @@
 
 #include <cstddef>
 
-#include "polyarm/kinematics/screw_model.hpp"
+#include "polyarm/kinematics/tree_model.hpp"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 #pragma GCC diagnostic ignored "-Wpedantic"
@@ -18,4 +18,5 @@
 namespace polyarm::kinematics::portable {
 #include "polyarm/kinematics/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
+#include "polyarm/kinematics/tree_kernels.inc"
 }  // namespace polyarm::kinematics::portable

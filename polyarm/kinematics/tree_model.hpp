@@ -1,0 +1,66 @@
+#pragma once
+/// Constants of a tree as the kernels of dynamics read them, and the table of kernels. Used inside this room
+/// only.
+#include <cstddef>
+
+#include "polyarm/kinematics/screw_model.hpp"
+
+namespace polyarm::kinematics {
+
+/// What a step does with its value. turn_*: turns about its h, which is that reference axis (any: any
+/// direction). slide: moves along h. ball: turns by a quaternion, its velocity is about h; held: does not
+/// move by itself, its velocity is about h too (the second and third axis of a ball).
+enum class Motion { turn_x, turn_y, turn_z, turn_any, slide, ball, held };
+
+/// One degree of freedom and the body behind it. All frames have the reference axes where all values are
+/// zero; vectors are in these.
+struct TreeStep {
+  Motion motion = Motion::turn_any;
+  int parent = -1;               ///< step; -1: the world
+  std::size_t position = 0;      ///< of its value (ball: of the quaternion x y z w) in q
+  std::size_t velocity = 0;      ///< of its rate in v
+  double ratio = 1;              ///< its value is ratio * q[position]
+  double h[3] = {0, 0, 0};       ///< unit
+  double p[3] = {0, 0, 0};       ///< from the parent's origin to its own
+  double ball_axes[9] = {};      ///< columns: the axes in which the quaternion is given
+  double mass = 0;               ///< kg
+  double moment[3] = {0, 0, 0};  ///< mass times centre of mass, from its origin
+  double inertia[6] = {};        ///< about its origin: xx xy xz yy yz zz
+};
+
+struct TreeModel {
+  const TreeStep* step = nullptr;
+  std::size_t steps = 0, positions = 0, velocities = 0;
+  double gravity[3] = {0, 0, 0};  ///< m/s^2, in the reference axes
+};
+
+/// States in and results out, laid out alike: value i of state s at i * value_stride + s * state_stride.
+/// Null inputs are zeros.
+struct TreeJob {
+  const double *q = nullptr, *v = nullptr, *in = nullptr;  ///< in: accelerations or torques
+  double* out = nullptr;
+  std::size_t count = 0;
+  bool state_after_state = true;
+};
+
+/// `scratch` has scratch_lanes(model) vectors of 64 bytes, aligned so.
+struct TreeKernels {
+  std::size_t (*scratch_lanes)(const TreeModel&) noexcept;
+  void (*inverse)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
+  /// out: velocities * velocities values, row after row.
+  void (*mass)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
+  /// Whether the mass matrix was positive definite in all states.
+  bool (*forward)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
+};
+
+namespace portable {
+extern const TreeKernels kTreeKernels;
+}
+namespace avx2 {
+extern const TreeKernels kTreeKernels;
+}
+namespace avx512 {
+extern const TreeKernels kTreeKernels;
+}
+
+}  // namespace polyarm::kinematics
