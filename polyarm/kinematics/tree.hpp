@@ -36,8 +36,8 @@ struct TreeJoint {
   std::size_t position = 0, velocity = 0, positions = 1, velocities = 1;
 };
 
-/// Thread: const and without hidden state, so any thread. Nothing but the constructor, neutral() and massless_joints()
-/// allocates or throws. Precondition: spans have the sizes stated.
+/// Thread: const and without hidden state, so any thread. Nothing but the constructor, neutral() and
+/// massless_joints() allocates or throws. Precondition: spans have the sizes stated.
 class Tree {
  public:
   /// Throws Error("bad-model") for joints that form a circle or follow each other in one, mimic joints that
