@@ -55,7 +55,7 @@ class Dynamics {
 
   Tree tree_;
   InstructionSet set_;
-  const TreeKernels* kernels_;
+  const TreeKernels *one_, *many_;
   std::vector<Vector> scratch_;
 };
 

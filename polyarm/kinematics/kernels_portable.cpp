@@ -18,5 +18,12 @@
 namespace polyarm::kinematics::portable {
 #include "polyarm/kinematics/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
+namespace many {
 #include "polyarm/kinematics/tree_kernels.inc"
+}  // namespace many
+namespace single {
+typedef Pair Lane;
+constexpr std::size_t kWidth = 2;
+#include "polyarm/kinematics/tree_kernels.inc"
+}  // namespace single
 }  // namespace polyarm::kinematics::portable

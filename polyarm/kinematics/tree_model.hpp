@@ -54,13 +54,28 @@ struct TreeKernels {
 };
 
 namespace portable {
+namespace many {
 extern const TreeKernels kTreeKernels;
 }
+namespace single {
+extern const TreeKernels kTreeKernels;
+}
+}  // namespace portable
 namespace avx2 {
+namespace many {
 extern const TreeKernels kTreeKernels;
 }
+namespace single {
+extern const TreeKernels kTreeKernels;
+}
+}  // namespace avx2
 namespace avx512 {
+namespace many {
 extern const TreeKernels kTreeKernels;
 }
+namespace single {
+extern const TreeKernels kTreeKernels;
+}
+}  // namespace avx512
 
 }  // namespace polyarm::kinematics
