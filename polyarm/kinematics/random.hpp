@@ -21,6 +21,8 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
   }
+  /// As if so many numbers had been drawn.
+  void skip(std::uint64_t count) noexcept { state_ += count * 0x9e3779b97f4a7c15ULL; }
   double between(double lower, double upper) noexcept { return lower + (upper - lower) * unit(); }
 
  private:

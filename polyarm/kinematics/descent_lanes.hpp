@@ -1,0 +1,110 @@
+#pragma once
+/// Eight descents of inverse kinematics side by side: forward kinematics, Jacobian, damped least squares and
+/// joint limits, in whatever vector instructions the processor has. What NumericIk and SeedTable are built
+/// on; used inside this room only. After construction nothing here allocates, throws or reads a clock; any
+/// thread, each with a state of its own.
+///
+/// Units inside: lengths are divided by `length`, so that the error has no unit and small and large arms are
+/// treated alike; joint values are radians, of sliding joints multiples of `length`.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "polyarm/kinematics/arm_geometry.hpp"
+#include "polyarm/kinematics/chain.hpp"
+
+namespace polyarm::kinematics {
+
+/// The arm in frames whose z is the joint's axis and which lead into one another by a turn about their common
+/// x: where axes are parallel or square to each other, as they mostly are, next to nothing is to be computed.
+struct DescentArm {
+  enum class Bend : std::uint8_t { none, back, left, right, any };  ///< 0, 180, +90, -90 deg, another angle
+  struct Axis {
+    Bend bend = Bend::none;
+    bool slides = false;
+    bool first_of_joint = true;  ///< no axis before belongs to the same joint
+    double bend_cos = 1, bend_sin = 0;
+    double ratio = 1;   ///< its value per value of the joint
+    double offset = 0;  ///< rad, its angle where the joint is at zero
+    double offset_cos = 1, offset_sin = 0;
+    std::size_t joint = 0;  ///< index among the joints that move the TCP
+    Vec3 step;              ///< from this axis to the next (last: to the TCP), as seen behind this axis
+  };
+  std::vector<Axis> axes;
+  Rotation first_turn;  ///< of the first axis' frame
+  Vec3 first_point;
+  Rotation last_turn;                                      ///< from the frame behind the last axis to the TCP
+  std::size_t joints = 0;                                  ///< that move the TCP
+  std::array<std::size_t, Chain::kMaxJoints> chain_joint;  ///< their places in a joint state
+  std::array<double, Chain::kMaxJoints> unit;              ///< rad or m of one unit
+  std::array<double, Chain::kMaxJoints> lower, upper;      ///< +-1e9: none, or further than a whole turn
+  double length = 1;                                       ///< m
+
+  explicit DescentArm(const Chain& chain);
+};
+
+inline constexpr std::size_t kDescents = 8;
+
+/// What of a pose counts: deviations from the target (current minus target) between `low` and `high` are as
+/// good as none. x y z in units of length, about x y z in rad; along the target's own axes, or the world's.
+struct DescentTask {
+  bool of_tool = true;
+  std::array<double, 6> low{}, high{}, weight{1, 1, 1, 1, 1, 1};
+  int spin = -1;  ///< the one axis of the tool about which it may turn freely
+};
+
+/// Eight descents at work: joint values, targets, errors.
+struct alignas(64) Descents {
+  double x[Chain::kMaxJoints][kDescents];
+  double target[12][kDescents];    ///< columns of the rotation behind the last axis (9), position (3)
+  double position2[kDescents];     ///< squares of the errors at `x`
+  double orientation2[kDescents];  ///< of 2 sin(angle / 2)
+  double spread[kDescents];        ///< det(J J^T + damping): the square of the manipulability, roughly
+  double least[kDescents];         ///< the least error so far (squared)
+  double stuck[kDescents];         ///< steps that hardly helped
+  double pull[Chain::kMaxJoints][kDescents];  ///< what joints would do if the pose did not matter
+  std::uint32_t converged = 0, stale = 0;     ///< bits
+
+  void restart(std::size_t lane) noexcept {
+    least[lane] = 1e300;
+    stuck[lane] = 0;
+  }
+};
+
+struct DescentRules {
+  double position2 = 0, orientation2 = 0;  ///< squares of the tolerances
+  int steps = 1;                           ///< at most so many
+  double patience = 4;                     ///< stuck steps after which a descent is stale
+  bool pulled = false;                     ///< Descents::pull counts, in what the pose leaves free
+  bool walls = true;                       ///< limits hold
+};
+
+/// Goes on until a descent converges or is stale, or all steps are done; the errors are those of `x`. `task`
+/// null: the whole pose. Returns the steps done.
+int descend(const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
+            Descents& all) noexcept;
+/// The same with the instructions that every processor has; results differ in the last digits. For tests.
+int descend_portably(const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
+                     Descents& all) noexcept;
+/// Where the eight arms end, into Descents::target.
+void find_ends(const DescentArm& arm, Descents& all) noexcept;
+/// Errors and spread at `x`, nothing else.
+void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noexcept;
+
+/// A table of points for find_near(): up to kFeatures numbers each, in rows of `count`, a multiple of 16.
+struct FeatureTable {
+  static constexpr std::size_t kFeatures = 9;
+  std::size_t count = 0, used = 0;
+  std::vector<float> rows;  ///< feature after feature
+};
+inline constexpr std::size_t kNearGroups = 16;
+/// Of each sixteenth of the table the point nearest to `at` that is not nearer than `beyond` (squared, of
+/// that sixteenth): its place and its squared distance.
+struct NearPoints {
+  alignas(64) float distance2[kNearGroups];
+  alignas(64) std::int32_t index[kNearGroups];
+};
+void find_near(const FeatureTable& table, const float* at, const float* beyond, NearPoints& out) noexcept;
+
+}  // namespace polyarm::kinematics

@@ -1,0 +1,207 @@
+#include "polyarm/kinematics/seed_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "polyarm/kinematics/random.hpp"
+
+namespace polyarm::kinematics {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kPlaceWeight = 1.5;  // of lengths against directions
+constexpr std::size_t kRounds = 12;   // of sixteen states each from the table; then random ones
+constexpr double kWidth = 2 * kPi;    // of joints without limits; lengths of sliding ones
+
+/// The n-th number in [0, 1) of the additive sequence with this step, which fills the space evenly (the
+/// R-sequence: powers of the root of x^(d+1) = x + 1; Roberts 2018).
+double additive(std::uint64_t n, double step) {
+  const double at = 0.5 + static_cast<double>(n) * step;
+  return at - std::floor(at);
+}
+
+double generalized_golden(std::size_t dimensions) {
+  double root = 2;
+  for (int i = 0; i < 40; ++i) root = std::pow(1 + root, 1.0 / static_cast<double>(dimensions + 1));
+  return root;
+}
+
+/// The point of axis `last` nearest to the axis before it, where that is not parallel.
+Vec3 wrist_point(const Vec3& a, const Vec3& p, const Vec3& b, const Vec3& q) {
+  const Vec3 n = cross(a, b), way = q - p;
+  const double scale = dot(n, n);
+  if (scale < 1e-6) return q;
+  return q + (dot(way, cross(a, n)) / scale) * b;
+}
+
+double angle_about(const Vec3& axis, const Vec3& from, const Vec3& to) {
+  return std::atan2(dot(axis, cross(from, to)), dot(from, to));
+}
+
+}  // namespace
+
+SeedTable::SeedTable(const DescentArm& arm, std::size_t size) : arm_(arm) {
+  find_symmetry();
+  fill((size + kNearGroups - 1) / kNearGroups * kNearGroups);
+}
+
+void SeedTable::find_symmetry() {
+  point_in_end_ = {};
+  toward_in_end_ = {0, 0, 1};
+  beside_in_end_ = {1, 0, 0};
+  if (arm_.axes.empty()) return;
+  const auto alone = [&](const DescentArm::Axis& axis) {
+    const auto uses = std::count_if(arm_.axes.begin(), arm_.axes.end(),
+                                    [&](const DescentArm::Axis& other) { return other.joint == axis.joint; });
+    return !axis.slides && std::abs(axis.ratio) == 1 && uses == 1;
+  };
+  const DescentArm::Axis &first = arm_.axes.front(), &last = arm_.axes.back();
+  first_turns_ = alone(first);
+  last_turns_ = arm_.axes.size() > 1 && alone(last);
+  first_joint_ = first.joint, last_joint_ = last.joint;
+  first_ratio_ = first.ratio, last_ratio_ = last.ratio;
+  if (!last_turns_) return;
+  // Behind the last axis it is z, through -step from the TCP. Of the axis before it, at any angle of the last
+  // one, only its place along the last counts.
+  point_in_end_ = -last.step;
+  const DescentArm::Axis& before = arm_.axes[arm_.axes.size() - 2];
+  // Seen behind the axis before, the last axis is turned by its bend about x and begins at before.step.
+  const Vec3 direction{0, -last.bend_sin, last.bend_cos};
+  const Vec3 point = wrist_point({0, 0, 1}, {}, direction, before.step);
+  point_in_end_ = point_in_end_ + Vec3{0, 0, dot(point - before.step, direction)};
+}
+
+double SeedTable::drawn(std::size_t k, double unit) const noexcept {
+  double low = arm_.lower[k], high = arm_.upper[k];
+  if (low < -1e8 && high > 1e8) {
+    low = -kWidth / 2, high = kWidth / 2;
+  } else if (low < -1e8) {
+    low = high - kWidth;
+  } else if (high > 1e8) {
+    high = low + kWidth;
+  }
+  return low + unit * (high - low);
+}
+
+void SeedTable::fill(std::size_t size) {
+  const std::size_t m = arm_.joints;
+  table_.count = size;
+  table_.used = (first_turns_ ? 2 : 3) + 3 + (last_turns_ ? 0 : 3);
+  table_.rows.resize(size * FeatureTable::kFeatures);
+  states_.resize(size * m);
+  turn_.resize(size);
+  beside_.resize(size);
+  Descents all{};
+  const auto free = [&](std::size_t k) {
+    return (first_turns_ && k == first_joint_) || (last_turns_ && k == last_joint_);
+  };
+  std::size_t dimensions = 0;
+  for (std::size_t k = 0; k < m; ++k) dimensions += !free(k);
+  std::vector<double> step(m, 0.0);
+  const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
+  double power = 1;
+  for (std::size_t k = 0; k < m; ++k)
+    if (!free(k)) step[k] = power /= root;
+  for (std::size_t row = 0; row < size; row += kDescents) {
+    for (std::size_t lane = 0; lane < kDescents; ++lane)
+      for (std::size_t k = 0; k < m; ++k) {
+        const double value = free(k) ? 0.0 : drawn(k, additive(row + lane + 1, step[k]));
+        all.x[k][lane] = states_[(row + lane) * m + k] = value;
+      }
+    find_ends(arm_, all);
+    for (std::size_t lane = 0; lane < kDescents; ++lane) {
+      const auto vec = [&](int at) {
+        return Vec3{all.target[at][lane], all.target[at + 1][lane], all.target[at + 2][lane]};
+      };
+      const Place there = place({vec(0), vec(3), vec(6)}, vec(9));
+      turn_[row + lane] = there.turn;
+      beside_[row + lane] = there.beside;
+      const auto numbers = features(there);
+      for (std::size_t f = 0; f < table_.used; ++f) table_.rows[f * size + row + lane] = numbers[f];
+    }
+  }
+}
+
+SeedTable::Place SeedTable::place(const Rotation& rotation, const Vec3& position) const noexcept {
+  Place out;
+  out.point = position + rotation * point_in_end_;
+  out.toward = rotation * toward_in_end_;
+  out.beside = rotation * beside_in_end_;
+  if (!first_turns_) return out;
+  const Rotation base = transposed(arm_.first_turn);
+  const Vec3 at = base * (out.point - arm_.first_point);
+  const double radius = std::sqrt(at.x * at.x + at.y * at.y);
+  const double c = radius > 1e-9 ? at.x / radius : 1, s = radius > 1e-9 ? at.y / radius : 0;
+  out.turn = std::atan2(s, c);
+  const auto unturned = [&](const Vec3& v) {
+    const Vec3 u = base * v;
+    return Vec3{c * u.x + s * u.y, c * u.y - s * u.x, u.z};
+  };
+  out.point = {radius, at.z, 0};
+  out.toward = unturned(out.toward);
+  out.beside = unturned(out.beside);
+  return out;
+}
+
+std::array<float, FeatureTable::kFeatures> SeedTable::features(const Place& p) const noexcept {
+  std::array<float, FeatureTable::kFeatures> out{};
+  std::size_t at = 0;
+  const auto add = [&](double v) { out[at++] = static_cast<float>(v); };
+  add(kPlaceWeight * p.point.x), add(kPlaceWeight * p.point.y);
+  if (!first_turns_) add(kPlaceWeight * p.point.z);
+  add(p.toward.x), add(p.toward.y), add(p.toward.z);
+  if (!last_turns_) add(p.beside.x), add(p.beside.y), add(p.beside.z);
+  return out;
+}
+
+void SeedTable::begin(const Rotation& rotation, const Vec3& position, Search& search) const noexcept {
+  const Place at = place(rotation, position);
+  search.at = features(at);
+  search.toward = at.toward;
+  search.beside = at.beside;
+  search.turn = at.turn;
+  search.beyond.fill(-1.0f);
+  search.next = kNearGroups;
+  search.rounds = 0;
+  search.drawn = 0;
+}
+
+void SeedTable::advance(Search& search) const noexcept {
+  find_near(table_, search.at.data(), search.beyond.data(), search.near);
+  ++search.rounds;
+  search.next = 0;
+  for (std::size_t i = 0; i < kNearGroups; ++i) {
+    search.beyond[i] = search.near.distance2[i];
+    std::size_t k = i;
+    for (; k > 0 && search.near.distance2[search.order[k - 1]] > search.near.distance2[i]; --k)
+      search.order[k] = search.order[k - 1];
+    search.order[k] = static_cast<std::uint8_t>(i);
+  }
+}
+
+void SeedTable::next(Search& search, double* x) const noexcept {
+  const std::size_t m = arm_.joints;
+  if (search.next == kNearGroups && search.rounds < kRounds) advance(search);
+  if (search.next < kNearGroups) {
+    const std::size_t group = search.order[search.next++];
+    const auto row = static_cast<std::size_t>(search.near.index[group]);
+    std::copy_n(states_.data() + row * m, m, x);
+    if (last_turns_) x[last_joint_] = last_ratio_ * angle_about(search.toward, beside_[row], search.beside);
+    if (first_turns_) x[first_joint_] = first_ratio_ * std::remainder(search.turn - turn_[row], 2 * kPi);
+  } else {
+    Random random(7);
+    random.skip(m * search.drawn++);
+    for (std::size_t k = 0; k < m; ++k) x[k] = drawn(k, random.unit());
+  }
+  for (const std::size_t k : {first_joint_, last_joint_}) {
+    // A whole turn on may be inside where this turn is not.
+    if (x[k] > arm_.upper[k] && x[k] - 2 * kPi >= arm_.lower[k]) x[k] -= 2 * kPi;
+    if (x[k] < arm_.lower[k] && x[k] + 2 * kPi <= arm_.upper[k]) x[k] += 2 * kPi;
+  }
+  for (std::size_t k = 0; k < m; ++k) x[k] = std::clamp(x[k], arm_.lower[k], arm_.upper[k]);
+}
+
+}  // namespace polyarm::kinematics
