@@ -170,6 +170,8 @@ std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full
                                       cell::Observer& observer, bool lock_step = false,
                                       const std::string& driver = "real_mock",
                                       const std::string& urdf = description("")) {
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
   std::string text = urdf;
   text.replace(text.find("mock_components/GenericSystem"), 29, driver);
