@@ -24,7 +24,8 @@ int ask(CLI::App& app, int argc, char** argv, const char* request,
 void print_components(const Json& components) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& c : components)
-    rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["plugin"]), shown(c["state"]),
+    rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["plugin"]),
+                    shown(c["state"]) + (c.value("being", "").empty() ? "" : ", being " + shown(c["being"])),
                     fmt::format("{:g} Hz{}", c["rate"].get<double>(), c["async"].get<bool>() ? " async" : ""),
                     std::to_string(c["states"].size()), std::to_string(c["commands"].size())});
   print_table({"COMPONENT", "TYPE", "PLUGIN", "STATE", "RATE", "STATES", "COMMANDS"}, rows);

@@ -25,17 +25,15 @@ constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
 /// A cell that only sends messages ends when nothing has moved for this long.
 constexpr Nanoseconds kSendSettle = 500'000'000;
-
-template <typename Step>
-void collect_quietly(Step step) {
-  Problems ignored;
-  collect(ignored, step);
-}
 }  // namespace
 
 Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
            Observer& observer)
-    : file_(file), options_(std::move(options)), observer_(observer), catalogue_(catalogue) {
+    : file_(file),
+      options_(std::move(options)),
+      observer_(observer),
+      calls_(options_.lock_step, observer),
+      catalogue_(catalogue) {
   Problems problems;
   std::vector<std::string> notes = file_.notes;
   load_plugins(file_, problems);
@@ -63,7 +61,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop_->supervisor().watch_cell = !options_.lock_step;
   add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager, problems);
   problems.throw_if_errors();
-  loop_->start_hardware();
+  loop_->start_hardware(calls_);
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
   arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
 
@@ -84,7 +82,15 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   told_version_ = store_.version();
 }
 
-Cell::~Cell() = default;
+Cell::~Cell() {
+  if (!loop_) return;
+  calls_.give_up_after(options_.hardware_patience);
+  if (loop_->hardware().shut_down(calls_)) return;
+  // A component is still in a callback, and knows its robots: they stay until the process ends.
+  static auto* left = new std::vector<CellRobots>;
+  left->push_back(std::move(robots_));
+  for (CellRobots& robots : reloaded_) left->push_back(std::move(robots));
+}
 
 void Cell::build_tags(Problems& problems) {
   pass_state_ = states_.add("program/pass");
@@ -131,15 +137,12 @@ void Cell::offer_named_states() {
                  data::JointState{robot->model.joint_names(), positions}, robot->entry.name);
 }
 
-Problems Cell::reload_component(const std::string& name) {
-  Problems problems;
+std::shared_ptr<hardware::Transition> Cell::begin_reload(const std::string& name, Problems& warnings) {
   std::vector<std::string> notes;
-  CellRobots robots = resolve_robots(file_, catalogue_, options_.real, problems, notes);
-  problems.throw_if_errors();
-  cell::reload_component(loop_->hardware(), name, robots, scene_, loop_->options().period);
+  CellRobots robots = resolve_robots(file_, catalogue_, options_.real, warnings, notes);
+  warnings.throw_if_errors();
   reloaded_.push_back(std::move(robots));
-  arming_->look_again();
-  return problems;
+  return cell::begin_reload(loop_->hardware(), name, reloaded_.back(), scene_, loop_->options().period);
 }
 
 void Cell::build_programs(Problems& problems) {
@@ -218,10 +221,10 @@ void Cell::tell_loop_events() {
     observer_.on_note(text);
     if (hardware || event.kind == Kind::controller_failed) falling_ = hardware ? name : "";
     if (event.kind == Kind::controller_stopped && !falling_.empty()) fallen_[falling_].push_back(name);
-    if (event.kind == Kind::component_failed) loop_->hardware().recover_from_error(who);
-    if (event.kind == Kind::component_deactivated)
-      collect_quietly([&] { loop_->hardware().finish_deactivate(who); });
+    if (event.kind == Kind::component_failed) calls_.post(who, hardware::Step::error);
+    if (event.kind == Kind::component_deactivated) calls_.post(who, hardware::Step::deactivate);
   }
+  calls_.tick(loop_->hardware(), now_);
 }
 
 namespace {

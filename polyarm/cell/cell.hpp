@@ -14,6 +14,7 @@
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/fault_record.hpp"
+#include "polyarm/cell/hardware_calls.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
@@ -25,10 +26,12 @@
 namespace polyarm::cell {
 
 struct CellOptions {
-  bool lock_step = false;                ///< one thread, files inline, the cell cannot fall silent
-  bool keep = false;                     ///< go on from what the last run left in .state/
-  bool real = false;                     ///< real hardware is driven, after somebody has armed it
-  bool full_speed = false;               ///< real hardware moves as fast as it may from the first pass on
+  bool lock_step = false;   ///< one thread, files inline, the cell cannot fall silent
+  bool keep = false;        ///< go on from what the last run left in .state/
+  bool real = false;        ///< real hardware is driven, after somebody has armed it
+  bool full_speed = false;  ///< real hardware moves as fast as it may from the first pass on
+  /// Callbacks of hardware that have not come back so long after the end are left behind, ns.
+  Nanoseconds hardware_patience = 5'000'000'000;
   bool allow_contact = false;            ///< contacts are reported and do not end the run
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
@@ -81,9 +84,11 @@ class Cell {
   std::optional<std::uint64_t> first_motion_cycle() const;
   Nanoseconds now() const { return now_; }
 
-  /// Reads the descriptions again and makes the unconfigured component of that name anew from them.
-  /// Kinematics and limits stay those that the cell started with. Returns the warnings.
-  Problems reload_component(const std::string& name);
+  /// Reads the descriptions again and begins to make the unconfigured component of that name anew from them.
+  /// Kinematics and limits stay those that the cell started with. Adds the warnings.
+  std::shared_ptr<hardware::Transition> begin_reload(const std::string& name, Problems& warnings);
+  /// Callbacks of hardware that may take their time; cell thread.
+  HardwareCalls& hardware_calls() { return calls_; }
 
   /// Real hardware and whether it is armed; cell thread.
   const Arming& arming() const { return *arming_; }
@@ -91,6 +96,8 @@ class Cell {
   const std::vector<std::string>& wanted_controllers() const { return wanted_controllers_; }
   /// A person has armed it: programs and messages may begin.
   void set_armed();
+  /// After a reload, which may have made a component real.
+  void look_for_real_hardware() { arming_->look_again(); }
 
   // For requests; cell thread.
   Requests& requests() { return *requests_; }
@@ -135,6 +142,7 @@ class Cell {
   CellFile file_;
   CellOptions options_;
   Observer& observer_;
+  HardwareCalls calls_;
   std::map<std::pair<std::string, std::string>, std::uint64_t> overruns_;  ///< by name and callback
   description::Catalogue catalogue_;
   CellRobots robots_;

@@ -98,7 +98,7 @@ const std::vector<Row>& rows() {
        control_recover},
       {{"hardware.list",
         {},
-        "[{name, type, plugin, group, state, rate, async, missed, states, commands: [{name, claimed_by}]}]",
+        "[{name, type, plugin, group, state, being, rate, async, missed, states, commands: [{name, claimed_by}]}]",
         "the hardware components, their states and interfaces",
         false},
        hardware_list},

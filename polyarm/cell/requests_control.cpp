@@ -91,36 +91,47 @@ Poll wait_for(std::shared_ptr<realtime::Job> job) {
   return [job](Cell&) { return job->done() ? Progress::done(nullptr) : Progress{}; };
 }
 
+/// A callback of the component, on a thread of its own where the cell has one.
+Poll follow(Cell& cell, std::shared_ptr<hardware::Transition> transition) {
+  cell.hardware_calls().start(transition);
+  return [transition](Cell& c) mutable {
+    return c.hardware_calls().advance(c.loop().hardware(), transition, c.now()) ? Progress::done(nullptr)
+                                                                                : Progress{};
+  };
+}
+Poll follow(Cell& cell, std::size_t i, hardware::Step step) {
+  return follow(cell, cell.loop().hardware().begin(i, step));
+}
+
+/// Waits a little for a callback that somebody else has asked for; then what follows is refused.
+Poll wait_until_idle(Cell& cell, std::size_t i) {
+  constexpr Nanoseconds kPatience = 1'000'000'000;
+  return [i, until = cell.now() + kPatience](Cell& c) {
+    return !c.loop().hardware().pending(i) || c.now() > until ? Progress::done(nullptr) : Progress{};
+  };
+}
+
 /// One transition after the other until the component is where it shall be.
 Poll walk(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
+  using hardware::Step;
   hardware::Hardware& hardware = cell.loop().hardware();
   const LifecycleState now = hardware.state_of(i);
   answer["state"] = hardware::name(now);
   if (now == wanted) return at_once(std::move(answer));
   const auto on = [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); };
+  const auto called = [i, on](Step step) {
+    return [i, on, step](Cell& c) { return then(follow(c, i, step), on); };
+  };
   if (now == LifecycleState::finalized)
     throw Error("finalized", "the component is finalized and comes back only by a reload",
                 "polyarm hardware reload NAME");
   if (wanted == LifecycleState::finalized)
-    return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
-      c.loop().hardware().finish_shutdown(i);
-      return on(c);
-    });
+    return then(wait_for(hardware.begin_cleanup(i)), called(Step::shutdown));
   if (now == LifecycleState::active)
-    return then(wait_for(hardware.begin_deactivate(i)), [i, on](Cell& c) {
-      c.loop().hardware().finish_deactivate(i);
-      return on(c);
-    });
+    return then(wait_for(hardware.begin_deactivate(i)), called(Step::deactivate));
   if (now == LifecycleState::inactive && wanted == LifecycleState::unconfigured)
-    return then(wait_for(hardware.begin_cleanup(i)), [i, on](Cell& c) {
-      c.loop().hardware().finish_cleanup(i);
-      return on(c);
-    });
-  if (now == LifecycleState::unconfigured)
-    hardware.configure(i);
-  else
-    hardware.activate(i);
-  return on(cell);
+    return then(wait_for(hardware.begin_cleanup(i)), called(Step::cleanup));
+  return called(now == LifecycleState::unconfigured ? Step::configure : Step::activate)(cell);
 }
 
 /// {gains: {joint_1: {p: 3}}} → "gains.joint_1.p": 3, as controllers files have it.
@@ -316,6 +327,7 @@ Poll hardware_list(Cell& cell, const Json&) {
   const double rate = 1 / seconds(cell.loop().options().period);
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const hardware::HostedInfo info = hardware.info(i);
+    const hardware::Transition* pending = hardware.pending(i);
     Json commands = Json::array();
     for (const std::string& command : info.commands)
       commands.push_back({{"name", command}, {"claimed_by", cell.loop().controllers().holder_of(command)}});
@@ -324,6 +336,7 @@ Poll hardware_list(Cell& cell, const Json&) {
                    {"plugin", info.plugin},
                    {"group", info.group},
                    {"state", hardware::name(info.state)},
+                   {"being", pending ? hardware::done_word(pending->step()) : ""},
                    {"rate", rate / info.divisor},
                    {"async", info.async},
                    {"missed", info.missed},
@@ -336,6 +349,7 @@ Poll hardware_list(Cell& cell, const Json&) {
 namespace {
 /// Stops who uses the component, then walks.
 Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
+  cell.loop().hardware().require_idle(i);
   const LifecycleState now = cell.loop().hardware().state_of(i);
   const bool goes_down = wanted == LifecycleState::finalized || wanted < now;
   // An inactive component is still read.
@@ -353,13 +367,16 @@ Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
 Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   const std::string name = answer["name"];
   answer["warnings"] = Json::array();
-  const Problems warnings = cell.reload_component(name);
+  Problems warnings;
+  const auto transition = cell.begin_reload(name, warnings);
   for (const Problem& warning : warnings.list()) answer["warnings"].push_back(warning.text());
-  const bool waits = wanted == LifecycleState::active && !cell.arming().may_be_enabled(i);
-  if (waits) wanted = LifecycleState::inactive;
-  answer["next"] = waits ? "it is real hardware: polyarm control arm"
-                         : "start its controllers: polyarm control switch --start NAME";
-  return walk(cell, i, wanted, std::move(answer));
+  return then(follow(cell, transition), [i, wanted, answer](Cell& c) mutable {
+    c.look_for_real_hardware();
+    const bool waits = wanted == LifecycleState::active && !c.arming().may_be_enabled(i);
+    answer["next"] = waits ? "it is real hardware: polyarm control arm"
+                           : "start its controllers: polyarm control switch --start NAME";
+    return walk(c, i, waits ? LifecycleState::inactive : wanted, std::move(answer));
+  });
 }
 }  // namespace
 
@@ -367,17 +384,24 @@ Poll hardware_state(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
   const LifecycleState wanted = state_argument(arguments);
   if (wanted == LifecycleState::active) cell.arming().require_armed(i);
-  return take_to(cell, i, wanted);
+  return then(wait_until_idle(cell, i), [i, wanted](Cell& c) { return take_to(c, i, wanted); });
 }
 
-Poll hardware_reload(Cell& cell, const Json& arguments) {
-  const std::size_t i = component_argument(cell, arguments);
+namespace {
+Poll reload(Cell& cell, std::size_t i) {
+  cell.loop().hardware().require_idle(i);
   const LifecycleState was = cell.loop().hardware().state_of(i);
   if (was == LifecycleState::unconfigured || was == LifecycleState::finalized)
     return make_anew(cell, i, LifecycleState::unconfigured,
                      {{"name", cell.loop().hardware().component_name(i)}, {"stopped", Json::array()}});
   return then_with(take_to(cell, i, LifecycleState::unconfigured),
                    [i, was](Cell& c, Json answer) { return make_anew(c, i, was, std::move(answer)); });
+}
+}  // namespace
+
+Poll hardware_reload(Cell& cell, const Json& arguments) {
+  const std::size_t i = component_argument(cell, arguments);
+  return then(wait_until_idle(cell, i), [i](Cell& c) { return reload(c, i); });
 }
 
 Poll hardware_recover(Cell& cell, const Json& arguments) {
@@ -388,7 +412,8 @@ Poll hardware_recover(Cell& cell, const Json& arguments) {
   const Json answer{{"name", name},
                     {"fallen", cell.take_fallen(name)},
                     {"next", "control recover, then start its controllers and resume"}};
-  return walk(cell, i, LifecycleState::active, answer);
+  return then(wait_until_idle(cell, i),
+              [i, answer](Cell& c) { return walk(c, i, LifecycleState::active, answer); });
 }
 
 namespace {

@@ -201,13 +201,13 @@ class Components {
                            "hardware_components_initial_state names '" + name + "', which there is not");
   }
 
-  void reload(hardware::Hardware& hardware, const std::string& name) {
+  std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name) {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
     for (Planned& planned : planned_)
       if (planned.context.name == name)
-        return hardware.replace(static_cast<std::size_t>(hardware.find(name)), make(planned),
-                                planned.context);
+        return hardware.begin_replace(static_cast<std::size_t>(hardware.find(name)), make(planned),
+                                      planned.context);
     throw Error("unknown-component", "no description declares '" + name + "' any more",
                 "start the cell again to run without it");
   }
@@ -359,10 +359,11 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
   Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
 }
 
-void reload_component(hardware::Hardware& hardware, const std::string& name, const CellRobots& robots,
-                      const description::Scene& scene, Nanoseconds period) {
+std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
+                                                   const CellRobots& robots, const description::Scene& scene,
+                                                   Nanoseconds period) {
   const ManagerParameters manager;
-  Components(robots, scene, period, false, manager).reload(hardware, name);
+  return Components(robots, scene, period, false, manager).begin_reload(hardware, name);
 }
 
 }  // namespace polyarm::cell

@@ -50,7 +50,8 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
 /// Makes the named component again from robots that were resolved anew, and puts it in the place of the one
 /// that runs under that name, which is unconfigured or finalized. `robots` has to live as long as it does.
 /// Throws Error where no robot declares it any more or its interfaces are others.
-void reload_component(hardware::Hardware& hardware, const std::string& name, const CellRobots& robots,
-                      const description::Scene& scene, Nanoseconds period);
+std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
+                                                   const CellRobots& robots, const description::Scene& scene,
+                                                   Nanoseconds period);
 
 }  // namespace polyarm::cell

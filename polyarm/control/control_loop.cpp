@@ -55,6 +55,11 @@ void ControlLoop::start_hardware() {
   hardware_.read(cycle_);
 }
 
+void ControlLoop::start_hardware(hardware::Caller& caller) {
+  hardware_.configure_and_activate(caller);
+  hardware_.read(cycle_);
+}
+
 void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   table_.seal();
   controllers_.bind_all();

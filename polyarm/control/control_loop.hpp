@@ -103,6 +103,7 @@ class ControlLoop {
 
   /// Configures and activates the hardware, reads it once, and makes everything that a cycle needs.
   void start_hardware();
+  void start_hardware(hardware::Caller& caller);
   /// Fixes limits, snapshot and hash; controllers must have been added by now.
   void prepare(const std::vector<controllers::JointFacts>& joints);
 

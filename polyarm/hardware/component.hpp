@@ -59,9 +59,9 @@ struct InterfaceDescription {
   double initial = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Actuator, sensor or system. All calls come from one thread at a time: the on_… and prepare calls from the
-/// thread that builds or switches, read, write and perform from the control thread, which must never block,
-/// allocate, throw or log.
+/// Actuator, sensor or system. The on_… and prepare calls come one at a time, from threads that may differ and
+/// may be kept waiting; read, write and perform come from the control thread, which must never block,
+/// allocate, throw or log. An inactive component is read while it is being activated.
 class Component {
  public:
   virtual ~Component() = default;

@@ -6,82 +6,9 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/hardware/life_cycle.hpp"
 
 namespace polyarm::hardware {
-
-/// Tells the loop whether to read and to write a component, between two cycles.
-class Hardware::Letting : public realtime::Job {
- public:
-  Letting(Hosted& hosted, std::span<double> commands, bool reading, bool writing)
-      : hosted_(hosted), commands_(commands), reading_(reading), writing_(writing) {}
-  void run() noexcept override {
-    if (reading_ && !hosted_.reading) {  // it may stand anywhere now
-      hosted_.ran.store(false, std::memory_order_relaxed);
-      for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
-      // What was commanded before means nothing any more.
-      std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
-      hosted_.restarted = true;
-    }
-    if (writing_ && !hosted_.writing)
-      for (Following& following : hosted_.following) following.behind = 0;
-    hosted_.reading = reading_;
-    hosted_.writing = writing_;
-  }
-
- private:
-  Hosted& hosted_;
-  std::span<double> commands_;
-  bool reading_, writing_;
-};
-
-namespace {
-std::string because(const Component& component) {
-  std::string reason;
-  try {
-    reason = component.reason();
-  } catch (...) {
-    reason = "asked for a reason it threw: " + what_was_thrown();
-  }
-  return reason.empty() ? reason : ": " + reason;
-}
-
-/// A callback that may throw; what it threw is told in `thrown`, and counts as an error.
-CallbackReturn call(Component& component, CallbackReturn (Component::*step)(), std::string& thrown) noexcept {
-  try {
-    return (component.*step)();
-  } catch (...) {
-    try {
-      thrown = ": it threw: " + what_was_thrown();
-    } catch (...) {
-    }
-    return CallbackReturn::error;
-  }
-}
-
-void initialise(Component& component, const ComponentContext& context, const char* which) {
-  CallbackReturn result;
-  try {
-    result = component.on_init(context);
-  } catch (...) {
-    rethrow_as_error("component-failed", "the hardware component '" + context.name + "', on_init,",
-                     "its plugin has an error; tell its makers");
-  }
-  if (result != CallbackReturn::success)
-    throw Error("component-failed",
-                std::string(which) + " '" + context.name + "' could not be initialised" + because(component),
-                "check its parameters");
-}
-
-/// What the component offers; `list` may throw.
-template <typename List>
-std::vector<InterfaceDescription> offered(const std::string& name, List list) {
-  try {
-    return list();
-  } catch (...) {
-    rethrow_as_error("component-failed", "the hardware component '" + name + "', asked for its interfaces,");
-  }
-}
-}  // namespace
 
 Hardware::~Hardware() {
   shut_down();
@@ -140,159 +67,6 @@ void Hardware::make_runner(Hosted& hosted) {
         own->ran.store(true, std::memory_order_release);
       },
       hosted.options.lock_step, hosted.options.thread);
-}
-
-void Hardware::require(const Hosted& hosted, LifecycleState state, const char* what) const {
-  const LifecycleState now = hosted.state.load(std::memory_order_acquire);
-  if (now == state) return;
-  throw Error("wrong-state",
-              "the hardware component '" + hosted.name + "' is " + name(now) + ", it cannot be " + what,
-              std::string("that begins at ") + name(state));
-}
-
-void Hardware::advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to,
-                       LifecycleState otherwise, const char* step_name) {
-  std::string thrown, ignored;
-  const CallbackReturn result = call(*hosted.component, step, thrown);
-  if (result == CallbackReturn::success) return hosted.state.store(to, std::memory_order_release);
-  LifecycleState then = otherwise;
-  if (result == CallbackReturn::error) {
-    let(hosted, false, false);
-    const bool usable = call(*hosted.component, &Component::on_error, ignored) == CallbackReturn::success;
-    then = usable ? LifecycleState::unconfigured : LifecycleState::finalized;
-  }
-  hosted.state.store(then, std::memory_order_release);
-  throw Error("component-failed",
-              "the hardware component '" + hosted.name + "' could not be " + step_name + " and is " +
-                  name(then) + (thrown.empty() ? because(*hosted.component) : thrown),
-              "check that it is connected and that its parameters are right");
-}
-
-std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
-  const auto commands = table_.commands().subspan(hosted.first_command, hosted.commands);
-  auto job = std::make_shared<Letting>(hosted, commands, reading, writing);
-  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
-  return job;
-}
-
-void Hardware::note_world() {
-  for (const auto& hosted : hosted_)
-    if (!world() && hosted->component->world()) {
-      world_ = hosted->component->world();
-      world_names_ = hosted->component->world_names();
-    }
-}
-
-void Hardware::configure(std::size_t i) {
-  Hosted& hosted = *hosted_[i];
-  require(hosted, LifecycleState::unconfigured, "configured");
-  hosted.bad_state.store(-1, std::memory_order_relaxed);
-  advance(hosted, &Component::on_configure, LifecycleState::inactive, LifecycleState::unconfigured,
-          "configured");
-  note_world();
-  let(hosted, true, false);
-}
-
-void Hardware::activate(std::size_t i) {
-  Hosted& hosted = *hosted_[i];
-  require(hosted, LifecycleState::inactive, "activated");
-  advance(hosted, &Component::on_activate, LifecycleState::active, LifecycleState::inactive, "activated");
-  let(hosted, true, true);
-}
-
-std::shared_ptr<realtime::Job> Hardware::begin_deactivate(std::size_t i) {
-  require(*hosted_[i], LifecycleState::active, "deactivated");
-  return let(*hosted_[i], true, false);
-}
-
-void Hardware::finish_deactivate(std::size_t i) {
-  advance(*hosted_[i], &Component::on_deactivate, LifecycleState::inactive, LifecycleState::active,
-          "deactivated");
-}
-
-std::shared_ptr<realtime::Job> Hardware::begin_cleanup(std::size_t i) {
-  return let(*hosted_[i], false, false);
-}
-
-void Hardware::finish_cleanup(std::size_t i) {
-  require(*hosted_[i], LifecycleState::inactive, "cleaned up");
-  advance(*hosted_[i], &Component::on_cleanup, LifecycleState::unconfigured, LifecycleState::inactive,
-          "cleaned up");
-}
-
-void Hardware::finish_shutdown(std::size_t i) {
-  Hosted& hosted = *hosted_[i];
-  std::string ignored;
-  if (hosted.state.load() == LifecycleState::active)
-    call(*hosted.component, &Component::on_deactivate, ignored);
-  if (hosted.state.load() != LifecycleState::finalized)
-    call(*hosted.component, &Component::on_shutdown, ignored);
-  hosted.state.store(LifecycleState::finalized, std::memory_order_release);
-}
-
-void Hardware::recover_from_error(std::size_t i) {
-  Hosted& hosted = *hosted_[i];
-  std::string ignored;
-  const bool usable = call(*hosted.component, &Component::on_error, ignored) == CallbackReturn::success;
-  hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
-                     std::memory_order_release);
-}
-
-namespace {
-template <typename Names>
-void expect_same(const std::vector<InterfaceDescription>& offered, const Names& names, std::size_t first,
-                 std::size_t count, const std::string& component) {
-  for (std::size_t k = 0; k < std::max(count, offered.size()); ++k) {
-    const std::string had = k < count ? names[first + k] : "";
-    const std::string has = k < offered.size() ? offered[k].name : "";
-    if (had != has)
-      throw Error("other-interfaces",
-                  "the new '" + component + "' offers '" + (has.empty() ? "nothing" : has) +
-                      "' where it had '" + (had.empty() ? "nothing" : had) + "'",
-                  "a component is reloaded with the interfaces that it had; start the cell again for others");
-  }
-}
-}  // namespace
-
-void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context) {
-  Hosted& hosted = *hosted_[i];
-  const LifecycleState now = hosted.state.load();
-  if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
-    require(hosted, LifecycleState::unconfigured, "reloaded");
-  initialise(*component, context, "the old one stays: the new");
-  expect_same(offered(hosted.name, [&] { return component->state_interfaces(); }), table_.state_names(),
-              hosted.first_state, hosted.states, hosted.name);
-  expect_same(offered(hosted.name, [&] { return component->command_interfaces(); }), table_.command_names(),
-              hosted.first_command, hosted.commands, hosted.name);
-  if (world() && hosted.component->world() == world()) world_ = nullptr;
-  retired_.push_back(std::exchange(hosted.component, std::move(component)));
-  hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
-}
-
-void Hardware::configure_and_activate() {
-  for (std::size_t i = 0; i < hosted_.size(); ++i)
-    if (hosted_[i]->options.initial != LifecycleState::unconfigured) configure(i);
-  for (std::size_t i = 0; i < hosted_.size(); ++i)
-    if (hosted_[i]->options.initial == LifecycleState::active) activate(i);
-  // What waits for a device has measured before controllers begin; its thread does not run yet.
-  for (const auto& hosted : hosted_)
-    if (hosted->runner && hosted->component->blocks() &&
-        hosted->state.load() != LifecycleState::unconfigured) {
-      hosted->own_result.store(hosted->component->read(hosted->own_cycle, hosted->own_states));
-      hosted->ran.store(true);
-    }
-  note_world();
-}
-
-void Hardware::shut_down() noexcept {
-  for (auto hosted = hosted_.rbegin(); hosted != hosted_.rend(); ++hosted) {
-    (*hosted)->runner.reset();
-    const LifecycleState state = (*hosted)->state.load();
-    std::string ignored;
-    if (state == LifecycleState::active) call(*(*hosted)->component, &Component::on_deactivate, ignored);
-    if (state != LifecycleState::finalized) call(*(*hosted)->component, &Component::on_shutdown, ignored);
-    (*hosted)->state = LifecycleState::finalized;
-  }
 }
 
 void Hardware::force(const std::string& interface_name, double value) {
@@ -473,7 +247,7 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
 std::string Hardware::reason(std::size_t i) const {
   const Hosted& hosted = *hosted_[i];
   const int state = hosted.bad_state.load(std::memory_order_acquire);
-  std::string own = because(*hosted.component);
+  std::string own = hosted.pending ? "" : because(*hosted.component);
   if (!own.empty()) own.erase(0, 2);  // ": "
   if (state < 0) return own;
   const std::string& name = table_.state_names()[static_cast<std::size_t>(state)];
@@ -486,8 +260,19 @@ std::string Hardware::reason(std::size_t i) const {
   return own.empty() ? seen : seen + " (" + own + ")";
 }
 
+bool Hardware::offers(const Hosted& hosted, std::span<const std::string> commands) const {
+  return std::any_of(commands.begin(), commands.end(), [&](const std::string& command) {
+    const auto index = table_.find_command(command);
+    return index && *index >= hosted.first_command && *index < hosted.first_command + hosted.commands;
+  });
+}
+
 bool Hardware::prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) {
   for (const auto& hosted : hosted_) {
+    if (hosted->pending) {
+      if (offers(*hosted, start) || offers(*hosted, stop)) require_idle(*hosted);
+      continue;
+    }
     try {
       if (hosted->component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
     } catch (...) {
@@ -502,7 +287,9 @@ bool Hardware::perform_mode_switch(std::span<const std::string> start,
                                    std::span<const std::string> stop) noexcept {
   bool all = true;
   for (const auto& hosted : hosted_)
-    if (hosted->component->perform_command_mode_switch(start, stop) != ReturnType::ok) all = false;
+    if (!hosted->busy.load(std::memory_order_acquire) &&
+        hosted->component->perform_command_mode_switch(start, stop) != ReturnType::ok)
+      all = false;
   return all;
 }
 
@@ -549,6 +336,7 @@ std::vector<std::string> Hardware::summaries() const {
   std::vector<std::string> out;
   for (const auto& hosted : hosted_) {
     std::string text;
+    if (hosted->pending) continue;
     try {
       text = hosted->component->summary();
     } catch (...) {

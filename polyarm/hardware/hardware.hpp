@@ -11,6 +11,7 @@
 
 #include "polyarm/hardware/component.hpp"
 #include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/hardware/transition.hpp"
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/overrun_watch.hpp"
@@ -88,8 +89,25 @@ class Hardware {
   void add(std::unique_ptr<Component> component, const ComponentContext& context, HostOptions options = {});
   /// Every component to its initial state, in order of addition. Throws Error that names component and step.
   void configure_and_activate();
-  /// active → inactive → finalized, in reverse order. Never throws.
-  void shut_down() noexcept;
+  void configure_and_activate(Caller& caller);
+  /// active → inactive → finalized, in reverse order. Never throws. Components whose callbacks the caller
+  /// gives up waiting for are left behind, never freed; false when there are such.
+  bool shut_down() noexcept;
+  bool shut_down(Caller& caller) noexcept;
+
+  /// A callback whose device may take its time: run it on any thread, and when it is done, finish() here
+  /// takes the component to its new state and returns what has to be run next (on_error after an error), null
+  /// when it is over. In between nobody else calls the component but the loop, and what is asked of it is
+  /// refused with Error("busy"). For deactivate, cleanup and shutdown the loop has let go before: see
+  /// begin_deactivate() and begin_cleanup(). Both throw as the transitions below.
+  std::shared_ptr<Transition> begin(std::size_t i, Step step);
+  std::shared_ptr<Transition> begin_replace(std::size_t i, std::unique_ptr<Component> component,
+                                            const ComponentContext& context);
+  std::shared_ptr<Transition> finish(Transition& done);
+  /// Throws Error("busy") while the component is in a callback.
+  void require_idle(std::size_t i) const { require_idle(*hosted_[i]); }
+  /// The callback that the component is in; null: none.
+  const Transition* pending(std::size_t i) const noexcept { return hosted_[i]->pending.get(); }
 
   // One transition each, as the reference has them; the callback runs in the calling thread, and the loop
   // reads and writes the component from the next cycle on, or no more. Throws Error("wrong-state") when the
@@ -170,6 +188,8 @@ class Hardware {
     std::unique_ptr<Component> component;
     HostOptions options;
     std::atomic<LifecycleState> state{LifecycleState::unconfigured};
+    std::shared_ptr<Transition> pending;  // shared with the thread that runs it
+    std::atomic<bool> busy{false};        // the same, for the control thread
     std::size_t first_state = 0, states = 0, first_command = 0, commands = 0;
     std::unique_ptr<realtime::AsyncRunner> runner;
     std::vector<double> own_states, own_commands;  // of an async component
@@ -187,8 +207,14 @@ class Hardware {
   class Letting;
   std::shared_ptr<realtime::Job> let(Hosted& hosted, bool reading, bool writing);
   void require(const Hosted& hosted, LifecycleState state, const char* what) const;
-  void advance(Hosted& hosted, CallbackReturn (Component::*step)(), LifecycleState to,
-               LifecycleState otherwise, const char* step_name);
+  void require_idle(const Hosted& hosted) const;
+  std::shared_ptr<Transition> pend(std::size_t i, Step step);
+  void succeed(Hosted& hosted, Step step);
+  [[noreturn]] void fail(const Hosted& hosted, Step step, const std::string& thrown) const;
+  void settle_error(Hosted& hosted, const Transition& done);
+  void take_new(Hosted& hosted, Transition& done);
+  void go(std::shared_ptr<Transition> next, Caller& caller);
+  bool offers(const Hosted& hosted, std::span<const std::string> commands) const;
   void note_world();
   void make_runner(Hosted& hosted);
   FaultKind judge_states(Hosted& hosted) noexcept;

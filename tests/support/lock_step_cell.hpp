@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -44,10 +46,57 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The mock, which fails to be read when it is told to.
+/// Where a callback waits until a test lets it go on.
+class Gate {
+ public:
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  void open() {
+    const std::lock_guard lock(mutex_);
+    closed_ = false;
+    wake_.notify_all();
+  }
+  void pass() {
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [this] { return !closed_; });
+    ++passed_;
+    wake_.notify_all();
+  }
+  int passed() {
+    const std::lock_guard lock(mutex_);
+    return passed_;
+  }
+  void wait_for(int passed) {
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [&] { return passed_ >= passed; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool closed_ = false;
+  int passed_ = 0;
+};
+
+/// The mock, which fails to be read when it is told to, and whose life cycle goes through a gate.
 class FailingMock : public drivers::MockComponent {
  public:
   static inline std::atomic<bool> fails{false};
+  static inline Gate configuring, initialising, erring;
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override {
+    initialising.pass();
+    return drivers::MockComponent::on_init(context);
+  }
+  hardware::CallbackReturn on_configure() override {
+    configuring.pass();
+    return drivers::MockComponent::on_configure();
+  }
+  hardware::CallbackReturn on_error() override {
+    erring.pass();
+    return drivers::MockComponent::on_error();
+  }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
     return fails ? hardware::ReturnType::error : drivers::MockComponent::read(cycle, states);
   }
@@ -57,7 +106,8 @@ class FailingMock : public drivers::MockComponent {
 class LockStepCell {
  public:
   /// `worked_from_outside`: as on the wall clock, where the cell waits for others and its worker is a thread.
-  explicit LockStepCell(const std::string& controllers, bool worked_from_outside = false) {
+  explicit LockStepCell(const std::string& controllers, bool worked_from_outside = false,
+                        Nanoseconds patience = 60'000'000'000) {
     FailingMock::fails = false;
     hardware::register_driver("failing",
                               [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
@@ -66,6 +116,7 @@ class LockStepCell {
     overrides.hardware = "failing";
     cell::CellOptions options;
     options.lock_step = !worked_from_outside;
+    options.hardware_patience = patience;
     cell_ = std::make_unique<cell::Cell>(
         cell::cell_from_description(urdf, {folder_.write("controllers.yaml", controllers)}, overrides),
         description::Catalogue({}), options, observer_);
@@ -82,7 +133,12 @@ class LockStepCell {
     cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
-  ~LockStepCell() { cell_->loop().end(); }
+  ~LockStepCell() { end(); }
+  /// The cell is gone; what it told stays.
+  void end() {
+    if (cell_) cell_->loop().end();
+    cell_.reset();
+  }
 
   /// One tick of the cell, and the cycles until the next.
   void tick() {

@@ -1,0 +1,376 @@
+/// The life cycle of components: what is called when, and what the loop is told of it.
+#include "polyarm/hardware/life_cycle.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/hardware/hardware.hpp"
+
+namespace polyarm::hardware {
+
+/// Tells the loop whether to read and to write a component, between two cycles.
+class Hardware::Letting : public realtime::Job {
+ public:
+  Letting(Hosted& hosted, std::span<double> commands, bool reading, bool writing)
+      : hosted_(hosted), commands_(commands), reading_(reading), writing_(writing) {}
+  void run() noexcept override {
+    if (reading_ && !hosted_.reading) {  // it may stand anywhere now
+      hosted_.ran.store(false, std::memory_order_relaxed);
+      for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
+      // What was commanded before means nothing any more.
+      std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
+      hosted_.restarted = true;
+    }
+    if (writing_ && !hosted_.writing)
+      for (Following& following : hosted_.following) following.behind = 0;
+    hosted_.reading = reading_;
+    hosted_.writing = writing_;
+  }
+
+ private:
+  Hosted& hosted_;
+  std::span<double> commands_;
+  bool reading_, writing_;
+};
+
+std::string because(const Component& component) {
+  std::string reason;
+  try {
+    reason = component.reason();
+  } catch (...) {
+    reason = "asked for a reason it threw: " + what_was_thrown();
+  }
+  return reason.empty() ? reason : ": " + reason;
+}
+
+void initialise(Component& component, const ComponentContext& context, const char* which) {
+  CallbackReturn result;
+  try {
+    result = component.on_init(context);
+  } catch (...) {
+    rethrow_as_error("component-failed", "the hardware component '" + context.name + "', on_init,",
+                     "its plugin has an error; tell its makers");
+  }
+  if (result != CallbackReturn::success)
+    throw Error("component-failed",
+                std::string(which) + " '" + context.name + "' could not be initialised" + because(component),
+                "check its parameters");
+}
+
+// --- a callback -------------------------------------------------------------------------------------------
+
+const char* done_word(Step step) {
+  constexpr const char* kWords[] = {"initialised", "configured", "activated",           "deactivated",
+                                    "cleaned up",  "shut down",  "freed from its error"};
+  return kWords[static_cast<std::size_t>(step)];
+}
+
+CallbackReturn Transition::call() {
+  switch (step_) {
+    case Step::init:
+      initialise(*component_, *context_, "the old one stays: the new");
+      return CallbackReturn::success;
+    case Step::configure:
+      return component_->on_configure();
+    case Step::activate:
+      return component_->on_activate();
+    case Step::deactivate:
+      return component_->on_deactivate();
+    case Step::cleanup:
+      return component_->on_cleanup();
+    case Step::shutdown:
+      return component_->on_shutdown();
+    case Step::error:
+      return component_->on_error();
+  }
+  return CallbackReturn::error;
+}
+
+void Transition::run() noexcept {
+  if (step_ == Step::shutdown && was_active_) try {
+      component_->on_deactivate();
+    } catch (...) {  // it is shut down all the same
+    }
+  try {
+    result_ = call();
+  } catch (...) {
+    thrown_ = std::current_exception();
+    result_ = CallbackReturn::error;
+  }
+  const std::lock_guard lock(mutex_);
+  done_.store(true, std::memory_order_release);
+  wake_.notify_all();
+}
+
+bool Transition::wait(Nanoseconds timeout) const {
+  std::unique_lock lock(mutex_);
+  return wake_.wait_for(lock, std::chrono::nanoseconds(timeout), [this] { return done(); });
+}
+
+namespace {
+/// ": it threw: …", or nothing.
+std::string told(const std::exception_ptr& thrown) {
+  if (!thrown) return {};
+  try {
+    std::rethrow_exception(thrown);
+  } catch (...) {
+    return ": it threw: " + what_was_thrown();
+  }
+}
+
+/// Whoever asks calls.
+class Here : public Caller {
+ public:
+  void start(std::shared_ptr<Transition> transition) override { transition->run(); }
+  bool await(const Transition&) override { return true; }
+};
+Here here;
+}  // namespace
+
+// --- transitions ------------------------------------------------------------------------------------------
+
+void Hardware::require(const Hosted& hosted, LifecycleState state, const char* what) const {
+  const LifecycleState now = hosted.state.load(std::memory_order_acquire);
+  if (now == state) return;
+  throw Error("wrong-state",
+              "the hardware component '" + hosted.name + "' is " + name(now) + ", it cannot be " + what,
+              std::string("that begins at ") + name(state));
+}
+
+std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
+  const auto commands = table_.commands().subspan(hosted.first_command, hosted.commands);
+  auto job = std::make_shared<Letting>(hosted, commands, reading, writing);
+  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
+  return job;
+}
+
+void Hardware::note_world() {
+  for (const auto& hosted : hosted_)
+    if (!world() && hosted->component->world()) {
+      world_ = hosted->component->world();
+      world_names_ = hosted->component->world_names();
+    }
+}
+
+void Hardware::require_idle(const Hosted& hosted) const {
+  if (!hosted.pending) return;
+  throw Error("busy",
+              "the hardware component '" + hosted.name + "' is being " + done_word(hosted.pending->step()) +
+                  " and has not come back from it",
+              "wait until it has; polyarm hardware list shows it");
+}
+
+std::shared_ptr<Transition> Hardware::begin(std::size_t i, Step step) {
+  Hosted& hosted = *hosted_[i];
+  require_idle(hosted);
+  if (step == Step::configure) {
+    require(hosted, LifecycleState::unconfigured, "configured");
+    hosted.bad_state.store(-1, std::memory_order_relaxed);
+  }
+  if (step == Step::activate) require(hosted, LifecycleState::inactive, "activated");
+  if (step == Step::cleanup) require(hosted, LifecycleState::inactive, "cleaned up");
+  if (step == Step::error) let(hosted, false, false);
+  return pend(i, step);
+}
+
+std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
+  Hosted& hosted = *hosted_[i];
+  auto out = std::make_shared<Transition>();
+  out->step_ = step;
+  out->index_ = i;
+  out->name_ = hosted.name;
+  out->component_ = hosted.component.get();
+  out->was_active_ = hosted.state.load() == LifecycleState::active;
+  hosted.busy.store(true, std::memory_order_release);
+  hosted.pending = out;
+  return out;
+}
+
+std::shared_ptr<Transition> Hardware::begin_replace(std::size_t i, std::unique_ptr<Component> component,
+                                                    const ComponentContext& context) {
+  Hosted& hosted = *hosted_[i];
+  require_idle(hosted);
+  const LifecycleState now = hosted.state.load();
+  if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
+    require(hosted, LifecycleState::unconfigured, "reloaded");
+  const auto out = pend(i, Step::init);
+  out->made_ = std::move(component);
+  out->component_ = out->made_.get();
+  out->context_ = std::make_unique<ComponentContext>(context);
+  return out;
+}
+
+std::shared_ptr<Transition> Hardware::finish(Transition& done) {
+  Hosted& hosted = *hosted_[done.index_];
+  hosted.pending.reset();
+  hosted.busy.store(false, std::memory_order_release);
+  if (done.step_ == Step::init) {
+    take_new(hosted, done);
+    return nullptr;
+  }
+  if (done.step_ == Step::error) {
+    settle_error(hosted, done);
+    return nullptr;
+  }
+  if (done.step_ == Step::shutdown || done.result_ == CallbackReturn::success) {
+    succeed(hosted, done.step_);
+    return nullptr;
+  }
+  if (done.result_ == CallbackReturn::error) {  // on_error decides what it becomes
+    let(hosted, false, false);
+    const auto next = pend(done.index_, Step::error);
+    next->failed_ = done.step_;
+    next->thrown_before_ = told(done.thrown_);
+    return next;
+  }
+  fail(hosted, done.step_, {});
+}
+
+void Hardware::fail(const Hosted& hosted, Step step, const std::string& thrown) const {
+  throw Error("component-failed",
+              "the hardware component '" + hosted.name + "' could not be " + done_word(step) + " and is " +
+                  name(hosted.state.load()) + (thrown.empty() ? because(*hosted.component) : thrown),
+              "check that it is connected and that its parameters are right");
+}
+
+void Hardware::succeed(Hosted& hosted, Step step) {
+  constexpr LifecycleState kThen[] = {LifecycleState::unconfigured, LifecycleState::inactive,
+                                      LifecycleState::active,       LifecycleState::inactive,
+                                      LifecycleState::unconfigured, LifecycleState::finalized};
+  hosted.state.store(kThen[static_cast<std::size_t>(step)], std::memory_order_release);
+  if (step == Step::configure) note_world();
+  if (step == Step::configure || step == Step::activate) let(hosted, true, step == Step::activate);
+}
+
+void Hardware::settle_error(Hosted& hosted, const Transition& done) {
+  const bool usable = done.result_ == CallbackReturn::success;
+  hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
+                     std::memory_order_release);
+  if (done.failed_) fail(hosted, *done.failed_, done.thrown_before_);
+}
+
+void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {
+  while (next) {
+    caller.start(next);
+    if (!caller.await(*next)) return;
+    next = finish(*next);
+  }
+}
+
+void Hardware::configure(std::size_t i) {
+  go(begin(i, Step::configure), here);
+}
+void Hardware::activate(std::size_t i) {
+  go(begin(i, Step::activate), here);
+}
+
+std::shared_ptr<realtime::Job> Hardware::begin_deactivate(std::size_t i) {
+  require_idle(*hosted_[i]);
+  require(*hosted_[i], LifecycleState::active, "deactivated");
+  return let(*hosted_[i], true, false);
+}
+std::shared_ptr<realtime::Job> Hardware::begin_cleanup(std::size_t i) {
+  require_idle(*hosted_[i]);
+  return let(*hosted_[i], false, false);
+}
+
+void Hardware::finish_deactivate(std::size_t i) {
+  go(begin(i, Step::deactivate), here);
+}
+void Hardware::finish_cleanup(std::size_t i) {
+  go(begin(i, Step::cleanup), here);
+}
+void Hardware::finish_shutdown(std::size_t i) {
+  go(begin(i, Step::shutdown), here);
+}
+void Hardware::recover_from_error(std::size_t i) {
+  go(begin(i, Step::error), here);
+}
+void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context) {
+  go(begin_replace(i, std::move(component), context), here);
+}
+
+namespace {
+template <typename Names>
+void expect_same(const std::vector<InterfaceDescription>& offered, const Names& names, std::size_t first,
+                 std::size_t count, const std::string& component) {
+  for (std::size_t k = 0; k < std::max(count, offered.size()); ++k) {
+    const std::string had = k < count ? names[first + k] : "";
+    const std::string has = k < offered.size() ? offered[k].name : "";
+    if (had != has)
+      throw Error("other-interfaces",
+                  "the new '" + component + "' offers '" + (has.empty() ? "nothing" : has) +
+                      "' where it had '" + (had.empty() ? "nothing" : had) + "'",
+                  "a component is reloaded with the interfaces that it had; start the cell again for others");
+  }
+}
+}  // namespace
+
+void Hardware::take_new(Hosted& hosted, Transition& done) {
+  if (done.thrown_) std::rethrow_exception(done.thrown_);
+  Component& made = *done.made_;
+  expect_same(offered(hosted.name, [&] { return made.state_interfaces(); }), table_.state_names(),
+              hosted.first_state, hosted.states, hosted.name);
+  expect_same(offered(hosted.name, [&] { return made.command_interfaces(); }), table_.command_names(),
+              hosted.first_command, hosted.commands, hosted.name);
+  if (world() && hosted.component->world() == world()) world_ = nullptr;
+  retired_.push_back(std::exchange(hosted.component, std::move(done.made_)));
+  hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
+}
+
+// --- all of them ------------------------------------------------------------------------------------------
+
+void Hardware::configure_and_activate() {
+  configure_and_activate(here);
+}
+
+void Hardware::configure_and_activate(Caller& caller) {
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (hosted_[i]->options.initial != LifecycleState::unconfigured) go(begin(i, Step::configure), caller);
+  for (std::size_t i = 0; i < hosted_.size(); ++i)
+    if (hosted_[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
+  // What waits for a device has measured before controllers begin; its thread does not run yet.
+  for (const auto& hosted : hosted_)
+    if (hosted->runner && hosted->component->blocks() &&
+        hosted->state.load() != LifecycleState::unconfigured) {
+      hosted->own_result.store(hosted->component->read(hosted->own_cycle, hosted->own_states));
+      hosted->ran.store(true);
+    }
+  note_world();
+}
+
+namespace {
+/// Of a component that is still in a callback nothing may be freed: it stays until the process ends.
+void leave_behind(std::unique_ptr<Component> component, std::shared_ptr<Transition> pending) {
+  using Left = std::pair<std::unique_ptr<Component>, std::shared_ptr<Transition>>;
+  static auto* left = new std::vector<Left>;
+  left->emplace_back(std::move(component), std::move(pending));
+}
+}  // namespace
+
+bool Hardware::shut_down() noexcept {
+  return shut_down(here);
+}
+
+bool Hardware::shut_down(Caller& caller) noexcept {
+  bool all = true;
+  for (auto each = hosted_.rbegin(); each != hosted_.rend(); ++each) {
+    Hosted& hosted = **each;
+    hosted.runner.reset();
+    if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
+    const auto place = static_cast<std::size_t>(hosted_.rend() - each) - 1;
+    if (!hosted.pending && hosted.state.load() != LifecycleState::finalized) {
+      const auto last = pend(place, Step::shutdown);
+      caller.start(last);
+      if (caller.await(*last)) hosted.pending.reset();
+    }
+    hosted.state = LifecycleState::finalized;
+    if (!hosted.pending) continue;
+    leave_behind(std::move(hosted.component), std::exchange(hosted.pending, nullptr));
+    all = false;
+  }
+  return all;
+}
+
+}  // namespace polyarm::hardware

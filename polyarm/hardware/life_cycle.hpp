@@ -1,0 +1,26 @@
+#pragma once
+/// How components are called outside the loop. Private to the room.
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::hardware {
+
+/// ": " and the component's own reason, or nothing.
+std::string because(const Component& component);
+/// on_init; throws Error that begins with `which`.
+void initialise(Component& component, const ComponentContext& context, const char* which);
+
+/// What the component offers; `list` may throw.
+template <typename List>
+std::vector<InterfaceDescription> offered(const std::string& name, List list) {
+  try {
+    return list();
+  } catch (...) {
+    rethrow_as_error("component-failed", "the hardware component '" + name + "', asked for its interfaces,");
+  }
+}
+
+}  // namespace polyarm::hardware
