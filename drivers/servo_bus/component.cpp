@@ -520,9 +520,9 @@ std::string ServoComponent::reason() const {
     case FaultKind::watchdog:
       return watchdog::sentence(static_cast<watchdog::Health>(detail), watchdog_names());
     case FaultKind::stood_still:
-      return "this process stood still for more than " + std::to_string(setup_.bus_watchdog_ms) +
-             " ms, and the servos on " + setup_.port +
-             " have stopped by themselves; see that nothing is in the way, then configure and activate it "
+      return setup_.port + " was silent for more than " + std::to_string(setup_.bus_watchdog_ms) +
+             " ms, since this process stood still or waited for answers, and the servos have stopped by "
+             "themselves; see that nothing is in the way, then configure and activate it "
              "again";
     case FaultKind::none:
       break;

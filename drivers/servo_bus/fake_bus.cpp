@@ -221,6 +221,11 @@ std::vector<std::vector<std::uint8_t>> FakeBus::heard() {
   return {heard_.begin(), heard_.end()};
 }
 
+void FakeBus::cut_off() {
+  const std::lock_guard lock(mutex_);
+  cut_off_ = true;
+}
+
 void FakeBus::forget_heard() {
   const std::lock_guard lock(mutex_);
   heard_.clear();
@@ -294,6 +299,7 @@ bool FakeBus::take_instruction() {
   Frame frame(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
   in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
   const std::lock_guard lock(mutex_);
+  if (cut_off_) return true;
   last_heard_ = realtime::monotonic_now();
   bytes_in_ += size;
   heard_.push_back(frame);

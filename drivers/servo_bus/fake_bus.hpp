@@ -75,7 +75,9 @@ class FakeBus {
   /// The last instructions, whole frames; at most 4096.
   std::vector<std::vector<std::uint8_t>> heard();
   void forget_heard();
-  /// The cable is pulled.
+  /// The wires between adapter and servos are cut: the port stays, and neither side hears the other.
+  void cut_off();
+  /// The adapter is pulled.
   void hang_up();
   std::uint64_t instructions() const { return instructions_; }
   /// Plugs servos in and out.
@@ -119,6 +121,7 @@ class FakeBus {
   std::deque<Bytes> heard_;
   int step_ = 40;
   int bits_per_second_ = 0;
+  bool cut_off_ = false;
   Nanoseconds return_delay_ = 0, line_free_ = 0, last_heard_ = 0;
   std::atomic<std::uint64_t> bytes_in_{0}, bytes_out_{0};
   std::function<void(std::uint64_t)> call_;

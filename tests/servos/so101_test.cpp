@@ -113,6 +113,49 @@ TEST(So101, APersonArmsItFromAnotherTerminal) {
   EXPECT_EQ(cell.wait().exit_code, 3);
 }
 
+/// A cell on the wire whose gripper, servo 6, has begun to move.
+struct MovingArm : ArmOnAWire {
+  test::Command cell{{"run", copy.path(), "--real", "--full-speed", "--json", "--no-socket"},
+                     test::Input::terminal};
+  const servo_bus::Family& family = feetech::sts_family();
+  ::testing::AssertionResult begins() {
+    if (!cell.wait_for("nothing moves before a person types"))
+      return ::testing::AssertionFailure() << "no question";
+    cell.type("arm\n");
+    if (bus.wait(6, family.goal_position, [](int goal) { return goal > 2048 + 5; }))
+      return ::testing::AssertionSuccess();
+    cell.signal(SIGINT);
+    return ::testing::AssertionFailure() << cell.wait().output;
+  }
+};
+
+TEST(So101, AfterAStandstillTheArmHoldsUntilAPersonSaysMore) {
+  MovingArm arm;
+  ASSERT_TRUE(arm.begins());
+  arm.cell.signal(SIGSTOP);
+  ::usleep(900'000);  // what is tested is the gap itself
+  arm.cell.signal(SIGCONT);
+  ASSERT_TRUE(arm.cell.wait_for("\"state\":\"held\""));
+  const int goal = arm.bus.get(6, arm.family.goal_position);
+  arm.cell.signal(SIGINT);
+  const Finished ended = arm.cell.wait();
+  EXPECT_NE(ended.output.find("wall time went missing"), std::string::npos) << ended.output;
+  EXPECT_NEAR(arm.bus.get(6, arm.family.goal_position), goal, 1) << "nothing went on by itself";
+  EXPECT_EQ(arm.bus.get(6, arm.family.torque), 1);
+}
+
+TEST(So101, KilledTheArmGoesToItsLastGoalAndHolds) {
+  MovingArm arm;
+  ASSERT_TRUE(arm.begins());
+  arm.cell.signal(SIGKILL);
+  arm.cell.wait();
+  EXPECT_GT(arm.bus.get(6, arm.family.goal_position), 2048 + 5);
+  EXPECT_EQ(arm.bus.get(6, arm.family.torque), 1);
+  const Finished next =
+      run_command({"run", arm.copy.path(), "--real", "--seconds", "0.2", "--json", "--no-socket"});
+  EXPECT_EQ(next.output.find("in use"), std::string::npos) << next.output;
+}
+
 TEST(So101, WithoutRealItIsSimulated) {
   ArmOnAWire arm;
   const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
