@@ -157,6 +157,7 @@ bool ServoComponent::measure_all() {
 }
 
 CallbackReturn ServoComponent::on_configure() {
+  const std::lock_guard guard(mutex_);
   watchdog_.stop();  // one that has not had its way yet: from here on this process sees to it
   refusal_.clear();
   fault_ = 0;
@@ -256,6 +257,7 @@ bool ServoComponent::enable(std::size_t j, Problems& problems) {
 }
 
 CallbackReturn ServoComponent::on_activate() {
+  const std::lock_guard guard(mutex_);
   refusal_.clear();
   fault_ = 0;
   Problems problems;
@@ -306,6 +308,7 @@ void ServoComponent::lower() noexcept {
 }
 
 CallbackReturn ServoComponent::on_deactivate() {
+  const std::lock_guard guard(mutex_);
   active_ = false;
   held_ = !bus_.is_open() || hold();
   if (!watchdog_.running()) return CallbackReturn::success;
@@ -313,12 +316,14 @@ CallbackReturn ServoComponent::on_deactivate() {
 }
 
 CallbackReturn ServoComponent::on_cleanup() {
+  const std::lock_guard guard(mutex_);
   if (held_) watchdog_.stop();
   bus_.close();
   return CallbackReturn::success;
 }
 
 CallbackReturn ServoComponent::on_shutdown() {
+  const std::lock_guard guard(mutex_);
   if (active_ && bus_.is_open()) held_ = hold();
   active_ = false;
   leave_watchdog();
@@ -328,6 +333,7 @@ CallbackReturn ServoComponent::on_shutdown() {
 }
 
 CallbackReturn ServoComponent::on_error() {
+  const std::lock_guard guard(mutex_);
   active_ = false;
   if (!bus_.is_open()) return CallbackReturn::success;
   watchdog_.disarm();  // one on the line at a time
@@ -341,6 +347,7 @@ CallbackReturn ServoComponent::on_error() {
 }
 
 ServoComponent::~ServoComponent() {
+  const std::lock_guard guard(mutex_);
   if (active_ && bus_.is_open()) held_ = hold();
   leave_watchdog();
 }
@@ -405,6 +412,7 @@ void ServoComponent::watch(std::size_t j, double dt) noexcept {
 }
 
 ReturnType ServoComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  const std::lock_guard guard(mutex_);
   const Outcome outcome = bus_.sync_read(ids_, family_.present_address, family_.present_length, block_,
                                          replies_, setup_.fast_sync_read);
   const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << ids_.size()) - 1);
@@ -470,6 +478,7 @@ bool ServoComponent::send_goals(std::span<const double> commands) noexcept {
 }
 
 ReturnType ServoComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  const std::lock_guard guard(mutex_);
   if (!active_ || fault_.load(std::memory_order_relaxed)) return fault_ ? ReturnType::error : ReturnType::ok;
   // First what the watchdog has to say: after a standstill the commands are old.
   if (!fine(watchdog_.running() ? watchdog_.listen() : watchdog::Health::fine) || servos_have_waited() ||

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,7 @@ class ServoComponent : public hardware::Component {
   hardware::CallbackReturn refuse(const Problems& problems);
 
   const Family& family_;
+  std::mutex mutex_;  // of the bus and what is known of its servos
   ServoBus bus_;
   std::string name_;
   BusSetup setup_;

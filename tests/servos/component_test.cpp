@@ -1,3 +1,4 @@
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -368,6 +369,22 @@ TEST_P(BothWires, NeverTakesTorqueOffToChangeAMode) {
   EXPECT_FALSE(rig.start());
   EXPECT_TRUE(rig.says("b (servo 2") && rig.says("support the arm")) << rig.component->reason();
   EXPECT_EQ(rig.fake.get(2, rig.family.torque), 1);
+}
+
+TEST_P(BothWires, ActivationFromAnotherThreadThanTheReadsHasTheBusForItself) {
+  ServoRig rig(GetParam());
+  ASSERT_EQ(rig.component->on_configure(), CallbackReturn::success) << rig.component->reason();
+  std::atomic<bool> done = false;
+  std::thread loop([&] {
+    while (!done) rig.step();
+  });
+  for (int k = 0; k < 30; ++k) {
+    EXPECT_EQ(rig.component->on_activate(), CallbackReturn::success) << rig.component->reason();
+    EXPECT_EQ(rig.component->on_deactivate(), CallbackReturn::success);
+  }
+  done = true;
+  loop.join();
+  EXPECT_EQ(rig.component->counters().lost, 0u);
 }
 
 TEST_P(BothWires, ABusHasOneMaster) {
