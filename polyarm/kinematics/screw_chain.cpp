@@ -16,15 +16,16 @@ constexpr double kNothing = 5e-15;
 
 using Matrix = std::array<double, 9>;  // columns
 
-Matrix columns_of(const Quaternion& r) {
-  const Vec3 x = r * Vec3{1, 0, 0}, y = r * Vec3{0, 1, 0}, z = r * Vec3{0, 0, 1};
-  return {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
-}
-
 Vec3 without_noise(Vec3 v) {
   for (double* c : {&v.x, &v.y, &v.z})
     if (std::abs(*c) < kNothing) *c = 0;
   return v;
+}
+
+Matrix columns_of(const Quaternion& r) {
+  const auto column = [&](const Vec3& v) { return normalized(without_noise(r * v)); };
+  const Vec3 x = column({1, 0, 0}), y = column({0, 1, 0}), z = column({0, 0, 1});
+  return {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
 }
 
 Turn turn_about(const Vec3& h) {
