@@ -8,6 +8,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/description/user_robots.hpp"
 #include "polyarm/description/xacro.hpp"
 
 namespace polyarm::description {
@@ -37,13 +38,21 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders)
     for (const fs::path& maker : content_of(folder))
       for (const fs::path& file : content_of(maker))
-        if (file.extension() == ".yaml" && seen.insert(name_of(file)).second) out.push_back(file);
+        if ((file.extension() == ".yaml" || file.extension() == ".urdf") && seen.insert(name_of(file)).second)
+          out.push_back(file);
   std::sort(out.begin(), out.end(),
             [](const fs::path& a, const fs::path& b) { return name_of(a) < name_of(b); });
   return out;
 }
 
 }  // namespace
+
+/// A robot file of ours, or a description that a user has added; its warnings were told then.
+static RobotModel read_entry(const fs::path& file) {
+  if (file.extension() != ".urdf") return read_robot_file(file);
+  Problems warnings;
+  return read_urdf(read_file(file), file.string(), warnings);
+}
 
 static CatalogueEntry entry_of(const RobotModel& model, std::string name, const fs::path& file) {
   CatalogueEntry out;
@@ -65,7 +74,7 @@ static CatalogueEntry entry_of(const RobotModel& model, std::string name, const 
 std::vector<CatalogueEntry> Catalogue::entries() const {
   std::vector<CatalogueEntry> out;
   for (const fs::path& file : robot_files(folders_))
-    out.push_back(entry_of(read_robot_file(file), name_of(file), file));
+    out.push_back(entry_of(read_entry(file), name_of(file), file));
   return out;
 }
 
@@ -80,11 +89,11 @@ RobotModel Catalogue::load(const std::string& wanted) const {
   std::vector<std::string> all;
   for (const fs::path& file : robot_files(folders_)) {
     all.push_back(name_of(file));
-    if (name_of(file) == wanted) return read_robot_file(file);
+    if (name_of(file) == wanted) return read_entry(file);
     if (equal_ignoring_case(file.stem().string(), wanted)) matches.push_back(file);
     all.push_back(file.stem().string());
   }
-  if (matches.size() == 1) return read_robot_file(matches.front());
+  if (matches.size() == 1) return read_entry(matches.front());
   if (all.empty())
     throw Error("no-catalogue", "the catalogue of robots was not found",
                 "set POLYARM_ROBOTS to the folder robots/ of Polyarm");
@@ -97,6 +106,8 @@ std::vector<fs::path> default_catalogue_folders() {
   if (const char* from_user = std::getenv("POLYARM_ROBOTS"))
     for (const std::string& folder : split_words(from_user, ":")) out.emplace_back(folder);
   std::error_code error;
+  if (const fs::path own = user_robot_folder(); !own.empty() && fs::is_directory(own, error))
+    out.push_back(own);
   fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
   for (int up = 0; up < 5 && !here.empty(); ++up, here = here.parent_path())
     for (const fs::path& folder : {here / "robots", here / "share" / "polyarm" / "robots"})

@@ -5,6 +5,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/description/catalogue.hpp"
+#include "polyarm/description/kinematic_table.hpp"
 #include "polyarm/description/model_builder.hpp"
 
 namespace polyarm::description {
@@ -70,10 +71,20 @@ JointLimits read_limits(const Yaml& yaml, bool slides) {
   return out;
 }
 
+/// What a joint says beside where it stands.
+void read_joint_facts(const Yaml& yaml, Joint& joint) {
+  joint.limits = read_limits(yaml, joint.type == JointType::prismatic);
+  joint.damping = yaml["damping"].number(Dimension::none, 0);
+  joint.friction = yaml["friction"].number(Dimension::none, 0);
+}
+
+const std::vector<std::string> kJointFacts{"name",   "type",         "lower", "upper",   "velocity",
+                                           "effort", "acceleration", "jerk",  "damping", "friction"};
+
 NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
-  yaml.check_keys({"name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper", "velocity",
-                   "effort", "acceleration", "jerk", "damping", "friction"},
-                  problems);
+  std::vector<std::string> known = kJointFacts;
+  known.insert(known.end(), {"parent", "child", "xyz", "rpy", "axis"});
+  yaml.check_keys(known, problems);
   NamedJoint out;
   out.where = yaml.where();
   out.joint.name = yaml.required("name").text();
@@ -83,9 +94,59 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   out.joint.origin = yaml.pose();
   if (yaml.has("xyz")) place(yaml["xyz"]);
   if (yaml.has("axis")) out.joint.axis = read_axis(yaml["axis"]);
-  out.joint.limits = read_limits(yaml, out.joint.type == JointType::prismatic);
-  out.joint.damping = yaml["damping"].number(Dimension::none, 0);
-  out.joint.friction = yaml["friction"].number(Dimension::none, 0);
+  read_joint_facts(yaml, out.joint);
+  return out;
+}
+
+/// A link that the file's table implies, unless it is among `links` already.
+void imply_link(RobotModel& model, const std::string& name) {
+  if (model.find_link(name) >= 0) return;
+  model.links.emplace_back();
+  model.links.back().name = name;
+}
+
+void add_fixed(std::vector<NamedJoint>& joints, const std::string& parent, const std::string& child,
+               const Pose& origin, const Location& where) {
+  NamedJoint out;
+  out.where = where;
+  out.joint.name = parent + "-" + child;
+  out.parent = parent;
+  out.child = child;
+  out.joint.origin = origin;
+  joints.push_back(std::move(out));
+}
+
+/// Joints and links of a Denavit-Hartenberg or screw table; flange and tool0 at its end.
+std::vector<NamedJoint> read_table_joints(const Yaml& yaml, RobotModel& model, Problems& problems) {
+  const TableKind kind = table_kind(yaml["kinematics"]);
+  const Yaml rows = yaml.required("joints");
+  std::vector<NamedJoint> out;
+  const KinematicTable table = read_table(kind, rows, yaml["flange"], problems);
+  if (problems.has_errors()) return out;
+  std::vector<std::string> known = kJointFacts;
+  known.emplace_back("link");
+  known.insert(known.end(), table_keys(kind).begin(), table_keys(kind).end());
+  std::string parent = yaml["base"].text("base_link");
+  imply_link(model, parent);
+  for (const Yaml& row : rows.items()) {
+    row.check_keys(known, problems);
+    const std::string number = std::to_string(out.size() + 1);
+    NamedJoint joint;
+    joint.where = row.where();
+    joint.joint.name = row["name"].text("joint_" + number);
+    joint.joint.type = table.joints[out.size()].type;
+    joint.joint.origin = table.joints[out.size()].origin;
+    joint.joint.axis = table.joints[out.size()].axis;
+    joint.parent = parent;
+    joint.child = parent = row["link"].text("link_" + number);
+    read_joint_facts(row, joint.joint);
+    imply_link(model, parent);
+    out.push_back(std::move(joint));
+  }
+  for (const char* frame : {"flange", "tool0"}) {
+    imply_link(model, frame);
+    add_fixed(out, parent, frame, table.flange, yaml["joints"].where());
+  }
   return out;
 }
 
@@ -233,9 +294,10 @@ RobotModel read_robot_file(const fs::path& path) {
                         kind.empty() ? "this is not a robot file: it does not say 'polyarm: robot/1'"
                                      : "this is a '" + kind + "' file, a robot/1 was expected",
                         {}});
-  yaml.check_keys({"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints",
-                   "links", "named_states", "allowed_collisions", "controller_axes"},
-                  problems);
+  yaml.check_keys(
+      {"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints", "links",
+       "named_states", "allowed_collisions", "controller_axes", "kinematics", "base", "flange"},
+      problems);
   RobotModel model;
   model.name = path.stem().string();
   std::vector<NamedJoint> joints;
@@ -249,7 +311,9 @@ RobotModel read_robot_file(const fs::path& path) {
   attempt([&] { read_provenance(yaml, model); });
   for (const Yaml& link : yaml["links"].items())
     attempt([&] { model.links.push_back(read_link(link, problems)); });
-  for (const Yaml& joint : yaml["joints"].items())
+  const bool is_table = yaml.has("kinematics");
+  if (is_table) attempt([&] { joints = read_table_joints(yaml, model, problems); });
+  for (const Yaml& joint : is_table ? std::vector<Yaml>{} : yaml["joints"].items())
     attempt([&] { joints.push_back(read_joint(joint, problems)); });
   if (!problems.has_errors() && tie_together(model, std::move(joints), {path.string()}, problems)) {
     attempt([&] { read_named_states(yaml["named_states"], model, problems); });
@@ -257,6 +321,9 @@ RobotModel read_robot_file(const fs::path& path) {
     attempt([&] { read_controller_axes(yaml["controller_axes"], model, problems); });
   }
   problems.throw_if_errors();
+  const bool shaped = std::any_of(model.links.begin(), model.links.end(),
+                                  [](const Link& link) { return !link.collisions.empty(); });
+  if (is_table && !shaped) derive_shapes(model);
   complete_inertials(model, problems);
   return model;
 }
