@@ -1,9 +1,10 @@
+#include "apps/robots.hpp"
+
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
-#include "apps/verb.hpp"
 #include "polyarm/description/catalogue_query.hpp"
 
 namespace polyarm::apps {
@@ -65,7 +66,8 @@ struct Wanted {
 };
 
 int list_robots(int argc, char** argv) {
-  CLI::App app("Finds robots of the catalogue", "polyarm robots");
+  CLI::App app("Finds robots of the catalogue; `add` adds one, `picture` draws one, `page` writes of all",
+               "polyarm robots");
   bool json = false, names = false;
   Wanted wanted;
   wanted.add_to(app);
@@ -97,6 +99,10 @@ int list_robots(int argc, char** argv) {
 }  // namespace
 
 int run_robots(int argc, char** argv) {
+  const std::string verb = argc > 1 ? argv[1] : "";
+  if (verb == "add") return run_robots_add(argc - 1, argv + 1);
+  if (verb == "picture") return run_robots_picture(argc - 1, argv + 1);
+  if (verb == "page") return run_robots_page(argc - 1, argv + 1);
   return list_robots(argc, argv);
 }
 

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include "apps/options.hpp"
+#include "apps/robots.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/user_robots.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+/// "own/my_arm_2" for a model called "My Arm 2" whose maker is not stated.
+std::string default_name(const description::RobotModel& model) {
+  const auto word = [](const std::string& text) {
+    std::string out;
+    for (const char c : lower(text)) {
+      const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0;
+      if (plain)
+        out += c;
+      else if (!out.empty() && out.back() != '_')
+        out += '_';
+    }
+    while (!out.empty() && out.back() == '_') out.pop_back();
+    return out;
+  };
+  const std::string maker = word(model.provenance.maker), name = word(model.name);
+  return (maker.empty() ? "own" : maker) + "/" + (name.empty() ? "robot" : name);
+}
+
+/// Everything that keeps the robot out, at once; its chain is built as a cell would.
+void check(const description::RobotModel& model, Problems& problems) {
+  description::check_for_catalogue(model, problems);
+  if (problems.has_errors()) return;
+  try {
+    const kinematics::Chain chain(model, model.tool_link());
+    bool moves = false;
+    for (std::size_t i = 0; i < chain.joints(); ++i) moves |= chain.moves_tcp(i);
+    if (!moves) problems.error("no-arm", {}, "no joint moves the tool link", "name the tool link tool0");
+  } catch (const Error& e) {
+    problems.add(e);
+  }
+}
+
+}  // namespace
+
+int run_robots_add(int argc, char** argv) {
+  CLI::App app("Adds a description of your own to the catalogue", "polyarm robots add");
+  std::string file, name, folder;
+  bool replace = false;
+  app.add_option("file", file, "URDF, xacro or robot file")->required()->check(CLI::ExistingFile);
+  app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
+  app.add_option("--folder", folder,
+                 "where to (by default ~/.config/polyarm/robots, which is always looked at)");
+  app.add_flag("--replace", replace, "over a robot of that name");
+  app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one", "polyarm robots add arm.urdf.xacro",
+                       "polyarm robots add arm.urdf --folder my_cell/robots"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  Problems problems;
+  description::RobotModel model = description::load_robot(file, description::Catalogue({}), problems);
+  check(model, problems);
+  for (const Problem& problem : problems.list())
+    if (problem.severity == Severity::warning) fmt::print(stderr, "{}\n", problem.text());
+  problems.throw_if_errors();
+  description::complete_for_catalogue(model, file);
+  if (name.empty()) name = default_name(model);
+  const std::filesystem::path where =
+      folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
+  if (where.empty()) throw Error("no-folder", "there is no home folder to put robots into", "say --folder");
+  const std::filesystem::path stored = store_robot(model, name, where, replace);
+  const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+  fmt::print("{}: {} axes, tool on {}, {}\n  {}\n", name, model.actuated.size(),
+             model.links[static_cast<std::size_t>(model.tool_link())].name,
+             arm ? "closed form: " + arm.report() : arm.report(), stored.string());
+  if (!folder.empty()) fmt::print("  POLYARM_ROBOTS={} makes it known\n", where.string());
+  return kOk;
+}
+
+}  // namespace polyarm::apps

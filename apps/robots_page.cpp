@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "apps/options.hpp"
+#include "apps/picture.hpp"
+#include "apps/robots.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+using description::CatalogueEntry;
+using description::RobotModel;
+
+std::vector<double> home_of(const RobotModel& model) {
+  const auto home = model.named_states.find("home");
+  return home != model.named_states.end() ? home->second : std::vector<double>(model.actuated.size(), 0.0);
+}
+
+std::string number(const std::optional<double>& value, const char* unit) {
+  return value ? fmt::format("{:.4g} {}", *value, unit) : "–";
+}
+
+/// Text in a cell of a table.
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find_first_of("|\n", at)) != std::string::npos; ++at) text[at] = ' ';
+  return text;
+}
+
+std::string solved_by(const RobotModel& model) {
+  const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+  return arm ? "closed form: " + arm.report() : "by iteration: " + arm.report();
+}
+
+std::string display(const RobotModel& model) {
+  return model.controller_axes.empty() ? "not known" : model.provenance.controller_axes;
+}
+
+/// One maker's page: a picture of each robot and every fact that the catalogue has beside the numbers.
+std::string maker_page(const std::string& maker,
+                       const std::vector<std::pair<CatalogueEntry, RobotModel>>& robots) {
+  std::string out = fmt::format(
+      "# {}\n\nWritten by `polyarm robots page`; see [the index](README.md). Kinematics, limits and masses "
+      "of each: "
+      "`polyarm describe NAME`.\n",
+      maker);
+  for (const auto& [entry, model] : robots) {
+    out += fmt::format("\n## {}\n\n<img src=\"{}.svg\" alt=\"{} at home\" width=\"260\">\n\n", entry.model,
+                       entry.name, entry.model);
+    out += fmt::format("`{}`: {} axes, reach {}, payload {}, mass {}{}.\n\n", entry.name, entry.axes,
+                       number(entry.reach_m, "m"), number(entry.payload_kg, "kg"),
+                       number(entry.mass_kg, "kg"), entry.mass_estimated ? " (in part estimated)" : "");
+    out += "- Inverse kinematics: " + solved_by(model) + "\n- The controller's display: " + display(model) +
+           "\n- Source: " + model.provenance.source + " (" + model.provenance.licence + ")\n";
+    for (const std::string& note : model.provenance.notes) out += "- " + note + "\n";
+  }
+  return out;
+}
+
+std::string index_page(
+    const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
+    std::size_t robots) {
+  std::string out = fmt::format(
+      "# The catalogue\n\n{} robots of {} makers at their home, drawn from their capsules. Written by "
+      "`polyarm robots "
+      "page`; find by figures with `polyarm robots --axes 6 --reach '>=1.2'`.\n\n",
+      robots, makers.size());
+  for (const auto& [folder, list] : makers)
+    out += fmt::format("[{}](#{}) ({}) ", list.front().first.maker, folder, list.size());
+  out += "\n";
+  for (const auto& [folder, list] : makers) {
+    out += fmt::format(
+        "\n<a id=\"{0}\"></a>\n\n## [{1}]({0}.md)\n\n| | robot | axes | reach | payload | mass |\n"
+        "|---|---|---|---|---|---|\n",
+        folder, list.front().first.maker);
+    for (const auto& [entry, model] : list)
+      out += fmt::format(
+          "| <img src=\"{0}.svg\" width=\"110\"> | {1}<br>`{0}` | {2} | {3} | {4} | {5}{6} |\n", entry.name,
+          cell(entry.model), entry.axes, number(entry.reach_m, "m"), number(entry.payload_kg, "kg"),
+          number(entry.mass_kg, "kg"), entry.mass_estimated ? " (est.)" : "");
+  }
+  return out;
+}
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  write_file_atomically(file, text);
+}
+
+}  // namespace
+
+int run_robots_picture(int argc, char** argv) {
+  CLI::App app("Draws a robot as SVG", "polyarm robots picture");
+  std::string robot;
+  std::vector<double> joints;
+  app.add_option("robot", robot, "catalogue name, or a URDF or robot file")->required();
+  app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);
+  app.footer(examples({"polyarm robots picture kuka/kr_16_2 > kr16.svg",
+                       "polyarm robots picture my_arm.urdf --joints 0 -1 1 0 0 0 > arm.svg"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  Problems warnings;
+  const RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
+  if (joints.empty()) joints = home_of(model);
+  if (joints.size() != model.actuated.size())
+    throw Error("bad-value",
+                fmt::format("--joints takes {} numbers for this robot ({}), here are {}",
+                            model.actuated.size(), join(model.joint_names(), " "), joints.size()));
+  fmt::print("{}", picture_of(model, joints));
+  return kOk;
+}
+
+int run_robots_page(int argc, char** argv) {
+  CLI::App app(
+      "Writes pages of the whole catalogue: an index, one page for each maker, one picture for each robot",
+      "polyarm robots page");
+  std::string folder, catalogue_folder;
+  app.add_option("folder", folder, "where to; files of the same names are written over")->required();
+  app.add_option("--catalogue", catalogue_folder, "of this folder of robots (the catalogue by default)")
+      ->check(CLI::ExistingDirectory);
+  app.footer(
+      examples({"polyarm robots page docs/robots", "polyarm robots page pages --catalogue my/robots"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  const description::Catalogue catalogue =
+      catalogue_folder.empty() ? open_catalogue() : description::Catalogue({catalogue_folder});
+  std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>> makers;
+  std::size_t count = 0;
+  for (const CatalogueEntry& entry : catalogue.entries()) {
+    RobotModel model = catalogue.load(entry.name);
+    write(fs::path(folder) / (entry.name + ".svg"), picture_of(model, home_of(model)));
+    makers[entry.name.substr(0, entry.name.find('/'))].emplace_back(entry, std::move(model));
+    ++count;
+  }
+  for (const auto& [maker, list] : makers)
+    write(fs::path(folder) / (maker + ".md"), maker_page(list.front().first.maker, list));
+  write(fs::path(folder) / "README.md", index_page(makers, count));
+  fmt::print("{} robots of {} makers written to {}\n", count, makers.size(), folder);
+  return kOk;
+}
+
+}  // namespace polyarm::apps

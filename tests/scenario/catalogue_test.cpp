@@ -1,0 +1,173 @@
+/// The catalogue as the command shows it: finding, adding, drawing.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Finished;
+using test::Folder;
+using test::run_command;
+
+const std::string kRobots = POLYARM_SOURCE_DIR "/robots";
+
+nlohmann::json found(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "robots");
+  arguments.emplace_back("--json");
+  return nlohmann::json::parse(run_command(arguments).output);
+}
+
+TEST(RobotsCommand, FindsByEveryFigure) {
+  const auto robots =
+      found({"--maker", "Universal Robots", "--reach", ">=1.2", "--payload", "10..20", "--sort", "-payload"});
+  ASSERT_GE(robots.size(), 2u);
+  double last = 1e9;
+  for (const auto& robot : robots) {
+    EXPECT_EQ(robot["maker"], "Universal Robots");
+    EXPECT_GE(robot["reach_m"].get<double>(), 1.2);
+    EXPECT_LE(robot["payload_kg"].get<double>(), last);
+    last = robot["payload_kg"].get<double>();
+  }
+  EXPECT_LE(last, 20);
+  for (const auto& robot : found({"--axes", "7"})) EXPECT_EQ(robot["axes"], 7);
+  EXPECT_TRUE(found({"--mass", "<1g"}).empty());
+}
+
+TEST(RobotsCommand, SaysWhatIsWrongWithAQuestion) {
+  for (const auto& [option, text, piece] :
+       {std::array<const char*, 3>{"--reach", "far", "--reach: 'far' is no range"},
+        {"--payload", "3m", "--payload"},
+        {"--maker", "fanuk", "did you mean 'fanuc'"},
+        {"--sort", "raech", "did you mean 'reach'"}}) {
+    const Finished asked = run_command({"robots", option, text});
+    EXPECT_NE(asked.exit_code, 0);
+    EXPECT_NE(asked.output.find(piece), std::string::npos) << asked.output;
+  }
+}
+
+/// A configuration folder of its own for every command that runs meanwhile.
+class OwnConfiguration : public ::testing::Test {
+ protected:
+  OwnConfiguration() { ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1); }
+  ~OwnConfiguration() override { ::unsetenv("XDG_CONFIG_HOME"); }
+  const Folder folder_;
+};
+using RobotsAdd = OwnConfiguration;
+
+TEST_F(RobotsAdd, TakesADescriptionThatThenLoadsEverywhere) {
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+  const Finished added = run_command({"robots", "add", urdf, "--name", "acme/one"});
+  ASSERT_EQ(added.exit_code, 0) << added.output;
+  EXPECT_EQ(found({"--maker", "acme"}).size(), 1u);
+  for (const char* name : {"acme/one", "one"}) {
+    EXPECT_EQ(run_command({"describe", name}).exit_code, 0) << name;
+    EXPECT_EQ(run_command({"fk", name}).exit_code, 0) << name;
+  }
+  EXPECT_EQ(run_command({"fk", "acme/one"}).output, run_command({"fk", urdf}).output);
+  const Finished again = run_command({"robots", "add", urdf, "--name", "acme/one"});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_NE(again.output.find("--replace"), std::string::npos) << again.output;
+  EXPECT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one", "--replace"}).exit_code, 0);
+}
+
+TEST_F(RobotsAdd, RefusesWhatIsNoArmWithReasons) {
+  const auto refused = [&](const std::string& joints, const char* piece) {
+    const std::string urdf = folder_.write(
+        "arm.urdf", "<robot name=\"a\"><link name=\"base\"/><link name=\"tip\"/>" + joints + "</robot>");
+    const Finished added = run_command({"robots", "add", urdf});
+    EXPECT_NE(added.exit_code, 0) << joints;
+    EXPECT_NE(added.output.find(piece), std::string::npos) << added.output;
+    EXPECT_FALSE(fs::exists(folder_.path() / "polyarm")) << joints;
+  };
+  const std::string ends = "<parent link=\"base\"/><child link=\"tip\"/>";
+  refused("<joint name=\"j\" type=\"fixed\">" + ends + "</joint>", "no joint that moves");
+  refused("<joint name=\"j\" type=\"prismatic\">" + ends + "</joint>", "'j'");
+  refused("<joint name=\"j\" type=\"floating\">" + ends + "</joint>", "j");
+  refused("<joint name=\"j\" type=\"revolute\"><parent link=\"base\"/><child link=\"tp\"/></joint>", "tp");
+}
+
+TEST_F(RobotsAdd, RefusesANameThatIsNone) {
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+  for (const char* name : {"one", "Acme/One", "../one/two", "a/b/c", "/one"})
+    EXPECT_NE(run_command({"robots", "add", urdf, "--name", name}).exit_code, 0) << name;
+}
+
+// --- pictures
+
+/// Equal but for numbers, which may differ in their last place from one compiler to another.
+void expect_alike(const std::string& a, const std::string& b, const std::string& file) {
+  std::size_t i = 0, k = 0;
+  const auto digit = [](char c) {
+    return std::isdigit(static_cast<unsigned char>(c)) || c == '.' || c == '-';
+  };
+  while (i < a.size() && k < b.size()) {
+    if (digit(a[i]) && digit(b[k])) {
+      std::size_t ni = i, nk = k;
+      while (ni < a.size() && digit(a[ni])) ++ni;
+      while (nk < b.size() && digit(b[nk])) ++nk;
+      const std::string x = a.substr(i, ni - i), y = b.substr(k, nk - k);
+      if (x != y) {
+        const auto nx = parse_number(x), ny = parse_number(y);
+        ASSERT_TRUE(nx && ny && std::abs(*nx - *ny) < 0.11) << file << ": " << x << " and " << y;
+      }
+      i = ni;
+      k = nk;
+      continue;
+    }
+    ASSERT_EQ(a[i], b[k]) << file << " near " << a.substr(i, 40);
+    ++i;
+    ++k;
+  }
+  EXPECT_EQ(a.size() - i, b.size() - k) << file;
+}
+
+std::set<std::string> files_in(const fs::path& folder) {
+  std::set<std::string> out;
+  for (const auto& file : fs::recursive_directory_iterator(folder))
+    if (file.is_regular_file()) out.insert(fs::relative(file.path(), folder).string());
+  return out;
+}
+
+TEST(RobotsPage, WhatIsInTheDocsIsWhatTheCommandWrites) {
+  const Folder folder;
+  const Finished written = run_command({"robots", "page", folder.path().string(), "--catalogue", kRobots});
+  ASSERT_EQ(written.exit_code, 0) << written.output;
+  const fs::path docs = POLYARM_SOURCE_DIR "/docs/robots";
+  ASSERT_EQ(files_in(folder.path()), files_in(docs));
+  std::size_t pictures = 0, bytes = 0;
+  for (const std::string& file : files_in(docs)) {
+    const std::string text = read_file((folder.path() / file).string());
+    expect_alike(text, read_file((docs / file).string()), file);
+    if (HasFatalFailure()) return;
+    pictures += file.ends_with(".svg");
+    bytes += text.size();
+    EXPECT_TRUE(!file.ends_with(".svg") || text.size() < 15'000) << file;
+  }
+  EXPECT_EQ(pictures, found({}).size());
+  EXPECT_LT(bytes, 5'000'000u);
+}
+
+TEST(RobotsPicture, ShowsTheStateThatIsAskedFor) {
+  const std::string home = run_command({"robots", "picture", "universal_robots/ur3"}).output;
+  const std::string other =
+      run_command({"robots", "picture", "universal_robots/ur3", "--joints", "0", "-1.57", "0", "0", "0", "0"})
+          .output;
+  EXPECT_TRUE(home.starts_with("<svg")) << home.substr(0, 200);
+  EXPECT_TRUE(other.starts_with("<svg"));
+  EXPECT_NE(home, other);
+  EXPECT_NE(run_command({"robots", "picture", "universal_robots/ur3", "--joints", "0"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace polyarm
