@@ -4,94 +4,119 @@
 #include <cmath>
 #include <numbers>
 
-#include "polyarm/kinematics/descent.hpp"
+#include "polyarm/kinematics/failure.hpp"
+#include "polyarm/kinematics/unwind.hpp"
 
 namespace polyarm::kinematics {
 
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kLooks = 30;  // seeds tried for each possible reason
+constexpr int kLooks = 48;        // descents for each possible reason
+constexpr int kSettleSteps = 40;  // to the bottom, for the nearest
 
 std::string meters(double length) {
   return length < 1e5 ? fmt::format("{:.2f} m", length) : fmt::format("{:.3g} m", length);
 }
 
-/// The joint that is furthest outside its limits, as a sentence.
-std::string limit_sentence(const Chain& chain, const JointState& q) {
-  std::size_t worst = 0;
-  for (std::size_t i = 0; i < chain.joints(); ++i)
-    if (chain.moves_tcp(i) && excess(chain, q, i) > excess(chain, q, worst)) worst = i;
-  const bool upper = q[worst] > chain.upper()[worst];
-  const double limit = upper ? chain.upper()[worst] : chain.lower()[worst];
-  return fmt::format("only with {} {:.3g} {} beyond its {} limit {:.4g}", chain.names()[worst],
-                     excess(chain, q, worst), chain.slides(worst) ? "m" : "rad", upper ? "upper" : "lower",
-                     limit);
+/// The same question with orientations counted at this weight, rad per rad or length.
+NumericQuestion weighed(const NumericQuestion& question, double weight) {
+  NumericQuestion out = question;
+  if (!out.task) out.task.emplace();
+  for (const std::size_t row : {3, 4, 5}) out.task->weight[row] = weight;
+  return out;
 }
 
-/// Tries descents from the seed and from random states; `judge` sees every state a descent ended in.
-template <typename Judge>
-void look_around(const Chain& chain, const Pose& target, std::span<const double> seed,
-                 const IkOptions& options, double weight, bool walls, Judge&& judge) {
-  Random random(3);
-  JointState q{};
-  std::copy(seed.begin(), seed.end(), q.begin());
-  for (int look = 0; look < kLooks; ++look) {
-    Descent descent(chain, target, options, weight);
-    const bool found = descent.run(q, walls);
-    judge(descent, q, found);
-    scatter(chain, q, random);
-  }
+/// The best of many descents, followed to the bottom. `size2` says how good a place is.
+template <typename Size>
+NumericPlace best_of(const NumericCore& core, const NumericQuestion& question, const Size& size2) {
+  NumericCore::Places found;
+  for (NumericPlace& one : found) one.x = question.seed;
+  std::size_t seen = 0;
+  core.look_around(question, kLooks, [&](const NumericPlace& at) {
+    NumericPlace& slot = found[seen++ % found.size()];
+    if (size2(at) < size2(slot)) slot = at;
+  });
+  core.settle(question, kSettleSteps, found);
+  return *std::min_element(found.begin(), found.end(),
+                           [&](const NumericPlace& a, const NumericPlace& b) { return size2(a) < size2(b); });
+}
+
+/// The joint that is furthest outside its limits, as a sentence.
+std::string limit_sentence(const Chain& chain, const IkSolution& at) {
+  std::size_t worst = 0;
+  const auto over = [&](std::size_t i) { return chain.moves_tcp(i) ? excess(chain, i, at.q[i]) : 0.0; };
+  for (std::size_t i = 0; i < chain.joints(); ++i)
+    if (over(i) > over(worst)) worst = i;
+  const bool upper = at.q[worst] > chain.upper()[worst];
+  const double limit = upper ? chain.upper()[worst] : chain.lower()[worst];
+  return fmt::format("only with {} {:.3g} {} beyond its {} limit {:.4g}", chain.names()[worst], over(worst),
+                     chain.slides(worst) ? "m" : "rad", upper ? "upper" : "lower", limit);
 }
 
 /// Whether the pose could be had without limits; then the sentence names the joint in the way of the best
 /// try.
-bool blame_limits(const Chain& chain, const Pose& target, std::span<const double> seed,
-                  const IkOptions& options, std::string& sentence) {
+bool blame_limits(const NumericCore& core, NumericQuestion question, std::span<const double> seed,
+                  std::string& sentence) {
   double least = 1e300;
-  const double weight = options.orientation_free ? 0.0 : options.orientation_weight;
-  look_around(chain, target, seed, options, weight, false, [&](const Descent&, JointState q, bool found) {
-    if (!found) return;
-    unwind(chain, q, seed);
+  question.walls = false;
+  core.look_around(question, kLooks, [&](NumericPlace at) {
+    if (!core.good(at)) return;
+    core.polish(question, at);
+    IkSolution one;
+    core.write(at, seed, one);
     double sum = 0;
-    for (std::size_t i = 0; i < chain.joints(); ++i)
-      if (chain.moves_tcp(i)) sum += excess(chain, q, i);
+    for (std::size_t i = 0; i < core.chain.joints(); ++i)
+      if (core.chain.moves_tcp(i)) sum += excess(core.chain, i, one.q[i]);
     if (sum >= least || sum <= 0) return;
     least = sum;
-    sentence = limit_sentence(chain, q);
+    sentence = limit_sentence(core.chain, one);
   });
   return least < 1e300;
 }
 
 /// Whether the place alone can be had; then the sentence tells by how much the orientation misses at the
 /// least.
-bool blame_orientation(const Chain& chain, const Pose& target, std::span<const double> seed,
-                       const IkOptions& options, std::string& sentence) {
-  constexpr double kLightly = 0.02, kSamePlace = 1e-3;
+bool blame_orientation(const NumericCore& core, const NumericQuestion& question, std::string& sentence) {
+  constexpr double kLightly = 0.03, kSamePlace = 1e-3;
   double least = 1e300;
-  look_around(chain, target, seed, options, kLightly, true,
-              [&](const Descent& descent, const JointState&, bool) {
-                if (descent.error().position < kSamePlace)
-                  least = std::min(least, descent.error().orientation);
-              });
-  if (least > 1e299) {
-    look_around(chain, target, seed, options, 0, true,
-                [&](const Descent& descent, const JointState& q, bool found) {
-                  const Pose there = chain.forward({q.data(), chain.joints()});
-                  if (found) least = std::min(least, angle_between(there.rotation, target.rotation));
-                  (void)descent;
-                });
-  }
+  const auto look = [&](double weight) {
+    const NumericPlace best = best_of(core, weighed(question, weight), [&](const NumericPlace& at) {
+      return at.position2 + kLightly * kLightly * at.orientation2;
+    });
+    if (core.arm.length * std::sqrt(best.position2) < kSamePlace)
+      least = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(best.orientation2)));
+  };
+  look(kLightly);
+  if (least > 1e299) look(0);
   sentence =
       fmt::format("the orientation cannot be reached at that place: {:.1f} deg off at the nearest found",
                   kDegrees * least);
   return least < 1e299;
 }
 
+/// The nearest joint state, as the caller weighs metres against radians.
+void find_nearest(const NumericCore& core, const NumericQuestion& question, const Pose& target,
+                  std::span<const double> seed, const IkOptions& options, IkResult& result) {
+  const double weight = options.orientation_free ? 0.0 : std::max(1e-6, options.orientation_weight);
+  const NumericPlace best =
+      best_of(core, weighed(question, weight / core.arm.length), [&](const NumericPlace& at) {
+        return core.arm.length * core.arm.length * at.position2 + weight * weight * at.orientation2;
+      });
+  IkSolution one;
+  core.write(best, seed, one);
+  result.q.assign(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(core.chain.joints()));
+  const Pose there = core.chain.forward(result.q);
+  result.position_error = norm(target.position - there.position);
+  if (!options.orientation_free) result.orientation_error = angle_between(there.rotation, target.rotation);
+}
+
 }  // namespace
 
-void explain_failure(const Chain& chain, const Pose& target, std::span<const double> seed,
-                     const IkOptions& options, IkResult& result) {
+void explain_failure(const NumericCore& core, const NumericQuestion& question, const Pose& target,
+                     std::span<const double> seed, const IkOptions& options, IkResult& result) {
+  const Chain& chain = core.chain;
+  find_nearest(core, question, target, seed, options, result);
   result.status = IkStatus::unreachable;
   const double away = norm(target.position - chain.reach_center());
   if (away > chain.reach() + options.position_tolerance) {
@@ -99,7 +124,7 @@ void explain_failure(const Chain& chain, const Pose& target, std::span<const dou
                                 meters(away), meters(chain.reach()));
     return;
   }
-  if (blame_limits(chain, target, seed, options, result.reason)) {
+  if (blame_limits(core, question, seed, result.reason)) {
     result.status = IkStatus::limits;
     return;
   }
@@ -109,7 +134,7 @@ void explain_failure(const Chain& chain, const Pose& target, std::span<const dou
                                 1e3 * result.position_error, kDegrees * result.orientation_error);
     return;
   }
-  if (!options.orientation_free && blame_orientation(chain, target, seed, options, result.reason)) return;
+  if (!options.orientation_free && blame_orientation(core, question, result.reason)) return;
   result.reason =
       fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm to that place",
                   1e3 * result.position_error);

@@ -1,7 +1,9 @@
 #pragma once
-/// Inverse kinematics by iteration, within joint limits, from seeds. Deterministic: no clock, fixed random
-/// seeds, so the same question has the same answer. Metres, radians, poses of the TCP in the world. Any
-/// thread; not for the control cycle (results allocate).
+/// Inverse kinematics with an answer for a person: all branches of the closed form where an arm has one,
+/// descents else, within joint limits, and a reason where there is none. Deterministic: the same question has
+/// the same answer. Metres, radians, poses of the TCP in the world. Any thread; not for the control cycle
+/// (results allocate; NumericIk and InverseKinematics are for that). Each call makes a solver for the chain,
+/// some 60 us; an ArmSolver keeps one.
 #include <span>
 #include <string>
 #include <vector>
@@ -19,7 +21,7 @@ struct IkOptions {
   double position_tolerance = 1e-6;     ///< m; solutions are polished well beyond it
   double orientation_tolerance = 1e-6;  ///< rad
   int iterations = 60;                  ///< of one descent
-  int restarts = 100;                   ///< random seeds tried after the given one
+  int restarts = 100;                   ///< how long other states are tried after the seed; 0: not at all
   /// Metres that one radian of orientation counts as while errors are traded against each other; matters to
   /// arms of fewer than six joints, whose failed solves report the best compromise.
   double orientation_weight = 1;
@@ -35,7 +37,7 @@ struct IkResult {
   explicit operator bool() const { return status == IkStatus::solved; }
 };
 
-/// The solution that descent from `seed` finds, or descent from random seeds when that fails. Joints that
+/// The solution that descent from `seed` finds, or descent from other states when that fails. Joints that
 /// turn further than once come to the turn nearest the seed. Actuated joints that do not move the TCP keep
 /// the seed's values. Never throws for any numbers: a target or seed that is malformed fails with its reason.
 /// Method: damped least squares with damping proportional to the squared error (Chan and Lawrence 1988;
@@ -45,7 +47,7 @@ IkResult solve_inverse(const Chain& chain, const Pose& target, std::span<const d
 
 /// Distinct solutions, nearest to `rank_from` (Euclidean distance of joint states) first: all branches of the
 /// arm's closed form (InverseKinematics), else those found by descent from `rank_from` and options.restarts
-/// random seeds. At most 64, as arms of more than six joints have endlessly many.
+/// other states. At most 64, as arms of more than six joints have endlessly many.
 std::vector<std::vector<double>> find_solutions(const Chain& chain, const Pose& target,
                                                 std::span<const double> rank_from,
                                                 const IkOptions& options = {});

@@ -9,7 +9,7 @@ namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kRounding = 1e-12;  // of errors, in lengths and rad: nearer is not asked for
+constexpr double kRounding = 1e-11;  // of errors, in lengths and rad: nearer is not asked for
 constexpr int kPolish = 4;
 
 double squared(double v) {
@@ -80,6 +80,17 @@ void NumericCore::set_target(const NumericQuestion& question, std::size_t lane,
   for (std::size_t i = 0; i < question.target.size(); ++i) all.target[i][lane] = question.target[i];
 }
 
+void NumericCore::set_targets(const NumericQuestion& question, Descents& all) const noexcept {
+  for (std::size_t i = 0; i < question.target.size(); ++i)
+    std::fill_n(all.target[i], kDescents, question.target[i]);
+}
+
+void NumericCore::set_states(const double* x, Descents& all) const noexcept {
+  for (std::size_t k = 0; k < arm.joints; ++k) std::fill_n(all.x[k], kDescents, x[k]);
+  std::fill_n(all.least, kDescents, 1e300);
+  std::fill_n(all.stuck, kDescents, 0.0);
+}
+
 void NumericCore::set_state(const double* x, std::size_t lane, Descents& all) const noexcept {
   for (std::size_t k = 0; k < arm.joints; ++k) all.x[k][lane] = x[k];
   all.restart(lane);
@@ -114,12 +125,9 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
   Descents all;
   SeedTable::Search search;
   begin_search(question, search);
-  set_target(question, 0, all);
+  set_targets(question, all);
   set_state(question.seed.data(), 0, all);
-  for (std::size_t lane = 1; lane < kDescents; ++lane) {
-    set_target(question, lane, all);
-    restart(search, lane, all);
-  }
+  for (std::size_t lane = 1; lane < kDescents; ++lane) restart(search, lane, all);
   DescentRules here = rules;
   here.walls = question.walls;
   out = {};
@@ -148,18 +156,12 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
 
 bool NumericCore::follow(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept {
   Descents all;
-  for (std::size_t lane = 0; lane < kDescents; ++lane) {
-    set_target(question, lane, all);
-    set_state(question.seed.data(), lane, all);
-  }
+  set_targets(question, all);
+  set_states(question.seed.data(), all);
   DescentRules here = rules;
   here.walls = question.walls;
   here.steps = steps;
   here.patience = 8;
-  if (settings.polish) {
-    here.position2 = std::min(here.position2, squared(1e-9));
-    here.orientation2 = std::min(here.orientation2, squared(1e-9));
-  }
   descend(arm, here, task_of(question), all);
   out = place_of(all, 0);
   return good(out);
@@ -168,10 +170,8 @@ bool NumericCore::follow(const NumericQuestion& question, int steps, NumericPlac
 void NumericCore::polish(const NumericQuestion& question, NumericPlace& at) const noexcept {
   if (at.size2() < squared(kRounding)) return;
   Descents all;
-  for (std::size_t lane = 0; lane < kDescents; ++lane) {
-    set_target(question, lane, all);
-    set_state(at.x.data(), lane, all);
-  }
+  set_targets(question, all);
+  set_states(at.x.data(), all);
   DescentRules here = rules;
   here.walls = question.walls;
   here.position2 = here.orientation2 = squared(kRounding);
@@ -180,6 +180,19 @@ void NumericCore::polish(const NumericQuestion& question, NumericPlace& at) cons
   descend(arm, here, task_of(question), all);
   const NumericPlace then = place_of(all, 0);
   if (then.size2() < at.size2()) at = then;
+}
+
+void NumericCore::settle(const NumericQuestion& question, int steps, Places& places) const noexcept {
+  Descents all;
+  set_targets(question, all);
+  for (std::size_t lane = 0; lane < kDescents; ++lane) set_state(places[lane].x.data(), lane, all);
+  DescentRules here = rules;
+  here.walls = question.walls;
+  here.steps = steps;
+  here.patience = 1e9;
+  here.position2 = here.orientation2 = -1;
+  descend(arm, here, task_of(question), all);
+  for (std::size_t lane = 0; lane < kDescents; ++lane) places[lane] = place_of(all, lane);
 }
 
 void NumericCore::write(const NumericPlace& at, std::span<const double> seed,

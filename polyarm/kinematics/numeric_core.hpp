@@ -53,6 +53,9 @@ struct NumericCore {
   void look_around(const NumericQuestion& question, int searches, const See& see) const noexcept;
   /// A few steps more, as far as they help; `out` is one of eight alike.
   void polish(const NumericQuestion& question, NumericPlace& at) const noexcept;
+  /// So many steps more from eight places, however little they help.
+  using Places = std::array<NumericPlace, kDescents>;
+  void settle(const NumericQuestion& question, int steps, Places& all) const noexcept;
   /// Moves within what the pose leaves free.
   void improve(const NumericQuestion& question, std::span<const double> seed,
                NumericPlace& at) const noexcept;
@@ -62,6 +65,9 @@ struct NumericCore {
                    NumericPlace& at, IkSolution& out) const noexcept;
 
   void set_target(const NumericQuestion& question, std::size_t lane, Descents& all) const noexcept;
+  /// Of all lanes.
+  void set_targets(const NumericQuestion& question, Descents& all) const noexcept;
+  void set_states(const double* x, Descents& all) const noexcept;
   void set_state(const double* x, std::size_t lane, Descents& all) const noexcept;
   NumericPlace place_of(const Descents& all, std::size_t lane) const noexcept;
   void begin_search(const NumericQuestion& question, SeedTable::Search& search) const noexcept;
@@ -79,10 +85,8 @@ void NumericCore::look_around(const NumericQuestion& question, int searches, con
   Descents all;
   SeedTable::Search search;
   begin_search(question, search);
-  for (std::size_t lane = 0; lane < kDescents; ++lane) {
-    set_target(question, lane, all);
-    restart(search, lane, all);
-  }
+  set_targets(question, all);
+  for (std::size_t lane = 1; lane < kDescents; ++lane) restart(search, lane, all);
   set_state(question.seed.data(), 0, all);
   DescentRules here = rules;
   here.walls = question.walls;

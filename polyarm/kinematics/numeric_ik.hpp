@@ -46,7 +46,7 @@ struct NumericSettings {
   /// After the tolerances are met, go on to rounding where a few steps lead there.
   bool polish = true;
   int steps = 1500;         ///< of eight descents, before a solve gives up
-  int track_steps = 12;     ///< of track()
+  int track_steps = 20;     ///< of track()
   int searches = 160;       ///< descents of solve_all()
   std::size_t seeds = 512;  ///< of the table that descents start from
   IkGoal goal = IkGoal::none;
@@ -78,8 +78,8 @@ class NumericIk {
   IkOutcome solve(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   IkOutcome solve(const Pose& target, const IkTask& task, std::span<const double> seed,
                   IkSolution& out) const noexcept;
-  /// The solution that one descent from `seed` leads to, and no other: a servo tick. Where it does not lead
-  /// there, how far it came.
+  /// The solution that one descent from `seed` leads to, and no other: a servo tick. Within tolerance it ends,
+  /// polish or not. Where it does not lead there, how far it came.
   IkOutcome track(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   IkOutcome track(const Pose& target, const IkTask& task, std::span<const double> seed,
                   IkSolution& out) const noexcept;

@@ -26,7 +26,7 @@ class SeedTable {
     double turn = 0;      ///< of the target about the first axis, rad
     alignas(64) std::array<float, kNearGroups> beyond;
     NearPoints near;
-    std::array<std::uint8_t, kNearGroups> order;  ///< of `near`, nearest first
+    std::array<std::uint8_t, kNearGroups> order;  ///< of `near`, the nearer half first, roughly
     std::size_t next = kNearGroups;
     std::size_t rounds = 0;
     std::uint64_t drawn = 0;  ///< random states

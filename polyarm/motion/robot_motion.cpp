@@ -11,7 +11,8 @@ namespace polyarm::motion {
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::span<const double> current,
                                const std::string& what) {
   const kinematics::IkResult result =
-      kinematics::solve_nearest(robot.chain, tcp, current, robot.home, kinematics::IkOptions{});
+      robot.solver ? robot.solver->solve_nearest(tcp, current, robot.home)
+                   : kinematics::solve_nearest(robot.chain, tcp, current, robot.home);
   if (result.status == kinematics::IkStatus::solved) return result.q;
   throw Error(
       result.status == kinematics::IkStatus::limits ? "limit" : "unreachable",

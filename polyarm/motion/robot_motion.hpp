@@ -11,6 +11,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/kinematics/arm_solver.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
 
@@ -23,6 +24,8 @@ struct RobotFacts {
   kinematics::Chain chain;  ///< TCP in the world over the actuated joints
   std::vector<trajectory::JointMotionLimits> limits;
   std::vector<double> home;
+  /// Of `chain`; where there is none, each question makes its own.
+  std::unique_ptr<const kinematics::ArmSolver> solver;
 };
 
 /// How fast a move goes.

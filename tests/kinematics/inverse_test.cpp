@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/kinematics/arm_solver.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
@@ -180,6 +181,38 @@ TEST(Inverse, IsDeterministic) {
   const std::vector<double> seed(7, 0.0);
   EXPECT_EQ(solve_inverse(chain, target, seed).q, solve_inverse(chain, target, seed).q);
   EXPECT_EQ(find_solutions(chain, target, seed), find_solutions(chain, target, seed));
+}
+
+TEST(Inverse, AKeptSolverAnswersAsTheFunctionsDo) {
+  for (const auto& model : {test::ur3(), test::seven(), test::five()}) {
+    const Chain chain = chain_of(model);
+    const ArmSolver solver(chain);
+    Random random(10);
+    for (int i = 0; i < 40; ++i) {
+      Pose target = chain.forward(random_state(chain, random));
+      if (i % 4 == 0) target.position.x += 0.6;
+      const auto seed = random_state(chain, random), home = random_state(chain, random);
+      const IkResult a = solver.solve(target, seed), b = solve_inverse(chain, target, seed);
+      EXPECT_EQ(a.q, b.q);
+      EXPECT_EQ(a.reason, b.reason);
+      EXPECT_EQ(solver.find_solutions(target, seed), find_solutions(chain, target, seed));
+      EXPECT_EQ(solver.solve_nearest(target, seed, home).q, solve_nearest(chain, target, seed, home).q);
+    }
+  }
+}
+
+TEST(Inverse, TheNearestOfAFailureIsTheBestOfAFewerJointedArm) {
+  const Chain chain = chain_of(test::five());
+  Random random(12);
+  for (int i = 0; i < 50; ++i) {
+    const auto q = random_state(chain, random);
+    Pose target = chain.forward(q);
+    target.rotation = from_axis_angle({0, 0, 1}, 0.1) * target.rotation;
+    const IkResult result = solve_inverse(chain, target, random_state(chain, random));
+    if (result) continue;
+    // As good as where the question came from: 0.1 rad beside it, at 1 m per rad.
+    EXPECT_LT(std::hypot(result.position_error, result.orientation_error), 0.1 + 1e-3);
+  }
 }
 
 TEST(Inverse, FindsAllEightOfAUr3NearestFirst) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -91,8 +92,12 @@ TEST(NumericIk, UndoesForwardOfEveryKindOfArm) {
   }
 }
 
+/// With the environment variable POLYARM_IK_POSES: so many poses of each robot; every miss is printed as a
+/// case to repeat.
 TEST(NumericIk, SolvesEveryRobotOfTheCatalogue) {
   namespace fs = std::filesystem;
+  const char* wanted = std::getenv("POLYARM_IK_POSES");
+  const int poses = wanted ? std::atoi(wanted) : 100;
   const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
   int robots = 0;
   for (const auto& entry : fs::recursive_directory_iterator(POLYARM_SOURCE_DIR "/robots")) {
@@ -104,11 +109,12 @@ TEST(NumericIk, SolvesEveryRobotOfTheCatalogue) {
     const NumericIk ik(chain);
     Random random(17);
     ++robots;
-    for (int i = 0; i < 100; ++i) {
-      const auto q = random_state(chain, random);
+    for (int i = 0; i < poses; ++i) {
+      const auto q = random_state(chain, random), seed = random_state(chain, random);
       IkSolution found;
-      EXPECT_EQ(ik.solve(chain.forward(q), random_state(chain, random), found), IkOutcome::solved)
-          << name << " cannot find the pose of " << testing::PrintToString(q);
+      EXPECT_EQ(ik.solve(chain.forward(q), seed, found), IkOutcome::solved)
+          << name << " misses the pose of q = " << testing::PrintToString(q)
+          << " from seed = " << testing::PrintToString(seed);
       expect_there(chain, chain.forward(q), found);
     }
   }
