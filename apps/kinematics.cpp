@@ -79,7 +79,7 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
 /// How the solutions of `--all` were found, in words: the arm's closed form and its kind, or why it has none.
 std::string way_of(const kinematics::Chain& chain) {
   const kinematics::InverseKinematics arm(chain);
-  if (!arm) return arm.report() + "; found by descent from many seeds";
+  if (!arm) return arm.report();
   return "closed form: " + arm.report();
 }
 

@@ -13,6 +13,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Axes closer to parallel than this neither meet nor span a wrist, rad.
 constexpr double kLeastAngle = 0.02;
+/// Where it is not needed that axes meet, but helps where they do: in parts of the arm's size.
+constexpr double kMeetsForSure = 1e-7;
 
 double sine_between(const JointAxis& a, const JointAxis& b) {
   return norm(cross(a.direction, b.direction));
@@ -121,6 +123,13 @@ bool three_parallel(const Look& look, int a, int b, int c) {
          look.apart(b, c);
 }
 
+/// Whether the first three axes put a point anywhere in a space.
+bool places_points(const Look& look) {
+  const bool first = look.slanted(1, 2) || (look.parallel(1, 2) && look.apart(1, 2));
+  const bool second = look.slanted(2, 3) || (look.parallel(2, 3) && look.apart(2, 3));
+  return first && second && (look.slanted(1, 2) || look.slanted(2, 3));
+}
+
 ArmFamily family_of(const ArmGeometry& arm, double tolerance) {
   const Look look(arm, tolerance);
   if (look.meet(4, 5, 6)) {
@@ -128,10 +137,14 @@ ArmFamily family_of(const ArmGeometry& arm, double tolerance) {
     if (family != ArmFamily::none) return family;
   }
   if (three_parallel(look, 2, 3, 4) && look.slanted(1, 2) && look.slanted(4, 5))
-    return look.meet(5, 6) ? ArmFamily::parallel_234_5_meets_6 : ArmFamily::parallel_234;
+    if (look.meet(5, 6)) return ArmFamily::parallel_234_5_meets_6;
+  if (three_parallel(look, 2, 3, 4) && look.slanted(1, 2) && look.slanted(4, 5) && look.slanted(5, 6))
+    return ArmFamily::parallel_234;
   if (three_parallel(look, 1, 2, 3) && look.slanted(3, 4) && look.meet(5, 6) &&
       look.off(4, look.meeting(5, 6)))
     return ArmFamily::parallel_123_5_meets_6;
+  if (look.meet(5, 6) && places_points(look) && look.off(4, look.meeting(5, 6)))
+    return ArmFamily::search_5_meets_6;
   return ArmFamily::none;
 }
 
@@ -163,6 +176,11 @@ void idealise(SixAxisClass& out) {
     case ArmFamily::parallel_234:
       ideal.align({2, 3, 4});
       return;
+    case ArmFamily::search_5_meets_6:
+      ideal.meet({5, 6}, look.meeting(5, 6));
+      if (look.parallel(1, 2)) ideal.align({1, 2});
+      if (Look(seen, kMeetsForSure).meet(1, 2)) ideal.meet({1, 2}, look.meeting(1, 2));
+      return;
     default:
       break;
   }
@@ -173,6 +191,10 @@ void idealise(SixAxisClass& out) {
 
 bool quartic(ArmFamily family) noexcept {
   return family == ArmFamily::wrist || family == ArmFamily::parallel_234;
+}
+
+bool searched(ArmFamily family) noexcept {
+  return family == ArmFamily::search_5_meets_6;
 }
 
 const char* describe(ArmFamily family) {
@@ -193,10 +215,16 @@ const char* describe(ArmFamily family) {
       return "axes 2, 3 and 4 parallel";
     case ArmFamily::parallel_123_5_meets_6:
       return "axes 1, 2 and 3 parallel, axes 5 and 6 meet";
+    case ArmFamily::search_5_meets_6:
+      return "axes 5 and 6 meet, solved for one value of axis 4 after another";
     case ArmFamily::none:
       return "no three neighbouring axes meet or are parallel";
   }
   return "";
+}
+
+int effort(ArmFamily family) noexcept {
+  return family == ArmFamily::none ? 3 : searched(family) ? 2 : quartic(family) ? 1 : 0;
 }
 
 SixAxisClass classify(const ArmGeometry& arm, double tolerance) {
@@ -207,8 +235,7 @@ SixAxisClass classify(const ArmGeometry& arm, double tolerance) {
     if (arm.axes[i].slides) return out;
   const ArmGeometry from_tool = reversed(arm);
   const ArmFamily forward = family_of(arm, tolerance), backward = family_of(from_tool, tolerance);
-  const bool turn_round =
-      backward != ArmFamily::none && (forward == ArmFamily::none || (quartic(forward) && !quartic(backward)));
+  const bool turn_round = effort(backward) < effort(forward);
   return seen_as(arm, turn_round ? backward : forward, turn_round);
 }
 

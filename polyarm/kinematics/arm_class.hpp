@@ -18,12 +18,17 @@ enum class ArmFamily {
   parallel_234_5_meets_6,  ///< Universal Robots and their kind
   parallel_234,            ///< three parallel axes and nothing else: a quartic
   parallel_123_5_meets_6,
+  search_5_meets_6,  ///< two axes that meet and nothing else: closed for each value of axis 4
   none
 };
 /// In words, for a person: "a spherical wrist, axes 2 and 3 parallel".
 const char* describe(ArmFamily family);
 /// Whether its solution goes through the roots of a quartic; else square roots are enough.
 bool quartic(ArmFamily family) noexcept;
+/// Whether one axis is searched along.
+bool searched(ArmFamily family) noexcept;
+/// What is cheaper to solve has less: square roots 0, quartics 1, a search 2, none 3.
+int effort(ArmFamily family) noexcept;
 
 /// How far axes may be from meeting (in parts of the arm's size) or from parallel (rad) and still count:
 /// calibrated descriptions are off by 1e-4 to 1e-3, and solutions are polished on the true arm.

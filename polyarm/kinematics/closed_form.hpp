@@ -1,5 +1,6 @@
 #pragma once
-/// The closed forms of six turning axes, all eight branches side by side. What InverseKinematics is built on;
+/// The closed forms of six turning axes, all eight branches side by side, and the search along one axis of
+/// arms that have none. What InverseKinematics is built on;
 /// used inside this room only. Nothing here allocates or throws after construction; any thread.
 #include <array>
 #include <cstdint>
@@ -15,6 +16,18 @@ inline constexpr std::size_t kBranches = 8;
 struct PoseTarget {
   Rotation rotation;
   Vec3 position;
+};
+
+/// Three axes that put a point somewhere: p = R1 (p12 + R2 (p23 + R3 p34)), p12 along the common
+/// perpendicular of axes 1 and 2.
+struct Shoulder {
+  enum class Kind { any, meets, parallel } kind = Kind::any;  ///< what axes 1 and 2 are to each other
+  Vec3 h1, h2, h3, p12, p23;
+  Vec3 first;                   ///< a point of axis 1, which the place is seen from
+  Vec3 e1, e2;                  ///< with h2 a right-handed frame; p12 = distance * e1
+  double distance = 0;          ///< of axes 1 and 2
+  double sine = 0, cosine = 0;  ///< h1 . e2 and h1 . h2
+  double least_length = 0;
 };
 
 /// Constants of one arm's family, taken from its ideal form.
@@ -34,8 +47,11 @@ struct SixAxisForm {
   double least_sine = 0;          ///< smaller than this is parallel
   double edge = 0;                ///< how far from a border solutions are parted (Edge::part)
   bool wary = false;              ///< what is near a border is told
+  Shoulder shoulder;              ///< of families whose first three axes are of any kind
+  Vec3 p56, to_56;                ///< from a point of axis 5 to one of axis 6; from axis 4 to where both meet
+  double from_5[4] = {};          ///< (c5, s5) from what axes 2 to 4 leave alone, row after row
 };
-/// `known` has a family with a quadratic form. With `wary`, what is nearly singular, in view of how far the
+/// `known` has a family. With `wary`, what is nearly singular, in view of how far the
 /// ideal arm is from the true one, counts as singular.
 SixAxisForm form_of(const SixAxisClass& known, bool wary = false);
 
@@ -44,6 +60,7 @@ struct LaneArm {
   std::size_t count = 0;
   std::array<Rotation, ArmGeometry::kMostAxes + 1> turn;  ///< from the frame before to this one (tool: last)
   std::array<Vec3, ArmGeometry::kMostAxes + 1> step;
+  std::array<bool, ArmGeometry::kMostAxes> slides{};
   double size = 1;
 };
 LaneArm lane_arm(const ArmGeometry& arm);
@@ -60,7 +77,8 @@ struct BranchJob {
   double beside_seed = 0;  ///< what is added to the seed's values for free angles
   /// Errors up to this are worked on, m and rad; 0: answers are only checked.
   double worth_polishing = 1e-3;
-  int patience = 4;  ///< steps after which only small errors are worth more
+  bool all_move = false;  ///< descent moves every axis of the arm, not only those of the form
+  int patience = 4;       ///< steps after which only small errors are worth more
 };
 
 /// What came out, axis after axis, for each branch. Angles are within a turn about zero.
@@ -76,6 +94,14 @@ struct Branches {
 void solve_branches(const BranchJob& job, Branches& out) noexcept;
 /// The same with the instructions that every processor has; results differ in the last digits. For tests.
 void solve_branches_portably(const BranchJob& job, Branches& out) noexcept;
+
+/// At most so many blocks come out of a search.
+inline constexpr std::size_t kSearchBlocks = 40;
+/// For families of searched(): axis 4 at 64 values side by side, for each the up to four ways of the first
+/// three axes to reach where axes 5 and 6 meet, and one step of descent from there; where that step stays
+/// nearby, descent goes on to the end. Returns how many of `out` are filled; branches that repeat each other
+/// or are not exact are among them.
+std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexcept;
 
 /// Checks and improves, on the true arm, values that came from elsewhere: `out.value` in, all of `out` out.
 void polish_branches(const BranchJob& job, Branches& out) noexcept;

@@ -1,55 +1,17 @@
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "polyarm/kinematics/closed_form.hpp"
+#include "polyarm/kinematics/ik_arm.hpp"
+#include "polyarm/kinematics/random.hpp"
 
 namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kAtLimit = 1e-10;      // rad beyond a limit that are rounding
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
-using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
-
-/// What one branch offers. Without initial values: sixty-four of them would cost more than the solve.
-struct Candidate {
-  AxisValues value;
-  double position2, orientation2;  ///< squares of the errors
-  double distance2;                ///< square of the weighted distance from the seed
-  bool exact, singular;
-};
-
-/// The candidates of one question that are within limits and exact, and the best of the others.
-struct Gathered {
-  std::array<Candidate, IkSolutions::kCapacity> all;
-  std::size_t count = 0;
-  Candidate nearest;  ///< to the pose, of those that are not exact
-  double nearest_size = 1e300;
-  AxisValues seed{};
-  bool beyond_limits = false;  ///< something exact was found outside of them
-
-  const Candidate& best() const noexcept {
-    std::size_t out = 0;
-    for (std::size_t k = 1; k < count; ++k)
-      if (all[k].distance2 < all[out].distance2) out = k;
-    return all[out];
-  }
-  void take(const Candidate& one) noexcept {
-    if (count < all.size()) {
-      all[count++] = one;
-      return;
-    }
-    const auto further = [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; };
-    Candidate& furthest = *std::max_element(all.begin(), all.end(), further);
-    if (one.distance2 < furthest.distance2) furthest = one;
-  }
-};
 
 /// std::rint and std::ceil for |a| < 2^51, without the call that they are where any x86-64 must do.
 double nearest_whole(double a) noexcept {
@@ -74,18 +36,17 @@ bool unwind(double& value, double seed, double lower, double upper) noexcept {
   return true;
 }
 
+/// The same for a joint that slides.
+bool keep(double& value, double lower, double upper) noexcept {
+  if (value < lower - kAtLimit || value > upper + kAtLimit) return false;
+  value = std::min(std::max(value, lower), upper);
+  return true;
+}
+
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::abs(a[i] - b[i]));
   return most;
-}
-
-/// The point nearest to two axes that are not parallel.
-Vec3 nearest_point(const JointAxis& a, const JointAxis& b) noexcept {
-  const Vec3 n = cross(a.direction, b.direction), way = b.point - a.point;
-  const double scale = 1 / dot(n, n);
-  const double s = scale * dot(way, cross(b.direction, n)), t = scale * dot(way, cross(a.direction, n));
-  return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
 }
 
 bool finite(const Pose& p) noexcept {
@@ -95,163 +56,6 @@ bool finite(const Pose& p) noexcept {
 }
 
 }  // namespace
-
-struct InverseKinematics::Arm {
-  IkSettings settings;
-  std::string report;
-  SixAxisClass known;
-  ArmGeometry geometry;
-  LaneArm lanes;
-  SixAxisForm form;
-  /// The same, but what is nearly singular counts as singular.
-  SixAxisForm wary;
-  std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
-  int spare = -1;  ///< the axis that is held at one value after another; -1: none
-  std::size_t joints = 0;
-  AxisValues lower{}, upper{}, weight{};
-  double worth_polishing = 1e-3;
-
-  bool solvable() const noexcept { return known.family != ArmFamily::none; }
-  void read(const Chain& chain);
-  std::string describe_known() const;
-  void settle(const SixAxisClass& found, std::array<int, 6> six);
-  void find_form();
-  void find_six();
-  void find_five();
-  void find_seven();
-  bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
-  void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
-              Gathered& out) const noexcept;
-  void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
-  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
-                Gathered& out) const noexcept;
-  void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
-  void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
-  void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
-};
-
-void InverseKinematics::Arm::read(const Chain& chain) {
-  joints = chain.joints();
-  for (std::size_t i = 0; i < geometry.count; ++i) {
-    const std::size_t joint = geometry.axes[i].joint;
-    lower[i] = chain.lower()[joint];
-    upper[i] = chain.upper()[joint];
-    weight[i] = joint < settings.weights.size() ? settings.weights[joint] : 1.0;
-    weight[i] *= weight[i];
-  }
-  lanes = lane_arm(geometry);
-}
-
-/// What is known of the six axes that the closed form is about, in words.
-std::string InverseKinematics::Arm::describe_known() const {
-  std::string out = describe(known.family);
-  if (known.from_tool) out += ", counted from the tool";
-  if (!known.exact())
-    out += fmt::format("; true within {:.2g} mm and {:.2g} mrad, so answers are improved on the true arm",
-                       1000 * known.worst_gap, 1000 * known.worst_angle);
-  return out;
-}
-
-/// `six` are axes of the arm, -1 one that it has not.
-void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6> six) {
-  known = found;
-  if (found.from_tool) std::reverse(six.begin(), six.end());
-  to_arm = six;
-  if (!found.exact()) worth_polishing = 0.1;
-  form = form_of(found);
-  wary = form_of(found, true);
-}
-
-void InverseKinematics::Arm::find_form() {
-  if (std::any_of(geometry.axes.begin(), geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count),
-                  [](const JointAxis& axis) { return axis.slides; })) {
-    report = "no closed form for sliding joints yet";
-  } else if (geometry.count == 6) {
-    find_six();
-  } else if (geometry.count == 5) {
-    find_five();
-  } else if (geometry.count == 7) {
-    find_seven();
-  } else {
-    report = fmt::format("no closed form for {} axes yet", geometry.count);
-  }
-}
-
-void InverseKinematics::Arm::find_six() {
-  const SixAxisClass found = classify(geometry);
-  if (found.family == ArmFamily::none) {
-    report = "no closed form: " + why_no_family(geometry);
-  } else if (quartic(found.family)) {
-    report = fmt::format("no closed form yet for {}", describe(found.family));
-  } else {
-    settle(found, {0, 1, 2, 3, 4, 5});
-    report = describe_known();
-  }
-}
-
-/// Five axes are six of which one stands still: an axis at the tool that meets the last, or one in a wrist
-/// whose other two meet. The true arm decides which of the six axes' answers are its own.
-void InverseKinematics::Arm::find_five() {
-  const auto with_axis = [&](std::size_t at, const Vec3& direction, const Vec3& point) {
-    ArmGeometry six = geometry;
-    std::copy_backward(six.axes.begin() + static_cast<std::ptrdiff_t>(at), six.axes.begin() + 5,
-                       six.axes.begin() + 6);
-    six.axes[at] = {normalized(direction), point};
-    six.count = 6;
-    return six;
-  };
-  const auto &four = geometry.axes[3], &last = geometry.axes[4];
-  const Vec3 foot = last.point + dot(last.direction, geometry.tool_position - last.point) * last.direction;
-  const Vec3 square = cross(four.direction, last.direction);
-  const Vec3 along = cross(last.direction, square);
-  const struct {
-    std::size_t at;
-    ArmGeometry six;
-  } attempts[] = {{5, with_axis(5, square, foot)},
-                  {5, with_axis(5, along, foot)},
-                  {3, with_axis(3, square, nearest_point(four, last))},
-                  {3, with_axis(3, along, nearest_point(four, last))}};
-  for (const auto& [at, six] : attempts) {
-    const SixAxisClass found = classify(six);
-    if (norm(square) < 0.1 || found.family == ArmFamily::none || quartic(found.family)) continue;
-    std::array<int, 6> axes{};
-    for (std::size_t k = 0; k < 6; ++k) axes[k] = k == at ? -1 : static_cast<int>(k < at ? k : k - 1);
-    settle(found, axes);
-    report =
-        fmt::format("five axes, solved as six of which axis {} stands still: {}", at + 1, describe_known());
-    return;
-  }
-  report = "no closed form for these five axes";
-}
-
-/// Seven axes are six for each value of the one that is held; the one whose hold leaves a family whatever its
-/// value.
-void InverseKinematics::Arm::find_seven() {
-  constexpr std::size_t kOrder[] = {2, 6, 4, 0, 3, 5, 1};
-  constexpr double kValues[] = {0.37, 1.1, -0.9, 2.3};
-  SixAxisClass best;
-  for (const std::size_t k : kOrder) {
-    SixAxisClass common = classify(locked(geometry, k, kValues[0]));
-    for (const double value : kValues) {
-      const SixAxisClass other = classify(locked(geometry, k, value));
-      if (other.family != common.family || other.from_tool != common.from_tool)
-        common.family = ArmFamily::none;
-    }
-    if (common.family == ArmFamily::none || quartic(common.family)) continue;
-    if (best.family != ArmFamily::none && (best.exact() || !common.exact())) continue;
-    best = common;
-    spare = static_cast<int>(k);
-  }
-  if (spare < 0) {
-    report = "no closed form: no joint whose hold leaves one";
-    return;
-  }
-  std::array<int, 6> axes{};
-  for (int k = 0; k < 6; ++k) axes[static_cast<std::size_t>(k)] = k < spare ? k : k + 1;
-  settle(best, axes);
-  report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
-                       describe_known());
-}
 
 bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double> seed) const noexcept {
   if (seed.size() != joints || !finite(target)) return false;
@@ -265,6 +69,7 @@ bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double>
 void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_form,
                                       const SixAxisForm& wary_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
+  if (searched(known.family)) return search_at(job, strict_form, before, out);
   Branches branches;
   job.form = &wary_form;
   solve_branches(job, branches);
@@ -285,13 +90,33 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
+  around_seed(job, before, out);
+  if (spare < 0) look_for_twins(job, before, out);
+}
+
+/// All that the search along axis 4 ends in, and what descent finds around the seed.
+void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
+                                       Gathered& out) const noexcept {
+  std::array<Branches, kSearchBlocks> found;
+  job.form = &strict_form;
+  job.worth_polishing = 1;
+  job.patience = 5;
+  const std::size_t blocks = search_branches(job, found);
+  for (std::size_t i = 0; i < blocks; ++i) sift(job, found[i], before, out);
+  around_seed(job, before, out);
+  if (spare < 0) look_for_twins(job, before, out);
+}
+
+/// Descent from the seed and from close to it.
+void InverseKinematics::Arm::around_seed(const BranchJob& job, std::size_t before,
+                                         Gathered& out) const noexcept {
+  Branches branches;
   for (std::size_t i = 0; i < geometry.count; ++i)
     for (std::size_t k = 0; k < kBranches; ++k)
       branches.value[i][k] = job.seed[i] + 0.02 * std::sin(static_cast<double>(k * (i + 1)));
   branches.free = 0;
   polish_branches(job, branches);
   sift(job, branches, before, out);
-  if (spare < 0) look_for_twins(job, before, out);
 }
 
 /// Near a fold a solution has a twin on the other side of it, in the direction that hardly moves the tool.
@@ -332,7 +157,8 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     bool inside = true;
     for (std::size_t i = 0; i < n; ++i) {
       one.value[i] = branches.value[i][k];
-      inside &= unwind(one.value[i], out.seed[i], lower[i], upper[i]);
+      inside &= geometry.axes[i].slides ? keep(one.value[i], lower[i], upper[i])
+                                        : unwind(one.value[i], out.seed[i], lower[i], upper[i]);
       const double away = one.value[i] - out.seed[i];
       one.distance2 += weight[i] * away * away;
     }
@@ -363,8 +189,33 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.to_arm = to_arm;
   job.seed = at.data();
   job.worth_polishing = worth_polishing;
+  if (!formed()) return descend_from_many(job, nearest_only, out);
   if (spare < 0) return solve_at(job, form, wary, out);
   sample(job, at, nearest_only, out);
+}
+
+/// From the seed and near it, then from starts all over the limits.
+void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only,
+                                               Gathered& out) const noexcept {
+  constexpr int kRounds = 60;
+  job.all_move = true;
+  job.worth_polishing = 1e9;
+  job.patience = 24;
+  around_seed(job, 0, out);
+  Random random(1);
+  Branches branches;
+  branches.free = 0;
+  for (int round = 0; round < kRounds && !(nearest_only && out.count > 0); ++round) {
+    for (std::size_t i = 0; i < geometry.count; ++i) {
+      const bool slides = geometry.axes[i].slides;
+      const double reach = slides ? lanes.size : kTurn / 2;
+      const double low = std::isfinite(lower[i]) ? lower[i] : job.seed[i] - reach;
+      const double high = std::isfinite(upper[i]) ? upper[i] : job.seed[i] + reach;
+      for (double& value : branches.value[i]) value = random.between(low, high);
+    }
+    polish_branches(job, branches);
+    sift(job, branches, 0, out);
+  }
 }
 
 /// The spare axis at its seed's value and at values all over its range; then, where only the nearest solution
@@ -372,7 +223,8 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
 void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
                                     Gathered& out) const noexcept {
   const auto k = static_cast<std::size_t>(spare);
-  const double least = std::max(lower[k], out.seed[k] - kTurn / 2), most = std::min(upper[k], least + kTurn);
+  const double span = geometry.axes[k].slides ? 4 * lanes.size : kTurn;
+  const double least = std::max(lower[k], out.seed[k] - span / 2), most = std::min(upper[k], least + span);
   const double cell = (most - least) / std::max(1, settings.samples);
   const auto look_at = [&](double value) {
     at[k] = std::clamp(value, least, most);
@@ -408,6 +260,7 @@ void InverseKinematics::Arm::write(const Candidate& from, std::span<const double
 InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   auto arm = std::make_unique<Arm>();
   arm->settings = std::move(settings);
+  arm->geometry.count = 0;
   std::string why_not;
   if (const auto geometry = geometry_of(chain, why_not)) {
     arm->geometry = *geometry;
@@ -419,18 +272,27 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   arm_ = std::move(arm);
 }
 
+InverseKinematics::InverseKinematics(const description::RobotModel& model, int tip, IkSettings settings)
+    : InverseKinematics(Chain(model, tip), std::move(settings)) {}
+
 InverseKinematics::~InverseKinematics() = default;
 InverseKinematics::InverseKinematics(InverseKinematics&&) noexcept = default;
 InverseKinematics& InverseKinematics::operator=(InverseKinematics&&) noexcept = default;
 
 InverseKinematics::operator bool() const noexcept {
-  return arm_->solvable();
+  return arm_->formed();
+}
+IkWay InverseKinematics::way() const noexcept {
+  if (!arm_->solvable()) return IkWay::none;
+  if (!arm_->formed()) return IkWay::descent;
+  if (arm_->spare >= 0) return IkWay::spare_axis;
+  return searched(arm_->known.family) ? IkWay::search : IkWay::closed_form;
 }
 ArmFamily InverseKinematics::family() const noexcept {
   return arm_->known.family;
 }
 bool InverseKinematics::complete() const noexcept {
-  return arm_->solvable() && arm_->spare < 0;
+  return way() == IkWay::closed_form;
 }
 const std::string& InverseKinematics::report() const noexcept {
   return arm_->report;
@@ -471,6 +333,17 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
   out.count = found.count;
   if (found.count > 0) return IkOutcome::solved;
   return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
+}
+
+std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::span<const double> seed,
+                                           std::span<IkSolution> out,
+                                           std::span<IkOutcome> outcomes) const noexcept {
+  std::size_t solved = 0;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    outcomes[i] = solve(targets[i], seed, out[i]);
+    solved += outcomes[i] == IkOutcome::solved;
+  }
+  return solved;
 }
 
 const char* name(IkOutcome outcome) {

@@ -1,6 +1,7 @@
 #pragma once
-/// Inverse kinematics in closed form, found at run time from an arm's description: all branches of a pose in
-/// one call, for the control cycle too. Metres, radians, poses of the TCP in the world.
+/// The one door to inverse kinematics: in closed form where the arm's description has one, else by search
+/// along one axis, else by descent from many starts. For the control cycle too. Metres, radians, poses of the
+/// TCP in the world.
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -36,7 +37,7 @@ struct IkSolutions {
 
 enum class IkOutcome {
   solved,
-  no_closed_form,  ///< report() says why; ask solve_nearest()
+  no_closed_form,  ///< a chain that is no row of joints; report() says why; ask solve_nearest()
   malformed,       ///< the pose or the seed has numbers that are none, or the sizes do not match
   unreachable,     ///< no joint state leads to the pose, whatever the limits
   limits,          ///< joint states lead there, all of them outside the limits
@@ -52,21 +53,34 @@ struct IkSettings {
   int samples = 16;
 };
 
-/// The closed form of one arm. Built once (some 10 us, allocates), then const and without hidden state: any
-/// thread. solve() and solve_all() allocate nothing, throw nothing and read no clock; their time is bounded.
+/// How an arm's poses are solved.
+enum class IkWay {
+  none,         ///< not at all: the chain is no plain row of up to eight joints
+  closed_form,  ///< all branches
+  search,       ///< a closed form for each of 64 values of one axis, and descent from what is near
+  spare_axis,   ///< one axis at one value after another, one of the ways above for each
+  descent,      ///< damped least squares from the seed and from starts at random, the same ones every time
+};
+
+/// The inverse kinematics of one arm. Built once (some 10 us, allocates), then const and without hidden
+/// state: any thread. solve() and solve_all() allocate nothing, throw nothing and read no clock; their time
+/// is bounded.
 class InverseKinematics {
  public:
   /// Keeps nothing of `chain` but copies.
   explicit InverseKinematics(const Chain& chain, IkSettings settings = {});
+  /// Of the chain from the model's root to link `tip`, which is the TCP. Throws as Chain does.
+  InverseKinematics(const description::RobotModel& model, int tip, IkSettings settings = {});
   ~InverseKinematics();
   InverseKinematics(InverseKinematics&&) noexcept;
   InverseKinematics& operator=(InverseKinematics&&) noexcept;
 
-  /// Whether this arm has a closed form.
+  /// Whether this arm has a closed form, be it for each value of one axis.
   explicit operator bool() const noexcept;
+  IkWay way() const noexcept;
   ArmFamily family() const noexcept;
-  /// Whether all solutions of a pose are found; false of an arm with a joint too many, which has endlessly
-  /// many.
+  /// Whether all solutions of a pose are found: of closed forms. A search misses some where two branches are
+  /// about to meet; an arm with a joint too many has endlessly many.
   bool complete() const noexcept;
   /// What was found in this arm and why, in words, for a person.
   const std::string& report() const noexcept;
@@ -78,6 +92,10 @@ class InverseKinematics {
   IkOutcome solve(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   /// All branches within limits that lead there exactly, nearest to the seed first.
   IkOutcome solve_all(const Pose& target, std::span<const double> seed, IkSolutions& out) const noexcept;
+  /// solve() for each of `targets`, with the same seed. Returns how many are solved. Precondition:
+  /// `out` and `outcomes` are as long as `targets`.
+  std::size_t solve_batch(std::span<const Pose> targets, std::span<const double> seed,
+                          std::span<IkSolution> out, std::span<IkOutcome> outcomes) const noexcept;
 
  private:
   struct Arm;

@@ -10,8 +10,14 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr ArmFamily kFamilies[] = {
-    ArmFamily::wrist_2_parallel_3, ArmFamily::wrist_1_parallel_2,     ArmFamily::wrist_1_meets_2,
-    ArmFamily::wrist_2_meets_3,    ArmFamily::parallel_234_5_meets_6, ArmFamily::parallel_123_5_meets_6,
+    ArmFamily::wrist_2_parallel_3,
+    ArmFamily::wrist_1_parallel_2,
+    ArmFamily::wrist_1_meets_2,
+    ArmFamily::wrist_2_meets_3,
+    ArmFamily::parallel_234_5_meets_6,
+    ArmFamily::parallel_123_5_meets_6,
+    ArmFamily::wrist,
+    ArmFamily::parallel_234,
 };
 
 /// What one processor finds another does too: the vector instructions here against those that all have.

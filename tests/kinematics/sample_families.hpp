@@ -64,6 +64,9 @@ inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics
       parallel(0, 1);
       parallel(0, 2);
       break;
+    case ArmFamily::search_5_meets_6:
+      a[5].point = a[4].point;
+      break;
     default:
       break;
   }

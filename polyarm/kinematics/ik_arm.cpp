@@ -1,0 +1,187 @@
+// Which way an arm is solved: read off its axes when the robot is loaded.
+#include "polyarm/kinematics/ik_arm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyarm::kinematics {
+
+namespace {
+
+/// The point nearest to two axes that are not parallel.
+Vec3 nearest_point(const JointAxis& a, const JointAxis& b) noexcept {
+  const Vec3 n = cross(a.direction, b.direction), way = b.point - a.point;
+  const double scale = 1 / dot(n, n);
+  const double s = scale * dot(way, cross(b.direction, n)), t = scale * dot(way, cross(a.direction, n));
+  return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
+}
+
+}  // namespace
+
+void InverseKinematics::Arm::read(const Chain& chain) {
+  joints = chain.joints();
+  for (std::size_t i = 0; i < geometry.count; ++i) {
+    const std::size_t joint = geometry.axes[i].joint;
+    lower[i] = chain.lower()[joint];
+    upper[i] = chain.upper()[joint];
+    weight[i] = joint < settings.weights.size() ? settings.weights[joint] : 1.0;
+    weight[i] *= weight[i];
+  }
+  lanes = lane_arm(geometry);
+}
+
+/// What is known of the six axes that the closed form is about, in words.
+std::string InverseKinematics::Arm::describe_known() const {
+  std::string out = describe(known.family);
+  if (known.from_tool) out += ", counted from the tool";
+  if (!known.exact())
+    out += fmt::format("; true within {:.2g} mm and {:.2g} mrad, so answers are improved on the true arm",
+                       1000 * known.worst_gap, 1000 * known.worst_angle);
+  return out;
+}
+
+/// `six` are axes of the arm, -1 one that it has not.
+void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6> six) {
+  known = found;
+  if (found.from_tool) std::reverse(six.begin(), six.end());
+  to_arm = six;
+  if (!found.exact()) worth_polishing = 0.1;
+  form = form_of(found);
+  wary = form_of(found, true);
+}
+
+void InverseKinematics::Arm::find_form() {
+  const auto end = geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count);
+  const auto sliding =
+      std::count_if(geometry.axes.begin(), end, [](const JointAxis& axis) { return axis.slides; });
+  if (geometry.count == 7 && sliding <= 1) {
+    find_seven();
+  } else if (sliding > 0) {
+    report = "no closed form: joints that slide";
+  } else if (geometry.count == 6) {
+    find_six();
+  } else if (geometry.count < 6) {
+    find_fewer();
+  } else {
+    report = fmt::format("no closed form: {} axes", geometry.count);
+  }
+  if (!formed()) report += "; solved by descent from many starts";
+}
+
+void InverseKinematics::Arm::find_six() {
+  const SixAxisClass found = classify(geometry);
+  if (found.family == ArmFamily::none) {
+    report = "no closed form: " + why_no_family(geometry);
+  } else {
+    settle(found, {0, 1, 2, 3, 4, 5});
+    report = describe_known();
+  }
+}
+
+namespace {
+
+/// An arm with axes added that stand still, so that it is one of six.
+struct Completed {
+  ArmGeometry six;
+  std::array<int, 6> to_arm;
+};
+
+/// `extra` axes through `point` from place `at` on: along `a`, then square to it and to each other.
+Completed completed(const ArmGeometry& arm, std::size_t at, std::initializer_list<Vec3> directions,
+                    const Vec3& point) {
+  Completed out{arm, {}};
+  for (std::size_t k = 0; k < arm.count; ++k) out.to_arm[k] = static_cast<int>(k);
+  std::size_t place = at;
+  for (const Vec3& direction : directions) {
+    for (std::size_t k = out.six.count; k > place; --k) {
+      out.six.axes[k] = out.six.axes[k - 1];
+      out.to_arm[k] = out.to_arm[k - 1];
+    }
+    out.six.axes[place] = {normalized(direction), point};
+    out.to_arm[place] = -1;
+    ++out.six.count;
+    ++place;
+  }
+  return out;
+}
+
+}  // namespace
+
+/// Three to five axes are six of which some stand still: axes at the tool that meet the last, or one in a
+/// wrist whose other two meet. The true arm decides which of the six axes' answers are its own.
+void InverseKinematics::Arm::find_fewer() {
+  const std::size_t n = geometry.count;
+  report = fmt::format("no closed form for these {} axes", n);
+  if (n < 3) return;
+  const auto &four = geometry.axes[n - 2], &last = geometry.axes[n - 1];
+  const Vec3 h = last.direction;
+  const Vec3 foot = last.point + dot(h, geometry.tool_position - last.point) * h;
+  const Vec3 any = std::abs(h.z) < 0.8 ? cross(h, {0, 0, 1}) : cross(h, {0, 1, 0});
+  const Vec3 square = cross(four.direction, h), along = cross(h, square), beside = cross(h, any);
+  std::array<Completed, 4> attempts;
+  std::size_t count = 0;
+  if (n == 5) {
+    const bool slanted = norm(square) >= 0.1;
+    attempts[count++] = completed(geometry, 5, {slanted ? square : any}, foot);
+    attempts[count++] = completed(geometry, 5, {slanted ? along : beside}, foot);
+    if (slanted) {
+      attempts[count++] = completed(geometry, 3, {square}, nearest_point(four, last));
+      attempts[count++] = completed(geometry, 3, {along}, nearest_point(four, last));
+    }
+  } else if (n == 4) {
+    attempts[count++] = completed(geometry, 4, {any, beside}, foot);
+  } else {
+    attempts[count++] = completed(geometry, 3, {any, beside, h}, geometry.tool_position);
+  }
+  int best = effort(ArmFamily::none);
+  for (std::size_t k = 0; k < count; ++k) {
+    const SixAxisClass found = classify(attempts[k].six);
+    if (effort(found.family) >= best) continue;
+    best = effort(found.family);
+    settle(found, attempts[k].to_arm);
+    std::string still;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (attempts[k].to_arm[i] < 0) still += fmt::format("{}{}", still.empty() ? "" : " and ", i + 1);
+    report = fmt::format("{} axes, solved as six of which {} {} still: {}",
+                         n == 5   ? "five"
+                         : n == 4 ? "four"
+                                  : "three",
+                         n == 5 ? fmt::format("axis {}", still) : fmt::format("axes {}", still),
+                         n == 5 ? "stands" : "stand", describe_known());
+  }
+  if (formed() && n < 5) worth_polishing = 10;
+}
+
+/// Seven axes are six for each value of the one that is held; the one whose hold leaves a family whatever its
+/// value.
+void InverseKinematics::Arm::find_seven() {
+  constexpr std::size_t kOrder[] = {2, 6, 4, 0, 3, 5, 1};
+  constexpr double kValues[] = {0.37, 1.1, -0.9, 2.3};
+  SixAxisClass best;
+  for (const std::size_t k : kOrder) {
+    SixAxisClass common = classify(locked(geometry, k, kValues[0]));
+    for (const double value : kValues) {
+      const SixAxisClass other = classify(locked(geometry, k, value));
+      if (other.family != common.family || other.from_tool != common.from_tool)
+        common.family = ArmFamily::none;
+    }
+    if (common.family == ArmFamily::none) continue;
+    const int less = effort(common.family) - effort(best.family);
+    if (less > 0 || (less == 0 && (best.exact() || !common.exact()))) continue;
+    best = common;
+    spare = static_cast<int>(k);
+  }
+  if (spare < 0) {
+    report = "no closed form: no joint whose hold leaves one";
+    return;
+  }
+  std::array<int, 6> axes{};
+  for (int k = 0; k < 6; ++k) axes[static_cast<std::size_t>(k)] = k < spare ? k : k + 1;
+  settle(best, axes);
+  report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
+                       describe_known());
+}
+
+}  // namespace polyarm::kinematics

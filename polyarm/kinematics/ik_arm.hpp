@@ -1,0 +1,87 @@
+#pragma once
+/// What InverseKinematics knows of its arm, and what it gathers for one question. Used inside this room only.
+#include <algorithm>
+#include <numbers>
+
+#include "polyarm/kinematics/closed_form.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+
+namespace polyarm::kinematics {
+
+inline constexpr double kTurn = 2 * std::numbers::pi;
+using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
+
+/// What one branch offers. Without initial values: sixty-four of them would cost more than the solve.
+struct Candidate {
+  AxisValues value;
+  double position2, orientation2;  ///< squares of the errors
+  double distance2;                ///< square of the weighted distance from the seed
+  bool exact, singular;
+};
+
+/// The candidates of one question that are within limits and exact, and the best of the others.
+struct Gathered {
+  std::array<Candidate, IkSolutions::kCapacity> all;
+  std::size_t count = 0;
+  Candidate nearest;  ///< to the pose, of those that are not exact
+  double nearest_size = 1e300;
+  AxisValues seed{};
+  bool beyond_limits = false;  ///< something exact was found outside of them
+
+  const Candidate& best() const noexcept {
+    std::size_t out = 0;
+    for (std::size_t k = 1; k < count; ++k)
+      if (all[k].distance2 < all[out].distance2) out = k;
+    return all[out];
+  }
+  void take(const Candidate& one) noexcept {
+    if (count < all.size()) {
+      all[count++] = one;
+      return;
+    }
+    const auto further = [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; };
+    Candidate& furthest = *std::max_element(all.begin(), all.end(), further);
+    if (one.distance2 < furthest.distance2) furthest = one;
+  }
+};
+
+struct InverseKinematics::Arm {
+  IkSettings settings;
+  std::string report;
+  SixAxisClass known;
+  ArmGeometry geometry;
+  LaneArm lanes;
+  SixAxisForm form;
+  /// The same, but what is nearly singular counts as singular.
+  SixAxisForm wary;
+  std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
+  int spare = -1;  ///< the axis that is held at one value after another; -1: none
+  std::size_t joints = 0;
+  AxisValues lower{}, upper{}, weight{};
+  double worth_polishing = 1e-3;
+
+  bool formed() const noexcept { return known.family != ArmFamily::none; }
+  bool solvable() const noexcept { return geometry.count > 0; }
+  void read(const Chain& chain);
+  std::string describe_known() const;
+  void settle(const SixAxisClass& found, std::array<int, 6> six);
+  void find_form();
+  void find_six();
+  void find_fewer();
+  void find_seven();
+  bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
+  void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
+              Gathered& out) const noexcept;
+  void descend_from_many(BranchJob& job, bool nearest_only, Gathered& out) const noexcept;
+  void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
+  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+                Gathered& out) const noexcept;
+  void search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
+                 Gathered& out) const noexcept;
+  void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
+  void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
+};
+
+}  // namespace polyarm::kinematics

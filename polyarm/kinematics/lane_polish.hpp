@@ -1,0 +1,192 @@
+#pragma once
+/// The true arm in lanes: how far eight joint states are from a pose, and descent from all of them towards
+/// it. Used inside this room only.
+#include <algorithm>
+
+#include "polyarm/kinematics/closed_form.hpp"
+#include "polyarm/kinematics/lanes.hpp"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace polyarm::kinematics {
+
+inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
+inline constexpr int kMostPolish = 30;
+inline constexpr double kLargestTurn = 0.3;  // rad in one step of the polish
+
+inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
+
+/// Squares of what is between the target and where these angles lead. Goes from the tool to the base with
+/// three vectors: two of the tool's axes and its origin.
+POLYARM_INLINE void measure(const LaneArm& arm, const LaneAngle* q, const PoseTarget& target, Lane& position,
+                            Lane& orientation) {
+  const std::size_t n = arm.count;
+  LaneVec x = splat(arm.turn[n].x), y = splat(arm.turn[n].y), p = splat(arm.step[n]);
+  for (std::size_t i = n; i-- > 0;) {
+    const LaneAngle a = q[i];
+    if (arm.slides[i]) {
+      x = arm.turn[i] * x;
+      y = arm.turn[i] * y;
+      p = arm.turn[i] * LaneVec{p.x, p.y, p.z + a.s} + arm.step[i];
+      continue;
+    }
+    const auto placed = [&](const LaneVec& v) __attribute__((always_inline)) {
+      return arm.turn[i] * LaneVec{a.c * v.x - a.s * v.y, a.s * v.x + a.c * v.y, v.z};
+    };
+    x = placed(x);
+    y = placed(y);
+    p = placed(p) + arm.step[i];
+  }
+  const LaneVec dx = x - target.rotation.x, dy = y - target.rotation.y, dp = p - target.position;
+  position = dot(dp, dp);
+  orientation = dot(dx, dx) + dot(dy, dy);
+}
+
+struct LaneFrame {
+  LaneVec x, y, z, p;
+};
+POLYARM_INLINE void advance(LaneFrame& frame, const Rotation& turn, const Vec3& step) {
+  const auto along = [&](const Vec3& v) __attribute__((always_inline)) {
+    return LaneVec{v.x * frame.x.x + v.y * frame.y.x + v.z * frame.z.x,
+                   v.x * frame.x.y + v.y * frame.y.y + v.z * frame.z.y,
+                   v.x * frame.x.z + v.y * frame.y.z + v.z * frame.z.z};
+  };
+  frame = {along(turn.x), along(turn.y), along(turn.z), frame.p + along(step)};
+}
+
+/// Solves a x = b for a symmetric positive definite matrix, lower half given (L D L^T); overwrites both.
+POLYARM_INLINE void solve_definite(Lane (&a)[6][6], Lane (&b)[6]) {
+  for (int j = 0; j < 6; ++j) {
+    const Lane inverse = 1.0 / a[j][j];
+    for (int i = j + 1; i < 6; ++i) {
+      const Lane factor = a[i][j] * inverse;
+      for (int k = i; k < 6; ++k) a[k][i] -= factor * a[k][j];
+      b[i] -= factor * b[j];
+      a[i][j] = factor;
+    }
+    a[j][j] = inverse;
+  }
+  for (int i = 5; i >= 0; --i) {
+    b[i] *= a[i][i];
+    for (int k = i + 1; k < 6; ++k) b[i] -= a[k][i] * b[k];
+  }
+}
+
+/// One step of damped least squares (damping proportional to the squared error: Chan and Lawrence 1988) of
+/// all branches. `moves`: which axes may. Returns by how much axis `watched` moves.
+POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTarget& target, LaneAngle* q,
+                            std::size_t watched = 0) {
+  const std::size_t n = arm.count;
+  LaneVec axis[kMost], origin[kMost];
+  LaneFrame frame{splat(arm.turn[0].x), splat(arm.turn[0].y), splat(arm.turn[0].z), splat(arm.step[0])};
+  for (std::size_t i = 0; i < n; ++i) {
+    axis[i] = frame.z;
+    origin[i] = frame.p;
+    if (arm.slides[i]) {
+      frame.p = frame.p + q[i].s * frame.z;
+      advance(frame, arm.turn[i + 1], arm.step[i + 1]);
+      continue;
+    }
+    const LaneVec x = q[i].c * frame.x + q[i].s * frame.y;
+    frame.y = q[i].c * frame.y - q[i].s * frame.x;
+    frame.x = x;
+    advance(frame, arm.turn[i + 1], arm.step[i + 1]);
+  }
+  const LaneVec dp = splat(target.position) - frame.p;
+  const LaneVec twice = cross(frame.x, splat(target.rotation.x)) + cross(frame.y, splat(target.rotation.y)) +
+                        cross(frame.z, splat(target.rotation.z));
+  const LaneVec dr = splat(0.5) * twice;
+  Lane b[6] = {dp.x, dp.y, dp.z, dr.x, dr.y, dr.z};
+  const Lane damping = 0.02 * (dot(dp, dp) + dot(dr, dr)) + 1e-15;
+  Lane a[6][6];
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) a[i][j] = i == j ? damping : Lane{};
+  Lane column[kMost][6];
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!moves[k]) continue;
+    const bool slides = arm.slides[k];
+    const LaneVec linear = slides ? axis[k] : cross(axis[k], frame.p - origin[k]);
+    const LaneVec angular = slides ? LaneVec{} : axis[k];
+    const Lane c[6] = {linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
+    for (int i = 0; i < 6; ++i) {
+      column[k][i] = c[i];
+      for (int j = 0; j <= i; ++j) a[i][j] += c[i] * c[j];
+    }
+  }
+  solve_definite(a, b);
+  Lane moved{};
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!moves[k]) continue;
+    Lane d{};
+    for (int i = 0; i < 6; ++i) d += column[k][i] * b[i];
+    if (k == watched) moved = d;
+    if (arm.slides[k]) {
+      q[k].s += d;
+      continue;
+    }
+    d = select(below(splat(kLargestTurn), d), splat(kLargestTurn), d);
+    d = select(below(d, splat(-kLargestTurn)), splat(-kLargestTurn), d);
+    const Lane d2 = d * d;
+    const LaneAngle by{d * (1.0 - d2 * (1.0 / 6) * (1.0 - d2 * (1.0 / 20))),
+                       1.0 - d2 * 0.5 * (1.0 - d2 * (1.0 / 12))};
+    LaneAngle next = q[k] + by;
+    const Lane unit = 1.5 - 0.5 * (next.s * next.s + next.c * next.c);
+    q[k] = {next.s * unit, next.c * unit};
+  }
+  return moved;
+}
+
+POLYARM_INLINE std::uint32_t bits_of(LaneMask mask) {
+  std::uint32_t out = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) out |= mask[i] ? 1u << i : 0u;
+  return out;
+}
+
+/// Whether a branch is not exact, but near enough to become so.
+POLYARM_INLINE bool worth_more(const Branches& out, double worth) {
+  constexpr double kGood2 = kGoodEnough * kGoodEnough;
+  bool more = false;
+  for (std::size_t i = 0; i < kBranches; ++i) {
+    const double worst = std::max(out.position_error2[i], out.orientation_error2[i]);
+    more |= worst > kGood2 && worst < worth * worth;
+  }
+  return more;
+}
+
+POLYARM_INLINE void store(Lane value, double* to) {
+  for (std::size_t i = 0; i < kLanes; ++i) to[i] = value[i];
+}
+POLYARM_INLINE Lane load(const double* from) {
+  Lane out;
+  for (std::size_t i = 0; i < kLanes; ++i) out[i] = from[i];
+  return out;
+}
+
+/// Joint values out of the angles.
+POLYARM_INLINE void write_values(const LaneArm& arm, const LaneAngle* q, Branches& out) {
+  for (std::size_t i = 0; i < arm.count; ++i)
+    store(arm.slides[i] ? q[i].s : angle_of(q[i].s, q[i].c), out.value[i]);
+}
+/// One joint value as the angle that the sweeps take.
+POLYARM_INLINE LaneAngle angle_at(const LaneArm& arm, std::size_t axis, double value) {
+  if (arm.slides[axis]) return {splat(value), splat(1.0)};
+  return {splat(__builtin_sin(value)), splat(__builtin_cos(value))};
+}
+
+POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const bool* moves, Branches& out) {
+  Lane position, orientation;
+  double worth = job.worth_polishing;
+  for (int i = 0;; ++i) {
+    measure(*job.arm, q, job.target, position, orientation);
+    store(position, out.position_error2);
+    store(orientation, out.orientation_error2);
+    if (i >= job.patience) worth = std::min(worth, 1e-4);
+    if (i == kMostPolish || !worth_more(out, worth)) break;
+    descend(*job.arm, moves, job.target, q);
+  }
+}
+
+}  // namespace polyarm::kinematics
+
+#pragma GCC diagnostic pop
