@@ -38,8 +38,7 @@ class Catalogue {
   std::vector<std::filesystem::path> folders_;
 };
 
-/// POLYARM_ROBOTS (folders separated by ':'), then what a user has added (user_robots.hpp), then `robots/`
-/// beside or above the executable, then
+/// POLYARM_ROBOTS (folders separated by ':'), then `robots/` beside or above the executable, then
 /// `../share/polyarm/robots`.
 std::vector<std::filesystem::path> default_catalogue_folders();
 
