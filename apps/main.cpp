@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/verb.hpp"
+#include "apps/workspace.hpp"
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -22,6 +23,7 @@ const std::vector<Verb>& verbs() {
       {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
       {"fk", "forward kinematics: joint values to a pose", run_fk},
       {"ik", "inverse kinematics: a pose to joint values", run_ik},
+      {"workspace", "map where an arm reaches and how well it moves there", run_workspace},
       {"xacro", "expand a description in xacro to URDF", run_xacro},
       {"replay", "play the last cycles before a fault again", run_replay},
       {"control", "controllers of a running cell: list, switch, load, state, hold, resume", run_control},

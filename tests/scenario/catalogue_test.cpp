@@ -9,6 +9,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/kinematics/chain.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -74,7 +75,11 @@ TEST_F(RobotsAdd, TakesADescriptionThatThenLoadsEverywhere) {
     EXPECT_EQ(run_command({"describe", name}).exit_code, 0) << name;
     EXPECT_EQ(run_command({"fk", name}).exit_code, 0) << name;
   }
-  EXPECT_EQ(run_command({"fk", "acme/one"}).output, run_command({"fk", urdf}).output);
+  const auto place = [](const std::string& robot) {
+    const std::string pose = run_command({"fk", robot}).output;
+    return pose.substr(0, pose.find('\n'));
+  };
+  EXPECT_EQ(place("acme/one"), place(urdf));
   const Finished again = run_command({"robots", "add", urdf, "--name", "acme/one"});
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_NE(again.output.find("--replace"), std::string::npos) << again.output;
@@ -167,6 +172,71 @@ TEST(RobotsPicture, ShowsTheStateThatIsAskedFor) {
   EXPECT_TRUE(other.starts_with("<svg"));
   EXPECT_NE(home, other);
   EXPECT_NE(run_command({"robots", "picture", "universal_robots/ur3", "--joints", "0"}).exit_code, 0);
+}
+
+// --- workspace
+
+std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> out;
+  for (const std::string& line : split_words(csv, "\n")) out.push_back(split_fields(line, ','));
+  return out;
+}
+
+double value(const std::string& field) {
+  return parse_number(field).value_or(NAN);
+}
+
+/// How many cells were reached; every one of them is where it says, with the tool down where that is asked.
+std::size_t checked_map(const std::string& robot, const std::string& orientation) {
+  const Folder folder;
+  const std::string data = (folder.path() / "map.csv").string();
+  const Finished made = run_command({"workspace", robot, "--resolution", "16", "--orientation", orientation,
+                                     "--plane", "xz", "--at", "0.05", "--data", data});
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  const auto model = description::Catalogue({kRobots}).load(robot);
+  const kinematics::Chain chain(model, model.tool_link());
+  const auto rows = rows_of(read_file(data));
+  EXPECT_EQ(rows.size(), 16u * 16 + 1);
+  std::size_t reached = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (rows[k].at(3) != "1") continue;
+    ++reached;
+    std::vector<double> q;
+    for (std::size_t i = 6; i < rows[k].size(); ++i) q.push_back(value(rows[k][i]));
+    const Pose pose = chain.forward(q);
+    EXPECT_LT(norm(pose.position - Vec3{value(rows[k][0]), value(rows[k][1]), value(rows[k][2])}), 1e-4);
+    EXPECT_GE(value(rows[k][4]), 0);
+    if (orientation == "down") {
+      EXPECT_LT((pose.rotation * Vec3{0, 0, 1}).z, -0.9999);
+    }
+  }
+  return reached;
+}
+
+TEST(Workspace, CellsThatAreReachedAreReached) {
+  const std::size_t down = checked_map("universal_robots/ur5e", "down");
+  const std::size_t any = checked_map("universal_robots/ur5e", "any");
+  EXPECT_GT(down, 30u);
+  EXPECT_GT(any, down);
+  EXPECT_GT(checked_map("trossen_robotics/px100", "any"), 20u);  // four axes, by iteration
+}
+
+TEST(Workspace, WritesPicturesAndRefusesWhatIsNone) {
+  const Folder folder;
+  const std::string png = (folder.path() / "map.png").string(), svg = (folder.path() / "map.svg").string();
+  const std::vector<std::string> ask{"workspace", "abb/irb_120", "--resolution", "10", "--image"};
+  const auto with = [&](const std::string& file) {
+    std::vector<std::string> line = ask;
+    line.push_back(file);
+    return run_command(line);
+  };
+  EXPECT_EQ(with(png).exit_code, 0);
+  EXPECT_EQ(with(svg).exit_code, 0);
+  EXPECT_TRUE(read_file(png).starts_with("\x89PNG"));
+  EXPECT_TRUE(read_file(svg).starts_with("<svg"));
+  const Finished refused = with((folder.path() / "map.gif").string());
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_NE(refused.output.find(".svg nor .png"), std::string::npos) << refused.output;
 }
 
 }  // namespace

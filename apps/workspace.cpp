@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "apps/options.hpp"
+#include "apps/workspace.hpp"
+#include "apps/workspace_map.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/description/tools.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+/// The orientation that is asked for: `any`, `down`, `home`, or roll pitch yaw.
+std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vector<double>& rpy,
+                                      const kinematics::Chain& chain, const std::vector<double>& home) {
+  if (rpy.size() == 3) return from_rpy(rpy[0], rpy[1], rpy[2]);
+  if (wanted == "any") return std::nullopt;
+  if (wanted == "home") return chain.forward(home).rotation;
+  return from_rpy(M_PI, 0, 0);
+}
+
+/// On a terminal only: "  42 %" over itself.
+void tell(double share) {
+  if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r{:4.0f} %{}", 100 * share, share < 1 ? "" : "\n");
+}
+
+std::string image_of(const std::filesystem::path& file, const WorkspaceMap& map,
+                     const WorkspaceQuestion& question, const std::string& title) {
+  if (file.extension() == ".png") return png_of(map);
+  if (file.extension() == ".svg") return svg_of(map, question, title);
+  throw Error("bad-value", "--image " + file.string() + ": neither .svg nor .png",
+              "name a file that ends so");
+}
+
+}  // namespace
+
+int run_workspace(int argc, char** argv) {
+  CLI::App app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
+  std::string robot, tool = "none", orientation = "down", image, data;
+  std::vector<double> rpy;
+  WorkspaceQuestion question;
+  app.add_option("robot", robot, "catalogue name, or a URDF or robot file")->required();
+  app.add_option("--plane", question.plane, "xz (the default), xy or yz")
+      ->check(CLI::IsMember({"xz", "xy", "yz"}));
+  app.add_option("--at", question.at, "where the plane lies along its third axis, m (0)");
+  app.add_option("--resolution", question.resolution, "cells along an edge (80)")->check(CLI::Range(2, 2000));
+  app.add_option("--tool", tool, "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
+  app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
+      ->check(CLI::IsMember({"any", "down", "home"}));
+  app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad")->expected(3);
+  app.add_option("--image", image, "picture, .svg or .png");
+  app.add_option("--data", data, "table, .csv: position, reached, manipulability, joint values");
+  app.footer(examples(
+      {"polyarm workspace universal_robots/ur5e --image ur5e.svg",
+       "polyarm workspace abb/irb_120 --plane xy --at 0.2 --data irb.csv",
+       "polyarm workspace kuka/lbr_iiwa_7_r800 --orientation any --resolution 60 --image iiwa.png"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  if (!image.empty()) image_of(image, {}, question, {});
+  Problems warnings;
+  const description::RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
+  const kinematics::Chain chain(model, model.tool_link(), {}, description::find_tool(tool, ".").tcp);
+  const auto named = model.named_states.find("home");
+  const std::vector<double> home =
+      named != model.named_states.end() ? named->second : std::vector<double>(chain.joints(), 0.0);
+  question.rotation = rotation_of(orientation, rpy, chain, home);
+  const WorkspaceMap map = map_workspace(chain, home, question, tell);
+  if (!image.empty())
+    write_file_atomically(image,
+                          image_of(image, map, question,
+                                   fmt::format("{}: {} plane at {:g} m, tool {}", model.name, question.plane,
+                                               question.at, rpy.empty() ? orientation : "as given")));
+  if (!data.empty()) write_file_atomically(data, csv_of(map, chain));
+  fmt::print("{}: {} of {} cells of {:.3g} m reached ({:.3g} m²), best manipulability {:.3f}, by {}\n",
+             model.name, map.reached(), map.cells.size(), map.cell,
+             static_cast<double>(map.reached()) * map.cell * map.cell, map.best_manipulability(),
+             map.closed_form ? "closed form" : "iteration");
+  return kOk;
+}
+
+}  // namespace polyarm::apps
