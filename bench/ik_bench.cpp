@@ -34,8 +34,10 @@ namespace {
 using namespace polyarm;
 using namespace polyarm::kinematics;
 constexpr std::size_t kPoses = 4096;
-constexpr const char* kArms[] = {"universal_robots/ur5e", "abb/irb_2400_10", "fanuc/m_10ia", "doosan/m0609",
-                                 "kuka/lbr_iiwa_7_r800"};
+constexpr const char* kArms[] = {
+    "universal_robots/ur5e", "abb/irb_2400_10", "fanuc/m_10ia", "doosan/m0609",
+    "kuka/lbr_iiwa_7_r800",  "fanuc/crx_10ia",  "yaskawa/hc10", "kinova/jaco2_6dof_non_spherical_j2n6s300",
+    "ufactory/xarm_6",       "franka/fer_panda"};
 constexpr const char* kNumericArms[] = {"universal_robots/ur5", "universal_robots/ur10", "franka/fer_panda",
                                         "kuka/lbr_iiwa_7_r800", "abb/irb_6640_185_2_8"};
 

@@ -53,7 +53,7 @@ POLYARM_INLINE void solve(const BranchJob& job, Branches& out) {
     moves[job.to_arm[k]] = true;
   }
   check_and_polish(job, q, moves, out);
-  write_values(*job.arm, q, out);
+  write_values(job, q, out);
 }
 
 POLYARM_INLINE void polish(const BranchJob& job, Branches& out) {
@@ -76,7 +76,7 @@ POLYARM_INLINE void polish(const BranchJob& job, Branches& out) {
     q[i] = {s, c};
   }
   check_and_polish(job, q, moves, out);
-  write_values(*job.arm, q, out);
+  write_values(job, q, out);
 }
 
 // ---- one for each kind of processor ---------------------------------------------------------------------

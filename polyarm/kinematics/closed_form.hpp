@@ -65,6 +65,11 @@ struct LaneArm {
 };
 LaneArm lane_arm(const ArmGeometry& arm);
 
+/// Within which joint values are wanted, and near which: of each axis of the true arm.
+struct LaneLimits {
+  std::array<double, ArmGeometry::kMostAxes> lower{}, upper{}, weight{};  ///< weights of squared distances
+};
+
 /// One question to the kernel.
 struct BranchJob {
   const SixAxisForm* form = nullptr;
@@ -74,18 +79,23 @@ struct BranchJob {
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
   /// Values of all axes of the true arm: what free angles take, and where axes outside of the form stay.
   const double* seed = nullptr;
-  double beside_seed = 0;  ///< what is added to the seed's values for free angles
+  const LaneLimits* limits = nullptr;
+  const double* near = nullptr;  ///< joint values that answers come near to by whole turns; set with limits
+  double beside_seed = 0;        ///< what is added to the seed's values for free angles
   /// Errors up to this are worked on, m and rad; 0: answers are only checked.
   double worth_polishing = 1e-3;
   bool all_move = false;  ///< descent moves every axis of the arm, not only those of the form
   int patience = 4;       ///< steps after which only small errors are worth more
 };
 
-/// What came out, axis after axis, for each branch. Angles are within a turn about zero.
+/// What came out, axis after axis, for each branch. Angles are within a turn about zero, or of the turns
+/// within limits the one nearest to BranchJob::near.
 struct Branches {
   alignas(64) double value[ArmGeometry::kMostAxes][kBranches];
   alignas(64) double position_error2[kBranches];     ///< square of metres
   alignas(64) double orientation_error2[kBranches];  ///< square of radians, at most double
+  alignas(64) double distance2[kBranches];           ///< weighted, from BranchJob::near
+  std::uint32_t inside = ~0u;                        ///< branches within limits (bits)
   std::uint32_t free = 0;                            ///< branches in which an angle was free (bits)
 };
 

@@ -24,10 +24,10 @@ void InverseKinematics::Arm::read(const Chain& chain) {
   joints = chain.joints();
   for (std::size_t i = 0; i < geometry.count; ++i) {
     const std::size_t joint = geometry.axes[i].joint;
-    lower[i] = chain.lower()[joint];
-    upper[i] = chain.upper()[joint];
-    weight[i] = joint < settings.weights.size() ? settings.weights[joint] : 1.0;
-    weight[i] *= weight[i];
+    limits.lower[i] = chain.lower()[joint];
+    limits.upper[i] = chain.upper()[joint];
+    limits.weight[i] = joint < settings.weights.size() ? settings.weights[joint] : 1.0;
+    limits.weight[i] *= limits.weight[i];
   }
   lanes = lane_arm(geometry);
 }

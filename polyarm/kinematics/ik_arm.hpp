@@ -57,7 +57,7 @@ struct InverseKinematics::Arm {
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
   int spare = -1;  ///< the axis that is held at one value after another; -1: none
   std::size_t joints = 0;
-  AxisValues lower{}, upper{}, weight{};
+  LaneLimits limits;
   double worth_polishing = 1e-3;
 
   bool formed() const noexcept { return known.family != ArmFamily::none; }

@@ -10,38 +10,7 @@ namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kAtLimit = 1e-10;      // rad beyond a limit that are rounding
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
-
-/// std::rint and std::ceil for |a| < 2^51, without the call that they are where any x86-64 must do.
-double nearest_whole(double a) noexcept {
-  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: no bits are left for fractions
-  return (a + kShift) - kShift;
-}
-double whole_above(double a) noexcept {
-  const double near = nearest_whole(a);
-  return near < a ? near + 1 : near;
-}
-
-/// Within these limits, the turn of `value` nearest to `seed`; false where no turn is inside.
-bool unwind(double& value, double seed, double lower, double upper) noexcept {
-  // Half a turn away is as near on either side; rounding must not decide which it is.
-  value += kTurn * nearest_whole((seed - value) * (1 / kTurn) - 1e-9);
-  if (value < lower - kAtLimit) value += kTurn * whole_above((lower - value) * (1 / kTurn) - 1e-11);
-  if (value > upper + kAtLimit) {
-    value -= kTurn * whole_above((value - upper) * (1 / kTurn) - 1e-11);
-    if (value < lower - kAtLimit) return false;
-  }
-  value = std::min(std::max(value, lower), upper);
-  return true;
-}
-
-/// The same for a joint that slides.
-bool keep(double& value, double lower, double upper) noexcept {
-  if (value < lower - kAtLimit || value > upper + kAtLimit) return false;
-  value = std::min(std::max(value, lower), upper);
-  return true;
-}
 
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
   double most = 0;
@@ -148,22 +117,16 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
   const double orientation2 = settings.orientation_tolerance * settings.orientation_tolerance;
   for (std::size_t k = 0; k < kBranches; ++k) {
     Candidate one;
-    one.distance2 = 0;
     one.position2 = branches.position_error2[k];
     one.orientation2 = branches.orientation_error2[k];
     one.exact = one.position2 <= position2 && one.orientation2 <= orientation2;
     const double size = one.position2 / (lanes.size * lanes.size) + one.orientation2;
     if (!one.exact && !(size < 1.02 * out.nearest_size)) continue;
-    bool inside = true;
-    for (std::size_t i = 0; i < n; ++i) {
-      one.value[i] = branches.value[i][k];
-      inside &= geometry.axes[i].slides ? keep(one.value[i], lower[i], upper[i])
-                                        : unwind(one.value[i], out.seed[i], lower[i], upper[i]);
-      const double away = one.value[i] - out.seed[i];
-      one.distance2 += weight[i] * away * away;
-    }
+    const bool inside = (branches.inside >> k & 1u) != 0;
     out.beyond_limits |= one.exact && !inside;
     if (!inside) continue;
+    for (std::size_t i = 0; i < n; ++i) one.value[i] = branches.value[i][k];
+    one.distance2 = branches.distance2[k];
     one.singular = (branches.free >> k & 1u) != 0;
     if (!one.exact) {
       // As good as the best so far: the one nearer to the seed.
@@ -188,6 +151,8 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.target = {rotation_of(normalized(target.rotation)), target.position};
   job.to_arm = to_arm;
   job.seed = at.data();
+  job.limits = &limits;
+  job.near = out.seed.data();
   job.worth_polishing = worth_polishing;
   if (!formed()) return descend_from_many(job, nearest_only, out);
   if (spare < 0) return solve_at(job, form, wary, out);
@@ -209,8 +174,8 @@ void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only
     for (std::size_t i = 0; i < geometry.count; ++i) {
       const bool slides = geometry.axes[i].slides;
       const double reach = slides ? lanes.size : kTurn / 2;
-      const double low = std::isfinite(lower[i]) ? lower[i] : job.seed[i] - reach;
-      const double high = std::isfinite(upper[i]) ? upper[i] : job.seed[i] + reach;
+      const double low = std::isfinite(limits.lower[i]) ? limits.lower[i] : job.seed[i] - reach;
+      const double high = std::isfinite(limits.upper[i]) ? limits.upper[i] : job.seed[i] + reach;
       for (double& value : branches.value[i]) value = random.between(low, high);
     }
     polish_branches(job, branches);
@@ -224,7 +189,8 @@ void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest
                                     Gathered& out) const noexcept {
   const auto k = static_cast<std::size_t>(spare);
   const double span = geometry.axes[k].slides ? 4 * lanes.size : kTurn;
-  const double least = std::max(lower[k], out.seed[k] - span / 2), most = std::min(upper[k], least + span);
+  const double least = std::max(limits.lower[k], out.seed[k] - span / 2),
+               most = std::min(limits.upper[k], least + span);
   const double cell = (most - least) / std::max(1, settings.samples);
   const auto look_at = [&](double value) {
     at[k] = std::clamp(value, least, most);

@@ -163,10 +163,46 @@ POLYARM_INLINE Lane load(const double* from) {
   return out;
 }
 
+/// To the next whole number above; for |a| < 2^51.
+POLYARM_INLINE Lane whole_above(Lane a) {
+  const Lane near = rounded(a);
+  return near + select(below(near, a), splat(1.0), Lane{});
+}
+
+/// Brings one joint's values to the turn within limits that is nearest to `near`; says where there is one.
+POLYARM_INLINE LaneMask bring_near(Lane& value, double near, double lower, double upper, bool slides) {
+  constexpr double kTurn = 6.283185307179586477, kAtLimit = 1e-10;  // rad or m beyond a limit: rounding
+  const Lane low = splat(lower - kAtLimit), high = splat(upper + kAtLimit);
+  if (!slides) {
+    // Half a turn away is as near on either side; rounding must not decide which it is.
+    value += kTurn * rounded((near - value) * (1 / kTurn) - 1e-9);
+    const Lane up = value + kTurn * whole_above((lower - value) * (1 / kTurn) - 1e-11);
+    value = select(below(value, low), up, value);
+    const Lane down = value - kTurn * whole_above((value - upper) * (1 / kTurn) - 1e-11);
+    value = select(below(high, value), down, value);
+  }
+  const LaneMask outside = below(value, low) | below(high, value);
+  const Lane raised = select(below(value, splat(lower)), splat(lower), value);
+  value = select(outside, value, select(below(splat(upper), raised), splat(upper), raised));
+  return ~outside;
+}
+
 /// Joint values out of the angles.
-POLYARM_INLINE void write_values(const LaneArm& arm, const LaneAngle* q, Branches& out) {
-  for (std::size_t i = 0; i < arm.count; ++i)
-    store(arm.slides[i] ? q[i].s : angle_of(q[i].s, q[i].c), out.value[i]);
+POLYARM_INLINE void write_values(const BranchJob& job, const LaneAngle* q, Branches& out) {
+  const LaneArm& arm = *job.arm;
+  Lane distance2{};
+  LaneMask inside = ~LaneMask{};
+  for (std::size_t i = 0; i < arm.count; ++i) {
+    Lane value = arm.slides[i] ? q[i].s : angle_of(q[i].s, q[i].c);
+    if (job.limits) {
+      inside &= bring_near(value, job.near[i], job.limits->lower[i], job.limits->upper[i], arm.slides[i]);
+      const Lane away = value - job.near[i];
+      distance2 += job.limits->weight[i] * away * away;
+    }
+    store(value, out.value[i]);
+  }
+  store(distance2, out.distance2);
+  out.inside = bits_of(inside);
 }
 /// One joint value as the angle that the sweeps take.
 POLYARM_INLINE LaneAngle angle_at(const LaneArm& arm, std::size_t axis, double value) {

@@ -69,7 +69,7 @@ POLYARM_INLINE void finish(const BranchJob& job, const bool* moves, Waiting& wai
   LaneAngle q[kMost];
   for (std::size_t i = 0; i < n; ++i) q[i] = {load(waiting.s[i]), load(waiting.c[i])};
   check_and_polish(job, q, moves, out);
-  write_values(*job.arm, q, out);
+  write_values(job, q, out);
   out.free = 0;
   waiting.count = 0;
 }
