@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/kinematics/conic.hpp"
 #include "tests/kinematics/sample_families.hpp"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -131,6 +132,56 @@ TEST(WristBend, KeepsItsDigitsWhereAWristIsSingular) {
     const LaneAngle found = wrist_bend(a, b, a, splat(u), kSides, {}, free);
     EXPECT_NEAR(angle(found, 0), bend, 1e-15 + 1e-12 * bend);
     EXPECT_NEAR(angle(found, 1), -bend, 1e-15 + 1e-12 * bend);
+  }
+}
+
+/// What is left of a conic's equation at a point of the circle.
+double left_over(const LaneConic& q, double c, double s) {
+  return q.cc[0] * c * c + q.cs[0] * c * s + q.ss[0] * s * s + q.c1[0] * c + q.s1[0] * s + q.one[0];
+}
+/// The nearest of the four points to an angle.
+double nearest_point_to(const LaneConic& q, double at) {
+  const LaneLines lines = lines_of(q, 1e-12);
+  double nearest = 10;
+  for (std::size_t line = 0; line < 2; ++line)
+    for (const double side : {1.0, -1.0}) {
+      LaneMask free{};
+      const LaneAngle p = point_on(lines.normal[line], lines.reach[line], splat(side), {}, free);
+      EXPECT_LT(off_circle(p), 1e-12);
+      nearest = std::min(nearest, std::abs(std::remainder(angle(p, 0) - at, 2 * std::numbers::pi)));
+    }
+  return nearest;
+}
+
+TEST(Conic, MeetsTheCircleWhereItWasDrawnThrough) {
+  Random random(8);
+  for (int i = 0; i < kDraws; ++i) {
+    const double at = random.between(-3, 3), c = std::cos(at), s = std::sin(at);
+    LaneConic q;
+    for (Lane* k : {&q.cc, &q.cs, &q.ss, &q.c1, &q.s1}) *k = splat(random.between(-1, 1));
+    q.one = splat(-left_over(q, c, s));
+    const double slope =
+        (q.ss[0] - q.cc[0]) * std::sin(2 * at) + q.cs[0] * std::cos(2 * at) - q.c1[0] * s + q.s1[0] * c;
+    EXPECT_LT(nearest_point_to(q, at), 1e-13 / std::max(1e-7, std::abs(slope)) + 1e-12);
+  }
+}
+
+/// Two lines that cross on the circle, or touch it: the roots fall together and are kept.
+TEST(Conic, KeepsRootsThatFallTogether) {
+  Random random(9);
+  for (int i = 0; i < kDraws; ++i) {
+    const double at = random.between(-3, 3), c = std::cos(at), s = std::sin(at);
+    const double other = i % 2 ? at : random.between(-3, 3);
+    LaneConic q;
+    // (n . x - n . p)(m . x - m . p) with n the tangent's normal: touches at p.
+    const double m0 = std::cos(other), m1 = std::sin(other), reach = m0 * c + m1 * s;
+    q.cc = splat(c * m0);
+    q.cs = splat(c * m1 + s * m0);
+    q.ss = splat(s * m1);
+    q.c1 = splat(-c * reach - m0);
+    q.s1 = splat(-s * reach - m1);
+    q.one = splat(reach);
+    EXPECT_LT(nearest_point_to(q, at), 1e-3);
   }
 }
 
