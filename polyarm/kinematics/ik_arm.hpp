@@ -72,7 +72,7 @@ struct InverseKinematics::Arm {
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
   void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
               Gathered& out) const noexcept;
-  void descend_from_many(BranchJob& job, bool nearest_only, Gathered& out) const noexcept;
+  void descend_from_many(BranchJob& job, bool nearest_only, int rounds, Gathered& out) const noexcept;
   void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
   void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
                 Gathered& out) const noexcept;

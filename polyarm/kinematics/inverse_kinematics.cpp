@@ -10,6 +10,8 @@ namespace polyarm::kinematics {
 
 namespace {
 
+constexpr int kRounds = 60;             // of eight starts each, where there is no other way
+constexpr int kRescueRounds = 24;       // where another way found nothing
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
 
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
@@ -73,7 +75,9 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   const std::size_t blocks = search_branches(job, found);
   for (std::size_t i = 0; i < blocks; ++i) sift(job, found[i], before, out);
   around_seed(job, before, out);
-  if (spare < 0) look_for_twins(job, before, out);
+  if (spare >= 0) return;
+  look_for_twins(job, before, out);
+  if (out.count == 0) descend_from_many(job, true, kRescueRounds, out);
 }
 
 /// Descent from the seed and from close to it.
@@ -154,15 +158,14 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.limits = &limits;
   job.near = out.seed.data();
   job.worth_polishing = worth_polishing;
-  if (!formed()) return descend_from_many(job, nearest_only, out);
+  if (!formed()) return descend_from_many(job, nearest_only, kRounds, out);
   if (spare < 0) return solve_at(job, form, wary, out);
   sample(job, at, nearest_only, out);
 }
 
 /// From the seed and near it, then from starts all over the limits.
-void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only,
+void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only, int rounds,
                                                Gathered& out) const noexcept {
-  constexpr int kRounds = 60;
   job.all_move = true;
   job.worth_polishing = 1e9;
   job.patience = 24;
@@ -170,7 +173,7 @@ void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only
   Random random(1);
   Branches branches;
   branches.free = 0;
-  for (int round = 0; round < kRounds && !(nearest_only && out.count > 0); ++round) {
+  for (int round = 0; round < rounds && !(nearest_only && out.count > 0); ++round) {
     for (std::size_t i = 0; i < geometry.count; ++i) {
       const bool slides = geometry.axes[i].slides;
       const double reach = slides ? lanes.size : kTurn / 2;
@@ -202,7 +205,11 @@ void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest
   // Where limits leave but a little of the range: look closer before giving up.
   constexpr int kCloser = 4;
   for (int i = 0; out.count == 0 && i < kCloser * settings.samples; ++i) look_at(least + i * cell / kCloser);
-  if (!nearest_only || out.count == 0) return;
+  if (out.count == 0) {
+    at[k] = out.seed[k];
+    return descend_from_many(job, true, kRescueRounds, out);
+  }
+  if (!nearest_only) return;
   constexpr int kHalvings = 14;
   double step = cell / 2;
   for (int i = 0; i < kHalvings; ++i, step /= 2) {
