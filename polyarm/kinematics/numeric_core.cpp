@@ -179,7 +179,8 @@ void NumericCore::polish(const NumericQuestion& question, NumericPlace& at) cons
   here.patience = 2;
   descend(arm, here, task_of(question), all);
   const NumericPlace then = place_of(all, 0);
-  if (then.size2() < at.size2()) at = then;
+  // Nearer on the whole may be further in one of the two.
+  if (then.size2() < at.size2() && (good(then) || !good(at))) at = then;
 }
 
 void NumericCore::settle(const NumericQuestion& question, int steps, Places& places) const noexcept {
