@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "polyarm/cell/fault_record.hpp"
+#include "polyarm/cell/worker.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -199,7 +200,12 @@ Json ask(cell::Cell& cell, const Json& request) {
     *out = Json::parse(line);
     return true;
   });
-  for (int k = 0; k < 200 && out->is_null(); ++k) run(cell, 0.002);
+  for (int k = 0; k < 200 && out->is_null(); ++k) {
+    hardware::Hardware& hardware = cell.loop().hardware();
+    for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks run on threads of their own
+      if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);
+    run(cell, 0.002);
+  }
   return *out;
 }
 
@@ -375,7 +381,7 @@ TEST(FaultRecord, IsWrittenWithEveryFaultAndPlaysAgain) {
   while (notes.all.find("polyarm replay ") == std::string::npos &&
          std::chrono::steady_clock::now() < patience) {
     run(cell, 0.01);
-    std::this_thread::yield();
+    cell.worker().drain();  // what writes the record
   }
   cell.loop().end();
   const std::filesystem::path record = folder.path() / ".state/faults/0001";

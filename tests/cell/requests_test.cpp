@@ -361,7 +361,10 @@ TEST(RequestsOutside, AFaultEndsARunThatWorksTowardsAnEndButNotACellThatWaitsFor
     if (!outside) continue;
     EXPECT_EQ(cell.result({{"request", "hardware.recover"}, {"name", name}})["state"], "active");
     cell.result({{"request", "control.recover"}});
-    cell.result({{"request", "control.switch"}, {"activate", {"follow", "tail"}}});
+    const Json started = cell.ask({{"request", "control.switch"}, {"activate", {"follow", "tail"}}});
+    EXPECT_TRUE(started["ok"].get<bool>())
+        << started << cell.result({{"request", "hardware.list"}})[0]["state"]
+        << cell.result({{"request", "health"}})["cause"];
     cell.result({{"request", "control.resume"}});
     EXPECT_TRUE(
         cell.ask({{"request", "send"}, {"to", "tail"}, {"message", "data: [0.1, 0.1]"}})["ok"].get<bool>());

@@ -169,8 +169,13 @@ class LockStepCell {
   /// Steps until the last answer is there (at most 20 s of cell time) and returns it whole.
   Json ask(const Json& request) {
     const auto answers = give(request);
-    for (int ticks = 0; ticks < 10'000 && (answers->empty() || answers->back().value("more", false)); ++ticks)
+    for (int ticks = 0; ticks < 10'000 && (answers->empty() || answers->back().value("more", false));
+         ++ticks) {
+      hardware::Hardware& hardware = cell_->loop().hardware();
+      for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks may run on threads of their own
+        if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);
       tick();
+    }
     return answers->empty() ? Json() : answers->back();
   }
   /// The result; the refusal where there is none, so that a test shows it.
