@@ -74,8 +74,32 @@ class Planner {
     planned.controller = controllers::make_controller(type, planned.context.parameters);
     planned.options.lock_step = lock_step_;
     planned.options.budget = file_.budget;
+    planned.options.divisor = robots_divisor(planned.context);
     plan_.controllers.push_back(std::move(planned));
     return plan_.controllers.back();
+  }
+
+  /// Every how many cycles the robot runs whose joints the controller names first, else the one it belongs
+  /// to.
+  unsigned robots_divisor(const controllers::ControllerContext& context) const {
+    std::string owner = context.robot;
+    bool names_any = false;
+    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names"}) {
+      if (names_any || !context.parameters.has(key)) continue;
+      const std::vector<std::string> joints = context.parameters.list(key);
+      if (joints.empty()) continue;
+      try {
+        owner = context.whole_joint(joints.front());
+        owner.erase(owner.find('/'));
+        names_any = true;
+      } catch (const Error&) {  // told when it is configured
+      }
+    }
+    Problems told;  // with the hardware
+    for (const auto& robot : robots_)
+      if (names_any && robot->entry.name == owner)
+        return divisor_of(robot->entry, loop_.options().period, told);
+    return 1;
   }
 
   void from_files() {
@@ -129,7 +153,7 @@ class Planner {
     if (entry.type.find("JointTrajectoryController") != std::string::npos)
       keep_what_is_offered(entry, parameters);
     PlannedController& planned = add(entry.type, name_of(entry), robot_of(entry), std::move(parameters));
-    planned.options.divisor = divisor(rate, entry);
+    if (rate > 0) planned.options.divisor = divisor(rate, entry);
     planned.options.async = entry.is_async;
     planned.options.fallback = entry.fallback_controllers;
     planned.options.thread.priority = 0;

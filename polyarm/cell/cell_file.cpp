@@ -25,7 +25,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   robot.name = name;
   robot.where = yaml.where();
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget"},
+                   "accept_unverified", "budget", "rate", "thread"},
                   problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
@@ -36,6 +36,16 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
+  collect(problems, [&] {
+    if (yaml.has("thread")) robot.thread = yaml["thread"].boolean();
+  });
+  collect(problems, [&] {
+    if (!yaml.has("rate")) return;
+    robot.rate = yaml["rate"].number();
+    if (!(robot.rate > 0) || !std::isfinite(robot.rate))
+      problems.error("bad-rate", yaml["rate"].where(), "the rate of '" + name + "' is not above zero",
+                     "write how often a second it is read and commanded, Hz");
+  });
   robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });

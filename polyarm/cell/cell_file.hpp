@@ -24,7 +24,9 @@ struct RobotEntry {
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::map<std::string, std::string> parameters;  ///< of the hardware
   Nanoseconds budget = 0;                         ///< of a read or write of its hardware in the loop; 0: any
-  std::map<std::string, std::string> arguments;   ///< NAME:=VALUE for a description in xacro
+  double rate = 0;      ///< Hz at which its hardware and its controllers run; 0: the loop's
+  bool thread = false;  ///< its hardware has a thread of its own
+  std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::string text;                ///< the description itself, where `model` names the file that it stands in
   Location where;

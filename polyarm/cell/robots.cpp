@@ -182,8 +182,22 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
   return out;
 }
 
-namespace {
+unsigned divisor_of(const RobotEntry& entry, Nanoseconds period, Problems& problems) {
+  if (entry.rate <= 0) return 1;
+  const double loop = 1 / seconds(period), exact = loop / entry.rate;
+  const double whole = std::clamp(std::round(exact), 1.0, 1e6);
+  if (std::abs(exact - whole) > 1e-6 * exact)
+    problems.error("bad-rate", entry.where,
+                   "'" + entry.name + "' is to run at " + format_number(entry.rate) +
+                       " Hz, which is no part of the " + format_number(loop) + " Hz of the control loop",
+                   exact < 1 ? "the loop runs at least as fast as each robot: raise the cell's rate"
+                             : "choose " + format_number(loop / std::ceil(exact)) + " or " +
+                                   format_number(loop / std::max(1.0, std::floor(exact))) +
+                                   ", or another rate of the cell");
+  return static_cast<unsigned>(whole);
+}
 
+namespace {
 /// The components of a cell while they are put together.
 class Components {
  public:
@@ -193,6 +207,7 @@ class Components {
 
   void add_to(hardware::Hardware& hardware, Problems& problems) {
     for (const auto& robot : robots_) take(*robot);
+    for (const auto& robot : robots_) divisor_of(robot->entry, period_, problems);
     give_the_scene();
     for (Planned& planned : planned_) collect(problems, [&] { add(hardware, planned); });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
@@ -270,8 +285,10 @@ class Components {
       if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
     };
     if (robot.blocks.empty()) {
-      Planned& planned = component(robot.driver, robot.driver);
+      const bool own = robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread);
+      Planned& planned = component(robot.driver, own ? robot.entry.name : robot.driver);
       budget(planned, robot);
+      pace(planned, robot);
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
@@ -287,9 +304,12 @@ class Components {
     std::erase_if(rest.components, [](const auto& c) { return c.kind == "joint"; });
     std::erase_if(joints.components, [](const auto& c) { return c.kind != "joint"; });
     if (!physics || !joints.components.empty()) {
-      Planned& planned = component(block.driver, physics ? block.driver : block.info->name);
+      Planned& planned =
+          physics ? component(block.driver, block.driver)
+                  : component(block.driver, name_beside_others(block.driver, block.info->name, robot));
       budget(planned, robot);
       describe(planned, *block.info);
+      pace(planned, robot);
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       if (!block.flag.empty()) planned.context.parameters.emplace(block.flag, "true");
       std::vector<hardware::RobotInstance>& instances = planned.context.robots;
@@ -312,6 +332,27 @@ class Components {
   static void budget(Planned& planned, const CellRobot& robot) {
     Nanoseconds& now = planned.options.budget;
     if (robot.entry.budget > 0 && (now == 0 || robot.entry.budget < now)) now = robot.entry.budget;
+  }
+
+  /// Robots whose hardware has one name share a component, unless they run at different rates.
+  std::string name_beside_others(const std::string& driver, const std::string& name,
+                                 const CellRobot& robot) const {
+    for (const Planned& planned : planned_) {
+      if (planned.driver != driver || planned.context.name != name) continue;
+      for (const auto& other : robots_)
+        if (other->entry.name == planned.context.robots.front().name &&
+            (other->entry.rate != robot.entry.rate || other->entry.thread != robot.entry.thread))
+          return robot.entry.name + "_" + name;
+    }
+    return name;
+  }
+
+  /// The robot's own rate and thread, over those of its description. Physics has one rate for all.
+  void pace(Planned& planned, const CellRobot& robot) const {
+    if (planned.driver == "mujoco") return;
+    Problems told;  // once, for each robot
+    if (robot.entry.rate > 0) planned.options.divisor = divisor_of(robot.entry, period_, told);
+    if (robot.entry.thread) planned.options.async = true;
   }
 
   void describe(Planned& planned, const description::HardwareInfo& info) {

@@ -50,6 +50,9 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
 /// Makes the named component again from robots that were resolved anew, and puts it in the place of the one
 /// that runs under that name, which is unconfigured or finalized. `robots` has to live as long as it does.
 /// Throws Error where no robot declares it any more or its interfaces are others.
+/// Every how many cycles of a loop of this period a robot runs whose entry states a rate; 1 where it states
+/// none. Adds a problem where the rate is no part of the loop's.
+unsigned divisor_of(const RobotEntry& entry, Nanoseconds period, Problems& problems);
 std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
                                                    const CellRobots& robots, const description::Scene& scene,
                                                    Nanoseconds period);
