@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -245,23 +246,27 @@ class Follower {
                               place(node.s), place(path_.length()), found.reason),
                   "move the path nearer, or let the TCP turn along the way");
     }
-    std::size_t fastest = 0;
-    for (std::size_t k = 1; k < arm_.columns(); ++k)
-      if (std::abs(node.rates.d[0][k]) > std::abs(node.rates.d[0][fastest])) fastest = k;
-    const std::size_t joint = arm_.joints()[fastest];
-    const double rate = std::abs(node.rates.d[0][fastest]),
-                 gap = kinematics::smallest_singular_value(chain_, node.q);
-    if (rate > kFast || !(gap > kinematics::kSingular))
-      throw Error(
-          "singular",
-          fmt::format("the path passes a singularity at {:.4f} m: {} would turn by {:.3g} {} per metre there "
-                      "(smallest singular value {:.1e})",
-                      place(node.s), chain_.names()[joint], rate, unit(joint), gap),
-          "move the path aside, turn the TCP along the way, or move there by joints");
+    arm_.at(node.q);
+    const FastestJoint fastest = fastest_joint(arm_, path_.at(node.s));
+    const double gap = kinematics::smallest_singular_value(chain_, node.q);
+    if (fastest.rate > kFast || !(gap > kinematics::kSingular)) throw_singular(node, fastest, gap);
     throw Error("branch",
                 fmt::format("the path goes on at {:.4f} m, but only in another configuration of the arm",
                             place(node.s)),
                 "begin in that configuration, or move there by joints");
+  }
+
+  [[noreturn]] void throw_singular(const Node& node, const FastestJoint& fastest, double gap) const {
+    const std::size_t joint = arm_.joints()[fastest.column];
+    const std::string rate = std::isfinite(fastest.rate)
+                                 ? fmt::format("by {:.3g} {} per metre", fastest.rate, unit(joint))
+                                 : std::string("without bound");
+    throw Error(
+        "singular",
+        fmt::format("the path meets a singularity at {:.4f} m: {} would turn {} there (smallest singular "
+                    "value {:.1e})",
+                    place(node.s), chain_.names()[joint], rate, gap),
+        "move the path aside, turn the TCP along the way, or move there by joints");
   }
 
   const kinematics::Chain& chain_;

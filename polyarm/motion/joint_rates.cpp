@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace polyarm::motion {
@@ -11,6 +12,8 @@ namespace {
 constexpr int kSteps = 12;          // of Newton's method; from nearby three do
 constexpr double kSettled = 1e-13;  // m and rad
 constexpr double kEnough = 1e-10;   // where rounding stops it
+constexpr double kNone = 1e-9;      // of the largest singular value: zero
+constexpr double kAlong = 1e-6;     // of the path's direction, that a singularity forbids
 constexpr int kMost = static_cast<int>(kinematics::Chain::kMaxJoints);
 
 using Six = Eigen::Matrix<double, 6, 1>;
@@ -118,6 +121,27 @@ bool find_rates(ArmDerivatives& arm, const trajectory::PoseDerivatives& path, Jo
     std::copy(d[n].data(), d[n].data() + d[n].size(), out.d[n].begin());
   }
   return true;
+}
+
+FastestJoint fastest_joint(const ArmDerivatives& arm, const trajectory::PoseDerivatives& path) {
+  const Eigen::MatrixXd J = matrix(arm.J());
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Six x = six(path.linear[0], path.angular[0]);
+  Eigen::VectorXd rates = Eigen::VectorXd::Zero(J.cols());
+  FastestJoint out;
+  Eigen::Index column = 0;
+  for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+    const double share = svd.matrixU().col(i).dot(x), value = svd.singularValues()[i];
+    if (value > kNone * svd.singularValues()[0]) {
+      rates += share / value * svd.matrixV().col(i);
+    } else if (std::abs(share) > kAlong) {
+      svd.matrixV().col(i).cwiseAbs().maxCoeff(&column);
+      return {static_cast<std::size_t>(column), std::numeric_limits<double>::infinity()};
+    }
+  }
+  out.rate = rates.cwiseAbs().maxCoeff(&column);
+  out.column = static_cast<std::size_t>(column);
+  return out;
 }
 
 }  // namespace polyarm::motion

@@ -28,4 +28,12 @@ bool settle(ArmDerivatives& arm, std::span<double> q, const Pose& target);
 /// arm can follow at all. False where they are no numbers.
 bool find_rates(ArmDerivatives& arm, const trajectory::PoseDerivatives& path, JointRates& out);
 
+/// The joint that has to move fastest where arm.at() is on the path, and how fast, rad or m per unit of the
+/// path; infinite at a singularity that the path does not pass along.
+struct FastestJoint {
+  std::size_t column = 0;
+  double rate = 0;
+};
+FastestJoint fastest_joint(const ArmDerivatives& arm, const trajectory::PoseDerivatives& path);
+
 }  // namespace polyarm::motion

@@ -65,7 +65,7 @@ class Lines {
  public:
   Lines(std::span<const JointWaypoint> waypoints, const JointPathOptions& options)
       : options_(options), joints_(waypoints.front().q.size()) {
-    for (std::size_t i = 0; i < waypoints.size(); ++i) add(waypoints[i], i);
+    for (std::size_t i = 0; i < waypoints.size(); ++i) add(waypoints[i], i, i + 1 == waypoints.size());
     for (std::size_t i = 0; i + 1 < points_.size(); ++i) lines_.push_back(line(i));
   }
 
@@ -107,15 +107,18 @@ class Lines {
     return out;
   }
 
-  void add(const JointWaypoint& waypoint, std::size_t index) {
+  void add(const JointWaypoint& waypoint, std::size_t index, bool last) {
     const std::string name = name_of(waypoint, index);
-    if (!points_.empty() && norm_of(difference(points_.back().q, waypoint.q)) <= kSame) {
+    const double way = points_.empty() ? 1 : norm_of(difference(points_.back().q, waypoint.q));
+    // The smallest of moves is still one.
+    if (way <= kSame && !(last && way > 0 && points_.size() == 1)) {
       out_.warnings.push_back({"waypoint-repeated",
                                {},
                                fmt::format("{} is where {} is; they count once", name, points_.back().name),
                                {},
                                Severity::warning});
       points_.back().radius = std::min(points_.back().radius, waypoint.radius);
+      if (last && points_.size() > 1) points_.back().q = waypoint.q;
       return;
     }
     points_.push_back({waypoint.q, waypoint.radius, name});

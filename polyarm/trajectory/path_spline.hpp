@@ -15,7 +15,7 @@ struct CubicSpline {
 /// Through `points` ([point][dimension], at least two, neighbours apart). The knots begin as the chords and
 /// become the lengths of the pieces between them, measured with `weights` (one of each dimension; empty: 1
 /// each) by Gauss's rule, again and again: so that the parameter is nearly the length of the curve, and the
-/// curve overshoots less than over equal knots (Farin, Curves and Surfaces for CAGD, section 9.6).
+/// curve overshoots less than over equal knots (Farin, Curves and Surfaces for CAGD, on the choice of knots).
 /// `shortest` (empty, or one of each interval): no interval of knots becomes shorter.
 CubicSpline cubic_spline(std::span<const double> points, std::size_t dimensions,
                          std::span<const double> weights = {}, std::span<const double> shortest = {});

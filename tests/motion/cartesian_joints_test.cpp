@@ -354,6 +354,21 @@ TEST(CartesianJoints, TellWhichJointWouldTurnHowFastAtASingularity) {
   EXPECT_GE(singular, 1);
 }
 
+TEST(CartesianJoints, ThatBeginSingularSayWhichJointIsInTheWay) {
+  const Chain ur = arm("universal_robots/ur5e");
+  Values straight = kBent;
+  straight[4] = 0;
+  const Pose start = ur.forward(straight);
+  Pose end = start;
+  end.rotation = from_axis_angle(start.rotation * Vec3{0, 1, 0}, 0.3) * end.rotation;
+  end.position = end.position + Vec3{0.1, 0.2, 0};
+  std::string text;
+  const auto path = CartesianPathBuilder(start).line(end).build();
+  EXPECT_EQ(code_of([&] { joints_along(ur, path.sections[0], straight); }, &text), "singular");
+  EXPECT_NE(text.find("at 0.0000 m: wrist_"), std::string::npos) << text;
+  EXPECT_NE(text.find("without bound"), std::string::npos) << text;
+}
+
 TEST(CartesianJoints, PassASingularityAsideSlowlyButOnThePath) {
   const Chain ur = arm("universal_robots/ur5e");
   Values q = kBent;

@@ -189,6 +189,15 @@ TEST(JointLines, OfOnePlaceHaveNoLength) {
   }
 }
 
+TEST(JointLines, EndExactlyAtTheLastWaypointHoweverNear) {
+  const auto tiny = joint_lines(std::vector<JointWaypoint>{{{1, 2}}, {{1, 2 + 1e-11}}});
+  ASSERT_EQ(tiny.sections.size(), 1u);
+  EXPECT_EQ(point_at(*tiny.sections[0], 1).q, (Values{1, 2 + 1e-11}));
+  const auto twice = joint_lines(std::vector<JointWaypoint>{{{0, 0}}, {{1, 2}}, {{1, 2 + 1e-11}}});
+  EXPECT_EQ(twice.warnings.size(), 1u);
+  EXPECT_EQ(point_at(*twice.sections[0], 9).q, (Values{1, 2 + 1e-11}));
+}
+
 /// A flat arm of two links, which makes a radius at the TCP another one in joints.
 TEST(JointLines, KeepARadiusAtTheTcp) {
   const auto tcp = [](std::span<const double> q) {
