@@ -1,0 +1,27 @@
+#pragma once
+/// Where on a path its time is planned. Part of timing.hpp.
+#include <vector>
+
+#include "polyarm/trajectory/timing_rows.hpp"
+
+namespace polyarm::trajectory {
+
+/// Nodes of s, with every break, and a first guess of ṡ² there.
+struct TimingGrid {
+  std::vector<double> s, b;
+};
+
+/// The grid is fine where the path turns, where it is slow, and towards an end at rest (there equal steps of
+/// time at constant jerk: s ~ k³). Neighbouring intervals are alike to a factor of about 1.5.
+TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness);
+
+/// The highest ṡ² that velocity limits allow at a place of `rows`.
+double velocity_ceiling(const PathRows& rows, std::size_t place);
+/// The same that velocity, and acceleration and jerk at constant ṡ, allow at a place of `rows`.
+double speed_ceiling(const PathRows& rows, std::size_t place);
+
+/// Lowers `b` (at the places of `rows`) until accelerations between neighbours are within limits, and
+/// towards an end at rest also jerks.
+void limit_accelerations(const PathRows& rows, std::vector<double>& b);
+
+}  // namespace polyarm::trajectory
