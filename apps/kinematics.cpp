@@ -6,8 +6,7 @@
 #include "apps/options.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/tools.hpp"
-#include "polyarm/kinematics/inverse.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/arm_solver.hpp"
 
 namespace polyarm::apps {
 
@@ -77,8 +76,7 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
 }
 
 /// How the solutions of `--all` were found, in words: the arm's closed form and its kind, or why it has none.
-std::string way_of(const kinematics::Chain& chain) {
-  const kinematics::InverseKinematics arm(chain);
+std::string way_of(const kinematics::InverseKinematics& arm) {
   if (!arm) return arm.report();
   return "closed form: " + arm.report();
 }
@@ -90,6 +88,83 @@ std::string remark_on(const kinematics::Chain& chain, const std::vector<double>&
   for (std::size_t j = 0; j < q.size(); ++j) sum += (q[j] - seed[j]) * (q[j] - seed[j]);
   const bool singular = kinematics::smallest_singular_value(chain, q) < kinematics::kSingular;
   return fmt::format("{:.3f} from the seed{}", std::sqrt(sum), singular ? ", near a singularity" : "");
+}
+
+/// What `polyarm ik` is asked.
+struct PoseQuestion {
+  std::vector<double> xyz, rpy, quaternion, seed, position_tolerance, orientation_tolerance;
+  std::string spin;
+  bool all = false, position_only = false;
+
+  void add_to(CLI::App& app) {
+    app.add_option("--xyz", xyz, "position, m")->expected(3)->required();
+    CLI::Option* by_rpy =
+        app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
+    app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
+    app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
+    app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");
+    app.add_flag("--position-only", position_only, "the TCP's place, however the tool is turned");
+    app.add_option("--free-spin", spin, "the tool may turn about its own axis x, y or z")
+        ->check(CLI::IsMember({"x", "y", "z"}));
+    app.add_option("--position-tolerance", position_tolerance,
+                   "how far off the TCP may be along the tool's x y z, m (one number: each)")
+        ->expected(1, 3);
+    app.add_option("--orientation-tolerance", orientation_tolerance,
+                   "how far the tool may be turned about its x y z, rad (one number: each)")
+        ->expected(1, 3);
+  }
+  bool of_parts() const {
+    return position_only || !spin.empty() || !position_tolerance.empty() || !orientation_tolerance.empty();
+  }
+  Pose target() const;
+  kinematics::IkTask task() const;
+};
+
+Pose PoseQuestion::target() const {
+  Pose out{{xyz[0], xyz[1], xyz[2]}, {}};
+  if (rpy.size() == 3) out.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
+  if (quaternion.size() != 4) return out;
+  const Quaternion q{quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
+  if (std::abs(q.x) + std::abs(q.y) + std::abs(q.z) + std::abs(q.w) < 1e-9)
+    throw Error("bad-value", "--quaternion 0 0 0 0 is no rotation", "write a unit quaternion x y z w");
+  out.rotation = normalized(q);
+  return out;
+}
+
+/// Plus and minus `values` in three rows of the task.
+void widen(kinematics::IkTask& task, std::size_t row, const std::vector<double>& values, const char* option) {
+  if (values.size() == 2)
+    throw Error("bad-value", fmt::format("{} takes 1 or 3 numbers, here are 2", option),
+                "one number for all of x y z, or one for each");
+  for (std::size_t k = 0; !values.empty() && k < 3; ++k) {
+    const double value = values[values.size() == 3 ? k : 0];
+    if (!(value >= 0) || !std::isfinite(value))
+      throw Error("bad-value", fmt::format("{} {:g} is no tolerance", option, value),
+                  "write 0 or more, or --position-only or --free-spin for what may be anything");
+    task.low[row + k] = -value;
+    task.high[row + k] = value;
+  }
+}
+
+kinematics::IkTask PoseQuestion::task() const {
+  kinematics::IkTask out;
+  widen(out, 0, position_tolerance, "--position-tolerance");
+  widen(out, 3, orientation_tolerance, "--orientation-tolerance");
+  if (!spin.empty()) out.free(3 + static_cast<std::size_t>(spin[0] - 'x'));
+  for (std::size_t row = 3; position_only && row < 6; ++row) out.free(row);
+  return out;
+}
+
+/// Solutions for `--all`: of parts of poses those of many descents.
+std::vector<std::vector<double>> all_solutions(const kinematics::ArmSolver& arm, const PoseQuestion& question,
+                                               const Pose& target) {
+  if (!question.of_parts()) return arm.find_solutions(target, question.seed);
+  const auto found = std::make_unique<kinematics::IkSolutions>();
+  arm.numeric().solve_all(target, question.task(), question.seed, *found);
+  std::vector<std::vector<double>> out;
+  for (const kinematics::IkSolution& one : *found)
+    out.emplace_back(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(arm.chain().joints()));
+  return out;
 }
 
 }  // namespace
@@ -126,55 +201,50 @@ int run_fk(int argc, char** argv) {
 int run_ik(int argc, char** argv) {
   CLI::App app("Inverse kinematics: joint values that put the TCP at a pose in the base frame", "polyarm ik");
   Common common;
-  std::vector<double> xyz, rpy, quaternion, seed;
-  bool all = false;
+  PoseQuestion question;
   common.add_to(app);
-  app.add_option("--xyz", xyz, "position, m")->expected(3)->required();
-  CLI::Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
-  app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
-  app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
-  app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");
+  question.add_to(app);
   app.footer(examples(
       {"polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --rpy 3.1416 0 0",
        "polyarm ik fanuc/lr_mate_200id --tool suction_cup --xyz 0.3 0.15 0.04 --rpy 3.1416 0 0 --json",
-       "polyarm ik universal_robots/ur3 --xyz 0.3 0 0.3 --quaternion 1 0 0 0 --all"}));
+       "polyarm ik universal_robots/ur3 --xyz 0.3 0 0.3 --quaternion 1 0 0 0 --all",
+       "polyarm ik franka/fer_panda --xyz 0.4 0 0.4 --rpy 3.1416 0 0 --free-spin z",
+       "polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --position-only",
+       "polyarm ik abb/irb_120 --xyz 0.4 0 0.3 --rpy 3.1416 0 0 --orientation-tolerance 0.1 0.1 0"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   const Loaded robot = load(common);
-  if (seed.empty()) seed = robot.home;
-  check_size(seed, *robot.chain, "--seed");
-  Pose target{{xyz[0], xyz[1], xyz[2]}, {}};
-  if (rpy.size() == 3) target.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
-  if (quaternion.size() == 4) {
-    target.rotation = normalized(Quaternion{quaternion[0], quaternion[1], quaternion[2], quaternion[3]});
-    if (std::abs(quaternion[0]) + std::abs(quaternion[1]) + std::abs(quaternion[2]) +
-            std::abs(quaternion[3]) <
-        1e-9)
-      throw Error("bad-value", "--quaternion 0 0 0 0 is no rotation", "write a unit quaternion x y z w");
-  }
-  const kinematics::IkResult result = kinematics::solve_nearest(*robot.chain, target, seed, robot.home);
-  json out = {{"status", kinematics::name(result.status)},
-              {"position_error_m", result.position_error},
-              {"orientation_error_rad", result.orientation_error}};
-  out["q"] = result.q;
-  out["joints"] = joints_json(*robot.chain, result.q);
-  if (!result) out["reason"] = result.reason;
+  if (question.seed.empty()) question.seed = robot.home;
+  check_size(question.seed, *robot.chain, "--seed");
+  const Pose target = question.target();
+  const kinematics::ArmSolver arm(*robot.chain);
+  const kinematics::IkResult result = question.of_parts()
+                                          ? arm.solve(target, question.task(), question.seed)
+                                          : arm.solve_nearest(target, question.seed, robot.home);
+  const std::string way =
+      question.of_parts() ? "solved by iteration: parts of a pose" : way_of(arm.closed_form());
   std::vector<std::vector<double>> solutions;
-  if (all && result) solutions = kinematics::find_solutions(*robot.chain, target, seed);
-  if (all) {
-    out["solutions"] = solutions;
-    out["found_by"] = way_of(*robot.chain);
-  }
+  if (question.all && result) solutions = all_solutions(arm, question, target);
   if (common.as_json) {
+    json out = {{"status", kinematics::name(result.status)},
+                {"position_error_m", result.position_error},
+                {"orientation_error_rad", result.orientation_error},
+                {"q", result.q},
+                {"joints", joints_json(*robot.chain, result.q)}};
+    if (!result) out["reason"] = result.reason;
+    if (question.all) {
+      out["solutions"] = solutions;
+      out["found_by"] = way;
+    }
     fmt::print("{}\n", out.dump());
   } else if (!result) {
     fmt::print(stderr, "polyarm ik: {} cannot: {}\n", robot.model.name, result.reason);
-  } else if (!all) {
+  } else if (!question.all) {
     fmt::print("{:.6f}\n", fmt::join(result.q, " "));
   } else {
-    fmt::print("# {}\n# {} solution{} within limits\n", way_of(*robot.chain), solutions.size(),
+    fmt::print("# {}\n# {} solution{} within limits\n", way, solutions.size(),
                solutions.size() == 1 ? "" : "s");
     for (const std::vector<double>& q : solutions)
-      fmt::print("{:.6f}  # {}\n", fmt::join(q, " "), remark_on(*robot.chain, q, seed));
+      fmt::print("{:.6f}  # {}\n", fmt::join(q, " "), remark_on(*robot.chain, q, question.seed));
   }
   return result ? kOk : kFailed;
 }

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "polyarm/kinematics/inverse.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/arm_solver.hpp"
 
 namespace polyarm::apps {
 
@@ -35,13 +34,8 @@ Vec3 placed(const std::array<int, 3>& axes, double across, double up, double thi
 class Asker {
  public:
   Asker(const Chain& chain, std::vector<double> home, const std::optional<Quaternion>& rotation)
-      : chain_(chain), closed_(chain), home_(std::move(home)), rotation_(rotation) {
-    options_.orientation_free = !rotation;
-    options_.restarts = 6;
-    options_.position_tolerance = 1e-5;
-    options_.orientation_tolerance = 1e-5;
-  }
-  bool closed_form() const { return closed_ && closed_.complete() && rotation_; }
+      : chain_(chain), solver_(chain, options_of(!rotation)), home_(std::move(home)), rotation_(rotation) {}
+  bool closed_form() const { return closed() && closed().complete() && rotation_; }
 
   /// A joint state for the TCP at `position`; empty where none was found.
   std::vector<double> ask(const Vec3& position, const std::vector<double>& neighbour) const {
@@ -50,20 +44,29 @@ class Asker {
     const std::vector<double>& seed = neighbour.empty() ? home_ : neighbour;
     if (closed_form()) {
       kinematics::IkSolution found;
-      const auto outcome = closed_.solve(target, seed, found);
+      const auto outcome = closed().solve(target, seed, found);
       if (outcome != kinematics::IkOutcome::solved) return {};
       return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(chain_.joints())};
     }
-    const kinematics::IkResult found = kinematics::solve_inverse(chain_, target, seed, options_);
+    const kinematics::IkResult found = solver_.solve(target, seed);
     return found ? found.q : std::vector<double>{};
   }
 
  private:
+  static kinematics::IkOptions options_of(bool orientation_free) {
+    kinematics::IkOptions out;
+    out.orientation_free = orientation_free;
+    out.restarts = 6;
+    out.position_tolerance = 1e-5;
+    out.orientation_tolerance = 1e-5;
+    return out;
+  }
+  const kinematics::InverseKinematics& closed() const { return solver_.closed_form(); }
+
   const Chain& chain_;
-  kinematics::InverseKinematics closed_;
+  kinematics::ArmSolver solver_;
   std::vector<double> home_;
   std::optional<Quaternion> rotation_;
-  kinematics::IkOptions options_;
 };
 
 /// sqrt(det(J J^T)) of the Jacobian's three linear rows, lengths in reaches.

@@ -1,5 +1,7 @@
 #include "polyarm/kinematics/arm_solver.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -73,18 +75,32 @@ struct ArmSolver::Arm {
     NumericQuestion inner;
     std::string flaw;
   };
-  Question ask(const Pose& target, std::span<const double> seed) const;
+  Question ask(const Pose& target, std::span<const double> seed, const IkTask* task = nullptr) const;
   bool out_of_bounds(const Question& question) const;
   IkResult flawed(const Question& question) const;
   IkResult solved(const Question& question, std::span<const double> q) const;
   bool direct(const Question& question, IkSolution& out) const;
+  IkResult solved(const Question& question, const IkSolution& one) const;
   IkResult search(const Question& question) const;
   void collect_branches(const Question& question, std::vector<std::vector<double>>& out) const;
   void collect_descents(const Question& question, std::vector<std::vector<double>>& out) const;
   std::vector<std::vector<double>> collect(const Question& question) const;
 };
 
-ArmSolver::Arm::Question ArmSolver::Arm::ask(const Pose& target, std::span<const double> seed) const {
+std::string flaw_of(const IkTask& task) {
+  constexpr const char* kRows[] = {"x", "y", "z", "about x", "about y", "about z"};
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!(task.low[i] <= task.high[i]))
+      return fmt::format("the tolerance {} goes from {:g} to {:g}, which is no range", kRows[i], task.low[i],
+                         task.high[i]);
+    if (!(task.weight[i] >= 0) || !std::isfinite(task.weight[i]))
+      return fmt::format("the weight {} is {:g}, which counts nothing", kRows[i], task.weight[i]);
+  }
+  return {};
+}
+
+ArmSolver::Arm::Question ArmSolver::Arm::ask(const Pose& target, std::span<const double> seed,
+                                             const IkTask* task) const {
   Question out{target, {seed.begin(), seed.end()}, {}, {}};
   const Quaternion& r = target.rotation;
   const double length = r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w;
@@ -97,6 +113,8 @@ ArmSolver::Arm::Question ArmSolver::Arm::ask(const Pose& target, std::span<const
   else if (seed.size() != chain().joints())
     out.flaw = "the seed has " + std::to_string(seed.size()) + " values, the robot " +
                std::to_string(chain().joints()) + " joints";
+  else if (task)
+    out.flaw = flaw_of(*task);
   if (!out.flaw.empty()) return out;
   out.target.rotation = normalized(r);
   for (std::size_t i = 0; i < seed.size(); ++i) {
@@ -104,12 +122,15 @@ ArmSolver::Arm::Question ArmSolver::Arm::ask(const Pose& target, std::span<const
     out.seed[i] = std::clamp(std::isfinite(seed[i]) ? seed[i] : 0.0, lower, upper);
   }
   const IkTask place = IkTask::position_only();
-  if (!core().read(out.target, options.orientation_free ? &place : nullptr, out.seed, out.inner))
+  if (!task && options.orientation_free) task = &place;
+  if (!core().read(out.target, task, out.seed, out.inner))
     out.flaw = core().arm.joints == 0 ? "no joint moves the TCP" : "the pose is too far away to be computed";
   return out;
 }
 
+/// Beyond all lengths of the arm; never where a task gives the place some room.
 bool ArmSolver::Arm::out_of_bounds(const Question& question) const {
+  if (!place_is_fixed(question.inner)) return false;
   return norm(question.target.position - chain().reach_center()) >
          chain().reach_bound() + options.position_tolerance;
 }
@@ -133,6 +154,16 @@ IkResult ArmSolver::Arm::solved(const Question& question, std::span<const double
   return out;
 }
 
+IkResult ArmSolver::Arm::solved(const Question& question, const IkSolution& one) const {
+  if (!question.inner.task) return solved(question, std::span(one.q.data(), chain().joints()));
+  IkResult out;
+  out.status = IkStatus::solved;
+  out.q.assign(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(chain().joints()));
+  out.position_error = one.position_error;
+  out.orientation_error = one.orientation_error;
+  return out;
+}
+
 /// From the seed: first free and wound back into the limits; if they are still broken, with the limits as
 /// walls.
 bool ArmSolver::Arm::direct(const Question& question, IkSolution& out) const {
@@ -149,14 +180,13 @@ bool ArmSolver::Arm::direct(const Question& question, IkSolution& out) const {
 }
 
 IkResult ArmSolver::Arm::search(const Question& question) const {
-  const std::size_t n = chain().joints();
   const bool hopeless = out_of_bounds(question);
   IkSolution found;
-  if (!hopeless && direct(question, found)) return solved(question, {found.q.data(), n});
+  if (!hopeless && direct(question, found)) return solved(question, found);
   NumericPlace at;
   if (!hopeless && options.restarts > 0 && core().race(question.inner, core().settings.steps, at)) {
     core().finish(question.inner, question.seed, true, at, found);
-    return solved(question, {found.q.data(), n});
+    return solved(question, found);
   }
   IkResult out;
   explain_failure(core(), question.inner, question.target, question.seed, options, out);
@@ -237,6 +267,11 @@ const InverseKinematics& ArmSolver::closed_form() const noexcept {
 
 IkResult ArmSolver::solve(const Pose& target, std::span<const double> seed) const {
   const Arm::Question question = arm_->ask(target, seed);
+  return question.flaw.empty() ? arm_->search(question) : arm_->flawed(question);
+}
+
+IkResult ArmSolver::solve(const Pose& target, const IkTask& task, std::span<const double> seed) const {
+  const Arm::Question question = arm_->ask(target, seed, &task);
   return question.flaw.empty() ? arm_->search(question) : arm_->flawed(question);
 }
 

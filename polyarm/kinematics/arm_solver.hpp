@@ -28,6 +28,9 @@ class ArmSolver {
   const NumericIk& numeric() const noexcept;
   const InverseKinematics& closed_form() const noexcept;
 
+  /// A joint state that has what `task` (numeric_ik.hpp) asks of the pose. Errors in the result are what is
+  /// beyond the task's tolerances; options.orientation_free and orientation_weight are the task's matter.
+  IkResult solve(const Pose& target, const IkTask& task, std::span<const double> seed) const;
   /// As the functions of the same names in inverse.hpp, with the options of the construction.
   IkResult solve(const Pose& target, std::span<const double> seed) const;
   std::vector<std::vector<double>> find_solutions(const Pose& target,

@@ -27,6 +27,13 @@ NumericQuestion weighed(const NumericQuestion& question, double weight) {
   return out;
 }
 
+bool all_turns_free(const NumericQuestion& question) {
+  bool out = question.task.has_value();
+  for (std::size_t i = 3; out && i < 6; ++i)
+    out = question.task->low[i] < -1e8 && question.task->high[i] > 1e8;
+  return out;
+}
+
 /// The best of many descents, followed to the bottom. `size2` says how good a place is.
 template <typename Size>
 NumericPlace best_of(const NumericCore& core, const NumericQuestion& question, const Size& size2) {
@@ -106,6 +113,11 @@ void find_nearest(const NumericCore& core, const NumericQuestion& question, cons
   IkSolution one;
   core.write(best, seed, one);
   result.q.assign(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(core.chain.joints()));
+  if (question.task && !options.orientation_free) {
+    result.position_error = one.position_error;
+    result.orientation_error = one.orientation_error;
+    return;
+  }
   const Pose there = core.chain.forward(result.q);
   result.position_error = norm(target.position - there.position);
   if (!options.orientation_free) result.orientation_error = angle_between(there.rotation, target.rotation);
@@ -113,13 +125,20 @@ void find_nearest(const NumericCore& core, const NumericQuestion& question, cons
 
 }  // namespace
 
+bool place_is_fixed(const NumericQuestion& question) noexcept {
+  bool out = true;
+  for (std::size_t i = 0; question.task && i < 3; ++i)
+    out &= question.task->low[i] == 0 && question.task->high[i] == 0;
+  return out;
+}
+
 void explain_failure(const NumericCore& core, const NumericQuestion& question, const Pose& target,
                      std::span<const double> seed, const IkOptions& options, IkResult& result) {
   const Chain& chain = core.chain;
   find_nearest(core, question, target, seed, options, result);
   result.status = IkStatus::unreachable;
   const double away = norm(target.position - chain.reach_center());
-  if (away > chain.reach() + options.position_tolerance) {
+  if (place_is_fixed(question) && away > chain.reach() + options.position_tolerance) {
     result.reason = fmt::format("the TCP would have to be {} from the base, this robot reaches {}",
                                 meters(away), meters(chain.reach()));
     return;
@@ -134,10 +153,16 @@ void explain_failure(const NumericCore& core, const NumericQuestion& question, c
                                 1e3 * result.position_error, kDegrees * result.orientation_error);
     return;
   }
-  if (!options.orientation_free && blame_orientation(core, question, result.reason)) return;
+  const bool turn_is_free = options.orientation_free || all_turns_free(question);
+  if (!turn_is_free && blame_orientation(core, question, result.reason)) return;
+  const bool place_is_free = result.position_error == 0 && question.task;
   result.reason =
-      fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm to that place",
-                  1e3 * result.position_error);
+      place_is_free
+          ? fmt::format(
+                "no joint state within limits turns the tool nearer than {:.1f} deg to that direction",
+                kDegrees * result.orientation_error)
+          : fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm to that place",
+                        1e3 * result.position_error);
 }
 
 }  // namespace polyarm::kinematics

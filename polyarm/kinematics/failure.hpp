@@ -5,6 +5,9 @@
 
 namespace polyarm::kinematics {
 
+/// Whether a question asks for one place and no room about it.
+bool place_is_fixed(const NumericQuestion& question) noexcept;
+
 /// Fills in `result` for a question that has no solution: the nearest joint state within limits (metres, and
 /// radians at options.orientation_weight), its errors, status and reason. `question` is as the core read it.
 /// Some hundred descents at most.

@@ -32,6 +32,20 @@ void InverseKinematics::Arm::read(const Chain& chain) {
   lanes = lane_arm(geometry);
 }
 
+NumericSettings InverseKinematics::Arm::numeric_settings() const {
+  NumericSettings out;
+  out.position_tolerance = settings.position_tolerance;
+  out.orientation_tolerance = settings.orientation_tolerance;
+  out.weights = settings.weights;
+  return out;
+}
+
+void InverseKinematics::Arm::add_numeric() {
+  if (described->axes().empty()) return;
+  numeric.emplace(*described, numeric_settings());
+  if (!solvable()) report += "; solved by iteration";
+}
+
 /// What is known of the six axes that the closed form is about, in words.
 std::string InverseKinematics::Arm::describe_known() const {
   std::string out = describe(known.family);
@@ -67,7 +81,7 @@ void InverseKinematics::Arm::find_form() {
   } else {
     report = fmt::format("no closed form: {} axes", geometry.count);
   }
-  if (!formed()) report += "; solved by descent from many starts";
+  if (!formed()) report += "; solved by iteration";
 }
 
 void InverseKinematics::Arm::find_six() {

@@ -2,9 +2,11 @@
 /// What InverseKinematics knows of its arm, and what it gathers for one question. Used inside this room only.
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include "polyarm/kinematics/closed_form.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/numeric_ik.hpp"
 
 namespace polyarm::kinematics {
 
@@ -50,6 +52,8 @@ struct InverseKinematics::Arm {
   std::string report;
   SixAxisClass known;
   ArmGeometry geometry;
+  std::optional<Chain> described;    ///< always there once constructed
+  std::optional<NumericIk> numeric;  ///< where no closed form has the last word
   LaneArm lanes;
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
@@ -64,6 +68,8 @@ struct InverseKinematics::Arm {
   bool solvable() const noexcept { return geometry.count > 0; }
   void read(const Chain& chain);
   std::string describe_known() const;
+  NumericSettings numeric_settings() const;
+  void add_numeric();
   void settle(const SixAxisClass& found, std::array<int, 6> six);
   void find_form();
   void find_six();
@@ -72,7 +78,9 @@ struct InverseKinematics::Arm {
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
   void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
               Gathered& out) const noexcept;
-  void descend_from_many(BranchJob& job, bool nearest_only, int rounds, Gathered& out) const noexcept;
+  void iterate(const Pose& target, std::span<const double> seed, bool nearest_only,
+               Gathered& out) const noexcept;
+  void take(const IkSolution& one, Gathered& out) const noexcept;
   void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
   void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
                 Gathered& out) const noexcept;

@@ -4,14 +4,11 @@
 #include <cmath>
 
 #include "polyarm/kinematics/ik_arm.hpp"
-#include "polyarm/kinematics/random.hpp"
 
 namespace polyarm::kinematics {
 
 namespace {
 
-constexpr int kRounds = 60;             // of eight starts each, where there is no other way
-constexpr int kRescueRounds = 24;       // where another way found nothing
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
 
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
@@ -77,7 +74,6 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   around_seed(job, before, out);
   if (spare >= 0) return;
   look_for_twins(job, before, out);
-  if (out.count == 0) descend_from_many(job, true, kRescueRounds, out);
 }
 
 /// Descent from the seed and from close to it.
@@ -158,32 +154,43 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.limits = &limits;
   job.near = out.seed.data();
   job.worth_polishing = worth_polishing;
-  if (!formed()) return descend_from_many(job, nearest_only, kRounds, out);
-  if (spare < 0) return solve_at(job, form, wary, out);
-  sample(job, at, nearest_only, out);
+  if (formed() && spare < 0) solve_at(job, form, wary, out);
+  if (formed() && spare >= 0) sample(job, at, nearest_only, out);
+  if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }
 
-/// From the seed and near it, then from starts all over the limits.
-void InverseKinematics::Arm::descend_from_many(BranchJob& job, bool nearest_only, int rounds,
-                                               Gathered& out) const noexcept {
-  job.all_move = true;
-  job.worth_polishing = 1e9;
-  job.patience = 24;
-  around_seed(job, 0, out);
-  Random random(1);
-  Branches branches;
-  branches.free = 0;
-  for (int round = 0; round < rounds && !(nearest_only && out.count > 0); ++round) {
-    for (std::size_t i = 0; i < geometry.count; ++i) {
-      const bool slides = geometry.axes[i].slides;
-      const double reach = slides ? lanes.size : kTurn / 2;
-      const double low = std::isfinite(limits.lower[i]) ? limits.lower[i] : job.seed[i] - reach;
-      const double high = std::isfinite(limits.upper[i]) ? limits.upper[i] : job.seed[i] + reach;
-      for (double& value : branches.value[i]) value = random.between(low, high);
-    }
-    polish_branches(job, branches);
-    sift(job, branches, 0, out);
+/// What the numeric solver finds: of arms without another way all that it does, of others what they lack.
+void InverseKinematics::Arm::iterate(const Pose& target, std::span<const double> seed, bool nearest_only,
+                                     Gathered& out) const noexcept {
+  IkSolution one;
+  const bool beyond = norm(target.position - described->reach_center()) >
+                      described->reach_bound() + settings.position_tolerance;
+  if (beyond) {
+    numeric->track(target, seed, one);
+    return take(one, out);
   }
+  if (nearest_only || formed()) {
+    out.beyond_limits |= numeric->solve(target, seed, one) == IkOutcome::limits;
+    return take(one, out);
+  }
+  IkSolutions all;
+  out.beyond_limits |= numeric->solve_all(target, seed, all) == IkOutcome::limits;
+  for (const IkSolution& other : all) take(other, out);
+}
+
+void InverseKinematics::Arm::take(const IkSolution& from, Gathered& out) const noexcept {
+  Candidate one;
+  one.position2 = from.position_error * from.position_error;
+  one.orientation2 = from.orientation_error * from.orientation_error;
+  one.distance2 = from.distance * from.distance;
+  one.exact = from.exact;
+  one.singular = from.singular;
+  for (std::size_t i = 0; i < geometry.count; ++i) one.value[i] = from.q[geometry.axes[i].joint];
+  if (from.exact) return out.take(one);
+  const double size = one.position2 / (lanes.size * lanes.size) + one.orientation2;
+  if (!(size < out.nearest_size)) return;
+  out.nearest = one;
+  out.nearest_size = size;
 }
 
 /// The spare axis at its seed's value and at values all over its range; then, where only the nearest solution
@@ -205,11 +212,7 @@ void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest
   // Where limits leave but a little of the range: look closer before giving up.
   constexpr int kCloser = 4;
   for (int i = 0; out.count == 0 && i < kCloser * settings.samples; ++i) look_at(least + i * cell / kCloser);
-  if (out.count == 0) {
-    at[k] = out.seed[k];
-    return descend_from_many(job, true, kRescueRounds, out);
-  }
-  if (!nearest_only) return;
+  if (!nearest_only || out.count == 0) return;
   constexpr int kHalvings = 14;
   double step = cell / 2;
   for (int i = 0; i < kHalvings; ++i, step /= 2) {
@@ -233,6 +236,7 @@ void InverseKinematics::Arm::write(const Candidate& from, std::span<const double
 InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   auto arm = std::make_unique<Arm>();
   arm->settings = std::move(settings);
+  arm->described = chain;
   arm->geometry.count = 0;
   std::string why_not;
   if (const auto geometry = geometry_of(chain, why_not)) {
@@ -242,6 +246,8 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   } else {
     arm->report = "no closed form: " + why_not;
   }
+  const bool closed = arm->formed() && arm->spare < 0 && !searched(arm->known.family);
+  if (!closed || arm->settings.parts_of_poses) arm->add_numeric();
   arm_ = std::move(arm);
 }
 
@@ -256,7 +262,7 @@ InverseKinematics::operator bool() const noexcept {
   return arm_->formed();
 }
 IkWay InverseKinematics::way() const noexcept {
-  if (!arm_->solvable()) return IkWay::none;
+  if (!arm_->solvable() && !arm_->numeric) return IkWay::none;
   if (!arm_->formed()) return IkWay::descent;
   if (arm_->spare >= 0) return IkWay::spare_axis;
   return searched(arm_->known.family) ? IkWay::search : IkWay::closed_form;
@@ -276,7 +282,10 @@ IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> s
   out = {};
   std::copy(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(std::min(seed.size(), out.q.size())),
             out.q.begin());
-  if (!arm_->solvable()) return IkOutcome::no_closed_form;
+  if (!arm_->solvable()) {
+    if (!arm_->numeric) return IkOutcome::no_closed_form;
+    return arm_->numeric->solve(target, seed, out);
+  }
   if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
   arm_->gather(target, seed, true, found);
@@ -291,7 +300,10 @@ IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> s
 IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const double> seed,
                                        IkSolutions& out) const noexcept {
   out.count = 0;
-  if (!arm_->solvable()) return IkOutcome::no_closed_form;
+  if (!arm_->solvable()) {
+    if (!arm_->numeric) return IkOutcome::no_closed_form;
+    return arm_->numeric->solve_all(target, seed, out);
+  }
   if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
   arm_->gather(target, seed, false, found);
@@ -306,6 +318,12 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
   out.count = found.count;
   if (found.count > 0) return IkOutcome::solved;
   return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
+}
+
+IkOutcome InverseKinematics::solve(const Pose& target, const IkTask& task, std::span<const double> seed,
+                                   IkSolution& out) const {
+  if (arm_->numeric) return arm_->numeric->solve(target, task, seed, out);
+  return NumericIk(*arm_->described, arm_->numeric_settings()).solve(target, task, seed, out);
 }
 
 std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::span<const double> seed,

@@ -1,7 +1,7 @@
 #pragma once
 /// The one door to inverse kinematics: in closed form where the arm's description has one, else by search
-/// along one axis, else by descent from many starts. For the control cycle too. Metres, radians, poses of the
-/// TCP in the world.
+/// along one axis, else by iteration (NumericIk), which also has the last word where a search finds nothing.
+/// For the control cycle too. Metres, radians, poses of the TCP in the world.
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -37,7 +37,7 @@ struct IkSolutions {
 
 enum class IkOutcome {
   solved,
-  no_closed_form,  ///< a chain that is no row of joints; report() says why; ask solve_nearest()
+  no_closed_form,  ///< a chain in which nothing moves the TCP
   malformed,       ///< the pose or the seed has numbers that are none, or the sizes do not match
   unreachable,     ///< no joint state leads to the pose, whatever the limits
   limits,          ///< joint states lead there, all of them outside the limits
@@ -51,23 +51,28 @@ struct IkSettings {
   std::vector<double> weights;
   /// Of an arm with one joint too many: how many values of it are tried over its range.
   int samples = 16;
+  /// Whether the numeric solver is made at construction (some 100 us more) also for arms in closed form, so
+  /// that questions with an IkTask may be asked in the control cycle.
+  bool parts_of_poses = false;
 };
 
 /// How an arm's poses are solved.
 enum class IkWay {
-  none,         ///< not at all: the chain is no plain row of up to eight joints
+  none,         ///< not at all: no joint moves the TCP
   closed_form,  ///< all branches
   search,       ///< a closed form for each of 64 values of one axis, and descent from what is near
   spare_axis,   ///< one axis at one value after another, one of the ways above for each
-  descent,      ///< damped least squares from the seed and from starts at random, the same ones every time
+  descent,      ///< damped least squares from the seed and from a table of states (NumericIk)
 };
 
-/// The inverse kinematics of one arm. Built once (some 10 us, allocates), then const and without hidden
-/// state: any thread. solve() and solve_all() allocate nothing, throw nothing and read no clock; their time
-/// is bounded.
+struct IkTask;
+
+/// The inverse kinematics of one arm. Built once (some us in closed form, 100 us else; allocates), then const
+/// and without hidden state: any thread. solve() and solve_all() allocate nothing, throw nothing and read no
+/// clock; their time is bounded.
 class InverseKinematics {
  public:
-  /// Keeps nothing of `chain` but copies.
+  /// Keeps nothing of `chain` but copies. Throws Error("bad-model") for more than 64 joints and followers.
   explicit InverseKinematics(const Chain& chain, IkSettings settings = {});
   /// Of the chain from the model's root to link `tip`, which is the TCP. Throws as Chain does.
   InverseKinematics(const description::RobotModel& model, int tip, IkSettings settings = {});
@@ -92,6 +97,12 @@ class InverseKinematics {
   IkOutcome solve(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   /// All branches within limits that lead there exactly, nearest to the seed first.
   IkOutcome solve_all(const Pose& target, std::span<const double> seed, IkSolutions& out) const noexcept;
+  /// A joint state that has what `task` (numeric_ik.hpp) asks of the pose, by NumericIk with the tolerances
+  /// of the settings; ArmSolver::solve() says in words why there is none. Without
+  /// IkSettings::parts_of_poses an arm in closed form makes its numeric solver anew each time, which takes
+  /// some 100 us, allocates and may throw.
+  IkOutcome solve(const Pose& target, const IkTask& task, std::span<const double> seed,
+                  IkSolution& out) const;
   /// solve() for each of `targets`, with the same seed. Returns how many are solved. Precondition:
   /// `out` and `outcomes` are as long as `targets`.
   std::size_t solve_batch(std::span<const Pose> targets, std::span<const double> seed,

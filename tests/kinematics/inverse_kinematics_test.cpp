@@ -9,6 +9,7 @@
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/kinematics/numeric_ik.hpp"
 #include "tests/kinematics/sample_families.hpp"
 #include "tests/support/realtime_guard.hpp"
 
@@ -323,7 +324,7 @@ TEST(InverseKinematics, FewAxesGiveTheLeastErrorWherePosesAreBeyondThem) {
   EXPECT_LT(found.orientation_error, 0.15);
 }
 
-/// Six axes of which none meet or are parallel: found by descent, and said so.
+/// Six axes of which none meet or are parallel: found by iteration, and said so.
 TEST(InverseKinematics, AnArmWithoutAnyFamilyIsSolvedAllTheSame) {
   Random random(34);
   Tally tally;
@@ -332,7 +333,7 @@ TEST(InverseKinematics, AnArmWithoutAnyFamilyIsSolvedAllTheSame) {
     const InverseKinematics arm(model, test::tip_of(model));
     EXPECT_EQ(arm.way(), IkWay::descent);
     EXPECT_FALSE(arm.complete());
-    EXPECT_NE(arm.report().find("descent from many starts"), std::string::npos);
+    EXPECT_NE(arm.report().find("solved by iteration"), std::string::npos);
     const Chain chain = chain_of(model);
     std::vector<Pose> targets;
     for (int k = 0; k < 40; ++k) targets.push_back(chain.forward(random_state(chain, random)));
@@ -343,6 +344,46 @@ TEST(InverseKinematics, AnArmWithoutAnyFamilyIsSolvedAllTheSame) {
     for (std::size_t k = 0; k < targets.size(); ++k)
       EXPECT_LT(error_of(chain, {out[k].q.data(), 6}, targets[k]), 2e-9);
   }
+}
+
+/// A joint that drives two axes, one of them at a rate of its own.
+TEST(InverseKinematics, AChainThatIsNoRowOfJointsIsSolvedByTheSameDoor) {
+  const auto model = test::gantry();
+  const Chain chain = chain_of(model);
+  const InverseKinematics arm(chain);
+  EXPECT_EQ(arm.way(), IkWay::descent);
+  EXPECT_FALSE(arm);
+  Random random(41);
+  for (int i = 0; i < 50; ++i) {
+    const auto q = random_state(chain, random), seed = random_state(chain, random);
+    const Pose target = chain.forward(q);
+    IkSolution one;
+    IkSolutions all;
+    ASSERT_EQ(arm.solve(target, seed, one), IkOutcome::solved);
+    EXPECT_LT(error_of(chain, {one.q.data(), chain.joints()}, target), 2e-9);
+    ASSERT_EQ(arm.solve_all(target, seed, all), IkOutcome::solved);
+    for (const IkSolution& other : all)
+      EXPECT_LT(error_of(chain, {other.q.data(), chain.joints()}, target), 2e-9);
+  }
+}
+
+TEST(InverseKinematics, PartsOfPosesGoToTheNumericSolver) {
+  IkSettings settings;
+  settings.parts_of_poses = true;
+  const Chain chain = chain_of(test::ur3());
+  const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed{0.5, -1.4, 1.5, -1.5, -1.0, 2.0};
+  Pose turned = chain.forward(q);
+  turned.rotation = turned.rotation * from_axis_angle({0, 0, 1}, 0.7);
+  IkSolution one, other;
+  const InverseKinematics ready(chain, settings), bare(chain);
+  ASSERT_EQ(ready.solve(turned, IkTask::free_spin(), seed, one), IkOutcome::solved);
+  ASSERT_EQ(bare.solve(turned, IkTask::free_spin(), seed, other), IkOutcome::solved);
+  EXPECT_TRUE(std::equal(one.q.begin(), one.q.begin() + 6, other.q.begin()));
+  const Pose there = chain.forward({one.q.data(), 6});
+  EXPECT_LT(norm(there.position - turned.position), 1e-8);
+  EXPECT_LT(norm(there.rotation * Vec3{0, 0, 1} - turned.rotation * Vec3{0, 0, 1}), 1e-8);
+  EXPECT_EQ(ready.solve({{4, 0, 0}, {}}, IkTask::position_only(), seed, one), IkOutcome::unreachable);
+  EXPECT_FALSE(one.exact);
 }
 
 constexpr ArmFamily kFamilies[] = {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "polyarm/kinematics/arm_solver.hpp"
+#include "polyarm/kinematics/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
@@ -199,6 +200,30 @@ TEST(Inverse, AKeptSolverAnswersAsTheFunctionsDo) {
       EXPECT_EQ(solver.solve_nearest(target, seed, home).q, solve_nearest(chain, target, seed, home).q);
     }
   }
+}
+
+TEST(Inverse, PartsOfPosesAreSolvedOrRefusedInWords) {
+  const Chain chain = chain_of(test::ur3());
+  const ArmSolver arm(chain);
+  const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed(6, 0.3);
+  Pose target = chain.forward(q);
+  target.rotation = target.rotation * from_axis_angle({0, 0, 1}, 0.7);
+  const IkResult spun = arm.solve(target, IkTask::free_spin(), seed);
+  ASSERT_TRUE(spun) << spun.reason;
+  EXPECT_LT(norm(chain.forward(spun.q).position - target.position), 1e-5);
+  IkTask box;
+  for (std::size_t row = 0; row < 3; ++row) box.low[row] = -0.05, box.high[row] = 0.05;
+  Pose outside = chain.forward(std::vector<double>{0, 0, 0, 0, -1.5, 0});
+  outside.position = outside.position + 0.03 * normalized(outside.position - Vec3{0, 0, 0.15});
+  EXPECT_TRUE(arm.solve(outside, box, seed));
+  EXPECT_FALSE(arm.solve({{4, 0, 0}, {}}, IkTask::position_only(), seed));
+  EXPECT_NE(arm.solve({{4, 0, 0}, {}}, IkTask::position_only(), seed).reason.find("this robot reaches"),
+            std::string::npos);
+  const IkResult far = arm.solve({{4, 0, 0}, {}}, box, seed);
+  EXPECT_EQ(far.status, IkStatus::unreachable);
+  EXPECT_NE(far.reason, "");
+  box.low[4] = 1;
+  EXPECT_NE(arm.solve(target, box, seed).reason.find("about y"), std::string::npos);
 }
 
 TEST(Inverse, TheNearestOfAFailureIsTheBestOfAFewerJointedArm) {
