@@ -97,8 +97,7 @@ class Planner {
     }
     Problems told;  // with the hardware
     for (const auto& robot : robots_)
-      if (names_any && robot->entry.name == owner)
-        return divisor_of(robot->entry, loop_.options().period, told);
+      if (names_any && robot->entry.name == owner) return divisor_of(*robot, loop_.options().period, told);
     return 1;
   }
 

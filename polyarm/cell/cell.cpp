@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "polyarm/base/file.hpp"
@@ -252,6 +253,29 @@ void Cell::tell_overruns() {
     tell(loop_->controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
 }
 
+/// What the machine refused a component's thread, once.
+void Cell::tell_threads() {
+  using realtime::Refusal;
+  hardware::Hardware& hardware = loop_->hardware();
+  told_threads_.resize(hardware.size());
+  for (std::size_t i = 0; i < hardware.size(); ++i) {
+    const realtime::ThreadHealth* health = hardware.thread_health(i);
+    const unsigned refused = health ? health->refused.load(std::memory_order_acquire) : 0;
+    if (refused == 0 || std::exchange(told_threads_[i], 1)) continue;
+    const realtime::ThreadOptions& asked = hardware.thread_options(i);
+    if (refused & static_cast<unsigned>(Refusal::cpu))
+      observer_.on_note(
+          fmt::format("the thread of {} could not be pinned to processor {}: it runs on any; "
+                      "this machine has {}",
+                      hardware.component_name(i), asked.cpu, std::thread::hardware_concurrency()));
+    if (refused & static_cast<unsigned>(Refusal::priority))
+      observer_.on_note(
+          fmt::format("the thread of {} was refused real-time priority {}: it runs at ordinary "
+                      "priority; polyarm doctor names the command that permits it",
+                      hardware.component_name(i), asked.priority));
+  }
+}
+
 const std::vector<controllers::GoalEvent>& Cell::goal_events(const std::string& name) {
   constexpr std::size_t kKept = 1000;
   std::vector<controllers::GoalEvent>& out = goal_events_[name];
@@ -359,6 +383,7 @@ void Cell::tick(Nanoseconds now) {
   const control::Snapshot& snapshot = loop_->outbox().value();
   tell_loop_events();
   tell_overruns();
+  tell_threads();
   if (!started_ && arming_->armed()) send_start_messages();
   requests_->tick();
   follow_strangers(snapshot);

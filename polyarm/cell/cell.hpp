@@ -130,6 +130,7 @@ class Cell {
   void add_controller(const std::string& type, controllers::ControllerContext context);
   void send_start_messages();
   void tell_overruns();
+  void tell_threads();
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
   void tell_changes(Nanoseconds now);
@@ -144,6 +145,7 @@ class Cell {
   Observer& observer_;
   HardwareCalls calls_;
   std::map<std::pair<std::string, std::string>, std::uint64_t> overruns_;  ///< by name and callback
+  std::vector<char> told_threads_;  // by component: what the machine refused its thread was told
   description::Catalogue catalogue_;
   CellRobots robots_;
   std::vector<CellRobots> reloaded_;  ///< what components that were reloaded refer to

@@ -20,6 +20,26 @@ Nanoseconds read_budget(const Yaml& yaml, Problems& problems) {
   return nanoseconds(out);
 }
 
+int whole(const Yaml& yaml, const char* key, int fallback, int lowest, int highest, Problems& problems) {
+  double value = fallback;
+  collect(problems, [&] { value = yaml[key].number(Dimension::none, fallback); });
+  if (value >= lowest && value <= highest && value == std::floor(value)) return static_cast<int>(value);
+  problems.error("bad-value", yaml[key].where(),
+                 std::string(key) + " is a whole number from " + format_number(lowest) + " to " +
+                     format_number(highest));
+  return fallback;
+}
+
+/// `thread: true`, or how.
+void read_thread(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
+  if (!yaml.defined()) return;
+  if (!yaml.is_map()) return collect(problems, [&] { robot.thread = yaml.boolean(); });
+  yaml.check_keys({"priority", "cpu"}, problems);
+  robot.thread = true;
+  robot.on_thread =
+      ThreadEntry{whole(yaml, "priority", 0, 0, 99, problems), whole(yaml, "cpu", -1, -1, 1023, problems)};
+}
+
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
   RobotEntry robot;
   robot.name = name;
@@ -36,14 +56,13 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
-  collect(problems, [&] {
-    if (yaml.has("thread")) robot.thread = yaml["thread"].boolean();
-  });
+  read_thread(yaml["thread"], robot, problems);
   collect(problems, [&] {
     if (!yaml.has("rate")) return;
     robot.rate = yaml["rate"].number();
-    if (!(robot.rate > 0) || !std::isfinite(robot.rate))
-      problems.error("bad-rate", yaml["rate"].where(), "the rate of '" + name + "' is not above zero",
+    if (!(robot.rate > 0 && robot.rate <= 10000))
+      problems.error("bad-rate", yaml["rate"].where(),
+                     "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
                      "write how often a second it is read and commanded, Hz");
   });
   robot.budget = read_budget(yaml["budget"], problems);
@@ -58,18 +77,9 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
   LoopEntry out;
   if (!yaml.defined()) return out;
   yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after"}, problems);
-  const auto whole = [&](const char* key, double fallback, double lowest, double highest) {
-    double value = fallback;
-    collect(problems, [&] { value = yaml[key].number(Dimension::none, fallback); });
-    if (value >= lowest && value <= highest && value == std::floor(value)) return static_cast<int>(value);
-    problems.error("bad-value", yaml[key].where(),
-                   std::string(key) + " is a whole number from " + format_number(lowest) + " to " +
-                       format_number(highest));
-    return static_cast<int>(fallback);
-  };
-  out.priority = whole("priority", 0, 0, 99);
-  out.cpu = whole("cpu", -1, -1, 1023);
-  out.overrun_after = static_cast<unsigned>(whole("overrun_after", 10, 1, 1'000'000));
+  out.priority = whole(yaml, "priority", 0, 0, 99, problems);
+  out.cpu = whole(yaml, "cpu", -1, -1, 1023, problems);
+  out.overrun_after = static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems));
   collect(problems, [&] {
     if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
   });

@@ -16,6 +16,13 @@ namespace polyarm::cell {
 
 struct ControllersFile;
 
+/// How a robot's hardware runs on a thread of its own. What the machine refuses is told and does without.
+struct ThreadEntry {
+  int priority = 0;  ///< SCHED_FIFO priority; 0: ordinary
+  int cpu = -1;      ///< processor; -1: any
+  bool operator==(const ThreadEntry&) const = default;
+};
+
 struct RobotEntry {
   std::string name = "arm";
   std::string model;              ///< catalogue name, or path of a description
@@ -24,8 +31,9 @@ struct RobotEntry {
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::map<std::string, std::string> parameters;  ///< of the hardware
   Nanoseconds budget = 0;                         ///< of a read or write of its hardware in the loop; 0: any
-  double rate = 0;      ///< Hz at which its hardware and its controllers run; 0: the loop's
-  bool thread = false;  ///< its hardware has a thread of its own
+  double rate = 0;                       ///< Hz at which its hardware and its controllers run; 0: the loop's
+  bool thread = false;                   ///< its hardware has a thread of its own
+  std::optional<ThreadEntry> on_thread;  ///< where it says how; over what its description says
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::string text;                ///< the description itself, where `model` names the file that it stands in

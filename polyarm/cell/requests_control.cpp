@@ -337,7 +337,7 @@ Poll hardware_list(Cell& cell, const Json&) {
                    {"group", info.group},
                    {"state", hardware::name(info.state)},
                    {"being", pending ? hardware::done_word(pending->step()) : ""},
-                   {"rate", rate / info.divisor},
+                   {"rate", info.period > 0 ? 1 / seconds(info.period) : rate / info.divisor},
                    {"async", info.async},
                    {"missed", info.missed},
                    {"states", info.states},

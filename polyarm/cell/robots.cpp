@@ -182,19 +182,36 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
   return out;
 }
 
-unsigned divisor_of(const RobotEntry& entry, Nanoseconds period, Problems& problems) {
+namespace {
+bool waits_for_a_device(const std::string& driver) {
+  return driver != "mujoco" && driver != "mock" && hardware::make_driver(driver)->blocks();
+}
+}  // namespace
+
+bool on_threads(const CellRobot& robot) {
+  if (robot.entry.thread) return true;
+  if (robot.blocks.empty()) return waits_for_a_device(robot.driver);
+  return std::all_of(robot.blocks.begin(), robot.blocks.end(), [](const HardwareBlock& block) {
+    return block.driver != "mujoco" && (block.info->is_async || waits_for_a_device(block.driver));
+  });
+}
+
+unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& problems) {
+  const RobotEntry& entry = robot.entry;
   if (entry.rate <= 0) return 1;
   const double loop = 1 / seconds(period), exact = loop / entry.rate;
   const double whole = std::clamp(std::round(exact), 1.0, 1e6);
-  if (std::abs(exact - whole) > 1e-6 * exact)
+  if (std::abs(exact - whole) <= 1e-6 * exact) return static_cast<unsigned>(whole);
+  const double below = std::max(1.0, std::floor(exact));
+  if (!on_threads(robot))
     problems.error("bad-rate", entry.where,
                    "'" + entry.name + "' is to run at " + format_number(entry.rate) +
-                       " Hz, which is no part of the " + format_number(loop) + " Hz of the control loop",
-                   exact < 1 ? "the loop runs at least as fast as each robot: raise the cell's rate"
-                             : "choose " + format_number(loop / std::ceil(exact)) + " or " +
-                                   format_number(loop / std::max(1.0, std::floor(exact))) +
-                                   ", or another rate of the cell");
-  return static_cast<unsigned>(whole);
+                       " Hz in the control loop, which is no part of its " + format_number(loop) + " Hz",
+                   (exact < 1 ? "the loop runs at least as fast as what it calls: raise the cell's rate"
+                              : "choose " + format_number(loop / std::ceil(exact)) + " or " +
+                                    format_number(loop / below) + ", or another rate of the cell") +
+                       "; with 'thread: true' its hardware has a thread of its own, which runs at any rate");
+  return static_cast<unsigned>(below);
 }
 
 namespace {
@@ -207,7 +224,7 @@ class Components {
 
   void add_to(hardware::Hardware& hardware, Problems& problems) {
     for (const auto& robot : robots_) take(*robot);
-    for (const auto& robot : robots_) divisor_of(robot->entry, period_, problems);
+    for (const auto& robot : robots_) collect(problems, [&] { divisor_of(*robot, period_, problems); });
     give_the_scene();
     for (Planned& planned : planned_) collect(problems, [&] { add(hardware, planned); });
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
@@ -334,14 +351,18 @@ class Components {
     if (robot.entry.budget > 0 && (now == 0 || robot.entry.budget < now)) now = robot.entry.budget;
   }
 
+  static bool run_alike(const CellRobot& a, const CellRobot& b) {
+    return a.entry.rate == b.entry.rate && a.entry.thread == b.entry.thread &&
+           a.entry.on_thread == b.entry.on_thread;
+  }
+
   /// Robots whose hardware has one name share a component, unless they run at different rates.
   std::string name_beside_others(const std::string& driver, const std::string& name,
                                  const CellRobot& robot) const {
     for (const Planned& planned : planned_) {
       if (planned.driver != driver || planned.context.name != name) continue;
       for (const auto& other : robots_)
-        if (other->entry.name == planned.context.robots.front().name &&
-            (other->entry.rate != robot.entry.rate || other->entry.thread != robot.entry.thread))
+        if (other->entry.name == planned.context.robots.front().name && !run_alike(*other, robot))
           return robot.entry.name + "_" + name;
     }
     return name;
@@ -350,9 +371,16 @@ class Components {
   /// The robot's own rate and thread, over those of its description. Physics has one rate for all.
   void pace(Planned& planned, const CellRobot& robot) const {
     if (planned.driver == "mujoco") return;
-    Problems told;  // once, for each robot
-    if (robot.entry.rate > 0) planned.options.divisor = divisor_of(robot.entry, period_, told);
     if (robot.entry.thread) planned.options.async = true;
+    if (robot.entry.on_thread) {
+      planned.options.thread.priority = robot.entry.on_thread->priority;
+      planned.options.thread.cpu = robot.entry.on_thread->cpu;
+    }
+    if (robot.entry.rate <= 0) return;
+    Problems told;  // once, for each robot
+    planned.options.divisor = divisor_of(robot, period_, told);
+    if (planned.options.async || waits_for_a_device(planned.driver))
+      planned.options.period = static_cast<Nanoseconds>(std::llround(1e9 / robot.entry.rate));
   }
 
   void describe(Planned& planned, const description::HardwareInfo& info) {
@@ -372,6 +400,8 @@ class Components {
     if (info.rw_rate > 0)  // never faster than the loop
       options.divisor = static_cast<unsigned>(std::clamp(std::round(rate / info.rw_rate), 1.0, 1e6));
     options.async = info.is_async;
+    if (info.rw_rate > 0 && info.is_async)
+      options.period = static_cast<Nanoseconds>(std::llround(1e9 / info.rw_rate));
     options.thread.priority = info.thread_priority;
     if (!info.affinity.empty()) options.thread.cpu = info.affinity.front();
   }

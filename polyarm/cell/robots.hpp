@@ -47,12 +47,16 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
                     Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems);
 
+/// Has all hardware of the robot a thread of its own, which may run at any rate?
+bool on_threads(const CellRobot& robot);
+/// Every how many cycles of a loop of this period the controllers of a robot run whose entry states a rate,
+/// and its hardware where it has no thread; 1 where it states none. A rate that is no part of the loop's is a
+/// problem without threads; with them the controllers run at the next higher rate that is.
+unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& problems);
+
 /// Makes the named component again from robots that were resolved anew, and puts it in the place of the one
 /// that runs under that name, which is unconfigured or finalized. `robots` has to live as long as it does.
 /// Throws Error where no robot declares it any more or its interfaces are others.
-/// Every how many cycles of a loop of this period a robot runs whose entry states a rate; 1 where it states
-/// none. Adds a problem where the rate is no part of the loop's.
-unsigned divisor_of(const RobotEntry& entry, Nanoseconds period, Problems& problems);
 std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
                                                    const CellRobots& robots, const description::Scene& scene,
                                                    Nanoseconds period);

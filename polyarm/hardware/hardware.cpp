@@ -42,7 +42,7 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
   hosted->first_command = table_.commands().size();
   for (const InterfaceDescription& d : commands) table_.add_command(d.name);
   hosted->commands = table_.commands().size() - hosted->first_command;
-  if (hosted->options.async) make_runner(*hosted);
+  if (hosted->options.async) make_runner(*hosted, context.period);
   if (hosted->component->paces()) {
     if (pacer_ >= 0)
       throw Error("two-clocks",
@@ -54,8 +54,15 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
   hosted_.push_back(std::move(hosted));
 }
 
-void Hardware::make_runner(Hosted& hosted) {
+void Hardware::make_runner(Hosted& hosted, Nanoseconds loop_period) {
   const auto states = table_.states().subspan(hosted.first_state, hosted.states);
+  if (hosted.options.period > 0) {
+    hosted.options.divisor = 1;
+    hosted.own_clock =
+        std::make_unique<OwnClock>(hosted.component, states, hosted.commands, hosted.options.period,
+                                   hosted.options.lock_step, hosted.options.thread);
+    return;
+  }
   hosted.own_states.assign(states.begin(), states.end());
   hosted.own_commands.assign(hosted.commands, std::numeric_limits<double>::quiet_NaN());
   Hosted* own = &hosted;
@@ -66,7 +73,7 @@ void Hardware::make_runner(Hosted& hosted) {
         own->own_result.store(result, std::memory_order_release);
         own->ran.store(true, std::memory_order_release);
       },
-      hosted.options.lock_step, hosted.options.thread);
+      hosted.options.lock_step, hosted.options.thread, loop_period * hosted.options.divisor);
 }
 
 void Hardware::force(const std::string& interface_name, double value) {
@@ -88,6 +95,7 @@ void Hardware::take_off(Hosted& hosted, Fall fall) noexcept {
   hosted.newly_failed = fall;
   hosted.writing = false;
   hosted.reading = fall == Fall::deactivated;
+  if (hosted.own_clock && !hosted.reading) hosted.own_clock->close();
 }
 
 Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept {
@@ -139,7 +147,9 @@ void Hardware::watch(const std::vector<WatchedJoint>& joints, Nanoseconds period
   for (const auto& hosted : hosted_) {
     hosted->watched.clear();
     hosted->following.clear();
-    const double between = seconds(period) * hosted->options.divisor * (hosted->options.async ? 50 : 1);
+    const Nanoseconds own = hosted->own_clock ? hosted->own_clock->period() : 0;
+    const double between =
+        seconds(std::max(own, period * hosted->options.divisor)) * (hosted->options.async ? 50 : 1);
     for (const WatchedJoint& joint : joints)
       if (joint.state >= hosted->first_state && joint.state < hosted->first_state + hosted->states) {
         const double step = kJumpFactor * joint.velocity * between + kJumpFloor;
@@ -197,7 +207,9 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
     const auto own = states.subspan(hosted.first_state, hosted.states);
     ReturnType result;
     in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
-    if (hosted.runner) {
+    if (hosted.own_clock) {
+      result = hosted.own_clock->take(own).value_or(ReturnType::ok);
+    } else if (hosted.runner) {
       result = read_async(hosted, cycle, own);
     } else {
       Cycle longer = cycle;
@@ -228,7 +240,9 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
     const auto own = commands.subspan(hosted.first_command, hosted.commands);
     ReturnType result = ReturnType::ok;
     in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
-    if (hosted.runner)
+    if (hosted.own_clock)
+      hosted.own_clock->order(cycle, own, hosted.writing);
+    else if (hosted.runner)
       write_async(hosted, cycle, own);
     else if (hosted.writing)
       result = overruns_.timed(hosted.options.budget, static_cast<std::int32_t>(i), "write", cycle.index,
@@ -302,7 +316,8 @@ HostedInfo Hardware::info(std::size_t i) const {
                  state_of(i),
                  hosted.options.divisor,
                  hosted.options.async,
-                 hosted.runner ? hosted.runner->missed() : 0,
+                 hosted.own_clock ? hosted.own_clock->period() : 0,
+                 thread_health(i) ? std::uint64_t{thread_health(i)->missed} : 0,
                  {},
                  {}};
   for (std::size_t k = 0; k < hosted.states; ++k)
@@ -310,6 +325,12 @@ HostedInfo Hardware::info(std::size_t i) const {
   for (std::size_t k = 0; k < hosted.commands; ++k)
     out.commands.push_back(table_.command_names()[hosted.first_command + k]);
   return out;
+}
+
+const realtime::ThreadHealth* Hardware::thread_health(std::size_t i) const noexcept {
+  const Hosted& hosted = *hosted_[i];
+  if (hosted.own_clock) return &hosted.own_clock->health();
+  return hosted.runner ? &hosted.runner->health() : nullptr;
 }
 
 int Hardware::component_of_state(std::size_t index) const {

@@ -11,6 +11,7 @@
 
 #include "polyarm/hardware/component.hpp"
 #include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/hardware/own_clock.hpp"
 #include "polyarm/hardware/transition.hpp"
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
@@ -51,9 +52,12 @@ struct ForcedValue {
 
 /// How a component is kept.
 struct HostOptions {
-  unsigned divisor = 1;    ///< it is read and written every so many cycles
-  bool async = false;      ///< on a thread of its own
-  bool lock_step = false;  ///< async work is done inline, its result one period later
+  unsigned divisor = 1;  ///< it is read and written every so many cycles
+  bool async = false;    ///< on a thread of its own
+  /// Of an async component's own clock, ns; any, and `divisor` counts no more. 0: its thread is triggered by
+  /// the loop, every `divisor` cycles.
+  Nanoseconds period = 0;
+  bool lock_step = false;  ///< async work is done inline
   realtime::ThreadOptions thread = {};
   Nanoseconds budget = 0;                           ///< of each read and write in the loop, ns; 0: any
   std::string group;                                ///< components of one group fail together
@@ -75,6 +79,7 @@ struct HostedInfo {
   LifecycleState state;
   unsigned divisor;
   bool async;
+  Nanoseconds period;  ///< of a component with a clock of its own; else 0
   std::uint64_t missed;
   std::vector<std::string> states, commands;
 };
@@ -153,6 +158,9 @@ class Hardware {
   const std::string& group(std::size_t i) const { return hosted_[i]->options.group; }
   LifecycleState state_of(std::size_t i) const { return hosted_[i]->state.load(std::memory_order_acquire); }
   HostedInfo info(std::size_t i) const;
+  /// How the component's thread is doing; null where it has none. Any thread.
+  const realtime::ThreadHealth* thread_health(std::size_t i) const noexcept;
+  const realtime::ThreadOptions& thread_options(std::size_t i) const { return hosted_[i]->options.thread; }
   /// The component that offers the interface; -1: none.
   int component_of_state(std::size_t index) const;
   int component_of_command(std::size_t index) const;
@@ -192,6 +200,7 @@ class Hardware {
     std::atomic<bool> busy{false};        // the same, for the control thread
     std::size_t first_state = 0, states = 0, first_command = 0, commands = 0;
     std::unique_ptr<realtime::AsyncRunner> runner;
+    std::unique_ptr<OwnClock> own_clock;           // in place of a runner
     std::vector<double> own_states, own_commands;  // of an async component
     Cycle own_cycle;
     std::atomic<ReturnType> own_result{ReturnType::ok};
@@ -216,7 +225,7 @@ class Hardware {
   void go(std::shared_ptr<Transition> next, Caller& caller);
   bool offers(const Hosted& hosted, std::span<const std::string> commands) const;
   void note_world();
-  void make_runner(Hosted& hosted);
+  void make_runner(Hosted& hosted, Nanoseconds loop_period);
   FaultKind judge_states(Hosted& hosted) noexcept;
   bool follows(Hosted& hosted) noexcept;
   Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;

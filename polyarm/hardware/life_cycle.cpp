@@ -21,7 +21,9 @@ class Hardware::Letting : public realtime::Job {
       // What was commanded before means nothing any more.
       std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
       hosted_.restarted = true;
+      if (hosted_.own_clock) hosted_.own_clock->open();
     }
+    if (!reading_ && hosted_.own_clock) hosted_.own_clock->close();
     if (writing_ && !hosted_.writing)
       for (Following& following : hosted_.following) following.behind = 0;
     hosted_.reading = reading_;
@@ -88,6 +90,8 @@ CallbackReturn Transition::call() {
 }
 
 void Transition::run() noexcept {
+  // Its own thread may still be in a read that began before it was told to leave the component alone.
+  if (exchanging_) exchanging_->wait(true);
   if (step_ == Step::shutdown && was_active_) try {
       component_->on_deactivate();
     } catch (...) {  // it is shut down all the same
@@ -182,6 +186,8 @@ std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
   out->name_ = hosted.name;
   out->component_ = hosted.component.get();
   out->was_active_ = hosted.state.load() == LifecycleState::active;
+  if (hosted.own_clock && step != Step::activate && step != Step::deactivate)
+    out->exchanging_ = hosted.own_clock->exchanging();
   hosted.busy.store(true, std::memory_order_release);
   hosted.pending = out;
   return out;
@@ -332,8 +338,11 @@ void Hardware::configure_and_activate(Caller& caller) {
     if (hosted_[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
   // What waits for a device has measured before controllers begin; its thread does not run yet.
   for (const auto& hosted : hosted_)
-    if (hosted->runner && hosted->component->blocks() &&
+    if (hosted->own_clock && hosted->component->blocks() &&
         hosted->state.load() != LifecycleState::unconfigured) {
+      hosted->own_clock->measure();
+    } else if (hosted->runner && hosted->component->blocks() &&
+               hosted->state.load() != LifecycleState::unconfigured) {
       hosted->own_result.store(hosted->component->read(hosted->own_cycle, hosted->own_states));
       hosted->ran.store(true);
     }
@@ -358,6 +367,7 @@ bool Hardware::shut_down(Caller& caller) noexcept {
   for (auto each = hosted_.rbegin(); each != hosted_.rend(); ++each) {
     Hosted& hosted = **each;
     hosted.runner.reset();
+    hosted.own_clock.reset();
     if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
     const auto place = static_cast<std::size_t>(hosted_.rend() - each) - 1;
     if (!hosted.pending && hosted.state.load() != LifecycleState::finalized) {

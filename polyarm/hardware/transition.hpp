@@ -40,8 +40,9 @@ class Transition {
   std::size_t index_ = 0;
   std::string name_;
   Component* component_ = nullptr;
-  bool was_active_ = false;          // of a shutdown
-  std::unique_ptr<Component> made_;  // of an init
+  std::shared_ptr<const std::atomic<bool>> exchanging_;  // of a component with a clock of its own
+  bool was_active_ = false;                              // of a shutdown
+  std::unique_ptr<Component> made_;                      // of an init
   std::unique_ptr<ComponentContext> context_;
   std::optional<Step> failed_;  // of an error: what went wrong before it
   std::string thrown_before_;

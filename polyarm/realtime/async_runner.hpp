@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "polyarm/realtime/periodic.hpp"
+#include "polyarm/realtime/thread_health.hpp"
 
 namespace polyarm::realtime {
 
@@ -17,13 +18,16 @@ namespace polyarm::realtime {
 /// same.
 class AsyncRunner {
  public:
-  AsyncRunner(std::function<void()> work, bool lock_step, ThreadOptions options = {})
-      : work_(std::move(work)), lock_step_(lock_step) {
+  /// `period`: between triggers, ns; 0: any, and no run is late.
+  AsyncRunner(std::function<void()> work, bool lock_step, ThreadOptions options = {}, Nanoseconds period = 0)
+      : work_(std::move(work)), lock_step_(lock_step), period_(period) {
     if (!lock_step_)
       thread_ = std::thread([this, options] {
-        refused_ = apply(options);
+        health_.refused.store(apply_each(options), std::memory_order_release);
         for (go_.acquire(); !ending_.load(std::memory_order_acquire); go_.acquire()) {
+          const Nanoseconds due = triggered_at_, began = monotonic_now();
           work_();
+          health_.note(due, began, monotonic_now(), period_);
           busy_.store(false, std::memory_order_release);
         }
       });
@@ -41,21 +45,27 @@ class AsyncRunner {
   bool idle() const noexcept { return !busy_.load(std::memory_order_acquire); }
   /// Real-time thread, when idle.
   void trigger() noexcept {
-    ++runs_;
-    if (lock_step_) return work_();
+    if (lock_step_) {
+      ++health_.runs;
+      return work_();
+    }
+    triggered_at_ = monotonic_now();
     busy_.store(true, std::memory_order_release);
     go_.release();
   }
-  void note_missed() noexcept { missed_.fetch_add(1, std::memory_order_relaxed); }
-  std::uint64_t missed() const noexcept { return missed_.load(std::memory_order_relaxed); }
-  std::uint64_t runs() const noexcept { return runs_.load(std::memory_order_relaxed); }
+  void note_missed() noexcept { ++health_.missed; }
+  std::uint64_t missed() const noexcept { return health_.missed; }
+  std::uint64_t runs() const noexcept { return health_.runs; }
+  /// Any thread.
+  const ThreadHealth& health() const noexcept { return health_; }
 
  private:
   std::function<void()> work_;
   bool lock_step_;
+  Nanoseconds period_;
+  Nanoseconds triggered_at_ = 0;  // handed over with the trigger
   std::atomic<bool> busy_{false}, ending_{false};
-  std::atomic<std::uint64_t> missed_{0}, runs_{0};
-  const char* refused_ = "";
+  ThreadHealth health_;
   std::counting_semaphore<8> go_{0};
   std::thread thread_;
 };

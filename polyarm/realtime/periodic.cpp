@@ -37,6 +37,14 @@ WakeUp Periodic::wait() noexcept {
   return out;
 }
 
+bool Periodic::doze(Nanoseconds most) const noexcept {
+  const Nanoseconds end = std::min(due_, monotonic_now() + most);
+  timespec until{static_cast<time_t>(end / 1'000'000'000), static_cast<long>(end % 1'000'000'000)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
+  }
+  return end == due_;
+}
+
 WakeUp Periodic::woken() noexcept {
   const Nanoseconds woke = monotonic_now();
   WakeUp out{due_, std::max<Nanoseconds>(0, woke - due_), 0};
@@ -45,23 +53,30 @@ WakeUp Periodic::woken() noexcept {
   return out;
 }
 
-const char* apply(const ThreadOptions& options) noexcept {
-  const char* refused = "";
+unsigned apply_each(const ThreadOptions& options) noexcept {
+  unsigned refused = 0;
+  const auto refuse = [&](Refusal what) { refused |= static_cast<unsigned>(what); };
   if (options.cpu >= 0) {
     cpu_set_t set;
     CPU_ZERO(&set);
-    CPU_SET(static_cast<unsigned>(options.cpu), &set);
-    if (sched_setaffinity(0, sizeof set, &set) != 0)
-      refused = "the control thread could not be pinned to its processor";
+    if (options.cpu < CPU_SETSIZE) CPU_SET(static_cast<unsigned>(options.cpu), &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0) refuse(Refusal::cpu);
   }
   if (options.priority > 0) {
     sched_param parameters{};
     parameters.sched_priority = options.priority;
-    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
-      refused = "real-time priority was refused (needs CAP_SYS_NICE or an rtprio limit)";
+    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) refuse(Refusal::priority);
   }
-  if (options.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) refused = "memory could not be locked";
+  if (options.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) refuse(Refusal::memory);
   return refused;
+}
+
+const char* apply(const ThreadOptions& options) noexcept {
+  const unsigned refused = apply_each(options);
+  const auto is = [&](Refusal what) { return (refused & static_cast<unsigned>(what)) != 0; };
+  if (is(Refusal::memory)) return "memory could not be locked";
+  if (is(Refusal::priority)) return "real-time priority was refused (needs CAP_SYS_NICE or an rtprio limit)";
+  return is(Refusal::cpu) ? "the control thread could not be pinned to its processor" : "";
 }
 
 }  // namespace polyarm::realtime

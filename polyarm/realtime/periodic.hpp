@@ -25,6 +25,9 @@ class Periodic {
   explicit Periodic(Nanoseconds period) : period_(period) {}
   void start() noexcept { due_ = monotonic_now() + period_; }
   WakeUp wait() noexcept;
+  /// Sleeps until the next wake-up is due, at most `most` ns; true when it is due, and wait() returns at
+  /// once.
+  bool doze(Nanoseconds most) const noexcept;
   /// Somebody else's clock has woken the thread: the grid goes on from now. How it lies to the grid so far.
   WakeUp woken() noexcept;
 
@@ -38,7 +41,11 @@ struct ThreadOptions {
   int cpu = -1;              ///< pin to this processor; -1: none
   bool lock_memory = false;  ///< keep all pages in memory
 };
-/// Applies to the calling thread what the machine permits; returns a sentence for what it refused, else "".
+/// What the machine did not permit.
+enum class Refusal : unsigned { cpu = 1, priority = 2, memory = 4 };
+/// Applies to the calling thread what the machine permits; returns the bits of what it refused.
+unsigned apply_each(const ThreadOptions& options) noexcept;
+/// The same; returns a sentence for what it refused of the control thread, else "".
 const char* apply(const ThreadOptions& options) noexcept;
 
 }  // namespace polyarm::realtime

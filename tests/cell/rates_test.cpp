@@ -1,6 +1,11 @@
 /// Robots of one cell that run at rates of their own.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+#include <tuple>
+#include <utility>
+
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -10,10 +15,13 @@ using cell::Cell;
 
 struct TwoRobots {
   test::Folder folder;
-  cell::Observer observer;
+  struct Notes : cell::Observer {
+    std::string all;
+    void on_note(const std::string& text) override { all += text + "\n"; }
+  } observer;
   std::unique_ptr<Cell> made;
 
-  explicit TwoRobots(const std::string& base) {
+  explicit TwoRobots(const std::string& base, bool lock_step = true) {
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     const std::string model = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
@@ -21,13 +29,18 @@ struct TwoRobots {
         "cell.yaml", "polyarm: cell/1\nrate: 1000\nrobots:\n  arm: {model: " + model +
                          ", hardware: mock}\n  base: {model: " + model + ", hardware: mock" + base + "}\n");
     cell::CellOptions options;
-    options.lock_step = true;
+    options.lock_step = lock_step;
     made = std::make_unique<Cell>(cell::read_cell_file(file), description::Catalogue({}), options, observer);
   }
   unsigned divisor_of_component(const std::string& robot) {
     hardware::Hardware& hardware = made->loop().hardware();
     const auto index = made->loop().table().find_state(robot + "/joint_1/position");
     return hardware.info(static_cast<std::size_t>(hardware.component_of_state(*index))).divisor;
+  }
+  hardware::HostedInfo component(const std::string& robot) {
+    hardware::Hardware& hardware = made->loop().hardware();
+    const auto index = made->loop().table().find_state(robot + "/joint_1/position");
+    return hardware.info(static_cast<std::size_t>(hardware.component_of_state(*index)));
   }
   std::uint64_t updates_of(const std::string& controller) {
     for (const control::ListedController& c : made->loop().controllers().list())
@@ -53,6 +66,61 @@ TEST(Rates, AThreadOfItsOwnIsAWord) {
   EXPECT_EQ(own, 1);
 }
 
+TEST(Rates, OnAThreadItIsAnyRateAndTheControllersRunAtTheNextThatTheLoopHas) {
+  for (const auto& [rate, period, updates] :
+       {std::tuple{"30", 33'333'333, 60u}, {"333", 3'003'003, 666u}, {"2500", 400'000, 2000u}}) {
+    TwoRobots cell(std::string(", thread: true, rate: ") + rate);
+    EXPECT_EQ(cell.component("base").period, period);
+    EXPECT_FALSE(cell.component("arm").async);
+    for (int k = 0; k < 2000; ++k) cell.made->loop().step_next();
+    EXPECT_EQ(cell.updates_of("arm_joint_trajectory_controller"), 2000u);
+    EXPECT_NEAR(static_cast<double>(cell.updates_of("base_joint_trajectory_controller")), updates, 1) << rate;
+  }
+}
+
+TEST(Rates, InLockStepAThreadOfAnyRateIsTheSameEachTime) {
+  const auto trace = [] {
+    TwoRobots cell(", thread: true, rate: 333");
+    for (int k = 0; k < 2000; ++k) cell.made->loop().step_next();
+    return cell.made->loop().trace().text();
+  };
+  EXPECT_EQ(trace(), trace());
+}
+
+TEST(Rates, HowTheThreadRunsIsReadAndWhatCannotBeIsRefused) {
+  TwoRobots cell(", thread: {priority: 60, cpu: 0}");
+  hardware::Hardware& hardware = cell.made->loop().hardware();
+  const auto base = static_cast<std::size_t>(hardware.find("base"));
+  EXPECT_TRUE(hardware.info(base).async);
+  EXPECT_EQ(hardware.thread_options(base).priority, 60);
+  EXPECT_EQ(hardware.thread_options(base).cpu, 0);
+  for (const char* wrong : {"{priority: 100}", "{cpu: 1.5}", "{prio: 60}", "sometimes"})
+    EXPECT_THROW(TwoRobots(std::string(", thread: ") + wrong), Error) << wrong;
+}
+
+/// Steps and ticks a cell on the wall clock until its notes hold this, or for a minute.
+bool tells(TwoRobots& cell, const std::string& part) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (cell.observer.all.find(part) == std::string::npos && std::chrono::steady_clock::now() < patience) {
+    cell.made->tick(cell.made->loop().cycle().time);
+    for (int k = 0; k < 2; ++k) cell.made->loop().step_next();
+  }
+  return cell.observer.all.find(part) != std::string::npos;
+}
+
+TEST(Rates, WhatTheMachineRefusesAThreadIsToldAndItRunsWithout) {
+  TwoRobots cell(", rate: 300, thread: {cpu: 1023}", false);
+  cell.made->loop().begin();
+  EXPECT_TRUE(tells(cell, "the thread of base could not be pinned to processor 1023")) << cell.observer.all;
+  const auto base = static_cast<std::size_t>(cell.made->loop().hardware().find("base"));
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (cell.made->loop().hardware().thread_health(base)->runs == 0 &&
+         std::chrono::steady_clock::now() < patience)
+    cell.made->loop().step_next();
+  EXPECT_GT(cell.made->loop().hardware().thread_health(base)->runs, 0u);
+  cell.made->loop().end();
+}
+
 TEST(Rates, WhatIsNoPartOfTheLoopsIsRefusedWithWhatWouldBe) {
   for (const auto& [rate, hint] : {std::pair{"300", "250"}, std::pair{"3000", "raise the cell's rate"}}) {
     try {
@@ -61,6 +129,7 @@ TEST(Rates, WhatIsNoPartOfTheLoopsIsRefusedWithWhatWouldBe) {
     } catch (const Error& e) {
       EXPECT_EQ(e.problems().front().code, "bad-rate");
       EXPECT_NE(e.problems().front().advice.find(hint), std::string::npos) << e.problems().front().advice;
+      EXPECT_NE(e.problems().front().advice.find("thread: true"), std::string::npos);
     }
   }
 }
