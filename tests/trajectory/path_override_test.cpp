@@ -1,0 +1,167 @@
+#include "polyarm/trajectory/path_override.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "polyarm/trajectory/timing.hpp"
+#include "tests/support/realtime_guard.hpp"
+#include "tests/support/test_paths.hpp"
+
+namespace polyarm::trajectory {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+const std::vector<MotionLimits> kLimits(6, MotionLimits::symmetric(2, 8, 100));
+
+TimedPath some(std::uint64_t seed) {
+  return timed(test::random_spline(6, 8, seed), kLimits);
+}
+
+/// Highest use of a limit during a cycle that began at time, factor and rate and had this bend: sampled ten
+/// times.
+double most_used(const TimedPath& path, double time, double factor, double rate, double bend) {
+  std::vector<double> q(6), v(6), a(6), j(6);
+  std::size_t hint = 0;
+  double most = 0;
+  for (int k = 0; k <= 10; ++k) {
+    const double t = kPeriod * k / 10;
+    const double at = time + t * (factor + t * (rate / 2 + t * bend / 6));
+    if (at < 0 || at > path.duration()) continue;
+    const double f = factor + t * (rate + t * bend / 2), g = rate + t * bend;
+    path.sample(at, q, v, a, j, hint);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const MotionLimits& l = kLimits[i];
+      most = std::max({most, std::abs(v[i] * f) / l.max_velocity,
+                       std::abs(a[i] * f * f + v[i] * g) / l.max_acceleration,
+                       std::abs(j[i] * f * f * f + 3 * a[i] * f * g + v[i] * bend) / l.max_jerk});
+    }
+  }
+  return most;
+}
+
+struct Seen {
+  double most = 0;
+  int cycles = 0;
+};
+/// Advances until it stands or moves steadily at `target`, at most `cycles`.
+Seen drive(PathOverride& o, const TimedPath& path, double target, int cycles) {
+  Seen out;
+  for (; out.cycles < cycles && (o.factor() != target || o.rate() != 0); ++out.cycles) {
+    const double time = o.time(), factor = o.factor(), rate = o.rate();
+    o.advance(target);
+    if (o.finished()) break;
+    out.most = std::max(out.most, most_used(path, time, factor, rate, o.bend()));
+  }
+  return out;
+}
+
+/// No joint can come to rest sooner, whatever the path.
+double soonest(const TimedPath& path, double time) {
+  std::vector<double> q(6), v(6), a(6);
+  std::size_t hint = 0;
+  path.sample(time, q, v, a, {}, hint);
+  double most = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    StateToState plan;
+    const MotionState from{0, v[i], a[i]}, to{};
+    MotionOptions options;
+    options.target = TargetKind::velocity;
+    EXPECT_EQ(plan.plan({&from, 1}, {&to, 1}, {&kLimits[i], 1}, options), MotionStatus::ok);
+    most = std::max(most, plan.duration());
+  }
+  return most;
+}
+
+TEST(PathOverride, StopsAndResumesAnywhereWithinEveryLimit) {
+  std::vector<double> ratios;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const TimedPath path = some(seed);
+    for (double part = 0.03; part < 0.9; part += 0.09) {
+      PathOverride o(path, kLimits, kPeriod);
+      o.begin(part * path.duration(), 1);
+      const Seen stop = drive(o, path, 0, 3000);
+      EXPECT_TRUE(o.stands()) << seed << " " << part;
+      EXPECT_LE(stop.most, 1 + 1e-6) << seed << " " << part;
+      ratios.push_back(stop.cycles * kPeriod / soonest(path, part * path.duration()));
+      const Seen resume = drive(o, path, 1, 20000);
+      EXPECT_TRUE(o.factor() == 1 || o.finished()) << seed << " " << part << " " << o.factor();
+      EXPECT_LE(resume.most, 1 + 1e-6) << seed << " " << part;
+    }
+  }
+  std::sort(ratios.begin(), ratios.end());
+  std::printf("stop over the soonest of any joint alone: p50 %.3f p90 %.3f max %.3f\n",
+              ratios[ratios.size() / 2], ratios[ratios.size() * 9 / 10], ratios.back());
+  EXPECT_LE(ratios[ratios.size() / 2], 1.1);
+}
+
+TEST(PathOverride, FollowsRandomRequestsOnThePathWithinEveryLimit) {
+  std::mt19937_64 engine(3);
+  std::uniform_real_distribution<double> draw(-0.3, 1.2);
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const TimedPath path = some(seed);
+    PathOverride o(path, kLimits, kPeriod);
+    double most = 0, target = 1;
+    std::vector<double> q(6), v(6), a(6), before(6), exact(6);
+    std::size_t hint = 0;
+    for (int cycle = 0; cycle < 6000 && !o.finished(); ++cycle) {
+      if (cycle % 237 == 0) target = std::min(draw(engine), 1.0);
+      const double time = o.time(), factor = o.factor(), rate = o.rate();
+      o.advance(target);
+      if (o.time() > 0) most = std::max(most, most_used(path, time, factor, rate, o.bend()));
+      o.sample(q, v, a);
+      path.sample(o.time(), exact, {}, {}, {}, hint);
+      EXPECT_EQ(q, exact);
+    }
+    EXPECT_LE(most, 1 + 1e-6) << seed;
+  }
+}
+
+TEST(PathOverride, ActsInTheNextCycleWhereJointsAllow) {
+  const TimedPath path = some(1);
+  PathOverride o(path, kLimits, kPeriod);
+  o.begin(0.4 * path.duration(), 0.5);
+  o.advance(0);
+  EXPECT_LT(o.factor(), 0.5);
+}
+
+TEST(PathOverride, SaysHowLongAndFarAStopTakes) {
+  const TimedPath path = some(2);
+  PathOverride o(path, kLimits, kPeriod);
+  o.begin(0.5 * path.duration(), 0.8);
+  const StoppingWay told = o.stopping();
+  ASSERT_TRUE(told.known);
+  std::size_t hint = 0;
+  const double from = path.profile().at(o.time(), hint).s;
+  const Seen stop = drive(o, path, 0, 3000);
+  EXPECT_LE(stop.cycles * kPeriod, told.time + 2 * kPeriod);
+  EXPECT_LE(path.profile().at(o.time(), hint).s - from, told.way * (1 + 1e-6));
+}
+
+TEST(PathOverride, GoesBackToTheStart) {
+  const TimedPath path = some(2);
+  PathOverride o(path, kLimits, kPeriod);
+  o.begin(0.2 * path.duration(), 0);
+  for (int i = 0; i < 20000 && o.time() > 0; ++i) o.advance(-0.5);
+  EXPECT_EQ(o.time(), 0);
+}
+
+TEST(PathOverride, AllocatesNothing) {
+  if (!test::RealtimeGuard::watches()) GTEST_SKIP();
+  const TimedPath path = some(3);
+  PathOverride o(path, kLimits, kPeriod);
+  std::vector<double> q(6), v(6), a(6);
+  test::RealtimeGuard guard;
+  for (int cycle = 0; cycle < 5000; ++cycle) {
+    o.advance(cycle / 700 % 2 ? 0.0 : 1.0);
+    o.sample(q, v, a);
+    if (cycle % 100 == 0) o.stopping();
+  }
+  EXPECT_EQ(guard.violations(), "");
+}
+
+}  // namespace
+}  // namespace polyarm::trajectory
