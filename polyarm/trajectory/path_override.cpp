@@ -134,9 +134,9 @@ PathOverride::State PathOverride::during(const State& s, double bend, double t) 
           s.factor + t * (s.rate + t * bend / 2), s.rate + t * bend};
 }
 
-/// Are the limits kept within the cycle: in its quarters and on both sides of where planned jerks jump?
+/// Are the limits kept within the cycle: at its thirds and on both sides of where planned jerks jump?
 bool PathOverride::between(const State& s, double bend) noexcept {
-  for (const double part : {0.25, 0.5, 0.75}) {
+  for (const double part : {1.0 / 3, 2.0 / 3}) {
     const State inside = during(s, bend, part * period_);
     look(inside.time);
     if (!within(inside, bend)) return false;
@@ -153,9 +153,9 @@ bool PathOverride::between(const State& s, double bend) noexcept {
   return true;
 }
 
-PathOverride::Run PathOverride::run(State s, double target, std::size_t level) noexcept {
+PathOverride::Run PathOverride::run(State s, double target, std::size_t level, std::size_t most) noexcept {
   const double start = s.factor;
-  for (std::size_t step = 0; step < kMostSteps; ++step) {
+  for (std::size_t step = 0; step < most; ++step) {
     if (std::abs(target - s.factor) < 1e-12 && std::abs(s.rate) < 1e-9) return {true, s, step};
     if (s.time >= path_.duration() && s.factor >= 0) return {true, s, step};
     if (s.time <= 0 && s.factor <= 0 && target <= 0 && step > 0) return {true, s, step};
@@ -171,7 +171,7 @@ PathOverride::Run PathOverride::run(State s, double target, std::size_t level) n
         start < target ? s.factor - std::max(target, start) : std::min(target, start) - s.factor;
     if (past > 1e-9) return {false, s, step};
   }
-  return {false, s, kMostSteps};
+  return {false, s, most};
 }
 
 void PathOverride::begin(double time, double factor) noexcept {
@@ -184,10 +184,13 @@ void PathOverride::choose() noexcept {
   const bool fresh = wanted_ != target_;
   if (!fresh && (settled_ || ++cycles_ % kEvery != 0)) return;
   if (!fresh) level_to_try_ = 0;
+  std::size_t steps = kMostSteps;
   for (std::size_t runs = 0; runs < (fresh ? kMostRuns : 1); ++runs, ++level_to_try_) {
     if (!fresh && level_to_try_ >= level_) return;
     if (level_to_try_ == kBoldness.size()) level_to_try_ = 0;
-    if (!run(state_, wanted_, level_to_try_).safe) continue;
+    const Run tried = run(state_, wanted_, level_to_try_, steps);
+    steps -= tried.steps;
+    if (!tried.safe) continue;
     target_ = wanted_, level_ = level_to_try_, settled_ = false;
     return;
   }
@@ -222,7 +225,7 @@ void PathOverride::sample(std::span<double> position, std::span<double> velocity
 StoppingWay PathOverride::stopping() noexcept {
   std::size_t hint = 0;
   for (std::size_t level = 0; level < kBoldness.size(); ++level) {
-    const Run end = run(state_, 0, level);
+    const Run end = run(state_, 0, level, kMostSteps);
     if (!end.safe) continue;
     return {double(end.steps) * period_,
             path_.profile().at(end.end.time, hint).s - path_.profile().at(state_.time, hint).s, true};

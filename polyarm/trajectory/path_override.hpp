@@ -27,12 +27,13 @@ struct StoppingWay {
 /// shows whether a boldness keeps every limit to the end; only such a one is followed, and the law being
 /// deterministic the cycles then do what the run did. Each cycle tries a bolder one, where room is left.
 ///
-/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostRuns runs of
-/// kMostSteps steps (a step: one look at the path). Keeps references to the path and limits given.
+/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostRuns runs, of
+/// kMostSteps steps together (a step: a few looks at the path); a manoeuvre that needs more steps is not
+/// found. Keeps references to the path and limits given.
 class PathOverride {
  public:
   static constexpr std::size_t kMostSteps = 1500;
-  static constexpr std::size_t kMostRuns = 4;
+  static constexpr std::size_t kMostRuns = 2;
 
   /// Outside the cycle. `limits`: of every joint, those that the path was planned with, or higher; `period`:
   /// of the control cycle, s. Begins held at the path's start. Throws Error "wrong-size", "bad-limit".
@@ -78,7 +79,7 @@ class PathOverride {
   double law(const State& s, const Room& room, double target, std::size_t level) const noexcept;
   State during(const State& s, double bend, double t) const noexcept;
   bool between(const State& s, double bend) noexcept;
-  Run run(State s, double target, std::size_t level) noexcept;
+  Run run(State s, double target, std::size_t level, std::size_t most) noexcept;
   void choose() noexcept;
   void look(double time) noexcept;
 

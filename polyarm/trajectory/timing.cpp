@@ -13,6 +13,7 @@
 namespace polyarm::trajectory {
 namespace {
 
+constexpr double kTooCoarse = 1.025;
 constexpr double kEnough = 1.012;  // stretch of time that a round more would not be worth
 constexpr std::size_t kSamples = 5, kFinalSamples = 12;  // of each piece
 constexpr int kRounds = 9;                               // of solving and tightening
@@ -409,6 +410,8 @@ class Timer {
   Timer(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options)
       : o_(options), rows_(path, limits, options.norms) {}
 
+  /// By how much the time of the last profile was stretched in the end.
+  double stretch() const { return stretch_; }
   Timing run() {
     if (straight()) {
       checker_.look(timing_.profile, kFinalSamples, check_);
@@ -468,6 +471,7 @@ class Timer {
       check_.peak[kind] = std::max(check_.peak[kind], close.peak[kind]);
   }
   Timing finish(double stretch) {
+    stretch_ = stretch;
     timing_.profile.stretch(stretch);
     check_.slow_down(stretch);
     timing_.excess = check_.excess;
@@ -532,6 +536,7 @@ class Timer {
   Checker checker_{rows_};
   Check check_;
   Timing timing_;
+  double stretch_ = 1;
   std::vector<double> b_;
 };
 
@@ -544,7 +549,18 @@ const char* name(LimitKind kind) noexcept {
 
 Timing time_path(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options) {
   check_request(path, limits, options);
-  return Timer(path, limits, options).run();
+  Timer timer(path, limits, options);
+  Timing out = timer.run();
+  // Where the grid was too coarse for tight curves, much of the time is stretch: again on a finer one.
+  TimingOptions finer = options;
+  for (double stretch = timer.stretch(); stretch > kTooCoarse && finer.fineness < 4 * options.fineness;) {
+    finer.fineness *= 2;
+    Timer again(path, limits, finer);
+    Timing other = again.run();
+    stretch = again.stretch(), other.iterations += out.iterations;
+    if (other.profile.duration() < out.profile.duration()) out = std::move(other);
+  }
+  return out;
 }
 
 TimedPath timed(std::shared_ptr<const Path> path, std::span<const MotionLimits> limits,
