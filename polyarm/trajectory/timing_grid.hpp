@@ -1,5 +1,6 @@
 #pragma once
 /// Where on a path its time is planned. Part of timing.hpp.
+#include <cstddef>
 #include <vector>
 
 #include "polyarm/trajectory/timing_rows.hpp"

@@ -2,6 +2,7 @@
 /// What limits say at places of a path, and how near to them a profile comes. Part of timing.hpp.
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "polyarm/trajectory/path_trajectory.hpp"
