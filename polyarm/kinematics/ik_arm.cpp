@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/kinematics/random.hpp"
+
 namespace polyarm::kinematics {
 
 namespace {
@@ -68,12 +70,12 @@ void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6
 
 void InverseKinematics::Arm::find_form() {
   const auto end = geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count);
-  const auto sliding =
+  const auto slides =
       std::count_if(geometry.axes.begin(), end, [](const JointAxis& axis) { return axis.slides; });
-  if (geometry.count == 7 && sliding <= 1) {
+  if (geometry.count == 7 && slides <= 1) {
     find_seven();
-  } else if (sliding > 0) {
-    report = "no closed form: joints that slide";
+  } else if (slides > 0) {
+    find_sliding();
   } else if (geometry.count == 6) {
     find_six();
   } else if (geometry.count < 6) {
@@ -87,11 +89,68 @@ void InverseKinematics::Arm::find_form() {
 void InverseKinematics::Arm::find_six() {
   const SixAxisClass found = classify(geometry);
   if (found.family == ArmFamily::none) {
-    report = "no closed form: " + why_no_family(geometry);
+    report = why_no_family(geometry);
+    find_general();
+    report = std::string(general ? "six axes of any kind, by the roots of a polynomial of degree 16"
+                                 : "no closed form") +
+             ": " + report;
   } else {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
+    if (searched(found.family)) general = std::make_unique<GeneralSix>(geometry, found.from_tool);
   }
+}
+
+namespace {
+
+/// Of a few states, how many the algebra finds again: arms whose axes are special to each other may suit it
+/// from one end only.
+int found_again(const ArmGeometry& arm, const GeneralSix& six) {
+  constexpr int kStates = 4;
+  Random random(7);
+  int out = 0;
+  std::array<GeneralSix::State, GeneralSix::kMost> found;
+  for (int i = 0; i < kStates; ++i) {
+    GeneralSix::State q;
+    for (double& value : q) value = random.between(-3, 3);
+    PoseTarget target;
+    arm.forward(q, target.rotation, target.position);
+    const std::size_t count = six.solve(target, found);
+    const auto same = [&](const GeneralSix::State& other) {
+      double worst = 0;
+      for (std::size_t k = 0; k < 6; ++k)
+        worst = std::max(worst, std::abs(std::remainder(other[k] - q[k], kTurn)));
+      return worst < 1e-3;
+    };
+    out += std::any_of(found.begin(), found.begin() + count, same);
+  }
+  return out;
+}
+
+}  // namespace
+
+void InverseKinematics::Arm::find_general() {
+  int most = 2;
+  for (const bool from_tool : {false, true}) {
+    auto six = std::make_unique<GeneralSix>(geometry, from_tool);
+    const int again = found_again(geometry, *six);
+    if (again <= most) continue;
+    most = again;
+    general = std::move(six);
+    if (again == 4) break;
+  }
+}
+
+/// SCARAs and gantries.
+void InverseKinematics::Arm::find_sliding() {
+  const SlidingArm::Kind kind = SlidingArm::kind_of(geometry);
+  if (kind == SlidingArm::Kind::none) {
+    report = "no closed form: joints that slide";
+    return;
+  }
+  sliding = std::make_unique<SlidingArm>(geometry, kind);
+  report = kind == SlidingArm::Kind::scara ? "three parallel axes and one that slides along them"
+                                           : "three axes that slide, the others turn";
 }
 
 namespace {
@@ -194,8 +253,10 @@ void InverseKinematics::Arm::find_seven() {
   std::array<int, 6> axes{};
   for (int k = 0; k < 6; ++k) axes[static_cast<std::size_t>(k)] = k < spare ? k : k + 1;
   settle(best, axes);
+  if (SrsArm::fits(geometry)) srs = std::make_unique<SrsArm>(geometry);
   report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
                        describe_known());
+  if (srs) report += "; the nearest by elbow angle, as shoulder and wrist are spherical";
 }
 
 }  // namespace polyarm::kinematics

@@ -1,12 +1,16 @@
 #pragma once
 /// What InverseKinematics knows of its arm, and what it gathers for one question. Used inside this room only.
 #include <algorithm>
+#include <memory>
 #include <numbers>
 #include <optional>
 
 #include "polyarm/kinematics/closed_form.hpp"
+#include "polyarm/kinematics/general_six.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 #include "polyarm/kinematics/numeric_ik.hpp"
+#include "polyarm/kinematics/sliding_arm.hpp"
+#include "polyarm/kinematics/srs_arm.hpp"
 
 namespace polyarm::kinematics {
 
@@ -52,8 +56,11 @@ struct InverseKinematics::Arm {
   std::string report;
   SixAxisClass known;
   ArmGeometry geometry;
-  std::optional<Chain> described;    ///< always there once constructed
-  std::optional<NumericIk> numeric;  ///< where no closed form has the last word
+  std::optional<Chain> described;             ///< always there once constructed
+  std::optional<NumericIk> numeric;           ///< where no closed form has the last word
+  std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
+  std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
+  std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
   LaneArm lanes;
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
@@ -64,7 +71,9 @@ struct InverseKinematics::Arm {
   LaneLimits limits;
   double worth_polishing = 1e-3;
 
-  bool formed() const noexcept { return known.family != ArmFamily::none; }
+  bool formed() const noexcept { return known.family != ArmFamily::none || general || sliding; }
+  /// Solved by the polynomial alone.
+  bool algebraic() const noexcept { return general && known.family == ArmFamily::none; }
   bool solvable() const noexcept { return geometry.count > 0; }
   void read(const Chain& chain);
   std::string describe_known() const;
@@ -73,6 +82,8 @@ struct InverseKinematics::Arm {
   void settle(const SixAxisClass& found, std::array<int, 6> six);
   void find_form();
   void find_six();
+  void find_general();
+  void find_sliding();
   void find_fewer();
   void find_seven();
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
@@ -86,6 +97,9 @@ struct InverseKinematics::Arm {
                 Gathered& out) const noexcept;
   void search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
                  Gathered& out) const noexcept;
+  void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
+             Gathered& out) const noexcept;
+  void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
   void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;

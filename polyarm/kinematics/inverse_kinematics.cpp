@@ -37,6 +37,12 @@ bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double>
 void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_form,
                                       const SixAxisForm& wary_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
+  if (sliding) {
+    std::array<SlidingArm::State, SlidingArm::kMost> states;
+    sliding->solve(job.target, job.seed, states);
+    return offer(job, states, before, out);
+  }
+  if (algebraic()) return offer_roots(job, before, out);
   if (searched(known.family)) return search_at(job, strict_form, before, out);
   Branches branches;
   job.form = &wary_form;
@@ -73,6 +79,36 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   for (std::size_t i = 0; i < blocks; ++i) sift(job, found[i], before, out);
   around_seed(job, before, out);
   if (spare >= 0) return;
+  if (general) return offer_roots(job, before, out);
+  look_for_twins(job, before, out);
+}
+
+/// States that are nearly solutions: improved on the true arm, and looked at.
+void InverseKinematics::Arm::offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
+                                   Gathered& out) const noexcept {
+  job.all_move = true;
+  job.worth_polishing = sliding ? 10 : 1;
+  job.patience = 8;
+  Branches branches;
+  for (std::size_t first = 0; first < states.size(); first += kBranches) {
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      const AxisValues& state = states[std::min(first + k, states.size() - 1)];
+      for (std::size_t i = 0; i < geometry.count; ++i) branches.value[i][k] = state[i];
+    }
+    branches.free = 0;
+    polish_branches(job, branches);
+    sift(job, branches, before, out);
+  }
+}
+
+/// All roots of the polynomial of degree 16.
+void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept {
+  std::array<GeneralSix::State, GeneralSix::kMost> roots;
+  std::array<AxisValues, GeneralSix::kMost> states;
+  const std::size_t count = general->solve(job.target, roots);
+  for (std::size_t k = 0; k < count; ++k) std::copy(roots[k].begin(), roots[k].end(), states[k].begin());
+  offer(job, {states.data(), count}, before, out);
+  if (algebraic()) around_seed(job, before, out);
   look_for_twins(job, before, out);
 }
 
@@ -197,6 +233,11 @@ void InverseKinematics::Arm::take(const IkSolution& from, Gathered& out) const n
 /// is wanted, at values ever closer around the best one.
 void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
                                     Gathered& out) const noexcept {
+  if (AxisValues state; nearest_only && srs && srs->nearest(job.target, limits, job.near, state)) {
+    BranchJob nearly = job;
+    offer(nearly, {&state, 1}, out.count, out);
+    if (out.count > 0) return;
+  }
   const auto k = static_cast<std::size_t>(spare);
   const double span = geometry.axes[k].slides ? 4 * lanes.size : kTurn;
   const double least = std::max(limits.lower[k], out.seed[k] - span / 2),
@@ -246,7 +287,7 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   } else {
     arm->report = "no closed form: " + why_not;
   }
-  const bool closed = arm->formed() && arm->spare < 0 && !searched(arm->known.family);
+  const bool closed = arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic();
   if (!closed || arm->settings.parts_of_poses) arm->add_numeric();
   arm_ = std::move(arm);
 }
@@ -265,13 +306,14 @@ IkWay InverseKinematics::way() const noexcept {
   if (!arm_->solvable() && !arm_->numeric) return IkWay::none;
   if (!arm_->formed()) return IkWay::descent;
   if (arm_->spare >= 0) return IkWay::spare_axis;
+  if (arm_->algebraic()) return IkWay::algebra;
   return searched(arm_->known.family) ? IkWay::search : IkWay::closed_form;
 }
 ArmFamily InverseKinematics::family() const noexcept {
   return arm_->known.family;
 }
 bool InverseKinematics::complete() const noexcept {
-  return way() == IkWay::closed_form;
+  return way() == IkWay::closed_form || way() == IkWay::algebra;
 }
 const std::string& InverseKinematics::report() const noexcept {
   return arm_->report;

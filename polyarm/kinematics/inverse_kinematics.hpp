@@ -61,6 +61,7 @@ enum class IkWay {
   none,         ///< not at all: no joint moves the TCP
   closed_form,  ///< all branches
   search,       ///< a closed form for each of 64 values of one axis, and descent from what is near
+  algebra,      ///< the roots of a polynomial of degree 16: all branches
   spare_axis,   ///< one axis at one value after another, one of the ways above for each
   descent,      ///< damped least squares from the seed and from a table of states (NumericIk)
 };
@@ -83,9 +84,10 @@ class InverseKinematics {
   /// Whether this arm has a closed form, be it for each value of one axis.
   explicit operator bool() const noexcept;
   IkWay way() const noexcept;
+  /// Of six axes in closed form or searched along; else none.
   ArmFamily family() const noexcept;
-  /// Whether all solutions of a pose are found: of closed forms. A search misses some where two branches are
-  /// about to meet; an arm with a joint too many has endlessly many.
+  /// Whether all solutions of a pose are found: of closed forms and algebra. A search misses some where two
+  /// branches are about to meet; an arm with a joint too many has endlessly many.
   bool complete() const noexcept;
   /// What was found in this arm and why, in words, for a person.
   const std::string& report() const noexcept;
