@@ -37,10 +37,12 @@ struct TwoRobots {
     const auto index = made->loop().table().find_state(robot + "/joint_1/position");
     return hardware.info(static_cast<std::size_t>(hardware.component_of_state(*index))).divisor;
   }
-  hardware::HostedInfo component(const std::string& robot) {
-    hardware::Hardware& hardware = made->loop().hardware();
+  std::size_t index_of(const std::string& robot) {
     const auto index = made->loop().table().find_state(robot + "/joint_1/position");
-    return hardware.info(static_cast<std::size_t>(hardware.component_of_state(*index)));
+    return static_cast<std::size_t>(made->loop().hardware().component_of_state(*index));
+  }
+  hardware::HostedInfo component(const std::string& robot) {
+    return made->loop().hardware().info(index_of(robot));
   }
   std::uint64_t updates_of(const std::string& controller) {
     for (const control::ListedController& c : made->loop().controllers().list())
@@ -90,7 +92,7 @@ TEST(Rates, InLockStepAThreadOfAnyRateIsTheSameEachTime) {
 TEST(Rates, HowTheThreadRunsIsReadAndWhatCannotBeIsRefused) {
   TwoRobots cell(", thread: {priority: 60, cpu: 0}");
   hardware::Hardware& hardware = cell.made->loop().hardware();
-  const auto base = static_cast<std::size_t>(hardware.find("base"));
+  const auto base = cell.index_of("base");
   EXPECT_TRUE(hardware.info(base).async);
   EXPECT_EQ(hardware.thread_options(base).priority, 60);
   EXPECT_EQ(hardware.thread_options(base).cpu, 0);
@@ -111,8 +113,10 @@ bool tells(TwoRobots& cell, const std::string& part) {
 TEST(Rates, WhatTheMachineRefusesAThreadIsToldAndItRunsWithout) {
   TwoRobots cell(", rate: 300, thread: {cpu: 1023}", false);
   cell.made->loop().begin();
-  EXPECT_TRUE(tells(cell, "the thread of base could not be pinned to processor 1023")) << cell.observer.all;
-  const auto base = static_cast<std::size_t>(cell.made->loop().hardware().find("base"));
+  EXPECT_TRUE(
+      tells(cell, "the thread of " + cell.component("base").name + " could not be pinned to processor 1023"))
+      << cell.observer.all;
+  const auto base = cell.index_of("base");
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (cell.made->loop().hardware().thread_health(base)->runs == 0 &&
          std::chrono::steady_clock::now() < patience)
