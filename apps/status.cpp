@@ -35,6 +35,26 @@ std::string microseconds(const Json& nanoseconds) {
   return fmt::format("{:.1f} us", nanoseconds.get<double>() / 1000);
 }
 
+/// p50, p99 and max.
+std::string times(const Json& histogram) {
+  return microseconds(histogram["p50_ns"]) + ", " + microseconds(histogram["p99_ns"]) + ", " +
+         microseconds(histogram["max_ns"]);
+}
+
+void print_threads(const Json& threads) {
+  if (threads.empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& t : threads)
+    rows.push_back({shown(t["component"]),
+                    fmt::format("{:g} Hz{}", t["rate_hz"].get<double>(),
+                                t["own_clock"].get<bool>() ? "" : ", by the loop"),
+                    shown(t["runs"]), shown(t["late"]), shown(t["missed"]), times(t["cost"]),
+                    times(t["wake_up"]), times(t["period"])});
+  fmt::print("\n");
+  print_table({"THREAD OF", "RATE", "RUNS", "LATE", "MISSED", "COST p50, p99, max", "WAKE-UP", "PERIOD"},
+              rows);
+}
+
 void print_health(const Json& h) {
   fmt::print("state     {}{}\n", shown(h["state"]), h["state"] == "running" ? "" : ": " + shown(h["cause"]));
   fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(),
@@ -43,6 +63,7 @@ void print_health(const Json& h) {
     fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]),
                microseconds(h[key]["p99_ns"]), microseconds(h[key]["max_ns"]));
   fmt::print("clamps    {}\n", shown(h["clamps"]));
+  print_threads(h["threads"]);
 }
 
 void print_limits(const Json& limits) {

@@ -253,11 +253,21 @@ void Cell::tell_overruns() {
     tell(loop_->controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
 }
 
-/// What the machine refused a component's thread, once.
+/// What the machine refused a component's thread, and that it is late: once.
 void Cell::tell_threads() {
   using realtime::Refusal;
   hardware::Hardware& hardware = loop_->hardware();
   told_threads_.resize(hardware.size());
+  for (std::int32_t who = 0; hardware.take_late(who);) {
+    const auto i = static_cast<std::size_t>(who);
+    const realtime::ThreadHealth& health = *hardware.thread_health(i);
+    constexpr const char* kThen[] = {"it goes on", "the loop stops on the path and holds", "it is taken off"};
+    observer_.on_note(
+        fmt::format("the thread of {} is late: {} runs were, and {} missed their turn; {} "
+                    "('overrun' of its thread); polyarm health shows its times",
+                    hardware.component_name(i), std::uint64_t{health.late}, std::uint64_t{health.missed},
+                    kThen[static_cast<std::size_t>(hardware.when_late(i))]));
+  }
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const realtime::ThreadHealth* health = hardware.thread_health(i);
     const unsigned refused = health ? health->refused.load(std::memory_order_acquire) : 0;
@@ -472,7 +482,8 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   if (!news) return;
   using Cause = control::StopCause;
   const bool of_hardware = snapshot.cause == Cause::component || snapshot.cause == Cause::not_a_number ||
-                           snapshot.cause == Cause::jump || snapshot.cause == Cause::not_following;
+                           snapshot.cause == Cause::jump || snapshot.cause == Cause::not_following ||
+                           snapshot.cause == Cause::late;
   std::string who;
   if (of_hardware && snapshot.culprit >= 0) {
     const auto component = static_cast<std::size_t>(snapshot.culprit);

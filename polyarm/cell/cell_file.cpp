@@ -30,14 +30,28 @@ int whole(const Yaml& yaml, const char* key, int fallback, int lowest, int highe
   return fallback;
 }
 
+/// Which of report, hold and fault, 0 to 2.
+int read_overrun(const Yaml& yaml, Problems& problems) {
+  std::string overrun = "report";
+  collect(problems, [&] { overrun = yaml["overrun"].text("report"); });
+  const std::vector<std::string> known = {"report", "hold", "fault"};
+  const auto found = std::find(known.begin(), known.end(), overrun);
+  if (found != known.end()) return static_cast<int>(found - known.begin());
+  problems.error("bad-value", yaml["overrun"].where(),
+                 "overrun is '" + overrun + "'" + did_you_mean(overrun, known), "report, hold or fault");
+  return 0;
+}
+
 /// `thread: true`, or how.
 void read_thread(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
   if (!yaml.defined()) return;
   if (!yaml.is_map()) return collect(problems, [&] { robot.thread = yaml.boolean(); });
-  yaml.check_keys({"priority", "cpu"}, problems);
+  yaml.check_keys({"priority", "cpu", "overrun", "overrun_after"}, problems);
   robot.thread = true;
   robot.on_thread =
-      ThreadEntry{whole(yaml, "priority", 0, 0, 99, problems), whole(yaml, "cpu", -1, -1, 1023, problems)};
+      ThreadEntry{whole(yaml, "priority", 0, 0, 99, problems), whole(yaml, "cpu", -1, -1, 1023, problems),
+                  static_cast<hardware::WhenLate>(read_overrun(yaml, problems)),
+                  static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems))};
 }
 
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
@@ -83,15 +97,7 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
   collect(problems, [&] {
     if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
   });
-  std::string overrun = "report";
-  collect(problems, [&] { overrun = yaml["overrun"].text("report"); });
-  const std::vector<std::string> known = {"report", "hold", "fault"};
-  const auto found = std::find(known.begin(), known.end(), overrun);
-  if (found == known.end())
-    problems.error("bad-value", yaml["overrun"].where(),
-                   "overrun is '" + overrun + "'" + did_you_mean(overrun, known), "report, hold or fault");
-  else
-    out.overrun = static_cast<control::Overrun>(found - known.begin());
+  out.overrun = static_cast<control::Overrun>(read_overrun(yaml, problems));
   return out;
 }
 

@@ -20,6 +20,8 @@ struct ControllersFile;
 struct ThreadEntry {
   int priority = 0;  ///< SCHED_FIFO priority; 0: ordinary
   int cpu = -1;      ///< processor; -1: any
+  hardware::WhenLate overrun = hardware::WhenLate::report;
+  unsigned overrun_after = 10;  ///< late runs or missed turns in a row
   bool operator==(const ThreadEntry&) const = default;
 };
 

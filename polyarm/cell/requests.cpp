@@ -44,7 +44,8 @@ const std::vector<Row>& rows() {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
       {{"control.list",
         {},
-        "[{name, type, state, chained, async, stale, rate, updates, missed, claimed, commands, states, references, "
+        "[{name, type, state, chained, async, stale, rate, updates, missed, claimed, commands, states, "
+        "references, "
         "exported_states, fallback, inputs: [{name, types}]}]",
         "the controllers, their states and what they claim and offer",
         false},
@@ -98,7 +99,8 @@ const std::vector<Row>& rows() {
        control_recover},
       {{"hardware.list",
         {},
-        "[{name, type, plugin, group, state, being, rate, async, missed, states, commands: [{name, claimed_by}]}]",
+        "[{name, type, plugin, group, state, being, rate, async, missed, states, commands: [{name, "
+        "claimed_by}]}]",
         "the hardware components, their states and interfaces",
         false},
        hardware_list},
@@ -126,7 +128,9 @@ const std::vector<Row>& rows() {
        interfaces_list},
       {{"health",
         {},
-        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, clamps}",
+        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, clamps, threads: "
+        "[{component, rate_hz, "
+        "own_clock, runs, late, missed, cost, wake_up, period}]}",
         "how the control loop is doing",
         false},
        health},

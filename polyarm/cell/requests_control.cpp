@@ -321,10 +321,17 @@ Poll control_recover(Cell& cell, const Json&) {
   return at_once({{"asked", "recover"}});
 }
 
+namespace {
+/// How often a second the component is read and written.
+double rate_of(Cell& cell, const hardware::HostedInfo& info) {
+  return info.period > 0 ? 1 / seconds(info.period)
+                         : 1 / seconds(cell.loop().options().period) / info.divisor;
+}
+}  // namespace
+
 Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
-  const double rate = 1 / seconds(cell.loop().options().period);
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const hardware::HostedInfo info = hardware.info(i);
     const hardware::Transition* pending = hardware.pending(i);
@@ -337,7 +344,7 @@ Poll hardware_list(Cell& cell, const Json&) {
                    {"group", info.group},
                    {"state", hardware::name(info.state)},
                    {"being", pending ? hardware::done_word(pending->step()) : ""},
-                   {"rate", info.period > 0 ? 1 / seconds(info.period) : rate / info.divisor},
+                   {"rate", rate_of(cell, info)},
                    {"async", info.async},
                    {"missed", info.missed},
                    {"states", info.states},
@@ -479,9 +486,26 @@ Poll health(Cell& cell, const Json&) {
     return Json{
         {"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
   };
+  Json threads = Json::array();
+  hardware::Hardware& hardware = cell.loop().hardware();
+  for (std::size_t i = 0; i < hardware.size(); ++i) {
+    const realtime::ThreadHealth* thread = hardware.thread_health(i);
+    if (!thread) continue;
+    const hardware::HostedInfo info = hardware.info(i);
+    threads.push_back({{"component", info.name},
+                       {"rate_hz", rate_of(cell, info)},
+                       {"own_clock", info.period > 0},
+                       {"runs", std::uint64_t{thread->runs}},
+                       {"late", std::uint64_t{thread->late}},
+                       {"missed", std::uint64_t{thread->missed}},
+                       {"cost", histogram(thread->cost)},
+                       {"wake_up", histogram(thread->wake_up)},
+                       {"period", histogram(thread->period)}});
+  }
   return at_once({{"state", control::name(seen.state)},
                   {"cause", control::name(seen.cause)},
                   {"standing", seen.standing},
+                  {"threads", threads},
                   {"time_s", seconds(seen.cycle.time)},
                   {"rate_hz", 1 / seconds(cell.loop().options().period)},
                   {"cycles", std::uint64_t{h.cycles}},

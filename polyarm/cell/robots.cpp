@@ -375,6 +375,8 @@ class Components {
     if (robot.entry.on_thread) {
       planned.options.thread.priority = robot.entry.on_thread->priority;
       planned.options.thread.cpu = robot.entry.on_thread->cpu;
+      planned.options.when_late = robot.entry.on_thread->overrun;
+      planned.options.late_after = robot.entry.on_thread->overrun_after;
     }
     if (robot.entry.rate <= 0) return;
     Problems told;  // once, for each robot

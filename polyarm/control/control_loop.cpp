@@ -80,12 +80,14 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   empty.states.assign(table_.states().begin(), table_.states().end());
   empty.commands.assign(table_.commands().begin(), table_.commands().end());
   if (hardware_.world()) empty.world = *hardware_.world();
+  empty.threads.resize(hardware_.size());
   outbox_.reset(empty);
 }
 
 controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
   const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
   if (fault) take_off_failed(cycle);
+  if (hardware_.take_hold()) supervisor_.hold(StopCause::late);
   Request request = Request::none;
   inbox_.pop(request);  // at most one request from outside
   const controllers::Verdict verdict =
@@ -150,6 +152,9 @@ void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcep
   draft.cause = supervisor_.cause();
   draft.culprit = supervisor_.culprit();
   draft.standing = controllers_.standing();
+  for (std::size_t i = 0; i < draft.threads.size(); ++i)
+    if (const realtime::ThreadHealth* thread = hardware_.thread_health(i))
+      draft.threads[i] = {thread->runs, thread->late, thread->missed};
   std::copy(states.begin(), states.end(), draft.states.begin());
   std::copy(commands.begin(), commands.end(), draft.commands.begin());
   if (const hardware::WorldState* world = hardware_.world()) {

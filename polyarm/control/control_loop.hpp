@@ -16,6 +16,11 @@
 
 namespace polyarm::control {
 
+/// How often a component's thread has run so far, was late, and missed its turn.
+struct ThreadCounts {
+  std::uint64_t runs = 0, late = 0, missed = 0;
+};
+
 /// What a watcher sees of a cycle: whole, and the newest there is.
 struct Snapshot {
   hardware::Cycle cycle;
@@ -25,6 +30,7 @@ struct Snapshot {
   bool standing = true;
   std::vector<double> states, commands;
   hardware::WorldState world;
+  std::vector<ThreadCounts> threads;  ///< by component; zeros where it has none
 };
 
 /// The last cycles: what was measured, what was commanded, and what the loop made of it. One thread records;

@@ -39,6 +39,8 @@ StopCause cause_of(const hardware::Fault& fault) noexcept {
       return StopCause::jump;
     case FaultKind::not_following:
       return StopCause::not_following;
+    case FaultKind::late:
+      return StopCause::late;
     default:
       return StopCause::component;
   }

@@ -118,7 +118,11 @@ ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> 
 }
 
 void Hardware::write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept {
-  if (!hosted.runner->idle()) return hosted.runner->note_missed();
+  if (!hosted.runner->idle()) {
+    ++hosted.missed_in_a_row;
+    return hosted.runner->note_missed();
+  }
+  hosted.missed_in_a_row = 0;
   if (hosted.writing)
     std::copy(commands.begin(), commands.end(), hosted.own_commands.begin());
   else  // what it was told last must not lead when it is activated again
@@ -198,6 +202,19 @@ bool Hardware::follows(Hosted& hosted) noexcept {
   return true;
 }
 
+/// Is its thread late for longer than is allowed, for the first time since it was let in?
+bool Hardware::newly_late(Hosted& hosted, std::size_t i) noexcept {
+  if (hosted.late_told || (!hosted.own_clock && !hosted.runner)) return false;
+  const unsigned in_a_row =
+      hosted.own_clock ? hosted.own_clock->late_in_a_row()
+                       : std::max(hosted.missed_in_a_row,
+                                  hosted.runner->health().late_in_a_row.load(std::memory_order_relaxed));
+  if (in_a_row < hosted.options.late_after) return false;
+  hosted.late_told = true;
+  late_.push(static_cast<std::int32_t>(i));
+  return true;
+}
+
 Fault Hardware::read(const Cycle& cycle) noexcept {
   Fault fault;
   const std::span<double> states = table_.states();
@@ -217,7 +234,14 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
       result = overruns_.timed(hosted.options.budget, static_cast<std::int32_t>(i), "read", cycle.index,
                                [&] { return hosted.component->read(longer, own); });
     }
-    const FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
+    FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
+    if (newly_late(hosted, i)) {
+      hold_ = hold_ || hosted.options.when_late == WhenLate::hold;
+      if (hosted.options.when_late == WhenLate::fault && impossible == FaultKind::none) {
+        impossible = FaultKind::late;
+        hosted.bad_kind.store(FaultKind::late, std::memory_order_release);
+      }
+    }
     if (result == ReturnType::ok && impossible == FaultKind::none) continue;
     const Fault failed = impossible != FaultKind::none ? fail(i, ReturnType::error, impossible)
                                                        : fail(i, result, FaultKind::component_read);
@@ -263,6 +287,9 @@ std::string Hardware::reason(std::size_t i) const {
   const int state = hosted.bad_state.load(std::memory_order_acquire);
   std::string own = hosted.pending ? "" : because(*hosted.component);
   if (!own.empty()) own.erase(0, 2);  // ": "
+  if (hosted.bad_kind.load(std::memory_order_acquire) == FaultKind::late)
+    return "its thread was late, or missed its turn, " + std::to_string(hosted.options.late_after) +
+           " times in a row" + (own.empty() ? "" : " (" + own + ")");
   if (state < 0) return own;
   const std::string& name = table_.state_names()[static_cast<std::size_t>(state)];
   const FaultKind kind = hosted.bad_kind.load(std::memory_order_relaxed);

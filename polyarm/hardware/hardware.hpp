@@ -16,6 +16,7 @@
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/overrun_watch.hpp"
+#include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::hardware {
 
@@ -27,6 +28,7 @@ enum class FaultKind : std::uint8_t {
   not_a_number,   ///< a joint's measured position was a number and is none any more
   jump,           ///< a joint's measured position changed by more than it can have moved
   not_following,  ///< a joint is far from where it is commanded to be, for too long
+  late,           ///< its thread was late for too long
 };
 
 /// What went wrong in a cycle, as numbers; texts are made outside the loop.
@@ -50,6 +52,14 @@ struct ForcedValue {
   double value = 0;
 };
 
+/// What follows when a component's thread is late, or misses its turn, too often in a row. It is told in any
+/// case, once until the component is let in again.
+enum class WhenLate : std::uint8_t {
+  report,  ///< no more
+  hold,    ///< the loop stops on the path and holds
+  fault,   ///< as if the component had failed
+};
+
 /// How a component is kept.
 struct HostOptions {
   unsigned divisor = 1;  ///< it is read and written every so many cycles
@@ -59,9 +69,11 @@ struct HostOptions {
   Nanoseconds period = 0;
   bool lock_step = false;  ///< async work is done inline
   realtime::ThreadOptions thread = {};
-  Nanoseconds budget = 0;                           ///< of each read and write in the loop, ns; 0: any
-  std::string group;                                ///< components of one group fail together
-  std::string plugin, type;                         ///< as the description has them, for listing
+  WhenLate when_late = WhenLate::report;  ///< of its thread
+  unsigned late_after = 10;               ///< runs in a row that were late, or turns that were missed
+  Nanoseconds budget = 0;                 ///< of each read and write in the loop, ns; 0: any
+  std::string group;                      ///< components of one group fail together
+  std::string plugin, type;               ///< as the description has them, for listing
   LifecycleState initial = LifecycleState::active;  ///< what configure_and_activate() takes it to
   /// How far a joint may be from its command for kFollowingTime, rad or m; infinite: as far as it likes. The
   /// component's parameter `following_error`; without it kRealFollowingError for what is real, else infinite.
@@ -160,6 +172,7 @@ class Hardware {
   HostedInfo info(std::size_t i) const;
   /// How the component's thread is doing; null where it has none. Any thread.
   const realtime::ThreadHealth* thread_health(std::size_t i) const noexcept;
+  WhenLate when_late(std::size_t i) const { return hosted_[i]->options.when_late; }
   const realtime::ThreadOptions& thread_options(std::size_t i) const { return hosted_[i]->options.thread; }
   /// The component that offers the interface; -1: none.
   int component_of_state(std::size_t index) const;
@@ -168,6 +181,10 @@ class Hardware {
   std::vector<std::string> summaries() const;
   /// The next read or write that took longer than its budget; `who` is the component's index.
   bool take_overrun(realtime::Overrun& out) { return overruns_.take(out); }
+  /// The next component whose thread is late beyond what its options say.
+  bool take_late(std::int32_t& who) { return late_.pop(who); }
+  /// Is the loop to hold, as a thread is late? Told once. Control thread.
+  bool take_hold() noexcept { return std::exchange(hold_, false); }
   /// From here on the positions of these joints are watched; one that cannot be true is a fault of its
   /// component, as if it had failed itself.
   void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
@@ -211,6 +228,8 @@ class Hardware {
     std::vector<Watch> watched;
     std::vector<Following> following;  // of the same joints
     bool reading = false, writing = false, restarted = false;
+    bool late_told = false;
+    unsigned missed_in_a_row = 0;  // of one that the loop triggers
     Fall newly_failed = Fall::none;
   };
   class Letting;
@@ -228,6 +247,7 @@ class Hardware {
   void make_runner(Hosted& hosted, Nanoseconds loop_period);
   FaultKind judge_states(Hosted& hosted) noexcept;
   bool follows(Hosted& hosted) noexcept;
+  bool newly_late(Hosted& hosted, std::size_t i) noexcept;
   Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;
   static void take_off(Hosted& hosted, Fall fall) noexcept;
   bool due(const Hosted& hosted, const Cycle& cycle) const noexcept {
@@ -241,6 +261,8 @@ class Hardware {
   std::vector<std::unique_ptr<Hosted>> hosted_;
   std::vector<ForcedValue> forced_;
   realtime::OverrunWatch overruns_;
+  realtime::Queue<std::int32_t> late_{64};
+  bool hold_ = false;
   std::atomic<int> in_call_{-1};
   int pacer_ = -1;  ///< component that paces the loop
   std::uint32_t following_cycles_ = 250;

@@ -21,6 +21,9 @@ class Hardware::Letting : public realtime::Job {
       // What was commanded before means nothing any more.
       std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
       hosted_.restarted = true;
+      hosted_.late_told = false;
+      hosted_.missed_in_a_row = 0;
+      if (hosted_.runner) hosted_.runner->forgive();
       if (hosted_.own_clock) hosted_.own_clock->open();
     }
     if (!reading_ && hosted_.own_clock) hosted_.own_clock->close();
@@ -171,6 +174,7 @@ std::shared_ptr<Transition> Hardware::begin(std::size_t i, Step step) {
   if (step == Step::configure) {
     require(hosted, LifecycleState::unconfigured, "configured");
     hosted.bad_state.store(-1, std::memory_order_relaxed);
+    hosted.bad_kind.store(FaultKind::none, std::memory_order_relaxed);
   }
   if (step == Step::activate) require(hosted, LifecycleState::inactive, "activated");
   if (step == Step::cleanup) require(hosted, LifecycleState::inactive, "cleaned up");

@@ -26,6 +26,7 @@ void OwnClock::open() noexcept {
   if (++sessions_ == 0) ++sessions_;
   fresh_ = true;
   behind_ = 0;
+  health_.late_in_a_row.store(0, std::memory_order_relaxed);
   session_.store(sessions_);
 }
 

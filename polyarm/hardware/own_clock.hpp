@@ -1,5 +1,6 @@
 #pragma once
 /// How a component that runs at a rate of its own, on a thread of its own, and the control loop meet.
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -36,6 +37,10 @@ class OwnClock {
   std::optional<ReturnType> take(std::span<double> states) noexcept;
   /// Own periods in a row, of the loop's time, in which no exchange came to its end.
   unsigned behind() const noexcept { return behind_; }
+  /// The same, or runs in a row that began more than half a period late, whichever is more.
+  unsigned late_in_a_row() const noexcept {
+    return std::max(behind_, health_.late_in_a_row.load(std::memory_order_relaxed));
+  }
 
   /// Before the loop runs: reads once, ahead of the first exchange.
   void measure();

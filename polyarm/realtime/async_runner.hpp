@@ -53,6 +53,8 @@ class AsyncRunner {
     busy_.store(true, std::memory_order_release);
     go_.release();
   }
+  /// Real-time thread: what was late before counts no more.
+  void forgive() noexcept { health_.late_in_a_row.store(0, std::memory_order_relaxed); }
   void note_missed() noexcept { ++health_.missed; }
   std::uint64_t missed() const noexcept { return health_.missed; }
   std::uint64_t runs() const noexcept { return health_.runs; }

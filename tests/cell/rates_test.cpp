@@ -110,6 +110,30 @@ bool tells(TwoRobots& cell, const std::string& part) {
   return cell.observer.all.find(part) != std::string::npos;
 }
 
+TEST(Rates, HealthTellsEachThreadFromTheOthers) {
+  TwoRobots cell(", rate: 50, thread: {overrun: hold, overrun_after: 20}");
+  for (int k = 0; k < 1001; ++k) cell.made->loop().step_next();
+  cell.made->tick(cell.made->loop().cycle().time);
+  std::string line;
+  cell.made->requests().handle(R"({"request": "health"})", [&](const std::string& text) {
+    line = text;
+    return true;
+  });
+  const test::Json threads = test::Json::parse(line)["result"]["threads"];
+  ASSERT_EQ(threads.size(), 1u) << line;
+  EXPECT_EQ(threads[0]["component"], cell.component("base").name);
+  EXPECT_EQ(threads[0]["rate_hz"], 50);
+  EXPECT_EQ(threads[0]["runs"], 51);
+  EXPECT_EQ(threads[0]["late"], 0);
+  EXPECT_EQ(threads[0]["missed"], 0);
+  for (const char* times : {"cost", "wake_up", "period"}) EXPECT_TRUE(threads[0][times].contains("p99_ns"));
+  const auto base = cell.index_of("base");
+  EXPECT_EQ(cell.made->loop().hardware().when_late(base), hardware::WhenLate::hold);
+  EXPECT_EQ(cell.made->snapshot().threads[base].runs, 51u) << "and the snapshot says it";
+  EXPECT_THROW(TwoRobots(", thread: {overrun: stop}"), Error);
+  EXPECT_THROW(TwoRobots(", thread: {overrun_after: 0}"), Error);
+}
+
 TEST(Rates, WhatTheMachineRefusesAThreadIsToldAndItRunsWithout) {
   TwoRobots cell(", rate: 300, thread: {cpu: 1023}", false);
   cell.made->loop().begin();

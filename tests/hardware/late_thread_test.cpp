@@ -1,0 +1,128 @@
+/// A component whose thread does not keep up is told once, and what its options say follows.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <semaphore>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/hardware/hardware.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::hardware {
+namespace {
+
+using Gate = std::counting_semaphore<1'000'000>;
+
+/// Its reads wait at a gate.
+class Gated : public Component {
+ public:
+  explicit Gated(Gate& gate) : gate_(gate) {}
+  CallbackReturn on_init(const ComponentContext&) override { return CallbackReturn::success; }
+  std::vector<InterfaceDescription> state_interfaces() const override { return {{"a/j/position", 0.0}}; }
+  std::vector<InterfaceDescription> command_interfaces() const override { return {{"a/j/position"}}; }
+  ReturnType read(const Cycle&, std::span<double>) noexcept override {
+    gate_.acquire();
+    return ReturnType::ok;
+  }
+  ReturnType write(const Cycle&, std::span<const double>) noexcept override { return ReturnType::ok; }
+
+ private:
+  Gate& gate_;
+};
+
+/// Of own period or triggered; the gate is closed until a test opens it.
+struct Late {
+  Gate gate{0};
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware{table, jobs};
+  Cycle cycle{0, 1'000'000, 0};
+
+  Late(Nanoseconds period, WhenLate when_late) {
+    ComponentContext context;
+    context.name = "a";
+    HostOptions options;
+    options.async = true;
+    options.period = period;
+    options.when_late = when_late;
+    options.late_after = 5;
+    hardware.add(std::make_unique<Gated>(gate), context, options);
+    hardware.configure_and_activate();
+    table.seal();
+  }
+  ~Late() { gate.release(100'000); }
+  Fault run(int cycles) {
+    Fault first;
+    for (int k = 0; k < cycles; ++k) {
+      const Fault read = hardware.read(cycle), wrote = hardware.write(cycle);
+      if (!first) first = read ? read : wrote;
+      cycle.time += cycle.period;
+      ++cycle.index;
+    }
+    return first;
+  }
+  int told() {
+    int count = 0;
+    for (std::int32_t who = -1; hardware.take_late(who);) ++count;
+    return count;
+  }
+};
+
+class LateThread : public testing::TestWithParam<Nanoseconds> {};
+
+TEST_P(LateThread, IsToldOnceAndTheLoopGoesOn) {
+  Late late(GetParam(), WhenLate::report);
+  EXPECT_FALSE(late.run(4));
+  EXPECT_EQ(late.told(), 0) << "not yet";
+  EXPECT_FALSE(late.run(1000));
+  EXPECT_EQ(late.told(), 1);
+  EXPECT_FALSE(late.hardware.take_hold());
+}
+
+TEST_P(LateThread, HoldsTheLoopOnce) {
+  Late late(GetParam(), WhenLate::hold);
+  EXPECT_FALSE(late.run(1000));
+  EXPECT_TRUE(late.hardware.take_hold());
+  EXPECT_FALSE(late.run(1000));
+  EXPECT_FALSE(late.hardware.take_hold()) << "told once";
+}
+
+TEST_P(LateThread, IsAFaultOfItsComponentThatSaysWhy) {
+  Late late(GetParam(), WhenLate::fault);
+  const Fault fault = late.run(1000);
+  EXPECT_EQ(fault.kind, FaultKind::late);
+  EXPECT_EQ(fault.component, 0);
+  EXPECT_EQ(late.hardware.newly_failed(0), Hardware::Fall::error);
+  EXPECT_NE(late.hardware.reason(0).find("5 times in a row"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfItsOwnPeriodAndTriggered, LateThread,
+                         testing::Values(Nanoseconds{1'000'000}, Nanoseconds{0}));
+
+TEST(ThreadHealth, CountsWhatItsThreadTellsIt) {
+  realtime::ThreadHealth health;
+  health.note(1000, 1100, 1400, 1000);
+  health.note(2000, 2600, 2700, 1000);
+  health.note(3000, 3700, 3800, 1000);
+  EXPECT_EQ(health.runs, 3u);
+  EXPECT_EQ(health.late, 2u);
+  EXPECT_EQ(health.late_in_a_row.load(), 2u);
+  EXPECT_EQ(health.wake_up.max(), 700);
+  EXPECT_EQ(health.period.max(), 1500);
+  EXPECT_EQ(health.period.count(), 2u);
+  EXPECT_EQ(health.cost.max(), 300);
+  health.note(4000, 4010, 4100, 1000);
+  EXPECT_EQ(health.late_in_a_row.load(), 0u);
+}
+
+TEST(ThreadHealth, ATriggeredThreadsMissedTurnsAreCountedByTheLoop) {
+  Late late(0, WhenLate::report);
+  late.run(10);
+  EXPECT_EQ(late.hardware.thread_health(0)->missed, 9u);
+}
+
+}  // namespace
+}  // namespace polyarm::hardware
