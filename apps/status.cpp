@@ -63,6 +63,8 @@ void print_health(const Json& h) {
     fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]),
                microseconds(h[key]["p99_ns"]), microseconds(h[key]["max_ns"]));
   fmt::print("clamps    {}\n", shown(h["clamps"]));
+  for (const Json& f : h["fallen"])
+    fmt::print("fallen    {}: {}\n", shown(f["component"]), shown(f["cause"]));
   print_threads(h["threads"]);
 }
 

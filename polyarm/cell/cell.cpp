@@ -459,6 +459,7 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     }
   }
   watch_faults(now, snapshot);
+  watch_groups(now, snapshot);
   if (const auto note = recorder_.tick(now, *loop_, *worker_)) observer_.on_note(*note);
 }
 
@@ -495,7 +496,7 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
     who = " (" + loop_->controllers().name_of(snapshot.culprit) + ")";
   }
   Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
-  const bool waits = !options_.lock_step && !program_ && file_.send.empty();
+  const bool waits = waits_for_others();
   problem.advice = !waits ? "see the recorded cycles of this run"
                    : snapshot.cause == Cause::limits
                        ? "polyarm control recover and resume; it may then be moved inwards only"
@@ -503,6 +504,30 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   if (!waits) return fail(now, std::move(problem));
   observer_.on_problem(now, problem);
   recorder_.begin(begin_record(*this, problem), now);
+}
+
+/// A fault of a robot whose fault stops nothing else: the run goes on, and does not end well.
+void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
+  hardware::Hardware& hardware = loop_->hardware();
+  fallen_seen_.resize(snapshot.fallen.size());
+  std::string told;  // what fell together is told once
+  for (std::size_t i = 0; i < snapshot.fallen.size(); ++i) {
+    const control::StopCause cause = snapshot.fallen[i];
+    const bool news = std::exchange(fallen_seen_[i], cause) == control::StopCause::none &&
+                      cause != control::StopCause::none;
+    if (!news || !hardware.contained(i) || snapshot.state == control::RunState::fault) continue;
+    if (std::exchange(told, hardware.group(i)) == hardware.group(i)) continue;
+    const std::string reason = hardware.reason(i), name = hardware.component_name(i);
+    Problem problem{
+        "fault",
+        {},
+        fmt::format("{} ({}{}); only what works on {} has stopped", control::name(cause), name,
+                    reason.empty() ? "" : ": " + reason, hardware.group(i)),
+        "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME"};
+    observer_.on_problem(now, problem);
+    group_faults_.push_back(problem);
+    if (waits_for_others()) recorder_.begin(begin_record(*this, problem), now);
+  }
 }
 
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {

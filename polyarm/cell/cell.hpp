@@ -66,6 +66,8 @@ class Cell {
   Task* program() { return program_.get(); }
   Task* plc() { return plc_.get(); }
   const std::optional<Failure>& failure() const { return failure_; }
+  /// Faults that stopped one robot while the rest went on.
+  const std::vector<Problem>& group_faults() const { return group_faults_; }
   /// True when program and PLC have ended, and every part has come to rest or has had 2 s to.
   bool finished() const { return finished_; }
   const PartTracker& parts() const { return parts_; }
@@ -136,6 +138,9 @@ class Cell {
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
+  void watch_groups(Nanoseconds now, const control::Snapshot& snapshot);
+  /// Is the cell brought back by people and programs outside after a fault?
+  bool waits_for_others() const { return !options_.lock_step && !program_ && file_.send.empty(); }
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
   void fail(Nanoseconds now, Problem problem);
@@ -169,6 +174,8 @@ class Cell {
   std::unique_ptr<Arming> arming_;
   std::vector<std::string> wanted_controllers_;
   FaultRecorder recorder_;
+  std::vector<control::StopCause> fallen_seen_;  ///< by component
+  std::vector<Problem> group_faults_;
   bool started_ = false, in_fault_ = false;
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0;

@@ -54,12 +54,22 @@ void read_thread(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
                   static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems))};
 }
 
+void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
+  const std::vector<std::string> known = {"cell", "group"};
+  std::string whom = known.front();
+  collect(problems, [&] { whom = yaml.text(known.front()); });
+  robot.fault_of_group = whom == "group";
+  if (std::find(known.begin(), known.end(), whom) == known.end())
+    problems.error("bad-value", yaml.where(), "on_fault is '" + whom + "'" + did_you_mean(whom, known),
+                   "cell: a fault of its hardware stops everything; group: this robot alone");
+}
+
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget", "rate", "thread"},
+                   "accept_unverified", "budget", "rate", "thread", "on_fault"},
                   problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
@@ -71,6 +81,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   read_thread(yaml["thread"], robot, problems);
+  read_on_fault(yaml["on_fault"], robot, problems);
   collect(problems, [&] {
     if (!yaml.has("rate")) return;
     robot.rate = yaml["rate"].number();

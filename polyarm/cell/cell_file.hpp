@@ -36,6 +36,7 @@ struct RobotEntry {
   double rate = 0;                       ///< Hz at which its hardware and its controllers run; 0: the loop's
   bool thread = false;                   ///< its hardware has a thread of its own
   std::optional<ThreadEntry> on_thread;  ///< where it says how; over what its description says
+  bool fault_of_group = false;  ///< `on_fault: group`: a fault of its hardware stops this robot alone
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::string text;                ///< the description itself, where `model` names the file that it stands in

@@ -130,7 +130,7 @@ const std::vector<Row>& rows() {
         {},
         "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, clamps, threads: "
         "[{component, rate_hz, "
-        "own_clock, runs, late, missed, cost, wake_up, period}]}",
+        "own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause}]}",
         "how the control loop is doing",
         false},
        health},

@@ -418,7 +418,9 @@ Poll hardware_recover(Cell& cell, const Json& arguments) {
   const std::string name = cell.loop().hardware().component_name(i);
   const Json answer{{"name", name},
                     {"fallen", cell.take_fallen(name)},
-                    {"next", "control recover, then start its controllers and resume"}};
+                    {"next", cell.snapshot().state == control::RunState::fault
+                                 ? "control recover, then start its controllers and resume"
+                                 : "start its controllers"}};
   return then(wait_until_idle(cell, i),
               [i, answer](Cell& c) { return walk(c, i, LifecycleState::active, answer); });
 }
@@ -486,9 +488,11 @@ Poll health(Cell& cell, const Json&) {
     return Json{
         {"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
   };
-  Json threads = Json::array();
+  Json threads = Json::array(), fallen = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
+    if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
+      fallen.push_back({{"component", hardware.component_name(i)}, {"cause", control::name(seen.fallen[i])}});
     const realtime::ThreadHealth* thread = hardware.thread_health(i);
     if (!thread) continue;
     const hardware::HostedInfo info = hardware.info(i);
@@ -506,6 +510,7 @@ Poll health(Cell& cell, const Json&) {
                   {"cause", control::name(seen.cause)},
                   {"standing", seen.standing},
                   {"threads", threads},
+                  {"fallen", fallen},
                   {"time_s", seconds(seen.cycle.time)},
                   {"rate_hz", 1 / seconds(cell.loop().options().period)},
                   {"cycles", std::uint64_t{h.cycles}},

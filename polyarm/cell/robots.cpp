@@ -260,7 +260,22 @@ class Components {
                   "leave --fast out");
     if (component->real() && planned.options.initial == hardware::LifecycleState::active)
       planned.options.initial = hardware::LifecycleState::inactive;  // until it is armed
+    contain(planned);
     hardware.add(std::move(component), planned.context, planned.options);
+  }
+
+  /// A fault stays with its robot where the cell says so and there is another robot to go on. All hardware
+  /// of such a robot is one group.
+  void contain(Planned& planned) const {
+    if (robots_.size() < 2 || planned.driver == "mujoco" || planned.context.robots.empty()) return;
+    const std::string& name = planned.context.robots.front().name;
+    for (const hardware::RobotInstance& played : planned.context.robots)
+      if (played.name != name) return;
+    for (const auto& robot : robots_)
+      if (robot->entry.name == name && robot->entry.fault_of_group) {
+        planned.options.contained = true;
+        planned.options.group = name;
+      }
   }
 
   static std::unique_ptr<hardware::Component> make(const Planned& planned) {
@@ -302,7 +317,8 @@ class Components {
       if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
     };
     if (robot.blocks.empty()) {
-      const bool own = robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread);
+      const bool own = robot.driver != "mujoco" &&
+                       (robot.entry.rate > 0 || robot.entry.thread || robot.entry.fault_of_group);
       Planned& planned = component(robot.driver, own ? robot.entry.name : robot.driver);
       budget(planned, robot);
       pace(planned, robot);
@@ -353,16 +369,18 @@ class Components {
 
   static bool run_alike(const CellRobot& a, const CellRobot& b) {
     return a.entry.rate == b.entry.rate && a.entry.thread == b.entry.thread &&
-           a.entry.on_thread == b.entry.on_thread;
+           a.entry.on_thread == b.entry.on_thread && !a.entry.fault_of_group && !b.entry.fault_of_group;
   }
 
-  /// Robots whose hardware has one name share a component, unless they run at different rates.
+  /// Robots whose hardware has one name share a component, unless they run at different rates or a fault is
+  /// to stop only one of them.
   std::string name_beside_others(const std::string& driver, const std::string& name,
                                  const CellRobot& robot) const {
     for (const Planned& planned : planned_) {
       if (planned.driver != driver || planned.context.name != name) continue;
       for (const auto& other : robots_)
-        if (other->entry.name == planned.context.robots.front().name && !run_alike(*other, robot))
+        if (other.get() != &robot && other->entry.name == planned.context.robots.front().name &&
+            !run_alike(*other, robot))
           return robot.entry.name + "_" + name;
     }
     return name;

@@ -291,6 +291,10 @@ class Runner {
       out.outcome = Outcome::stopped;
       return;
     }
+    for (const Problem& problem : cell_.group_faults()) {
+      out.outcome = Outcome::failed;
+      out.problems.push_back(problem);
+    }
     const bool cut = cut_short_ || cell_.failure().has_value() || cell_.limited();
     for (const std::string& part : cell_.parts().failures(cut)) {
       if (cut_short_ && !cell_.failure()) continue;  // ended by --seconds in the middle of the work

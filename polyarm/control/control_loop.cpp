@@ -81,17 +81,18 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   empty.commands.assign(table_.commands().begin(), table_.commands().end());
   if (hardware_.world()) empty.world = *hardware_.world();
   empty.threads.resize(hardware_.size());
+  empty.fallen.resize(hardware_.size());
   outbox_.reset(empty);
 }
 
 controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
   const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
-  if (fault) take_off_failed(cycle);
+  const bool of_all = fault && take_off_failed(cycle);
   if (hardware_.take_hold()) supervisor_.hold(StopCause::late);
   Request request = Request::none;
   inbox_.pop(request);  // at most one request from outside
-  const controllers::Verdict verdict =
-      supervisor_.judge(cycle, fault, gap, controllers_.standing(), request);  // may we go on?
+  const controllers::Verdict verdict = supervisor_.judge(cycle, of_all ? fault : hardware::Fault{}, gap,
+                                                         controllers_.standing(), request);  // may we go on?
   controllers_.update(cycle, verdict);  // a stop is followed on the path
   for (std::size_t i = 0; i < hardware_.size(); ++i)
     if (hardware_.take_restarted(i))
@@ -101,19 +102,22 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
     if (limits_.fault() >= 0) supervisor_.raise(StopCause::limits, limits_.fault());
   }
   if (const hardware::Fault failed = hardware_.write(cycle)) {
-    take_off_failed(cycle);
-    supervisor_.raise(cause_of(failed), failed.component);
+    if (take_off_failed(cycle)) supervisor_.raise(cause_of(failed), failed.component);
   }
   if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
   if (options_.publish) publish(cycle, request);  // snapshot, and the ring of cycle records
   return verdict;
 }
 
-void ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
+bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
   using Fall = hardware::Hardware::Fall;
+  bool contained = true;
   for (std::size_t i = 0; i < hardware_.size(); ++i)
-    if (const Fall fall = hardware_.newly_failed(i); fall != Fall::none)
+    if (const Fall fall = hardware_.newly_failed(i); fall != Fall::none) {
+      contained = contained && controllers_.contains(i);
       controllers_.component_failed(i, fall == Fall::deactivated, cycle);
+    }
+  return !contained;
 }
 
 bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
@@ -152,9 +156,12 @@ void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcep
   draft.cause = supervisor_.cause();
   draft.culprit = supervisor_.culprit();
   draft.standing = controllers_.standing();
-  for (std::size_t i = 0; i < draft.threads.size(); ++i)
+  for (std::size_t i = 0; i < draft.threads.size(); ++i) {
+    const hardware::FaultKind fallen = hardware_.fallen(i);
+    draft.fallen[i] = fallen == hardware::FaultKind::none ? StopCause::none : cause_of({fallen, -1});
     if (const realtime::ThreadHealth* thread = hardware_.thread_health(i))
       draft.threads[i] = {thread->runs, thread->late, thread->missed};
+  }
   std::copy(states.begin(), states.end(), draft.states.begin());
   std::copy(commands.begin(), commands.end(), draft.commands.begin());
   if (const hardware::WorldState* world = hardware_.world()) {

@@ -31,6 +31,7 @@ struct Snapshot {
   std::vector<double> states, commands;
   hardware::WorldState world;
   std::vector<ThreadCounts> threads;  ///< by component; zeros where it has none
+  std::vector<StopCause> fallen;      ///< by component: with what it fell; none: it did not, or is back
 };
 
 /// The last cycles: what was measured, what was commanded, and what the loop made of it. One thread records;
@@ -141,7 +142,8 @@ class ControlLoop {
 
  private:
   void publish(const hardware::Cycle& cycle, Request request) noexcept;
-  void take_off_failed(const hardware::Cycle& cycle) noexcept;
+  /// Stops the controllers of what has failed. Returns whether the fault concerns the whole loop.
+  bool take_off_failed(const hardware::Cycle& cycle) noexcept;
 
   LoopOptions options_;
   realtime::Jobs jobs_;

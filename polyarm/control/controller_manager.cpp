@@ -422,6 +422,17 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std:
   return commit_of(plan);
 }
 
+/// Does the controller command a component that does not fail together with this one?
+bool ControllerManager::commands_beyond(const ControllerView& view, std::size_t component) const {
+  return std::any_of(view.commands.begin(), view.commands.end(), [&](const std::string& claim) {
+    const auto index = table_.find_command(claim);
+    const int other = index ? hardware_.component_of_command(*index) : -1;
+    if (other < 0 || other == static_cast<int>(component)) return false;
+    const std::string& group = hardware_.group(component);
+    return group.empty() || hardware_.group(static_cast<std::size_t>(other)) != group;
+  });
+}
+
 std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     const std::vector<std::string>& names) const {
   std::vector<Slot*> slots;
@@ -449,6 +460,9 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     }
     for (std::size_t i = 0; i < slots.size(); ++i)
       if (falls[i]) request.deactivate.push_back(all[i].name);
+    out->ties.push_back(0);
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      if (falls[i] && commands_beyond(all[i], c)) out->ties.back() = 1;
     out->component_falls.push_back(
         commit_of(plan_switch(all, request, [](const std::string&, bool) { return std::string{}; })));
   }

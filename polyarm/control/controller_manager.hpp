@@ -112,6 +112,8 @@ class ControllerManager {
   void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
   /// Stops the controllers that use the component, whose place in the hardware is `component`.
   void component_failed(std::size_t component, bool deactivated, const hardware::Cycle& cycle) noexcept;
+  /// Does a fault of the component concern its group alone? Not when what works on it commands others, too.
+  bool contains(std::size_t component) const noexcept;
   /// True when no active controller asks for motion.
   bool standing() const noexcept;
   /// Id of the controller whose update failed in this cycle with nobody to take its place, else -1.
@@ -136,6 +138,7 @@ class ControllerManager {
   std::unique_ptr<Commit> fall_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
                                   const std::vector<bool>& active, std::size_t who) const;
   std::vector<std::string> active_names() const;
+  bool commands_beyond(const ControllerView& view, std::size_t component) const;
   void post_schedule();
 
   // control thread

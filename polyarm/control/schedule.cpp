@@ -136,6 +136,11 @@ void ControllerManager::component_failed(std::size_t component, bool deactivated
     ++epoch_;
 }
 
+bool ControllerManager::contains(std::size_t component) const noexcept {
+  return hardware_.contained(component) && component < schedule_->ties.size() &&
+         schedule_->ties[component] == 0;
+}
+
 bool ControllerManager::standing() const noexcept {
   for (const Schedule::Entry& entry : schedule_->entries)
     if (entry.slot->active && !entry.controller->standing()) return false;

@@ -64,6 +64,7 @@ struct ControllerManager::Schedule {
   };
   std::vector<Entry> entries;
   std::vector<std::unique_ptr<Commit>> component_falls;
+  std::vector<char> ties;  // by component: what falls with it commands components outside its group
 };
 
 }  // namespace polyarm::control

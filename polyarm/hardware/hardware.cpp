@@ -90,9 +90,10 @@ void Hardware::force(const std::string& interface_name, double value) {
   if (command) forced_.push_back({false, *command, value});
 }
 
-void Hardware::take_off(Hosted& hosted, Fall fall) noexcept {
+void Hardware::take_off(Hosted& hosted, Fall fall, FaultKind kind) noexcept {
   if (!hosted.reading) return;
   hosted.newly_failed = fall;
+  hosted.fallen = kind;
   hosted.writing = false;
   hosted.reading = fall == Fall::deactivated;
   if (hosted.own_clock && !hosted.reading) hosted.own_clock->close();
@@ -100,14 +101,16 @@ void Hardware::take_off(Hosted& hosted, Fall fall) noexcept {
 
 Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept {
   Hosted& hosted = *hosted_[i];
-  if (result == ReturnType::deactivate) {
-    take_off(hosted, Fall::deactivated);
-    return {FaultKind::component_deactivated, static_cast<std::int32_t>(i)};
-  }
-  take_off(hosted, Fall::error);
-  if (!hosted.options.group.empty())  // a group fails together
+  const bool deactivated = result == ReturnType::deactivate;
+  const Fall fall = deactivated ? Fall::deactivated : Fall::error;
+  if (deactivated) kind = FaultKind::component_deactivated;
+  take_off(hosted, fall, kind);
+  // A group fails together. Where the rest of the loop goes on, it is also deactivated together.
+  if (!hosted.options.group.empty() && (!deactivated || hosted.options.contained))
     for (const auto& other : hosted_)
-      if (other->options.group == hosted.options.group) take_off(*other, Fall::error);
+      if (other != hosted_[i] && other->options.group == hosted.options.group &&
+          (!deactivated || other->writing))
+        take_off(*other, fall, kind);
   return {kind, static_cast<std::int32_t>(i)};
 }
 

@@ -73,6 +73,7 @@ struct HostOptions {
   unsigned late_after = 10;               ///< runs in a row that were late, or turns that were missed
   Nanoseconds budget = 0;                 ///< of each read and write in the loop, ns; 0: any
   std::string group;                      ///< components of one group fail together
+  bool contained = false;                 ///< its fault concerns its group alone, not the whole loop
   std::string plugin, type;               ///< as the description has them, for listing
   LifecycleState initial = LifecycleState::active;  ///< what configure_and_activate() takes it to
   /// How far a joint may be from its command for kFollowingTime, rad or m; infinite: as far as it likes. The
@@ -153,6 +154,9 @@ class Hardware {
   /// What befell the component in the last read() or write(); it has been taken off. Told once.
   enum class Fall : std::uint8_t { none, deactivated, error };
   Fall newly_failed(std::size_t i) noexcept { return std::exchange(hosted_[i]->newly_failed, Fall::none); }
+  /// With what the component, or another of its group, has fallen; none: it is active since. Control thread.
+  FaultKind fallen(std::size_t i) const noexcept { return hosted_[i]->fallen; }
+  bool contained(std::size_t i) const { return hosted_[i]->options.contained; }
   /// The component's commands begin anew, as measured: it was let in since it was asked last. Control thread.
   bool take_restarted(std::size_t i) noexcept { return std::exchange(hosted_[i]->restarted, false); }
   /// First command and number of commands of a component.
@@ -231,6 +235,7 @@ class Hardware {
     bool late_told = false;
     unsigned missed_in_a_row = 0;  // of one that the loop triggers
     Fall newly_failed = Fall::none;
+    FaultKind fallen = FaultKind::none;
   };
   class Letting;
   std::shared_ptr<realtime::Job> let(Hosted& hosted, bool reading, bool writing);
@@ -249,7 +254,7 @@ class Hardware {
   bool follows(Hosted& hosted) noexcept;
   bool newly_late(Hosted& hosted, std::size_t i) noexcept;
   Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;
-  static void take_off(Hosted& hosted, Fall fall) noexcept;
+  static void take_off(Hosted& hosted, Fall fall, FaultKind kind) noexcept;
   bool due(const Hosted& hosted, const Cycle& cycle) const noexcept {
     return hosted.options.divisor == 1 || cycle.index % hosted.options.divisor == 0;
   }

@@ -29,6 +29,7 @@ class Hardware::Letting : public realtime::Job {
     if (!reading_ && hosted_.own_clock) hosted_.own_clock->close();
     if (writing_ && !hosted_.writing)
       for (Following& following : hosted_.following) following.behind = 0;
+    if (writing_) hosted_.fallen = FaultKind::none;
     hosted_.reading = reading_;
     hosted_.writing = writing_;
   }

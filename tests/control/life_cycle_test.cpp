@@ -6,6 +6,7 @@
 #include <semaphore>
 
 #include "polyarm/control/control_loop.hpp"
+#include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::control {
 namespace {
@@ -323,6 +324,62 @@ TEST(ComponentLife, AnAsyncOneInLockStepIsOnePeriodLate) {
   const double commanded = b.loop.table().commands()[0];
   EXPECT_EQ(b.loop.table().states()[0], commanded - 1);
   EXPECT_EQ(b.loop.hardware().info(0).missed, 0u);
+}
+
+TEST(ComponentLife, OnAClockOfItsOwnItCostsTheLoopNothingForbidden) {
+  for (const bool lock_step : {false, true}) {
+    hardware::HostOptions options;
+    options.async = true;
+    options.lock_step = lock_step;
+    options.period = 700'000;
+    Bench b({"arm"}, options);
+    b.add("c", "arm/j/position");
+    b.loop.controllers().activate("c");
+    b.go();
+    b.run(10);
+    const test::RealtimeGuard guard;
+    b.run(100'000);
+    EXPECT_TRUE(guard.violations().empty() || !test::RealtimeGuard::watches()) << guard.violations();
+  }
+}
+
+TEST(ComponentLife, AFaultThatIsContainedStopsWhatWorksOnItAndNothingElse) {
+  hardware::HostOptions options;
+  options.contained = true;
+  Bench b({"arm", "base"}, options);
+  Counter& arm = b.add("a", "arm/j/position");
+  b.add("b", "base/j/position");
+  b.loop.controllers().switch_now({{"a", "b"}, {}});
+  b.go();
+  b.run(10);
+  for (const char* part : {"arm", "base"}) b.part(part).stopped.reserve(4);  // what the part notes itself
+  {
+    const test::RealtimeGuard guard;
+    b.part("base").read = ReturnType::error;
+    b.run(10);
+    EXPECT_TRUE(guard.violations().empty() || !test::RealtimeGuard::watches()) << guard.violations();
+  }
+  EXPECT_EQ(b.loop.supervisor().state(), RunState::running);
+  EXPECT_EQ(b.state("b"), LifecycleState::inactive);
+  EXPECT_EQ(b.state("a"), LifecycleState::active);
+  EXPECT_EQ(arm.updates, 20);
+  b.loop.outbox().fetch();
+  EXPECT_EQ(b.loop.outbox().value().fallen, (std::vector<StopCause>{StopCause::none, StopCause::component}));
+}
+
+TEST(ComponentLife, AContainedFaultUnderAControllerThatCommandsAnotherIsAFaultOfAll) {
+  hardware::HostOptions options;
+  options.contained = true;
+  Bench b({"arm", "base"}, options);
+  b.add("a", "arm/j/position").reads = "base/j/position";
+  b.loop.controllers().cleanup("a");
+  b.loop.controllers().configure("a");
+  b.loop.controllers().activate("a");
+  b.go();
+  b.part("base").write = ReturnType::error;
+  b.run(2);
+  EXPECT_EQ(b.loop.supervisor().state(), RunState::fault);
+  EXPECT_EQ(b.state("a"), LifecycleState::inactive);
 }
 
 // --- controllers ------------------------------------------------------------------------------------------

@@ -133,6 +133,15 @@ class LockStepCell {
     cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
+  /// A cell file of the test's own.
+  explicit LockStepCell(const cell::CellFile& file) {
+    cell::CellOptions options;
+    options.lock_step = true;
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
+    cell_->loop().begin();
+  }
   ~LockStepCell() { end(); }
   /// The cell is gone; what it told stays.
   void end() {
