@@ -59,7 +59,7 @@ struct Timing {
 /// The fastest s(t) found that keeps, for every joint and everywhere on the path,
 ///   min_velocity ≤ q'ṡ ≤ max_velocity, min_acceleration ≤ q's̈ + q''ṡ² ≤ max_acceleration,
 ///   |q's⃛ + 3q''ṡs̈ + q'''ṡ³| ≤ max_jerk
-/// and the norms alike. Deterministic. docs/decisions/0008-timing.md has the method.
+/// and the norms alike. Deterministic. docs/decisions/0010-timing.md has the method.
 ///
 /// Throws Error: "wrong-size" (limits and joints differ, or a norm's path has another length), "bad-limit"
 /// (not on its side of zero, or not a number), "bad-path" (a value of the path is not finite: where),
