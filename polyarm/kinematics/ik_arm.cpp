@@ -97,7 +97,7 @@ void InverseKinematics::Arm::find_six() {
   } else {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
-    if (searched(found.family)) general = std::make_unique<GeneralSix>(geometry, found.from_tool);
+    if (searched(found.family)) find_general();
   }
 }
 

@@ -1,0 +1,148 @@
+// The page docs/ik-catalogue.md: for every robot of the catalogue how its inverse kinematics is solved, how
+// many branches poses have, how many poses are solved and how long that takes.
+//
+//   build/release/bench/ik_catalogue [POSES] [PART OF A NAME] > docs/ik-catalogue.md
+//
+// Poses are those of random joint states within limits (POSES of each robot, 500 by default), each with a
+// random seed. An answer counts that the chain's own forward kinematics confirms to 1e-8 m and 1e-7 rad,
+// within limits. Times are of single calls, median, with the clock's some 20 ns; other work on the machine
+// shows in them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/random.hpp"
+
+namespace {
+
+using namespace polyarm;
+using namespace polyarm::kinematics;
+
+const char* words(IkWay way) {
+  switch (way) {
+    case IkWay::closed_form:
+      return "closed form";
+    case IkWay::search:
+      return "search";
+    case IkWay::algebra:
+      return "algebra";
+    case IkWay::spare_axis:
+      return "spare axis";
+    case IkWay::descent:
+      return "iteration";
+    case IkWay::none:
+      break;
+  }
+  return "none";
+}
+
+std::string processor() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "processor unknown";
+}
+
+struct Row {
+  int axes = 0;
+  std::string way, report;
+  double branches = 0, solved = 0, kept = 0, all_us = 0, nearest_us = 0;
+};
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+template <typename Call>
+double microseconds(const Call& call) {
+  const auto begin = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+}
+
+bool confirmed(const Chain& chain, const Pose& target, const IkSolution& one) {
+  const Pose there = chain.forward({one.q.data(), chain.joints()});
+  for (std::size_t i = 0; i < chain.joints(); ++i)
+    if (chain.moves_tcp(i) && (one.q[i] < chain.lower()[i] || one.q[i] > chain.upper()[i])) return false;
+  return norm(there.position - target.position) < 1e-8 &&
+         angle_between(there.rotation, target.rotation) < 1e-7;
+}
+
+/// Whether one of `found` is `q` but for whole turns.
+bool among(const Chain& chain, const IkSolutions& found, const std::vector<double>& q) {
+  return std::any_of(found.begin(), found.end(), [&](const IkSolution& one) {
+    double worst = 0;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const double period = chain.period(i), d = one.q[i] - q[i];
+      if (chain.moves_tcp(i)) worst = std::max(worst, std::abs(period > 0 ? std::remainder(d, period) : d));
+    }
+    return worst < 1e-3;
+  });
+}
+
+Row measure(const description::RobotModel& model, int poses) {
+  const Chain chain(model, model.tool_link());
+  const InverseKinematics arm(chain);
+  Row out;
+  for (std::size_t i = 0; i < chain.joints(); ++i) out.axes += chain.moves_tcp(i);
+  out.way = words(arm.way());
+  out.report = arm.report();
+  Random random(61);
+  IkSolutions found;
+  IkSolution one;
+  std::vector<double> all_us, nearest_us;
+  for (int i = 0; i < poses; ++i) {
+    std::vector<double> q, seed;
+    for (std::size_t j = 0; j < chain.joints(); ++j) {
+      q.push_back(random_value(chain, j, random));
+      seed.push_back(random_value(chain, j, random));
+    }
+    const Pose target = chain.forward(q);
+    all_us.push_back(microseconds([&] { arm.solve_all(target, seed, found); }));
+    nearest_us.push_back(microseconds([&] { arm.solve(target, seed, one); }));
+    out.branches += static_cast<double>(found.count) / poses;
+    out.solved += 100.0 * confirmed(chain, target, one) / poses;
+    out.kept += 100.0 * among(chain, found, q) / poses;
+  }
+  out.all_us = median(all_us);
+  out.nearest_us = median(nearest_us);
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int poses = argc > 1 ? std::max(1, std::atoi(argv[1])) : 500;
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  fmt::print(
+      "# Inverse kinematics of every robot of the catalogue\n\n"
+      "Written by `build/release/bench/ik_catalogue {0} > docs/ik-catalogue.md` ({1}, one core that other "
+      "work used too).\n{0} random joint states within limits of each robot and their poses. *Branches*: "
+      "mean "
+      "number of solutions within limits (of arms with an axis to spare up to 64 of endlessly many). "
+      "*Solved*: poses for which `solve` has an answer that forward kinematics confirms. *Found again*: "
+      "poses whose solutions hold the very joint state they were made from (says nothing where there are "
+      "endlessly many). *All*, *nearest*: median times of `solve_all` and `solve` from random seeds. What "
+      "the ways are: [inverse-kinematics.md](inverse-kinematics.md).\n\n"
+      "| robot | axes | way | branches | solved | found again | all | nearest | what was seen |\n"
+      "|---|---|---|---|---|---|---|---|---|\n",
+      poses, processor());
+  for (const std::string& robot : catalogue.names()) {
+    if (argc > 2 && robot.find(argv[2]) == std::string::npos) continue;
+    const Row row = measure(catalogue.load(robot), poses);
+    const bool endless = row.way == "spare axis" || row.axes > 6;
+    fmt::print("| {} | {} | {} | {:.1f} | {:.5g} % | {} | {:.3g} µs | {:.3g} µs | {} |\n", robot, row.axes,
+               row.way, row.branches, row.solved, endless ? "" : fmt::format("{:.5g} %", row.kept),
+               row.all_us, row.nearest_us, row.report);
+  }
+  return 0;
+}
