@@ -113,6 +113,22 @@ void nearest_branch(benchmark::State& state, const char* name) {
   });
 }
 
+/// 4,096 poses in one call, the nearest branch of each; the time is one pose's.
+void solve_batch(benchmark::State& state, const char* name) {
+  const Chain chain = chain_of(name);
+  const InverseKinematics arm(chain);
+  const auto all = questions(chain);
+  std::vector<Pose> targets;
+  for (const Question& question : all) targets.push_back(question.target);
+  std::vector<IkSolution> found(kPoses);
+  std::vector<IkOutcome> outcomes(kPoses);
+  std::size_t solved = 0;
+  for (auto _ : state) solved = arm.solve_batch(targets, all[0].seed, found, outcomes);
+  state.counters["each"] =
+      benchmark::Counter(kPoses, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["solved_percent"] = 100.0 * static_cast<double>(solved) / kPoses;
+}
+
 void description_to_solver(benchmark::State& state, const char* name) {
   const Chain chain = chain_of(name);
   for (auto _ : state) benchmark::DoNotOptimize(bool(InverseKinematics(chain)));
@@ -312,6 +328,7 @@ const bool kRegistered = [] {
     };
     add("all_branches", all_branches);
     add("nearest_branch", nearest_branch);
+    add("solve_batch", solve_batch);
     add("description_to_solver", description_to_solver);
     add("forward", forward);
     add("jacobian", jacobian);

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polyarm/kinematics/families.hpp"
-#include "polyarm/kinematics/lane_polish.hpp"
-
-#pragma GCC diagnostic ignored "-Wpsabi"
+#include "polyarm/kinematics/branch_kernels.hpp"
 
 namespace polyarm::kinematics {
 
@@ -24,102 +21,21 @@ Rotation frame_of(const Vec3& h) {
   return {x, cross(h, x), h};
 }
 
-POLYARM_INLINE void solve(const BranchJob& job, Branches& out) {
-  const SixAxisForm& form = *job.form;
-  PoseTarget target = job.target;
-  if (form.from_tool) {
-    target.rotation = transposed(target.rotation);
-    target.position = -(target.rotation * target.position);
-  }
-  LaneAngle q[kMost];
-  bool moves[kMost]{};
-  LaneAngle offered[6];
-  SixAngles six;
-  for (LaneAngle& angle : offered) angle = {splat(0.0), splat(1.0)};
-  solve_family(form, target, offered, six);
-  out.free = bits_of(six.free);
-  if (out.free != 0 && job.seed) {
-    for (std::size_t k = 0; k < 6; ++k) {
-      const double at = job.to_arm[k] < 0 ? 0.0 : job.seed[job.to_arm[k]] + job.beside_seed;
-      offered[k] = {splat(__builtin_sin(at)), splat(__builtin_cos(at))};
-    }
-    solve_family(form, target, offered, six);
-  }
-  if (job.arm->count > 6)
-    for (std::size_t i = 0; i < job.arm->count; ++i) q[i] = angle_at(*job.arm, i, job.seed[i]);
-  for (std::size_t k = 0; k < 6; ++k) {
-    if (job.to_arm[k] < 0) continue;
-    q[job.to_arm[k]] = six.q[k];
-    moves[job.to_arm[k]] = true;
-  }
-  check_and_polish(job, q, moves, out);
-  write_values(job, q, out);
-}
-
-POLYARM_INLINE void polish(const BranchJob& job, Branches& out) {
-  LaneAngle q[kMost];
-  bool moves[kMost]{};
-  for (const int axis : job.to_arm)
-    if (axis >= 0) moves[axis] = true;
-  if (job.all_move) std::fill(moves, moves + job.arm->count, true);
-  for (std::size_t i = 0; i < job.arm->count; ++i) {
-    Lane s, c;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      if (job.arm->slides[i]) {
-        s[k] = out.value[i][k];
-        c[k] = 1;
-        continue;
-      }
-      s[k] = __builtin_sin(out.value[i][k]);
-      c[k] = __builtin_cos(out.value[i][k]);
-    }
-    q[i] = {s, c};
-  }
-  check_and_polish(job, q, moves, out);
-  write_values(job, q, out);
-}
-
-// ---- one for each kind of processor ---------------------------------------------------------------------
-
-using Kernel = void (*)(const BranchJob&, Branches&);
-struct Kernels {
-  Kernel solve, polish;
-};
-
-void solve_anywhere(const BranchJob& job, Branches& out) {
-  solve(job, out);
-}
-void polish_anywhere(const BranchJob& job, Branches& out) {
-  polish(job, out);
-}
+const BranchKernels& kernels_for(InstructionSet set) {
 #if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) void solve_avx2(const BranchJob& job, Branches& out) {
-  solve(job, out);
-}
-__attribute__((target("avx2,fma"))) void polish_avx2(const BranchJob& job, Branches& out) {
-  polish(job, out);
-}
-__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))) void solve_avx512(const BranchJob& job,
-                                                                                Branches& out) {
-  solve(job, out);
-}
-__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))) void polish_avx512(const BranchJob& job,
-                                                                                 Branches& out) {
-  polish(job, out);
-}
+  switch (set) {
+    case InstructionSet::avx512:
+      return lanes_avx512::kBranchKernels;
+    case InstructionSet::avx2:
+      return lanes_avx2::kBranchKernels;
+    case InstructionSet::portable:
+      break;
+  }
 #endif
-
-Kernels kernels_here() {
-#if defined(__x86_64__)
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    return {solve_avx512, polish_avx512};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {solve_avx2, polish_avx2};
-#endif
-  return {solve_anywhere, polish_anywhere};
+  return lanes_portable::kBranchKernels;
 }
 
-const Kernels kKernels = kernels_here();
+const BranchKernels& kKernels = kernels_for(wanted_instructions());
 
 }  // namespace
 
@@ -195,6 +111,22 @@ void tie_5_to_1(SixAxisForm& f, const ArmGeometry& arm) {
 
 }  // namespace
 
+namespace {
+
+/// Where p turns about k and q stands.
+Reach reach_of(const Vec3& p, const Vec3& q, const Vec3& k, double least) {
+  Reach out;
+  const double qk = dot(q, k), pk = dot(p, k);
+  out.s = dot(q, cross(k, p));
+  out.c = dot(q, p) - qk * pk;
+  out.radius = std::hypot(out.s, out.c);
+  out.half = 0.5 * (dot(p, p) + dot(q, q)) - qk * pk;
+  out.least = least;
+  return out;
+}
+
+}  // namespace
+
 SixAxisForm form_of(const SixAxisClass& known, bool wary) {
   SixAxisForm f;
   const ArmGeometry& arm = known.ideal;
@@ -262,7 +194,40 @@ SixAxisForm form_of(const SixAxisClass& known, bool wary) {
     default:
       break;
   }
+  f.edge_slope = std::sqrt(f.edge / (1 - f.edge));
+  f.near_edge = f.edge;
+  f.elbow = reach_of(f.p34, -f.p23, f.h[2], f.least_length * norm(f.p23));
+  f.axis_in_tool = f.from_tool_rotation * f.h[5];
+  f.beside_in_tool = f.from_tool_rotation * f.beside_6;
+  f.tool_rotation = arm.tool_rotation;
+  f.square_wrist = std::abs(dot(f.h[3], f.h[4])) < 1e-15 && std::abs(dot(f.h[4], f.h[5])) < 1e-15;
+  f.bend_s = dot(f.h[3], cross(f.h[4], f.h[5]));
+  f.bend_c = dot(f.h[3], f.h[5]);
   return f;
+}
+
+bool takes_quick(const SixAxisClass& known) noexcept {
+  return known.exact() && known.family != ArmFamily::none && !searched(known.family) &&
+         known.family != ArmFamily::wrist && known.family != ArmFamily::parallel_234;
+}
+
+SixAxisForm form_for_quick(const SixAxisClass& known) {
+  SixAxisForm f = form_of(known, true);
+  f.wary = true;
+  // Angles are then known to 1e-13, whichever way sums are rounded.
+  f.near_edge = 1e-6;
+  f.least_sine = 1e-3;
+  f.least_length = f.least_sine * known.ideal.size();
+  return f;
+}
+
+JointWindow window_of(double lower, double upper, double weight) noexcept {
+  constexpr double kHalf = 3.14159265358979324, kMargin = 1e-8;
+  if (upper - lower < 2 * (kHalf + kMargin)) {
+    const double middle = 0.5 * (lower + upper);
+    return {middle, middle, 0, lower, upper, weight};
+  }
+  return {lower + kHalf + kMargin, upper - kHalf - kMargin, 1e-9, lower, upper, weight};
 }
 
 LaneArm lane_arm(const ArmGeometry& arm) {
@@ -288,7 +253,22 @@ void solve_branches(const BranchJob& job, Branches& out) noexcept {
 }
 
 void solve_branches_portably(const BranchJob& job, Branches& out) noexcept {
-  solve_anywhere(job, out);
+  lanes_portable::kBranchKernels.solve(job, out);
+}
+
+bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, const double* seed,
+                   QuickAnswers& out) noexcept {
+  return kKernels.quick(job, arm, target, seed, out);
+}
+
+void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
+                 QuickAnswers& out) noexcept {
+  kKernels.eight(job, arm, targets, seed, out);
+}
+
+void solve_eight(InstructionSet set, const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
+                 const double* seed, QuickAnswers& out) noexcept {
+  kernels_for(set).eight(job, arm, targets, seed, out);
 }
 
 void polish_branches(const BranchJob& job, Branches& out) noexcept {

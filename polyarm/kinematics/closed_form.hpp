@@ -7,6 +7,7 @@
 #include <span>
 
 #include "polyarm/kinematics/arm_class.hpp"
+#include "polyarm/kinematics/instruction_set.hpp"
 
 namespace polyarm::kinematics {
 
@@ -30,6 +31,14 @@ struct Shoulder {
   double least_length = 0;
 };
 
+/// Two lengths that turn against each other about one axis: |R(k, angle) p - q| for points p and q.
+struct Reach {
+  double s = 0, c = 0;  ///< q . (k x p) and the part of q . p square to the axis
+  double radius = 0;    ///< of (c, s)
+  double half = 0;      ///< half the square of the distance, where the angle's part of it is nothing
+  double least = 0;     ///< a radius shorter than this is nothing
+};
+
 /// Constants of one arm's family, taken from its ideal form.
 struct SixAxisForm {
   ArmFamily family = ArmFamily::none;
@@ -47,9 +56,17 @@ struct SixAxisForm {
   double least_sine = 0;          ///< smaller than this is parallel
   double edge = 0;                ///< how far from a border solutions are parted (Edge::part)
   bool wary = false;              ///< what is near a border is told
-  Shoulder shoulder;              ///< of families whose first three axes are of any kind
-  Vec3 p56, to_56;                ///< from a point of axis 5 to one of axis 6; from axis 4 to where both meet
-  double from_5[4] = {};          ///< (c5, s5) from what axes 2 to 4 leave alone, row after row
+  double edge_slope = 0;          ///< Edge::slope
+  double near_edge = 0;           ///< Edge::near
+  bool square_wrist = false;      ///< axis 5 is square to axes 4 and 6, to the last digit
+  double bend_s = 0, bend_c = 1;  ///< angle 5 at which axes 4 and 6 of such a wrist are one
+  Reach elbow;                    ///< of axis 3
+  Vec3 axis_in_tool;              ///< axis 6 and what is beside it, as the tool sees them
+  Vec3 beside_in_tool;
+  Rotation tool_rotation;  ///< of the tool at zero
+  Shoulder shoulder;       ///< of families whose first three axes are of any kind
+  Vec3 p56, to_56;         ///< from a point of axis 5 to one of axis 6; from axis 4 to where both meet
+  double from_5[4] = {};   ///< (c5, s5) from what axes 2 to 4 leave alone, row after row
 };
 /// `known` has a family. With `wary`, what is nearly singular, in view of how far the
 /// ideal arm is from the true one, counts as singular.
@@ -98,6 +115,49 @@ struct Branches {
   std::uint32_t inside = ~0u;                        ///< branches within limits (bits)
   std::uint32_t free = 0;                            ///< branches in which an angle was free (bits)
 };
+
+/// In which of its turns a joint is wanted: within limits, and of those turns nearest to a given value. A
+/// window of one turn has the one that is meant; its center is the value, brought to within low_center and
+/// high_center.
+struct JointWindow {
+  double low_center = 0, high_center = 0;
+  double bias = 0;  ///< in turns: half a turn away either way is always the same way
+  double lower = 0, upper = 0;
+  double weight = 1;  ///< of the square of the distance
+};
+JointWindow window_of(double lower, double upper, double weight) noexcept;
+
+/// What quick answers need: of an arm of six turning axes whose closed form is exact (takes_quick()).
+struct QuickJob {
+  SixAxisForm form;                      ///< form_for_quick()
+  std::array<JointWindow, 6> window;     ///< of the form's axes
+  std::array<std::uint8_t, 6> to_arm{};  ///< for each axis of the form, the axis of the arm
+  std::array<std::uint8_t, 6> joint{};   ///< and the joint, whose value in a seed answers come near to
+};
+/// Whether the family goes in steps.
+bool takes_quick(const SixAxisClass& known) noexcept;
+/// A form that tells whatever is near to singular, so that the quick way need not deal with it.
+SixAxisForm form_for_quick(const SixAxisClass& known);
+
+/// The eight branches of one pose, or one branch for each of eight poses, checked on the true arm.
+struct QuickAnswers {
+  alignas(64) double value[6][kBranches];  ///< of the arm's axes
+  alignas(64) double position_error2[kBranches];
+  alignas(64) double orientation_error2[kBranches];
+  alignas(64) double distance2[kBranches];
+  std::uint32_t good = 0;  ///< exact to kGoodEnough and within limits (bits)
+};
+/// All branches of a pose. False where something is nearly singular, or not exact but near: the answer is
+/// then solve_branches()'s to give.
+bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, const double* seed,
+                   QuickAnswers& out) noexcept;
+/// Of each of up to eight poses the branch nearest to the seed, by the same arithmetic. Poses
+/// whose bit in `good` is not set have to be solved on their own, one by one.
+void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
+                 QuickAnswers& out) noexcept;
+/// As above, with the instructions of `set`, which the processor has. For tests and benchmarks.
+void solve_eight(InstructionSet set, const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
+                 const double* seed, QuickAnswers& out) noexcept;
 
 /// Solves, checks on the true arm, and improves there what is not exact: errors end near rounding or are
 /// those of the nearest that the family has to offer.

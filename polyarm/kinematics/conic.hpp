@@ -10,7 +10,7 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace polyarm::kinematics {
+namespace POLYARM_LANES {
 
 /// cc c^2 + cs c s + ss s^2 + c1 c + s1 s + one = 0 where c^2 + s^2 = 1.
 struct LaneConic {
@@ -79,8 +79,7 @@ POLYARM_INLINE LaneLines lines_of(const LaneConic& q, double least) {
   const Lane rest = select(steep, known * known + 4.0 * product, known * known - 4.0 * product);
   const Lane other = with_sign(root(select(below(rest, Lane{}), Lane{}, rest)), select(steep, d, e));
   const Lane sum = select(steep, other, known), difference = select(steep, known, other);
-  const LaneMask crossed = (LaneMask)with_sign(splat(1.0), sum) ^ (LaneMask)with_sign(splat(1.0), difference);
-  const LaneMask unlike = crossed >> 63;
+  const LaneMask unlike = of_unlike_sign(sum, difference);
   const Lane big = 0.5 * select(unlike, sum - difference, sum + difference);
   const LaneMask nothing = below(magnitude(big), splat(1e-290));
   const Lane small = select(nothing, Lane{}, product / select(nothing, splat(1.0), big));
@@ -180,6 +179,6 @@ POLYARM_INLINE Lane solve_shoulder(const Shoulder& f, const ShoulderAim& aim, La
   return dot(left, left);
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace POLYARM_LANES
 
 #pragma GCC diagnostic pop

@@ -66,6 +66,18 @@ void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6
   if (!found.exact()) worth_polishing = 0.1;
   form = form_of(found);
   wary = form_of(found, true);
+  const bool whole = geometry.count == 6 && std::find(six.begin(), six.end(), -1) == six.end();
+  quick.form.family = ArmFamily::none;
+  if (!whole || !kinematics::takes_quick(found) || settings.position_tolerance < 1e-11 ||
+      settings.orientation_tolerance < 1e-11)
+    return;
+  quick.form = form_for_quick(found);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto i = static_cast<std::size_t>(six[k]);
+    quick.to_arm[k] = static_cast<std::uint8_t>(i);
+    quick.joint[k] = static_cast<std::uint8_t>(geometry.axes[i].joint);
+    quick.window[k] = window_of(limits.lower[i], limits.upper[i], limits.weight[i]);
+  }
 }
 
 void InverseKinematics::Arm::find_form() {

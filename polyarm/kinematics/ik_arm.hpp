@@ -65,6 +65,8 @@ struct InverseKinematics::Arm {
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
   SixAxisForm wary;
+  /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
+  QuickJob quick;
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
   int spare = -1;  ///< the axis that is held at one value after another; -1: none
   std::size_t joints = 0;
@@ -86,6 +88,12 @@ struct InverseKinematics::Arm {
   void find_sliding();
   void find_fewer();
   void find_seven();
+  void write_quick(const QuickAnswers& from, std::size_t lane, std::span<const double> seed,
+                   IkSolution& to) const noexcept;
+  bool takes_quick(std::span<const double> seed) const noexcept;
+  IkOutcome solve_slowly(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
+  IkOutcome solve_all_slowly(const Pose& target, std::span<const double> seed,
+                             IkSolutions& out) const noexcept;
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
   void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
               Gathered& out) const noexcept;

@@ -1,6 +1,8 @@
 #include "polyarm/kinematics/instruction_set.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 
 namespace polyarm::kinematics {
 
@@ -17,6 +19,13 @@ InstructionSet fastest_instructions() noexcept {
 
 InstructionSet supported(InstructionSet wanted) noexcept {
   return std::min(wanted, fastest_instructions());
+}
+
+InstructionSet wanted_instructions() noexcept {
+  const char* given = std::getenv("POLYARM_INSTRUCTIONS");
+  for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2})
+    if (given && std::string_view(given) == name(set)) return supported(set);
+  return fastest_instructions();
 }
 
 const char* name(InstructionSet set) noexcept {

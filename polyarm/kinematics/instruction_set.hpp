@@ -12,6 +12,10 @@ enum class InstructionSet { portable, avx2, avx512 };
 InstructionSet fastest_instructions() noexcept;
 /// The wider of the two never comes out: `wanted` where the processor has it, else the widest that it has.
 InstructionSet supported(InstructionSet wanted) noexcept;
+/// What the environment's POLYARM_INSTRUCTIONS names ("portable", "avx2", "avx512"), or less where the
+/// processor has not so much; the widest where it names nothing. For measuring: the closed forms ask once,
+/// when the program starts.
+InstructionSet wanted_instructions() noexcept;
 /// "portable", "avx2", "avx512".
 const char* name(InstructionSet set) noexcept;
 

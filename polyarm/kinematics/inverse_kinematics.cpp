@@ -1,6 +1,7 @@
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "polyarm/kinematics/ik_arm.hpp"
@@ -30,6 +31,25 @@ bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double>
   for (std::size_t i = 0; i < geometry.count; ++i)
     if (!(std::abs(seed[geometry.axes[i].joint]) < 1e9)) return false;
   return true;
+}
+
+/// Whether there is a quick way, and the seed is one for it.
+bool InverseKinematics::Arm::takes_quick(std::span<const double> seed) const noexcept {
+  if (quick.form.family == ArmFamily::none || seed.size() != joints) return false;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!(std::abs(seed[geometry.axes[i].joint]) < 1e9)) return false;
+  return true;
+}
+
+void InverseKinematics::Arm::write_quick(const QuickAnswers& from, std::size_t lane,
+                                         std::span<const double> seed, IkSolution& to) const noexcept {
+  if (joints > 6) std::copy(seed.begin(), seed.end(), to.q.begin());
+  for (std::size_t i = 0; i < 6; ++i) to.q[geometry.axes[i].joint] = from.value[i][lane];
+  to.position_error = std::sqrt(from.position_error2[lane]);
+  to.orientation_error = std::sqrt(from.orientation_error2[lane]);
+  to.distance = std::sqrt(from.distance2[lane]);
+  to.exact = true;
+  to.singular = false;
 }
 
 /// All branches. Near singularities both those with the seed's value of what is nearly free, and those that
@@ -319,36 +339,36 @@ const std::string& InverseKinematics::report() const noexcept {
   return arm_->report;
 }
 
-IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> seed,
-                                   IkSolution& out) const noexcept {
+IkOutcome InverseKinematics::Arm::solve_slowly(const Pose& target, std::span<const double> seed,
+                                               IkSolution& out) const noexcept {
   out = {};
   std::copy(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(std::min(seed.size(), out.q.size())),
             out.q.begin());
-  if (!arm_->solvable()) {
-    if (!arm_->numeric) return IkOutcome::no_closed_form;
-    return arm_->numeric->solve(target, seed, out);
+  if (!solvable()) {
+    if (!numeric) return IkOutcome::no_closed_form;
+    return numeric->solve(target, seed, out);
   }
-  if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
+  if (!accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
-  arm_->gather(target, seed, true, found);
+  gather(target, seed, true, found);
   if (found.count == 0) {
-    if (found.nearest_size < 1e299) arm_->write(found.nearest, seed, out);
+    if (found.nearest_size < 1e299) write(found.nearest, seed, out);
     return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
   }
-  arm_->write(found.best(), seed, out);
+  write(found.best(), seed, out);
   return IkOutcome::solved;
 }
 
-IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const double> seed,
-                                       IkSolutions& out) const noexcept {
+IkOutcome InverseKinematics::Arm::solve_all_slowly(const Pose& target, std::span<const double> seed,
+                                                   IkSolutions& out) const noexcept {
   out.count = 0;
-  if (!arm_->solvable()) {
-    if (!arm_->numeric) return IkOutcome::no_closed_form;
-    return arm_->numeric->solve_all(target, seed, out);
+  if (!solvable()) {
+    if (!numeric) return IkOutcome::no_closed_form;
+    return numeric->solve_all(target, seed, out);
   }
-  if (!arm_->accepts(target, seed)) return IkOutcome::malformed;
+  if (!accepts(target, seed)) return IkOutcome::malformed;
   Gathered found;
-  arm_->gather(target, seed, false, found);
+  gather(target, seed, false, found);
   std::array<std::uint8_t, IkSolutions::kCapacity> order;
   for (std::size_t k = 0; k < found.count; ++k) {
     std::size_t at = k;
@@ -356,7 +376,7 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
       order[at] = order[at - 1];
     order[at] = static_cast<std::uint8_t>(k);
   }
-  for (std::size_t k = 0; k < found.count; ++k) arm_->write(found.all[order[k]], seed, out.all[k]);
+  for (std::size_t k = 0; k < found.count; ++k) write(found.all[order[k]], seed, out.all[k]);
   out.count = found.count;
   if (found.count > 0) return IkOutcome::solved;
   return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
@@ -368,13 +388,66 @@ IkOutcome InverseKinematics::solve(const Pose& target, const IkTask& task, std::
   return NumericIk(*arm_->described, arm_->numeric_settings()).solve(target, task, seed, out);
 }
 
+IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> seed,
+                                   IkSolution& out) const noexcept {
+  QuickAnswers found;
+  if (!arm_->takes_quick(seed) || !solve_quickly(arm_->quick, arm_->lanes, target, seed.data(), found) ||
+      found.good == 0)
+    return arm_->solve_slowly(target, seed, out);
+  std::size_t best = static_cast<std::size_t>(std::countr_zero(found.good));
+  for (std::uint32_t rest = found.good & (found.good - 1); rest != 0; rest &= rest - 1) {
+    const auto k = static_cast<std::size_t>(std::countr_zero(rest));
+    best = found.distance2[k] < found.distance2[best] ? k : best;
+  }
+  arm_->write_quick(found, best, seed, out);
+  return IkOutcome::solved;
+}
+
+IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const double> seed,
+                                       IkSolutions& out) const noexcept {
+  QuickAnswers found;
+  if (!arm_->takes_quick(seed) || !solve_quickly(arm_->quick, arm_->lanes, target, seed.data(), found) ||
+      found.good == 0)
+    return arm_->solve_all_slowly(target, seed, out);
+  // Each goes to the place that the number of nearer ones tells: without branches, which nobody could guess.
+  std::array<std::uint8_t, kBranches> lane;
+  std::array<std::uint8_t, kBranches> place{};
+  std::array<double, kBranches> distance2;
+  std::size_t n = 0;
+  for (std::uint32_t rest = found.good; rest != 0; rest &= rest - 1, ++n) {
+    lane[n] = static_cast<std::uint8_t>(std::countr_zero(rest));
+    distance2[n] = found.distance2[lane[n]];
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const bool nearer = distance2[j] < distance2[i];
+      place[i] = static_cast<std::uint8_t>(place[i] + nearer);
+      place[j] = static_cast<std::uint8_t>(place[j] + !nearer);
+    }
+  for (std::size_t i = 0; i < n; ++i) arm_->write_quick(found, lane[i], seed, out.all[place[i]]);
+  out.count = n;
+  return IkOutcome::solved;
+}
+
 std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::span<const double> seed,
                                            std::span<IkSolution> out,
                                            std::span<IkOutcome> outcomes) const noexcept {
   std::size_t solved = 0;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    outcomes[i] = solve(targets[i], seed, out[i]);
-    solved += outcomes[i] == IkOutcome::solved;
+  const bool quick = arm_->takes_quick(seed);
+  for (std::size_t first = 0; first < targets.size(); first += kBranches) {
+    const std::size_t n = std::min(kBranches, targets.size() - first);
+    QuickAnswers found;
+    found.good = 0;
+    if (quick) solve_eight(arm_->quick, arm_->lanes, targets.subspan(first, n), seed.data(), found);
+    for (std::size_t k = 0; k < n; ++k) {
+      if (found.good >> k & 1u) {
+        arm_->write_quick(found, k, seed, out[first + k]);
+        outcomes[first + k] = IkOutcome::solved;
+      } else {
+        outcomes[first + k] = solve(targets[first + k], seed, out[first + k]);
+      }
+      solved += outcomes[first + k] == IkOutcome::solved;
+    }
   }
   return solved;
 }

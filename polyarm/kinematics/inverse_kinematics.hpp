@@ -105,8 +105,11 @@ class InverseKinematics {
   /// some 100 us, allocates and may throw.
   IkOutcome solve(const Pose& target, const IkTask& task, std::span<const double> seed,
                   IkSolution& out) const;
-  /// solve() for each of `targets`, with the same seed. Returns how many are solved. Precondition:
-  /// `out` and `outcomes` are as long as `targets`.
+  /// solve() for each of `targets`, with the same seed; the same answers to within 1e-12, and always the same
+  /// from run to run. Where an arm of six axes has a closed form in quadratics and its description is exact,
+  /// eight poses go side by side through all branches (poses near singularities and out of reach still one by
+  /// one). Returns how many are solved. Precondition: `out` and `outcomes` are as long as `targets`.
+  /// Allocates nothing, throws nothing; any thread.
   std::size_t solve_batch(std::span<const Pose> targets, std::span<const double> seed,
                           std::span<IkSolution> out, std::span<IkOutcome> outcomes) const noexcept;
 

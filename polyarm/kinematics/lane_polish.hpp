@@ -9,7 +9,7 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace polyarm::kinematics {
+namespace POLYARM_LANES {
 
 inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
 inline constexpr int kMostPolish = 30;
@@ -19,7 +19,8 @@ inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
 
 /// Squares of what is between the target and where these angles lead. Goes from the tool to the base with
 /// three vectors: two of the tool's axes and its origin.
-POLYARM_INLINE void measure(const LaneArm& arm, const LaneAngle* q, const PoseTarget& target, Lane& position,
+template <class Target>
+POLYARM_INLINE void measure(const LaneArm& arm, const LaneAngle* q, const Target& target, Lane& position,
                             Lane& orientation) {
   const std::size_t n = arm.count;
   LaneVec x = splat(arm.turn[n].x), y = splat(arm.turn[n].y), p = splat(arm.step[n]);
@@ -137,21 +138,11 @@ POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTar
   return moved;
 }
 
+#ifndef POLYARM_WIDTH
 POLYARM_INLINE std::uint32_t bits_of(LaneMask mask) {
   std::uint32_t out = 0;
   for (std::size_t i = 0; i < kLanes; ++i) out |= mask[i] ? 1u << i : 0u;
   return out;
-}
-
-/// Whether a branch is not exact, but near enough to become so.
-POLYARM_INLINE bool worth_more(const Branches& out, double worth) {
-  constexpr double kGood2 = kGoodEnough * kGoodEnough;
-  bool more = false;
-  for (std::size_t i = 0; i < kBranches; ++i) {
-    const double worst = std::max(out.position_error2[i], out.orientation_error2[i]);
-    more |= worst > kGood2 && worst < worth * worth;
-  }
-  return more;
 }
 
 POLYARM_INLINE void store(Lane value, double* to) {
@@ -161,6 +152,13 @@ POLYARM_INLINE Lane load(const double* from) {
   Lane out;
   for (std::size_t i = 0; i < kLanes; ++i) out[i] = from[i];
   return out;
+}
+#endif
+
+/// Whether a branch is not exact, but near enough to become so.
+POLYARM_INLINE bool worth_more(Lane position, Lane orientation, double worth) {
+  const Lane worst = most_of(position, orientation);
+  return bits_of(below(splat(kGoodEnough * kGoodEnough), worst) & below(worst, splat(worth * worth))) != 0;
 }
 
 /// To the next whole number above; for |a| < 2^51.
@@ -218,11 +216,11 @@ POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const b
     store(position, out.position_error2);
     store(orientation, out.orientation_error2);
     if (i >= job.patience) worth = std::min(worth, 1e-4);
-    if (i == kMostPolish || !worth_more(out, worth)) break;
+    if (i == kMostPolish || !worth_more(position, orientation, worth)) break;
     descend(*job.arm, moves, job.target, q);
   }
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace POLYARM_LANES
 
 #pragma GCC diagnostic pop

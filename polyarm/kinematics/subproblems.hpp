@@ -3,12 +3,13 @@
 /// numbering and the least-squares answers after Elias and Wen 2025), eight at a time. Angles stay sine and
 /// cosine. Where a problem has no solution the answer is the nearest there is, continuous at the border;
 /// where any angle will do, it is the one offered. Used inside this room only.
+#include "polyarm/kinematics/closed_form.hpp"
 #include "polyarm/kinematics/lanes.hpp"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace polyarm::kinematics {
+namespace POLYARM_LANES {
 
 /// The angle of the point (c, s); `offered` where the point is within `least` of the origin, which joins
 /// `free`.
@@ -16,7 +17,7 @@ POLYARM_INLINE LaneAngle toward(Lane s, Lane c, double least, const LaneAngle& o
   const Lane square = s * s + c * c;
   const LaneMask any = below(square, splat(least * least));
   free |= any;
-  const Lane scale = 1.0 / root(select(any, splat(1.0), square));
+  const Lane scale = inverse_root(select(any, splat(1.0), square));
   return {select(any, offered.s, s * scale), select(any, offered.c, c * scale)};
 }
 
@@ -33,9 +34,11 @@ POLYARM_INLINE LaneAngle subproblem_1(const LaneVec& p, const LaneVec& q, const 
 /// near a border may be none, or one: with `part` > 0 the answer is not the border itself but a solution on
 /// either side of it, from which descent on the true arm finds both.
 struct Edge {
-  double part = 0;    ///< of the square of the circle's radius
-  double slope = 0;   ///< sqrt(part / (1 - part))
-  bool tell = false;  ///< whether what is this near to a border counts as free
+  double part = 0;             ///< of the square of the circle's radius
+  double slope = 0;            ///< sqrt(part / (1 - part))
+  bool tell = false;           ///< whether what is near to a border counts as free:
+  double near = 0;             ///< what is this near, of the square of the circle's radius
+  LaneMask* beyond = nullptr;  ///< where there is no solution; not asked for without it
 };
 
 /// s * along.s + c * along.c = b, the solution on the side of `sign` (+1 or -1). `open` is the square of
@@ -45,14 +48,24 @@ POLYARM_INLINE LaneAngle level(const LaneAngle& along, Lane b, Lane open, Lane s
   const Lane square = along.s * along.s + along.c * along.c;
   const LaneMask any = below(square, splat(least * least));
   free |= any;
-  if (edge.tell) free |= below(magnitude(open), edge.part * square);
+  if (edge.tell) free |= below(magnitude(open), edge.near * square);
+  if (edge.beyond) *edge.beyond |= below(open, Lane{});
   const LaneMask crossing = below(edge.part * square, open);
   const Lane taken = root(select(crossing, open, square * (1.0 - edge.part)));
   const Lane side = sign * select(crossing, taken, taken * edge.slope);
   const Lane ahead = select(crossing, b, with_sign(taken, b));
-  const Lane scale = 1.0 / select(any, splat(1.0), square);
+  const Lane scale = inverse(select(any, splat(1.0), square));
   const LaneAngle out{(ahead * along.s + side * along.c) * scale, (ahead * along.c - side * along.s) * scale};
   return select(any, offered, out);
+}
+
+/// Of two known lengths and the angle between them: the one at which they end a distance apart (3 with the
+/// points p and q, of which all but the distance is known beforehand).
+POLYARM_INLINE LaneAngle reach_with(const Reach& known, Lane d_squared, Lane sign, const Edge& edge,
+                                    const LaneAngle& offered, LaneMask& free) {
+  const Lane b = fnma(d_squared, splat(0.5), splat(known.half));
+  return level({splat(known.s), splat(known.c)}, b, (known.radius - b) * (known.radius + b), sign, edge,
+               known.least, offered, free);
 }
 
 /// 4: h . R(k, angle) p = d.
@@ -97,6 +110,6 @@ POLYARM_INLINE LaneAngle wrist_bend(const Vec3& a, const Vec3& b, const Vec3& c,
   return level(along, d - ab * bc, open, sign, edge, 0, {splat(0.0), splat(1.0)}, free);
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace POLYARM_LANES
 
 #pragma GCC diagnostic pop

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 
 #include "tests/kinematics/sample_families.hpp"
@@ -52,6 +53,49 @@ TEST(ClosedForm, IsTheSameWithAndWithoutTheInstructionsOfThisProcessor) {
       }
     }
   EXPECT_GT(exact, 800);
+}
+
+/// Eight poses at a time, by all that this processor has.
+TEST(ClosedForm, EightAtATimeFindTheSameWithEverySetOfInstructions) {
+  Random random(2);
+  int solved = 0;
+  for (const ArmFamily family : kFamilies) {
+    for (int i = 0; i < 20; ++i) {
+      std::string why_not;
+      const auto model = test::random_arm(test::random_axes(family, random), random);
+      const ArmGeometry arm = *geometry_of(Chain(model, test::tip_of(model)), why_not);
+      const SixAxisClass known = classify(arm);
+      if (!takes_quick(known)) continue;
+      QuickJob job;
+      job.form = form_for_quick(known);
+      std::array<double, 6> seed;
+      for (std::size_t k = 0; k < 6; ++k) {
+        seed[k] = random.between(-3, 3);
+        job.window[k] = window_of(-4, 5, 1);
+        job.joint[k] = static_cast<std::uint8_t>(k);
+        job.to_arm[k] = static_cast<std::uint8_t>(known.from_tool ? 5 - k : k);
+      }
+      const LaneArm lanes = lane_arm(arm);
+      std::array<Pose, 8> poses;
+      for (Pose& pose : poses) {
+        std::vector<double> q(6);
+        for (double& value : q) value = random.between(-3, 3);
+        pose = Chain(model, test::tip_of(model)).forward(q);
+      }
+      QuickAnswers most;
+      solve_eight(fastest_instructions(), job, lanes, poses, seed.data(), most);
+      for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2}) {
+        QuickAnswers other;
+        solve_eight(supported(set), job, lanes, poses, seed.data(), other);
+        EXPECT_EQ(other.good, most.good) << describe(family) << ", " << name(set);
+        for (std::size_t k = 0; k < 8; ++k)
+          for (std::size_t j = 0; (most.good & other.good) >> k & 1u && j < 6; ++j)
+            EXPECT_NEAR(most.value[j][k], other.value[j][k], 1e-7);
+      }
+      solved += std::popcount(most.good);
+    }
+  }
+  EXPECT_GT(solved, 800);
 }
 
 }  // namespace

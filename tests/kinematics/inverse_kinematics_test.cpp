@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse.hpp"
@@ -17,6 +18,12 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+/// More by the environment's POLYARM_IK_POSES.
+int poses_per_arm(int usual) {
+  const char* given = std::getenv("POLYARM_IK_POSES");
+  return given ? std::max(usual, std::atoi(given)) : usual;
+}
 
 std::vector<double> random_state(const Chain& chain, Random& random) {
   std::vector<double> q;
@@ -110,7 +117,7 @@ TEST(InverseKinematics, FindsEveryConfigurationOfEveryArmOfTheCatalogueThatHasAC
     if (!arm || !arm.complete()) continue;
     ++arms;
     Tally& tally = arm.report().find("true within") == std::string::npos ? exact : near;
-    for (int i = 0; i < 200; ++i)
+    for (int i = 0; i < poses_per_arm(200); ++i)
       ask(chain, arm, random_state(chain, random), random_state(chain, random), robot, tally);
   }
   EXPECT_GE(arms, 286);
@@ -118,6 +125,48 @@ TEST(InverseKinematics, FindsEveryConfigurationOfEveryArmOfTheCatalogueThatHasAC
   EXPECT_LE(near.missed, near.asked / 1000) << "of " << near.asked;
   expect_clean(exact);
   expect_clean(near);
+}
+
+/// Random and singular poses, poses out of reach and poses that are none, of every arm with a closed form.
+TEST(InverseKinematics, ABatchIsTheSameAsOneByOneAndAsItselfAgain) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  Random random(41);
+  constexpr std::size_t kPoses = 45;  // the last eight are not full
+  std::size_t solved = 0, arms = 0, different = 0;
+  for (const std::string& robot : catalogue.names()) {
+    const auto model = catalogue.load(robot);
+    const Chain chain(model, model.tool_link());
+    const InverseKinematics arm(chain);
+    if (!arm || !arm.complete()) continue;
+    ++arms;
+    std::vector<Pose> targets;
+    for (std::size_t i = 0; i < kPoses; ++i)
+      targets.push_back(chain.forward(i % 5 == 4 ? grid_state(chain, random) : random_state(chain, random)));
+    targets[3].position.x += 3 * chain.reach();
+    targets[7].position.y = NAN;
+    const auto seed = random_state(chain, random);
+    std::vector<IkSolution> out(kPoses), again(kPoses);
+    std::vector<IkOutcome> outcomes(kPoses), outcomes_again(kPoses);
+    const std::size_t count = arm.solve_batch(targets, seed, out, outcomes);
+    EXPECT_EQ(arm.solve_batch(targets, seed, again, outcomes_again), count);
+    EXPECT_EQ(outcomes[7], IkOutcome::malformed);
+    solved += count;
+    for (std::size_t i = 0; i < kPoses; ++i) {
+      IkSolution one;
+      EXPECT_EQ(arm.solve(targets[i], seed, one), outcomes[i]) << robot << ", pose " << i;
+      EXPECT_EQ(outcomes[i], outcomes_again[i]);
+      if (outcomes[i] != IkOutcome::solved) continue;
+      const std::span<const double> q(out[i].q.data(), chain.joints());
+      EXPECT_LT(error_of(chain, q, targets[i]), 2e-9) << robot;
+      for (std::size_t j = 0; j < chain.joints(); ++j) {
+        EXPECT_EQ(out[i].q[j], again[i].q[j]);
+        different += !(std::abs(one.q[j] - out[i].q[j]) < 1e-12);
+      }
+    }
+  }
+  EXPECT_GE(arms, 286u);
+  EXPECT_GE(solved, arms * (kPoses - 3));
+  EXPECT_EQ(different, 0u);
 }
 
 TEST(InverseKinematics, FindsTheSeedAtSingularPosesOfTheCatalogue) {
@@ -129,7 +178,7 @@ TEST(InverseKinematics, FindsTheSeedAtSingularPosesOfTheCatalogue) {
     const Chain chain(model, model.tool_link());
     const InverseKinematics arm(chain);
     if (!arm || !arm.complete()) continue;
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < poses_per_arm(60); ++i) {
       const auto q = grid_state(chain, random);
       ask(chain, arm, q, q, robot, tally);
     }
