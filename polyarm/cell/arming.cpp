@@ -18,8 +18,11 @@ Arming::Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_s
     : loop_(loop), robots_(robots), observer_(observer), full_speed_(full_speed) {
   for (std::size_t i = 0; i < loop_.hardware().size(); ++i)
     if (loop_.hardware().real(i)) components_.push_back(i);
+  if (!components_.empty()) slow_down();
+}
+
+void Arming::announce() const {
   if (components_.empty()) return;
-  slow_down();
   for (const std::size_t i : components_)
     observer_.on_note(loop_.hardware().component_name(i) + " is real hardware and disarmed");
   for (const Expected& joint : expected_positions(loop_.table().states()))

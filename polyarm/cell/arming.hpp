@@ -15,9 +15,13 @@ namespace polyarm::cell {
 /// observer outlive it.
 class Arming {
  public:
-  /// Finds the real components, tells them with where their joints are measured and expected, and slows the
-  /// loop down unless `full_speed`. Nothing happens in a cell without real hardware.
+  /// Finds the real components and slows the loop down unless `full_speed`. Nothing happens in a cell without
+  /// real hardware.
   Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer);
+
+  /// Tells what waits for a person, where its joints are, and how to arm it. Once the cell can be reached from
+  /// other terminals and before its loop begins.
+  void announce() const;
 
   /// Real components; empty for a cell without.
   const std::vector<std::size_t>& components() const { return components_; }

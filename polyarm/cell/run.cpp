@@ -113,6 +113,7 @@ class Runner {
 
   void wall_clock() {
     const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
+    cell_.arming().announce();
     std::atomic<bool> done{false};
     EmptyLoop empty(cell_.loop().options().period);
     std::thread control([&] { control_thread(done); });
