@@ -122,8 +122,13 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot) {
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
   kinematics::Chain chain(robot.model, robot.model.tool_link(), robot.entry.base, robot.tool.tcp);
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
-  return std::make_unique<motion::RobotFacts>(motion::RobotFacts{
-      robot.entry.name, &robot.model, std::move(chain), std::move(limits), robot.start, std::move(solver)});
+  return std::make_unique<motion::RobotFacts>(motion::RobotFacts{robot.entry.name,
+                                                                 &robot.model,
+                                                                 std::move(chain),
+                                                                 std::move(limits),
+                                                                 {},
+                                                                 robot.start,
+                                                                 std::move(solver)});
 }
 
 /// Limits from the description and from the joint_limits of the controllers' files.

@@ -10,23 +10,9 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
-#include "polyarm/description/robot_model.hpp"
-#include "polyarm/kinematics/arm_solver.hpp"
-#include "polyarm/kinematics/chain.hpp"
-#include "polyarm/trajectory/joint_move.hpp"
+#include "polyarm/motion/robot_facts.hpp"
 
 namespace polyarm::motion {
-
-/// What a robot needs to move: its kinematics with tool, limits and home. Const while the cell runs.
-struct RobotFacts {
-  std::string name;
-  const description::RobotModel* model = nullptr;
-  kinematics::Chain chain;  ///< TCP in the world over the actuated joints
-  std::vector<trajectory::JointMotionLimits> limits;
-  std::vector<double> home;
-  /// Of `chain`; where there is none, each question makes its own.
-  std::unique_ptr<const kinematics::ArmSolver> solver;
-};
 
 /// How fast a move goes.
 struct Pace {
@@ -34,14 +20,6 @@ struct Pace {
   std::optional<double> seconds;       ///< at least this long
   std::optional<double> thesis_scale;  ///< duration = scale × joint-space distance, limits permitting
 };
-
-/// Where a pose puts the joints, coming from `current`: within limits, in the configuration nearest to the
-/// present one, ranked from home. Throws Error("unreachable" | "limit") that says which distance, angle or
-/// joint is at fault; `what` names the point.
-std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world,
-                               std::span<const double> current, const std::string& what);
-/// Checks a joint state against the limits. Throws Error("limit") naming joint, value and limit.
-void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what);
 
 enum class MoveState { running, done, discarded, refused };
 

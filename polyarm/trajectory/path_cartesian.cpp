@@ -157,6 +157,12 @@ void CartesianPathBuilder::add(std::vector<PosePiece> pieces, double curve_radiu
   segments_.push_back(std::move(out));
 }
 
+double CartesianPathBuilder::length() const noexcept {
+  double sum = 0;
+  for (const Segment& segment : segments_) sum += segment.length;
+  return sum;
+}
+
 CartesianPathBuilder& CartesianPathBuilder::line(const Pose& to, const Corner& corner) {
   if (!fine(to, corner)) return *this;
   const Pose target{to.position, normalized(to.rotation)};

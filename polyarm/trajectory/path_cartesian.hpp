@@ -95,6 +95,8 @@ class CartesianPathBuilder {
   /// the parabola through three neighbours, held back where neighbours turn at very different rates.
   CartesianPathBuilder& spline(std::span<const Pose> through, const Corner& corner = {});
 
+  /// The parameter at the end of what was added so far; corners do not change it.
+  double length() const noexcept;
   /// Throws Error with everything wrong in what was added: "bad-number", "bad-radius", "no-arc" (points on a
   /// line, or one point twice), "no-axis", "no-waypoints", "turn-too-large" (of a spline, above 3 rad).
   CartesianSections build() const;

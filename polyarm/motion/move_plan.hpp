@@ -1,0 +1,89 @@
+#pragma once
+/// From moves as people think of them to timed paths. Not for the control cycle (it allocates, throws and
+/// takes milliseconds); any thread, as long as the robot's facts stay. Metres, radians, seconds; poses of the
+/// TCP in the world.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
+#include "polyarm/motion/robot_facts.hpp"
+#include "polyarm/trajectory/path_cartesian.hpp"
+#include "polyarm/trajectory/path_trajectory.hpp"
+#include "polyarm/trajectory/timing.hpp"
+
+namespace polyarm::motion {
+
+/// joint: straight in joint space. line, arc and spline: the TCP's way.
+enum class MoveKind { joint, line, arc, spline };
+
+struct MoveTarget {
+  std::variant<std::vector<double>, Pose> at;  ///< a joint state of the robot, or where the TCP goes
+  std::string name;                            ///< as messages call it
+};
+
+struct Move {
+  MoveKind kind = MoveKind::joint;
+  /// Where it ends; of an arc the point on the way before it, of a spline all poses to pass through.
+  std::vector<MoveTarget> targets;
+  trajectory::ArcOrientation orientation = trajectory::ArcOrientation::interpolated;
+  /// m at the TCP: how far from its end the path may leave this move and be on the next; 0: it comes to rest
+  /// there. Of no meaning for the last.
+  double blend = 0;
+  double speed = 1;              ///< share of the joints' velocity limits, or of the TCP's, (0, 1]
+  double acceleration = 1;       ///< share likewise, of acceleration and jerk
+  double tcp_speed = 0;          ///< m/s, at most; 0: what TcpLimits say (of a joint move: any)
+  double tcp_acceleration = 0;   ///< m/s², likewise; the jerk goes with it
+  double turn_speed = 0;         ///< rad/s of the TCP, likewise
+  double turn_acceleration = 0;  ///< rad/s²
+  double joint_speed = 0;        ///< rad/s (or m/s) of every joint, at most; 0: its limit
+  double duration = 0;           ///< s, at least
+
+  const MoveTarget& end() const { return targets.back(); }
+};
+
+/// One motion from rest to rest.
+struct PlannedMotion {
+  trajectory::TimedPath path;
+  std::size_t first = 0, last = 0;              ///< of the moves; one that is split belongs to two motions
+  std::vector<double> ends;                     ///< s at which moves end: of first, first + 1, …
+  std::vector<trajectory::ActiveLimit> active;  ///< what bounds it where; rows beyond the joints: `bounds`
+  std::vector<std::string> bounds;
+};
+
+struct MovePlan {
+  std::vector<PlannedMotion> motions;            ///< none where every move ends where it began
+  std::vector<double> end;                       ///< joint state
+  std::vector<trajectory::MotionLimits> limits;  ///< of the joints, that the paths keep
+  std::vector<Problem> warnings;                 ///< "blend-shrunk", "waypoint-repeated", …
+  double duration() const;
+};
+
+/// A move that cannot be planned. `move`: its index.
+class MoveError : public Error {
+ public:
+  MoveError(const Error& why, std::size_t at) : Error(why), move(at) {}
+  std::size_t move;
+};
+
+struct MovePlanOptions {
+  /// No path is faster at the TCP than this, m/s, whatever the move says; 0: no such bound.
+  double tcp_ceiling = 0;
+  /// Joints' velocity limits are this share of the robot's, (0, 1].
+  double joint_share = 1;
+};
+
+/// Moves one after the other, each from where the one before ends, the first from the joint state `from`.
+/// Neighbours with a blend between them are one path, whatever their kinds: between moves of the same kind by
+/// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
+/// to the second derivative and stays within the radius at the TCP. Each path is then timed within the limits
+/// of joints and TCP. Deterministic. Throws MoveError with the codes of those parts, and of joints_for() and
+/// check_joints().
+MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
+                    const MovePlanOptions& options = {});
+
+}  // namespace polyarm::motion
