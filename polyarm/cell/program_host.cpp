@@ -32,44 +32,47 @@ void ProgramHost::set(const std::string& name, data::Value value, const Location
   c_.store->set(name, std::move(value), c_.task);
 }
 
-program::Handle ProgramHost::start_move(const data::Value& point, const std::string& name,
-                                        const Location& where, const program::MoveOptions&) {
+program::Handle ProgramHost::start_move(const program::Move& move, const Location& where) {
   if (!c_.motion)
     throw Error(
         Problem{"no-robot", where, "'" + c_.task + "' moves no robot", "only the robot program can moveto"});
+  if (move.kind != program::Move::Kind::joint || !move.waits || move.targets.size() != 1)
+    throw Error(Problem{"not-yet", where, "this cell makes joint moves to one point only", "write `moveto`"});
   motion::Pace pace;
   pace.speed = c_.pace.speed;
   pace.thesis_scale = c_.pace.thesis_scale;
   pace.seconds = c_.pace.seconds;
-  std::uint64_t id = 0;
+  const auto& [point, name] = move.targets.front();
   if (const data::JointState* joints = point.as_joints())
-    id = c_.motion->move_to_joints(joints_by_name(*c_.motion->robot().model, *joints, name), pace, name);
+    last_move_ =
+        c_.motion->move_to_joints(joints_by_name(*c_.motion->robot().model, *joints, name), pace, name);
   else if (const data::Point* pose = point.as_point())
-    id = c_.motion->move_to_pose(pose->pose, pace, name);
+    last_move_ = c_.motion->move_to_pose(pose->pose, pace, name);
   else
     throw Error(
         Problem{"not-a-point", where, "'" + name + "' is " + data::name(point.kind()) + ", not a point", {}});
   target_ = name;
   moving_ = true;
-  return static_cast<program::Handle>(id);
+  return static_cast<program::Handle>(last_move_);
+}
+
+program::Handle ProgramHost::start_arrival(const std::string&) {
+  return static_cast<program::Handle>(last_move_);
 }
 
 program::Progress ProgramHost::poll_move(program::Handle handle) {
-  const motion::MoveState state = c_.motion->state_of(static_cast<std::uint64_t>(handle));
+  const motion::MoveState state =
+      handle == 0 ? motion::MoveState::done : c_.motion->state_of(static_cast<std::uint64_t>(handle));
   if (state == motion::MoveState::running) return {};
   moving_ = false;
   if (state == motion::MoveState::done) return program::Progress::done();
   if (state == motion::MoveState::discarded)
-    return program::Progress::failed({"discarded", {}, "the move to " + target_ + " was discarded", {}});
+    return program::Progress::ended({"discarded", {}, "the move to " + target_ + " was discarded", {}});
   return program::Progress::failed(
       {"refused",
        {},
        "the controller refused the move to " + target_ + ": it would have begun with a jump",
        {}});
-}
-
-program::Handle ProgramHost::start_load(const std::string& name, program::LoadForm, const Location& where) {
-  return c_.files->start_load(name, where);
 }
 
 program::Progress ProgramHost::poll_load(program::Handle handle) {

@@ -44,9 +44,10 @@ class ProgramHost : public program::Host {
   void set(const std::string& name, data::Value value, const Location& where) override;
   std::uint64_t data_version() const override { return c_.store->version(); }
 
-  program::Handle start_move(const data::Value& point, const std::string& name, const Location& where,
-                             const program::MoveOptions& options) override;
+  program::Handle start_move(const program::Move& move, const Location& where) override;
   program::Progress poll_move(program::Handle handle) override;
+  bool room_for_move(const std::string&) override { return !moving_; }
+  program::Handle start_arrival(const std::string& robot) override;
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
@@ -63,6 +64,7 @@ class ProgramHost : public program::Host {
  private:
   Context c_;
   std::string target_;  ///< of the move under way
+  std::uint64_t last_move_ = 0;
   bool moving_ = false;
 };
 

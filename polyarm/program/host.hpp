@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/data/value.hpp"
 
@@ -16,16 +17,43 @@ namespace polyarm::program {
 using Handle = std::int64_t;
 
 struct Progress {
-  enum class State { running, done, failed } state = State::running;
+  /// ended: a stop, a fault or a person ended it. That is no error of the program: it fails with the problem,
+  /// and no handler in it sees it.
+  enum class State { running, done, failed, ended } state = State::running;
   std::optional<Problem> problem;  ///< why it failed; its place is filled in where it has none
 
   static Progress done() { return {State::done, {}}; }
   static Progress failed(Problem why) { return {State::failed, std::move(why)}; }
+  static Progress ended(Problem why) { return {State::ended, std::move(why)}; }
 };
 
-/// How a move is meant.
-struct MoveOptions {
-  bool exact = true;  ///< stop at the point
+/// A move as a program asks for it; what is not said is the cell's default.
+struct Move {
+  enum class Kind { joint, line, arc };
+  struct Target {
+    data::Value value;  ///< a pose or a joint state
+    std::string name;   ///< how the program calls it, for messages
+  };
+  Kind kind = Kind::joint;
+  /// joint, line: one or more, one path. arc: the point on the way and the end.
+  std::vector<Target> targets;
+  std::optional<data::Number> speed;     ///< a speed, an angular speed, or a share of the limits (1 is all)
+  std::optional<data::Number> accel;     ///< an acceleration, an angular acceleration, or a share
+  std::optional<data::Number> blend;     ///< a length: how far from its targets the path may leave them
+  std::optional<data::Number> duration;  ///< a time: the move takes at least this long
+  /// It comes to rest at its last target: the program says so, or states no blend.
+  bool exact = true;
+  /// The statement ends when the move has arrived (moveto); others only queue it.
+  bool waits = false;
+  std::string robot, tool, frame;  ///< names; empty: the task's own
+  /// The frame, where the program says it by a value: maps it into the world. Then `frame` is for messages.
+  std::optional<Pose> frame_pose;
+};
+
+/// How much of a move is done, along its own path.
+struct Travel {
+  double covered_m = 0, left_m = 0;  ///< of the tool centre point
+  Nanoseconds elapsed = 0, left = 0;
 };
 
 enum class LoadForm { load, import };
@@ -45,10 +73,24 @@ class Host {
   /// Grows whenever any value changes; a wait looks at its condition again only then.
   virtual std::uint64_t data_version() const = 0;
 
-  /// Starts a joint move to a joint state or pose; `name` is how the program calls it.
-  virtual Handle start_move(const data::Value& point, const std::string& name, const Location& where,
-                            const MoveOptions& options) = 0;
+  /// Queues a move. Throws Error where its targets cannot be had.
+  virtual Handle start_move(const Move& move, const Location& where) = 0;
+  /// done: it has arrived. Of a move with `waits`, and of what start_arrival returned.
   virtual Progress poll_move(Handle handle) = 0;
+  /// Whether `robot` (empty: the task's own) takes another move now; if not, it is asked again in the next
+  /// tick. True where an earlier move has failed: the next call tells.
+  virtual bool room_for_move(const std::string& robot) = 0;
+  /// Nothing more will be blended with what `robot` has queued; done when all of it has arrived. A failure
+  /// names the move at fault, with the place that start_move was given.
+  virtual Handle start_arrival(const std::string& robot) = 0;
+  /// Ends a move where it is, on its path, as soon as the limits allow, and drops what is queued behind it;
+  /// poll_move says done when it stands.
+  virtual void end_move(Handle handle, const Location& where);
+  /// How far a move with `waits` has come.
+  virtual Travel travel(Handle handle) const;
+  /// The pose of the tool centre point: T_frame_tool, with empty names the task's own robot and tool and the
+  /// world. Asked only when everything queued has arrived.
+  virtual data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
   /// Starts to replace the data set that comes from the file called `name` by the file as it is now.
   virtual Handle start_load(const std::string& name, LoadForm form, const Location& where) = 0;
   virtual Progress poll_load(Handle handle) = 0;
@@ -57,6 +99,10 @@ class Host {
   virtual Progress poll_ask(Handle handle) = 0;
 
   virtual Nanoseconds now() const = 0;
+  /// True when every robot of the program stands; the clean-up of a program begins only then.
+  virtual bool standing() const { return true; }
+  /// Holds the cell as a person would; only a person resumes it. The program is not stepped meanwhile.
+  virtual void hold(const std::string& reason, const Location& where);
   virtual void log(const std::string& text, const Location& where) = 0;
 };
 

@@ -169,7 +169,10 @@ void Interpreter::begin_move(Task& task, const Statement& s) {
     throw Error(Problem{"bad-type", program_.at(point.place),
                         "'" + called + "' is " + data::name(value.kind()) + ", a point was expected",
                         "moveto goes to a joint state or a pose"});
-  task.handle = host_.start_move(value, called, program_.at(s.place), {});
+  Move move;
+  move.targets.push_back({value, called});
+  move.waits = true;
+  task.handle = host_.start_move(move, program_.at(s.place));
   task.waiting = {WaitKind::move, {}, {}, called};
   task.state = TaskState::waiting;
 }
@@ -250,7 +253,7 @@ bool Interpreter::poll_handle(Task& task, const Step& step) {
                       : kind == WaitKind::load ? host_.poll_load(task.handle)
                                                : host_.poll_ask(task.handle);
   if (progress.state == Progress::State::running) return false;
-  if (progress.state == Progress::State::failed)
+  if (progress.state != Progress::State::done)
     throw Error(progress.problem.value_or(
         Problem{"failed", program_.at(step.place), "'" + program_.source(step.place.line) + "' failed", {}}));
   end_wait(task);

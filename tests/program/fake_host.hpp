@@ -1,5 +1,6 @@
 #pragma once
 /// A cell made of a data store and a clock: moves take their time, files are read from a folder.
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <string>
@@ -17,6 +18,7 @@ class FakeHost : public Host {
   std::filesystem::path folder;
   Nanoseconds time = 0;
   Nanoseconds move_time = 100'000'000;
+  Nanoseconds arrives = 0;  ///< when the last move that was queued ends
   std::vector<std::string> moves;
   std::vector<std::pair<int, std::string>> logs;  ///< line, text
   std::vector<std::string> questions;
@@ -31,14 +33,18 @@ class FakeHost : public Host {
     store.set(name, std::move(value), "program");
   }
   std::uint64_t data_version() const override { return store.version(); }
-  Handle start_move(const data::Value&, const std::string& name, const Location&,
-                    const MoveOptions&) override {
-    if (name == "Unreachable")
-      throw Error("unreachable", "'Unreachable' is 5.31 m from the base, this robot reaches 0.50 m");
-    moves.push_back(name);
-    return start(time + move_time);
+  Handle start_move(const Move& move, const Location&) override {
+    for (const Move::Target& target : move.targets) {
+      if (target.name == "Unreachable")
+        throw Error("unreachable", "'Unreachable' is 5.31 m from the base, this robot reaches 0.50 m");
+      moves.push_back(target.name);
+    }
+    arrives = std::max(arrives, time) + move_time;
+    return start(arrives);
   }
   Progress poll_move(Handle handle) override { return until(handle); }
+  bool room_for_move(const std::string&) override { return true; }
+  Handle start_arrival(const std::string&) override { return start(std::max(arrives, time)); }
   Handle start_load(const std::string& name, LoadForm, const Location& where) override {
     const auto path = data::find_file(name, folder, where);
     load_now(path);
