@@ -19,8 +19,8 @@ class Arming {
   /// real hardware.
   Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer);
 
-  /// Tells what waits for a person, where its joints are, and how to arm it. Once the cell can be reached from
-  /// other terminals and before its loop begins.
+  /// Tells what waits for a person, where its joints are, and how to arm it. Once the cell can be reached
+  /// from other terminals and before its loop begins.
   void announce() const;
 
   /// Real components; empty for a cell without.

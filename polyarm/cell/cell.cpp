@@ -68,6 +68,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
 
   requests_ = std::make_unique<Requests>(*this);
   worker_ = std::make_unique<Worker>(options_.lock_step);
+  planner_ = std::make_unique<Worker>(options_.lock_step);
   for (const std::string& answer : options_.answers) answers_.give(answer);
   build_tags(problems);
   collect(problems, [&] { build_controllers(problems); });
@@ -124,7 +125,10 @@ void Cell::build_controllers(Problems& problems) {
     controllers::JointTrajectoryController* follower =
         trajectory_controller_of(*robot, loop_->controllers(), !arming_->armed());
     trajectory_controllers_.push_back(follower);
-    motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(*robot->facts, *follower) : nullptr);
+    motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(
+                                      *robot->facts, *follower,
+                                      [this](std::function<void()> job) { planner_->post(std::move(job)); })
+                                : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
   }
 }
@@ -147,21 +151,33 @@ std::shared_ptr<hardware::Transition> Cell::begin_reload(const std::string& name
 }
 
 void Cell::build_programs(Problems& problems) {
-  ProgramHost::Context context{"program",    &store_,   files_.get(), nullptr,
-                               file_.motion, &answers_, &observer_,   &now_};
+  ProgramHost::Context context;
+  context.store = &store_;
+  context.files = files_.get();
+  context.answers = &answers_;
+  context.observer = &observer_;
+  context.now = &now_;
   Programs programs = load_programs(file_, *files_, store_, problems);
   if (programs.plc) {
     context.task = "plc";
     plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
   }
   if (!programs.program) return;
-  if (motions_.size() != 1 || !motions_.front())
+  std::vector<ProgramMoves::Robot> robots;
+  for (std::size_t i = 0; i < robots_.size(); ++i) robots.push_back({robots_[i].get(), motions_[i].get()});
+  if (std::none_of(motions_.begin(), motions_.end(), [](const auto& motion) { return motion != nullptr; }))
     problems.error("no-motion", file_.program_where,
-                   "the program needs one robot whose joints a trajectory controller moves",
-                   "give the cell one robot, and leave 'controllers' out or name a "
+                   "the program needs a robot whose joints a trajectory controller moves",
+                   "give the cell a robot, and leave 'controllers' out or name a "
                    "joint_trajectory_controller for all joints");
+  moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
   context.task = "program";
-  context.motion = motions_.empty() ? nullptr : motions_.front().get();
+  context.moves = moves_.get();
+  context.standing = [this] { return snapshot().standing; };
+  context.hold = [this](const std::string& reason, const Location& where) {
+    observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
+    loop_->supervisor().latch().request(realtime::StopKind::controlled);
+  };
   program_ = std::make_unique<Task>("program", std::move(*programs.program), context);
   if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
 }
@@ -360,6 +376,7 @@ void Cell::unload_controller(const std::string& name) {
   for (std::size_t i = 0; i < trajectory_controllers_.size(); ++i)
     if (trajectory_controllers_[i] == leaving) {
       trajectory_controllers_[i] = nullptr;
+      if (moves_) moves_->forget(*motions_[i]);
       motions_[i].reset();
     }
 }
@@ -407,8 +424,10 @@ void Cell::tick(Nanoseconds now) {
                     program_ && (program_->ended() || program_->status().passes > 0));
   }
   const bool may_run = !failure_ && arming_->armed();
+  tick_motions(now);
   if (may_run && plc_) plc_->tick();
   if (may_run && program_ && snapshot.state == control::RunState::running) program_->tick();
+  tick_motions(now);
   tags_->write();
   files_->exchange(now);
   for (const Problem& problem : files_->take_warnings()) observer_.on_problem(now, problem);
@@ -420,6 +439,18 @@ void Cell::tick(Nanoseconds now) {
   watch_contacts(now, snapshot);
   watch_for_deadlock(now, snapshot);
   watch_end(now);
+}
+
+/// Before the programs, for what has arrived; after them, for what they want next.
+void Cell::tick_motions(Nanoseconds now) {
+  for (const auto& motion : motions_) {
+    if (!motion || failure_) continue;
+    motion->tick();
+    for (motion::RobotMotion::Warning& warning : motion->take_warnings()) {
+      if (program_ && warning.problem.where.file.empty()) warning.problem.where = program_->status().where;
+      observer_.on_problem(now, warning.problem);
+    }
+  }
 }
 
 void Cell::tell_changes(Nanoseconds now) {
@@ -434,6 +465,8 @@ void Cell::fail(Nanoseconds now, Problem problem) {
   if (failure_) return;
   observer_.on_problem(now, problem);
   failure_ = Failure{std::move(problem), now};
+  for (const auto& motion : motions_)
+    if (motion) motion->drop();
   loop_->supervisor().latch().request(realtime::StopKind::controlled);
 }
 

@@ -135,6 +135,7 @@ class Cell {
   void tell_threads();
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
+  void tick_motions(Nanoseconds now);
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
@@ -156,13 +157,14 @@ class Cell {
   std::vector<CellRobots> reloaded_;  ///< what components that were reloaded refer to
   description::Scene scene_;
   std::unique_ptr<control::ControlLoop> loop_;
-  std::unique_ptr<Worker> worker_;
+  std::unique_ptr<Worker> worker_, planner_;
   data::DataStore store_;
   std::unique_ptr<DataFiles> files_;
   CellStates states_;
   std::unique_ptr<TagBinding> tags_;
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
+  std::unique_ptr<ProgramMoves> moves_;  ///< of the program
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;

@@ -115,12 +115,28 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
 MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
   MotionEntry motion;
   if (!yaml.defined()) return motion;
-  yaml.check_keys({"speed", "seconds", "thesis_scale"}, problems);
+  yaml.check_keys({"speed", "seconds", "thesis_scale", "tcp_speed", "tcp_acceleration", "tcp_jerk",
+                   "turn_speed", "turn_acceleration", "turn_jerk"},
+                  problems);
   if (yaml.has("seconds"))
     collect(problems, [&] { motion.seconds = yaml["seconds"].number(Dimension::time); });
   collect(problems, [&] { motion.speed = yaml["speed"].number(Dimension::none, 1); });
   if (yaml.has("thesis_scale"))
     collect(problems, [&] { motion.thesis_scale = yaml["thesis_scale"].number(Dimension::none); });
+  const std::pair<const char*, std::pair<double*, Dimension>> of_tcp[] = {
+      {"tcp_speed", {&motion.tcp.speed, Dimension::speed}},
+      {"tcp_acceleration", {&motion.tcp.acceleration, Dimension::acceleration}},
+      {"tcp_jerk", {&motion.tcp.jerk, Dimension::none}},
+      {"turn_speed", {&motion.tcp.turn_speed, Dimension::angular_speed}},
+      {"turn_acceleration", {&motion.tcp.turn_acceleration, Dimension::angular_acceleration}},
+      {"turn_jerk", {&motion.tcp.turn_jerk, Dimension::none}}};
+  for (const auto& [key, to] : of_tcp) {
+    const Yaml value = yaml[key];
+    if (!value.defined()) continue;
+    collect(problems, [&, place = to.first, dimension = to.second] { *place = value.number(dimension); });
+    if (!(*to.first > 0) || !std::isfinite(*to.first))
+      problems.error("bad-value", value.where(), std::string(key) + " is not above 0", {});
+  }
   if (!(motion.speed > 0 && motion.speed <= 1))
     problems.error("bad-value", yaml["speed"].where(),
                    "speed is a share of the limits, above 0 and at most 1 (100%)");

@@ -11,6 +11,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/motion/robot_facts.hpp"
 
 namespace polyarm::cell {
 
@@ -48,6 +49,7 @@ struct MotionEntry {
   double speed = 1;                    ///< share of the limits, (0, 1]
   std::optional<double> seconds;       ///< every move takes at least this long
   std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
+  motion::TcpLimits tcp;               ///< of lines and arcs
 };
 
 /// How the control loop runs on the wall clock. What the machine refuses is told and does without.

@@ -33,46 +33,33 @@ void ProgramHost::set(const std::string& name, data::Value value, const Location
 }
 
 program::Handle ProgramHost::start_move(const program::Move& move, const Location& where) {
-  if (!c_.motion)
-    throw Error(
-        Problem{"no-robot", where, "'" + c_.task + "' moves no robot", "only the robot program can moveto"});
-  if (move.kind != program::Move::Kind::joint || !move.waits || move.targets.size() != 1)
-    throw Error(Problem{"not-yet", where, "this cell makes joint moves to one point only", "write `moveto`"});
-  motion::Pace pace;
-  pace.speed = c_.pace.speed;
-  pace.thesis_scale = c_.pace.thesis_scale;
-  pace.seconds = c_.pace.seconds;
-  const auto& [point, name] = move.targets.front();
-  if (const data::JointState* joints = point.as_joints())
-    last_move_ =
-        c_.motion->move_to_joints(joints_by_name(*c_.motion->robot().model, *joints, name), pace, name);
-  else if (const data::Point* pose = point.as_point())
-    last_move_ = c_.motion->move_to_pose(pose->pose, pace, name);
-  else
-    throw Error(
-        Problem{"not-a-point", where, "'" + name + "' is " + data::name(point.kind()) + ", not a point", {}});
-  target_ = name;
-  moving_ = true;
-  return static_cast<program::Handle>(last_move_);
+  if (!c_.moves)
+    throw Error(Problem{"no-robot", where, "'" + c_.task + "' moves no robot",
+                        "only the robot program can move one"});
+  return c_.moves->start(move, where);
 }
 
-program::Handle ProgramHost::start_arrival(const std::string&) {
-  return static_cast<program::Handle>(last_move_);
+program::Handle ProgramHost::start_arrival(const std::string& robot) {
+  return c_.moves ? c_.moves->start_arrival(robot) : 0;
 }
 
 program::Progress ProgramHost::poll_move(program::Handle handle) {
-  const motion::MoveState state =
-      handle == 0 ? motion::MoveState::done : c_.motion->state_of(static_cast<std::uint64_t>(handle));
-  if (state == motion::MoveState::running) return {};
-  moving_ = false;
-  if (state == motion::MoveState::done) return program::Progress::done();
-  if (state == motion::MoveState::discarded)
-    return program::Progress::ended({"discarded", {}, "the move to " + target_ + " was discarded", {}});
-  return program::Progress::failed(
-      {"refused",
-       {},
-       "the controller refused the move to " + target_ + ": it would have begun with a jump",
-       {}});
+  return c_.moves ? c_.moves->poll(handle) : program::Progress::done();
+}
+
+data::Value ProgramHost::here(const std::string& robot, const std::string& tool,
+                              const std::string& frame) const {
+  if (!c_.moves) throw Error("no-robot", "'" + c_.task + "' moves no robot");
+  return c_.moves->here(robot, tool, frame);
+}
+
+void ProgramHost::hold(const std::string& reason, const Location& where) {
+  if (!c_.hold) return Host::hold(reason, where);
+  c_.hold(reason, where);
+}
+
+program::Handle ProgramHost::start_load(const std::string& name, program::LoadForm, const Location& where) {
+  return c_.files->start_load(name, where);
 }
 
 program::Progress ProgramHost::poll_load(program::Handle handle) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <deque>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -7,7 +8,7 @@
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/observer.hpp"
-#include "polyarm/motion/robot_motion.hpp"
+#include "polyarm/cell/program_moves.hpp"
 #include "polyarm/program/host.hpp"
 
 namespace polyarm::cell {
@@ -31,8 +32,10 @@ class ProgramHost : public program::Host {
     std::string task;
     data::DataStore* store = nullptr;
     DataFiles* files = nullptr;
-    motion::RobotMotion* motion = nullptr;  ///< null: a task that moves nothing (a PLC)
-    MotionEntry pace;
+    ProgramMoves* moves = nullptr;  ///< null: a task that moves nothing (a PLC)
+    /// Whether every robot stands, and what holds them; null where nobody can tell.
+    std::function<bool()> standing;
+    std::function<void(const std::string&, const Location&)> hold;
     Answers* answers = nullptr;
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
@@ -46,8 +49,11 @@ class ProgramHost : public program::Host {
 
   program::Handle start_move(const program::Move& move, const Location& where) override;
   program::Progress poll_move(program::Handle handle) override;
-  bool room_for_move(const std::string&) override { return !moving_; }
+  bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
   program::Handle start_arrival(const std::string& robot) override;
+  program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
+  data::Value here(const std::string& robot, const std::string& tool,
+                   const std::string& frame) const override;
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
@@ -58,14 +64,14 @@ class ProgramHost : public program::Host {
     c_.observer->on_log(now(), c_.task, text);
   }
 
+  bool standing() const override { return !c_.standing || c_.standing(); }
+  void hold(const std::string& reason, const Location& where) override;
+
   /// True while a move of this task is under way.
-  bool moving() const { return moving_; }
+  bool moving() const { return c_.moves && c_.moves->moving(); }
 
  private:
   Context c_;
-  std::string target_;  ///< of the move under way
-  std::uint64_t last_move_ = 0;
-  bool moving_ = false;
 };
 
 /// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a

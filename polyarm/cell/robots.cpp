@@ -116,7 +116,7 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
                   robot.driver);
 }
 
-std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot) {
+std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const motion::TcpLimits& tcp) {
   std::vector<trajectory::JointMotionLimits> limits;
   for (const controllers::JointFacts& joint : robot.joints)
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
@@ -161,7 +161,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
   choose_drivers(*robot, real, notes);
-  robot->facts = motion_facts(*robot);
+  robot->facts = motion_facts(*robot, file.motion.tcp);
   return robot;
 }
 }  // namespace

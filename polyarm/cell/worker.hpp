@@ -8,8 +8,9 @@
 
 namespace polyarm::cell {
 
-/// The I/O thread: takes jobs that touch the disk, in order. Made inline, it runs each job at once on the
-/// caller's thread: that is lock-step. post() never blocks for longer than a push.
+/// A thread for jobs that take longer than a tick, in order: those that touch the disk, those that plan. Made
+/// inline, it runs each job at once on the caller's thread: that is lock-step. post() never blocks for longer
+/// than a push.
 class Worker {
  public:
   explicit Worker(bool run_inline);

@@ -447,8 +447,13 @@ class Planner {
     const Move& move = moves_[span.move];
     Pace out;
     const double length = (span.to - span.from) * part.scale;
-    if (move.duration > 0 && !alone(span.move)) out.speed = length / move.duration;
-    if (is_cartesian(move) || (move.speed >= 1 && move.acceleration >= 1 && move.joint_speed <= 0))
+    if (!alone(span.move)) {
+      if (move.duration > 0) out.speed = length / move.duration;
+      if (move.joint_pace > 0 && !is_cartesian(move))
+        out.speed = std::min(out.speed, part.scale / move.joint_pace);
+    }
+    if (is_cartesian(move) ||
+        (move.speed >= 1 && move.acceleration >= 1 && move.joint_speed <= 0 && move.joint_acceleration <= 0))
       return out;
     Values q(plan_.limits.size()), first(q.size());
     part.joints->at((std::max(span.from, part.from) + std::min(span.to, part.to)) / 2, {q, first, {}, {}});
@@ -462,8 +467,10 @@ class Planner {
     }
     out.speed = std::min(out.speed, move.speed * speed);
     if (move.joint_speed > 0) out.speed = std::min(out.speed, move.joint_speed / fastest);
-    if (move.acceleration < 1)
-      out.acceleration = move.acceleration * acceleration, out.jerk = move.acceleration * jerk;
+    double share = move.acceleration;
+    if (move.joint_acceleration > 0)
+      share = std::min(share, move.joint_acceleration / (fastest * acceleration));
+    if (share < 1) out.acceleration = share * acceleration, out.jerk = share * jerk;
     return out;
   }
   bool alone(std::size_t move) const {
@@ -501,7 +508,8 @@ class Planner {
       return a.kind == b.kind && a.speed == b.speed && a.acceleration == b.acceleration &&
              a.tcp_speed == b.tcp_speed && a.tcp_acceleration == b.tcp_acceleration &&
              a.turn_speed == b.turn_speed && a.turn_acceleration == b.turn_acceleration &&
-             a.joint_speed == b.joint_speed && a.duration == 0 && b.duration == 0;
+             a.joint_speed == b.joint_speed && a.joint_acceleration == b.joint_acceleration &&
+             a.joint_pace == b.joint_pace && a.duration == 0 && b.duration == 0;
     };
     std::vector<Span> out{moves.front()};
     for (std::size_t i = 1; i < moves.size(); ++i)
@@ -559,7 +567,10 @@ class Planner {
     } catch (const Error& why) {
       throw MoveError(why, motion.last);
     }
-    const double wanted = motion.first == motion.last ? moves_[motion.first].duration : 0;
+    const Move& move = moves_[motion.first];
+    double wanted = motion.first == motion.last ? move.duration : 0;
+    if (motion.first == motion.last && !is_cartesian(move))
+      wanted = std::max(wanted, move.joint_pace * joints->length());
     if (wanted > timing.profile.duration()) timing.profile.stretch(wanted / timing.profile.duration());
     for (const NormLimit& norm : norms.list()) motion.bounds.push_back(norm.name);
     motion.active = std::move(timing.active);
@@ -596,6 +607,8 @@ void check(std::span<const Move> moves, const RobotFacts& robot) {
                                       {"turning speed", m.turn_speed},
                                       {"turning acceleration", m.turn_acceleration},
                                       {"joint speed", m.joint_speed},
+                                      {"joint pace", m.joint_pace},
+                                      {"joint acceleration", m.joint_acceleration},
                                       {"duration", m.duration}})
       if (!(value >= 0) || !std::isfinite(value)) refuse(name, value, "it has to be above 0");
   }

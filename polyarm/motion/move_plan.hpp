@@ -34,14 +34,16 @@ struct Move {
   /// m at the TCP: how far from its end the path may leave this move and be on the next; 0: it comes to rest
   /// there. Of no meaning for the last.
   double blend = 0;
-  double speed = 1;              ///< share of the joints' velocity limits, or of the TCP's, (0, 1]
-  double acceleration = 1;       ///< share likewise, of acceleration and jerk
-  double tcp_speed = 0;          ///< m/s, at most; 0: what TcpLimits say (of a joint move: any)
-  double tcp_acceleration = 0;   ///< m/s², likewise; the jerk goes with it
-  double turn_speed = 0;         ///< rad/s of the TCP, likewise
-  double turn_acceleration = 0;  ///< rad/s²
-  double joint_speed = 0;        ///< rad/s (or m/s) of every joint, at most; 0: its limit
-  double duration = 0;           ///< s, at least
+  double speed = 1;               ///< share of the joints' velocity limits, or of the TCP's, (0, 1]
+  double acceleration = 1;        ///< share likewise, of acceleration and jerk
+  double tcp_speed = 0;           ///< m/s, at most; 0: what TcpLimits say (of a joint move: any)
+  double tcp_acceleration = 0;    ///< m/s², likewise; the jerk goes with it
+  double turn_speed = 0;          ///< rad/s of the TCP, likewise
+  double turn_acceleration = 0;   ///< rad/s²
+  double joint_speed = 0;         ///< rad/s (or m/s) of every joint, at most; 0: its limit
+  double joint_acceleration = 0;  ///< rad/s² likewise; the jerk goes with it
+  double duration = 0;            ///< s, at least
+  double joint_pace = 0;  ///< s for each rad (or m) of the joint-space distance, at least; joint moves
 
   const MoveTarget& end() const { return targets.back(); }
 };

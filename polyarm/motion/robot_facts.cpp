@@ -3,11 +3,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/inverse.hpp"
 
 namespace polyarm::motion {
+
+std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain) {
+  auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+  return std::make_shared<const RobotFacts>(RobotFacts{
+      robot.name, robot.model, std::move(chain), robot.limits, robot.tcp, robot.home, std::move(solver)});
+}
 
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::span<const double> current,
                                const std::string& what) {

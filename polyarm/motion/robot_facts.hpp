@@ -32,6 +32,9 @@ struct RobotFacts {
   std::unique_ptr<const kinematics::ArmSolver> solver;
 };
 
+/// The same robot with another TCP.
+std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain);
+
 /// Where a pose puts the joints, coming from `current`: within limits, in the configuration nearest to the
 /// present one, ranked from home. Throws Error("unreachable" | "limit") that says which distance, angle or
 /// joint is at fault; `what` names the point.

@@ -1,42 +1,189 @@
 #include "polyarm/motion/robot_motion.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
-#include "polyarm/kinematics/inverse.hpp"
+#include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace polyarm::motion {
 
-std::uint64_t RobotMotion::move_to_joints(std::span<const double> target, const Pace& pace,
-                                          const std::string& what) {
-  check_joints(robot_, target, what);
-  trajectory::JointMoveOptions options;
-  options.speed_scale = pace.speed;
-  if (pace.thesis_scale) options.duration = trajectory::thesis_duration(planned_, target, *pace.thesis_scale);
-  if (pace.seconds) options.duration = *pace.seconds;
-  auto goal = std::make_unique<controllers::TrajectoryGoal>();
-  goal->id = controller_.new_goal_id();
-  last_id_ = goal->id;
-  goal->trajectory = trajectory::plan_joint_move(planned_, target, robot_.limits, options);
-  last_duration_ = goal->trajectory.duration();
-  if (!controller_.follow(goal))
-    throw Error("busy", "the controller of " + robot_.name + " has not taken its last moves yet",
+namespace {
+/// Outcomes of so many moves that were given up are kept to be asked for.
+constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
+}  // namespace
+
+std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with) {
+  if (!has_room())
+    throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
-  planned_.assign(target.begin(), target.end());
+  if (!waiting_.empty() && waiting_.back().with != with) waiting_.back().move.blend = 0;
+  waiting_.push_back({++last_id_, std::move(move), std::move(with)});
   return last_id_;
 }
 
-std::uint64_t RobotMotion::move_to_pose(const Pose& tcp, const Pace& pace, const std::string& what) {
-  return move_to_joints(joints_for(robot_, tcp, planned_, what), pace, what);
+void RobotMotion::close() {
+  if (!waiting_.empty()) waiting_.back().move.blend = 0;
+}
+
+void RobotMotion::tick() {
+  watch();
+  collect();
+  plan();
+  collect();
+  hand_over();
+  if (idle()) settled_ = last_id_;
+}
+
+bool RobotMotion::idle() const {
+  return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
+}
+
+/// Moves are planned in order, from where those before them end, as far as something ends the blending.
+void RobotMotion::plan() {
+  if (job_ || waiting_.empty()) return;
+  auto last =
+      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return w.move.blend <= 0; });
+  if (last == waiting_.end() && has_room()) return;
+  if (last != waiting_.end()) ++last;
+  job_ = std::make_shared<Job>();
+  job_->first_id = waiting_.front().id;
+  job_->with = waiting_.front().with;
+  job_->from = planned_;
+  job_->options = options_;
+  for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
+  waiting_.erase(waiting_.begin(), last);
+  post_([job = job_, &robot = facts(job_->with)] {
+    try {
+      job->plan = plan_moves(robot, job->from, job->moves, job->options);
+    } catch (const MoveError& why) {
+      job->failure = why.problems().front();
+      job->failed = why.move;
+    } catch (const std::exception& why) {
+      job->failure =
+          Problem{"not-planned", {}, std::string("a move could not be planned: ") + why.what(), {}};
+    }
+    job->done.store(true, std::memory_order_release);
+  });
+}
+
+void RobotMotion::collect() {
+  if (!job_ || !job_->done.load(std::memory_order_acquire)) return;
+  const std::shared_ptr<Job> job = std::exchange(job_, nullptr);
+  if (job->failure) {
+    const std::uint64_t failed = job->first_id + job->failed;
+    waiting_.clear();
+    end_badly(job->first_id, MoveState::discarded);
+    ended_badly_[failed] = MoveState::failed;
+    problems_[failed] = *job->failure;
+    return;
+  }
+  const std::uint64_t last = job->first_id + job->moves.size() - 1;
+  for (Problem& warning : job->plan.warnings) warnings_.push_back({last, std::move(warning)});
+  planned_ = job->plan.end;
+  for (PlannedMotion& motion : job->plan.motions)
+    ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
+                      job->plan.limits, job->with});
+  // Moves to where the robot is anyway arrive with what is before them.
+  if (!ready_.empty())
+    ready_.back().last_id = last;
+  else if (goal_ != 0)
+    active_.last_id = last;
+  else
+    settled_ = last;
+}
+
+void RobotMotion::hand_over() {
+  if (goal_ != 0 || ready_.empty()) return;
+  auto goal = std::make_unique<controllers::TrajectoryGoal>();
+  goal->id = controller_.new_goal_id();
+  goal->trajectory = trajectory::to_trajectory(ready_.front().motion.path);
+  const std::uint64_t id = goal->id;
+  if (!controller_.follow(goal)) return;  // in the next tick
+  goal_ = id;
+  active_ = std::move(ready_.front());
+  ready_.pop_front();
+}
+
+void RobotMotion::watch() {
+  if (goal_ == 0) return;
+  const controllers::GoalStatus& status = controller_.status();
+  const bool refused = status.refused.load(std::memory_order_acquire) >= goal_;
+  if (refused || status.discarded.load(std::memory_order_acquire) >= goal_) {
+    goal_ = 0;
+    job_ = nullptr;
+    ready_.clear(), waiting_.clear();
+    end_badly(settled_ + 1, MoveState::discarded);
+    if (refused) ended_badly_[active_.last_id] = MoveState::refused;
+  } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
+    goal_ = 0;
+    settled_ = active_.last_id;
+  }
+}
+
+void RobotMotion::drop() {
+  waiting_.clear(), ready_.clear();
+  job_ = nullptr;  // what it plans is planned for nothing
+  end_badly((goal_ != 0 ? active_.last_id : settled_) + 1, MoveState::discarded);
+}
+
+/// All moves from `first` on.
+void RobotMotion::end_badly(std::uint64_t first, MoveState outcome) {
+  for (std::uint64_t id = first; id <= last_id_; ++id)
+    if (!ended_badly_.contains(id)) ended_badly_[id] = outcome;
+  while (ended_badly_.size() > kMostKept) ended_badly_.erase(ended_badly_.begin());
+  while (problems_.size() > kMostKept) problems_.erase(problems_.begin());
+}
+
+void RobotMotion::add_travel(const Ready& ready, double time, std::uint64_t first, std::uint64_t last,
+                             Travel& out) const {
+  constexpr int kSamples = 64;
+  if (ready.last_id < first || ready.first_id > last) return;
+  const PlannedMotion& motion = ready.motion;
+  const auto end_of = [&](std::uint64_t id) {  // s at which a move ends
+    if (id < ready.first_id) return 0.0;
+    const std::uint64_t i = id - ready.first_id;
+    return i < motion.ends.size() ? motion.ends[i] : motion.path.path().length();
+  };
+  const double from = end_of(first - 1), to = end_of(last);
+  std::size_t hint = 0;
+  const double now = std::clamp(motion.path.profile().at(time, hint).s, from, to);
+  std::vector<double> q(motion.path.joints());
+  const auto way = [&](double a, double b) {
+    double sum = 0;
+    Vec3 before;
+    for (int i = 0; i <= kSamples; ++i) {
+      motion.path.path().at(a + (b - a) * i / kSamples, {q, {}, {}, {}});
+      const Vec3 here = facts(ready.with).chain.forward(q).position;
+      if (i > 0) sum += norm(here - before);
+      before = here;
+    }
+    return sum;
+  };
+  const auto at = [&](double s) { return motion.path.profile().time_at(s); };
+  out.covered += way(from, now), out.left += way(now, to);
+  out.elapsed += at(now) - at(from), out.remaining += at(to) - at(now);
+}
+
+Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {
+  Travel out;
+  if (last <= settled_) return out;
+  if (goal_ != 0)
+    add_travel(active_, controller_.status().time.load(std::memory_order_relaxed), first, last, out);
+  for (const Ready& ready : ready_) add_travel(ready, 0, first, last, out);
+  const std::uint64_t planned = !ready_.empty() ? ready_.back().last_id
+                                : goal_ != 0    ? active_.last_id
+                                                : settled_;
+  if (planned < last) out.left = out.remaining = std::numeric_limits<double>::infinity();
+  return out;
 }
 
 MoveState RobotMotion::state_of(std::uint64_t id) const {
-  const controllers::GoalStatus& status = controller_.status();
-  if (status.refused.load(std::memory_order_acquire) >= id) return MoveState::refused;
-  if (status.discarded.load(std::memory_order_acquire) >= id) return MoveState::discarded;
-  if (status.finished.load(std::memory_order_acquire) >= id) return MoveState::done;
-  return MoveState::running;
+  if (const auto bad = ended_badly_.find(id); bad != ended_badly_.end()) return bad->second;
+  return id <= settled_ ? MoveState::done : MoveState::running;
+}
+
+std::optional<Problem> RobotMotion::problem_of(std::uint64_t id) const {
+  const auto found = problems_.find(id);
+  return found == problems_.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace polyarm::motion

@@ -1,6 +1,10 @@
 #pragma once
-/// From "move there" to a trajectory handed to a controller.
+/// Moves of one robot, queued, planned and handed to its controller.
+#include <atomic>
 #include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -8,48 +12,121 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/pose.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/motion/move_plan.hpp"
 #include "polyarm/motion/robot_facts.hpp"
 
 namespace polyarm::motion {
 
-/// How fast a move goes.
-struct Pace {
-  double speed = 1;                    ///< share of the limits
-  std::optional<double> seconds;       ///< at least this long
-  std::optional<double> thesis_scale;  ///< duration = scale × joint-space distance, limits permitting
+/// running: queued, planned or under way. failed: it could not be planned. refused: the controller did not
+/// take it. discarded: somebody gave it up, or a move before it failed.
+enum class MoveState { running, done, failed, refused, discarded };
+
+/// Of moves under way, at the TCP: m, s of the plan. Infinite where it is not planned yet.
+struct Travel {
+  double covered = 0, left = 0, elapsed = 0, remaining = 0;
 };
 
-enum class MoveState { running, done, discarded, refused };
-
-/// Moves of one robot, one after the other. Cell thread only.
+/// A queue of moves that are carried out one after the other, blended where they say so. Cell thread only;
+/// planning is posted to whoever the cell has for it. A move that blends into the next waits for that one, or
+/// for close(); so what comes from one run of a program is one path, however many moves it has.
 class RobotMotion {
  public:
-  RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller)
-      : robot_(robot), controller_(controller) {}
+  /// Runs a job, at once or on another thread.
+  using Post = std::function<void(std::function<void()>)>;
+  /// Most moves that wait for being planned.
+  static constexpr std::size_t kMostWaiting = 1000;
 
-  /// Starts a move from where the robot was last sent. Returns its id. Throws Error when the target cannot be
-  /// had or the controller's inbox is full.
-  std::uint64_t move_to_joints(std::span<const double> target, const Pace& pace, const std::string& what);
-  std::uint64_t move_to_pose(const Pose& tcp_in_world, const Pace& pace, const std::string& what);
+  /// All outlive this, and what was posted.
+  RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
+      : robot_(robot), controller_(controller), post_(std::move(post)) {}
+
+  bool has_room() const { return waiting_.size() < kMostWaiting; }
+  /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP, which nothing blends
+  /// into that has not the same; null: as it is. Throws Error("busy") when there is no room.
+  std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr);
+  /// Nothing more will come that the last move could blend into.
+  void close();
+  /// Every tick: plans what can be, hands over what is next, sees what has arrived.
+  void tick();
+  /// Gives up all that has not been handed over.
+  void drop();
+
   MoveState state_of(std::uint64_t id) const;
+  /// How far the moves from `first` to `last` have come.
+  Travel travel(std::uint64_t first, std::uint64_t last) const;
+  /// Why a move failed.
+  std::optional<Problem> problem_of(std::uint64_t id) const;
+  /// Of plans since the last call, with the last of their moves.
+  struct Warning {
+    std::uint64_t move;
+    Problem problem;
+  };
+  std::vector<Warning> take_warnings() { return std::exchange(warnings_, {}); }
+  /// True when nothing is queued, planned or under way.
+  bool idle() const;
+  std::uint64_t last_id() const { return last_id_; }
 
-  /// Where the robot was last sent, or is commanded to be; moves start here.
+  /// Where the robot will be when all moves planned so far are over, or is commanded to be; the next begins
+  /// there.
   const std::vector<double>& planned() const { return planned_; }
-  /// Tells where the robot is commanded to be, after start-up or a discarded move.
+  /// Tells where the robot is commanded to be, at the start and after somebody else moved it. When idle.
   void set_planned(std::span<const double> joints) { planned_.assign(joints.begin(), joints.end()); }
-  /// True when the last move is over, however it ended.
-  bool idle() const { return last_id_ == 0 || state_of(last_id_) != MoveState::running; }
-  double last_duration() const { return last_duration_; }
+  /// For what is planned from now on.
+  void set_options(const MovePlanOptions& options) { options_ = options; }
   const RobotFacts& robot() const { return robot_; }
 
  private:
+  struct Waiting {
+    std::uint64_t id;
+    Move move;
+    std::shared_ptr<const RobotFacts> with;
+  };
+  /// Moves that are planned together; the other thread writes `plan` or `failure`, then `done`.
+  struct Job {
+    std::uint64_t first_id;
+    std::shared_ptr<const RobotFacts> with;
+    std::vector<double> from;
+    std::vector<Move> moves;
+    MovePlanOptions options;
+    MovePlan plan;
+    std::optional<Problem> failure;
+    std::size_t failed = 0;
+    std::atomic<bool> done{false};
+  };
+  struct Ready {
+    std::uint64_t first_id = 0;  ///< of motion.first
+    std::uint64_t last_id = 0;   ///< of the moves that have arrived when it is over
+    PlannedMotion motion;
+    std::vector<trajectory::MotionLimits> limits;
+    std::shared_ptr<const RobotFacts> with;
+  };
+
+  void plan();
+  void collect();
+  void hand_over();
+  const RobotFacts& facts(const std::shared_ptr<const RobotFacts>& with) const {
+    return with ? *with : robot_;
+  }
+  void add_travel(const Ready& ready, double time, std::uint64_t first, std::uint64_t last,
+                  Travel& out) const;
+  void watch();
+  void end_badly(std::uint64_t first, MoveState outcome);
+
   const RobotFacts& robot_;
   controllers::JointTrajectoryController& controller_;
+  Post post_;
+  MovePlanOptions options_;
   std::vector<double> planned_;
-  std::uint64_t last_id_ = 0;
-  double last_duration_ = 0;
+  std::deque<Waiting> waiting_;
+  std::shared_ptr<Job> job_;
+  std::deque<Ready> ready_;
+  std::uint64_t goal_ = 0;  ///< of the controller, under way; 0: none
+  Ready active_;            ///< what it is
+  std::uint64_t last_id_ = 0, settled_ = 0;
+  std::map<std::uint64_t, MoveState> ended_badly_;
+  std::map<std::uint64_t, Problem> problems_;
+  std::vector<Warning> warnings_;
 };
 
 }  // namespace polyarm::motion

@@ -1,0 +1,263 @@
+#include "polyarm/cell/program_moves.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/program_host.hpp"
+
+namespace polyarm::cell {
+
+using program::Progress;
+
+ProgramMoves::ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
+                           const data::DataStore& store)
+    : task_(std::move(task)), pace_(pace), store_(store) {
+  for (const Robot& robot : robots) arms_.push_back({robot, {}, {}});
+}
+ProgramMoves::~ProgramMoves() = default;
+ProgramMoves::ProgramMoves(ProgramMoves&&) noexcept = default;
+
+std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where) const {
+  if (arms_.empty())
+    throw Error(
+        Problem{"no-robot", where, "'" + task_ + "' moves no robot", "only the robot program can move"});
+  std::vector<std::string> names;
+  std::size_t found = arms_.size();
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    names.push_back(arms_[i].robot.robot->entry.name);
+    if (names.back() == robot || (robot.empty() && arms_.size() == 1)) found = i;
+  }
+  if (found == arms_.size())
+    throw Error(Problem{"unknown-robot", where,
+                        robot.empty() ? "the cell has several robots and the move names none"
+                                      : "the cell has no robot '" + robot + "'" + did_you_mean(robot, names),
+                        "write `use robot " + names.front() + "`, or a robot clause: " + join(names, ", ")});
+  if (!arms_[found].robot.motion)
+    throw Error(
+        Problem{"no-motion", where, "no trajectory controller moves all joints of '" + names[found] + "'",
+                "leave 'controllers' out of the cell, or name a joint_trajectory_controller for them"});
+  return found;
+}
+
+Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Location& where) const {
+  if (name.empty() || name == "world") return {};
+  if (const data::Value* value = store_.find(name))
+    if (const data::Point* point = value->as_point()) return point->pose;
+  if (name == "base") return arm.robot.robot->entry.base;
+  throw Error(Problem{"unknown-frame", where,
+                      "there is no frame '" + name + "'" + did_you_mean(name, store_.names()),
+                      "a frame is a point of the data (its pose in the world), 'world' or 'base'"});
+}
+
+Pose ProgramMoves::frame_of(const program::Move& move, const Arm& arm, const Location& where) const {
+  return move.frame_pose ? *move.frame_pose : frame_named(move.frame, arm, where);
+}
+
+/// T_tool0_tcp.
+Pose ProgramMoves::tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const {
+  const description::Tool& own = arm.robot.robot->tool;
+  if (name.empty() || name == own.name) return own.tcp;
+  if (const data::Value* value = store_.find(name))
+    if (const data::Point* point = value->as_point()) return point->pose;
+  if (name == "tool0" || name == "none") return {};
+  throw Error(
+      Problem{"unknown-tool", where, "there is no tool '" + name + "'" + did_you_mean(name, store_.names()),
+              "a tool is a point of the data (the pose of its TCP in tool0), '" + own.name + "' or 'tool0'"});
+}
+
+std::shared_ptr<const motion::RobotFacts> ProgramMoves::tool_of(const std::string& name, Arm& arm,
+                                                                const Location& where) {
+  const Pose tcp = tcp_of_tool(name, arm, where);
+  if (tcp == arm.robot.robot->tool.tcp) return nullptr;
+  std::shared_ptr<const motion::RobotFacts>& facts = arm.tools[name];
+  const description::RobotModel& model = arm.robot.robot->model;
+  kinematics::Chain chain(model, model.tool_link(), arm.robot.robot->entry.base, tcp);
+  // Points may change while a program runs.
+  const std::vector<double> still(chain.joints(), 0.0);
+  if (!facts || facts->chain.forward(still) != chain.forward(still))
+    facts = motion::with_chain(arm.robot.motion->robot(), std::move(chain));
+  return facts;
+}
+
+motion::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const Pose& frame,
+                                           const Arm& arm, const Location& where) const {
+  if (const data::JointState* joints = target.value.as_joints())
+    return {joints_by_name(arm.robot.robot->model, *joints, target.name), target.name};
+  if (const data::Point* point = target.value.as_point()) return {frame * point->pose, target.name};
+  throw Error(Problem{"not-a-point",
+                      where,
+                      "'" + target.name + "' is " + data::name(target.value.kind()) + ", not a point",
+                      {}});
+}
+
+void ProgramMoves::pace(const program::Move& from, motion::Move& to) const {
+  to.speed = pace_.speed;
+  if (from.speed) {
+    const double value = from.speed->value;
+    switch (from.speed->dimension) {
+      case Dimension::speed:
+        to.tcp_speed = value;
+        break;
+      case Dimension::angular_speed:
+        (to.kind == motion::MoveKind::joint ? to.joint_speed : to.turn_speed) = value;
+        break;
+      default:
+        to.speed = value;
+    }
+  }
+  if (from.accel) {
+    const double value = from.accel->value;
+    switch (from.accel->dimension) {
+      case Dimension::acceleration:
+        to.tcp_acceleration = value;
+        break;
+      case Dimension::angular_acceleration:
+        (to.kind == motion::MoveKind::joint ? to.joint_acceleration : to.turn_acceleration) = value;
+        break;
+      default:
+        to.acceleration = value;
+    }
+  }
+  if (from.duration) to.duration = from.duration->value;
+  if (!from.duration && from.exact) to.duration = pace_.seconds.value_or(0);
+  if (from.waits && !from.duration && !from.speed) to.joint_pace = pace_.thesis_scale.value_or(0);
+}
+
+std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+                                                 const Location& where) const {
+  motion::Move made;
+  made.kind = move.kind == program::Move::Kind::joint  ? motion::MoveKind::joint
+              : move.kind == program::Move::Kind::line ? motion::MoveKind::line
+                                                       : motion::MoveKind::arc;
+  pace(move, made);
+  const double blend = move.blend ? move.blend->value : 0;
+  std::vector<motion::Move> out;
+  for (std::size_t i = 0; i < move.targets.size(); ++i) {
+    const bool last = i + 1 == move.targets.size();
+    made.targets.push_back(target_of(move.targets[i], frame, arm, where));
+    if (made.kind == motion::MoveKind::arc && !last) continue;
+    made.blend = last && move.exact ? 0 : blend;
+    out.push_back(made);
+    made.targets.clear();
+  }
+  if (move.duration && out.size() > 1)
+    throw Error(Problem{"bad-move", where,
+                        "a duration is that of one move, here are " + std::to_string(out.size()),
+                        "write one move for each point, or state a speed"});
+  return out;
+}
+
+program::Handle ProgramMoves::start(const program::Move& move, const Location& where) {
+  const std::size_t index = arm_of(move.robot, where);
+  Arm& arm = arms_[index];
+  if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
+  const auto facts = tool_of(move.tool, arm, where);
+  std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  Moves asked{index, arm.robot.motion->last_id() + 1, 0};
+  for (motion::Move& one : moves) {
+    std::string name = one.end().name;
+    asked.last = arm.robot.motion->queue(std::move(one), facts);
+    arm.open.push_back({asked.last, where, std::move(name)});
+  }
+  if (move.waits) asked_[++last_handle_] = {asked};
+  return move.waits ? last_handle_ : 0;
+}
+
+/// The first of the moves not told about that did not end well; forgets those that did.
+std::optional<Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
+  const motion::RobotMotion& motion = *arm.robot.motion;
+  while (!arm.open.empty() && arm.open.front().id <= through &&
+         motion.state_of(arm.open.front().id) == motion::MoveState::done)
+    arm.open.pop_front();
+  // What failed says more than what was discarded before it for that reason.
+  for (const auto wanted :
+       {motion::MoveState::failed, motion::MoveState::refused, motion::MoveState::discarded})
+    for (const Open& open : arm.open) {
+      if (open.id > through || motion.state_of(open.id) != wanted) continue;
+      const Open told = open;
+      arm.open.clear();
+      if (wanted == motion::MoveState::discarded)
+        return Progress::ended({"discarded", told.where, "the move to " + told.name + " was discarded", {}});
+      Problem problem = motion.problem_of(told.id).value_or(
+          Problem{"refused",
+                  {},
+                  "the controller refused the move to " + told.name + ": it would have begun with a jump",
+                  {}});
+      if (problem.where.file.empty()) problem.where = told.where;
+      return Progress::failed(std::move(problem));
+    }
+  return std::nullopt;
+}
+
+Progress ProgramMoves::poll(program::Handle handle) {
+  const auto found = asked_.find(handle);
+  if (found == asked_.end()) return Progress::done();
+  bool arrived = true;
+  for (const Moves& moves : found->second) {
+    Arm& arm = arms_[moves.arm];
+    // A failure behind a move ends the wait for it too.
+    if (auto bad = bad_end(arm, arm.robot.motion->last_id())) {
+      asked_.erase(found);
+      return std::move(*bad);
+    }
+    arrived = arrived && arm.robot.motion->state_of(moves.last) != motion::MoveState::running;
+  }
+  if (!arrived) return {};
+  asked_.erase(found);
+  return Progress::done();
+}
+
+bool ProgramMoves::has_room(const std::string& robot) {
+  const std::size_t index = arm_of(robot, {});
+  return arms_[index].robot.motion->has_room();
+}
+
+/// Of one robot, or of all.
+program::Handle ProgramMoves::start_arrival(const std::string& robot) {
+  Asked asked;
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    motion::RobotMotion* motion = arms_[i].robot.motion;
+    if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
+    motion->close();
+    asked.push_back({i, 0, motion->last_id()});
+  }
+  asked_[++last_handle_] = std::move(asked);
+  return last_handle_;
+}
+
+program::Travel ProgramMoves::travel(program::Handle handle) const {
+  const auto found = asked_.find(handle);
+  if (found == asked_.end() || found->second.empty()) return {};
+  const Moves& moves = found->second.front();
+  const motion::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
+  const auto time = [](double s) {
+    return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : std::numeric_limits<Nanoseconds>::max();
+  };
+  return {way.covered, way.left, time(way.elapsed), time(way.remaining)};
+}
+
+data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
+                               const std::string& frame) const {
+  const Arm& arm = arms_[arm_of(robot, {})];
+  const kinematics::Chain& own = arm.robot.motion->robot().chain;
+  const Pose tcp = own.forward(arm.robot.motion->planned());
+  const Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
+  return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
+}
+
+void ProgramMoves::forget(const motion::RobotMotion& motion) {
+  for (Arm& arm : arms_)
+    if (arm.robot.motion == &motion) arm.robot.motion = nullptr, arm.open.clear();
+  asked_.clear();
+}
+
+bool ProgramMoves::moving() const {
+  return std::any_of(arms_.begin(), arms_.end(),
+                     [](const Arm& arm) { return arm.robot.motion && !arm.robot.motion->idle(); });
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,83 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/data/data_store.hpp"
+#include "polyarm/motion/robot_motion.hpp"
+#include "polyarm/program/host.hpp"
+
+namespace polyarm::cell {
+
+/// The moves of a task: from what a program says to what robots do. Cell thread.
+class ProgramMoves {
+ public:
+  struct Robot {
+    const CellRobot* robot = nullptr;
+    motion::RobotMotion* motion = nullptr;  ///< null: no controller moves it
+  };
+  /// `robots`: those that the task may move; none: it moves nothing. `store` has the points that stand for
+  /// frames and tools; it outlives this.
+  ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
+               const data::DataStore& store);
+  ~ProgramMoves();
+  ProgramMoves(ProgramMoves&&) noexcept;
+
+  // As of program::Host.
+  program::Handle start(const program::Move& move, const Location& where);
+  program::Progress poll(program::Handle handle);
+  bool has_room(const std::string& robot);
+  program::Handle start_arrival(const std::string& robot);
+  program::Travel travel(program::Handle handle) const;
+  data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
+
+  /// Its controller is going to be unloaded.
+  void forget(const motion::RobotMotion& motion);
+  /// True while something that was asked for has not ended.
+  bool moving() const;
+
+ private:
+  /// A move that has not been told about.
+  struct Open {
+    std::uint64_t id;
+    Location where;
+    std::string name;
+  };
+  struct Arm {
+    Robot robot;
+    std::deque<Open> open;
+    std::map<std::string, std::shared_ptr<const motion::RobotFacts>> tools;
+  };
+  struct Moves {
+    std::size_t arm = 0;
+    std::uint64_t first = 0, last = 0;
+  };
+  using Asked = std::vector<Moves>;
+
+  std::size_t arm_of(const std::string& robot, const Location& where) const;
+  Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
+  Pose frame_named(const std::string& name, const Arm& arm, const Location& where) const;
+  std::shared_ptr<const motion::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
+  Pose tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const;
+  motion::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,
+                               const Location& where) const;
+  std::vector<motion::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+                                     const Location& where) const;
+  void pace(const program::Move& from, motion::Move& to) const;
+  std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
+
+  std::string task_;
+  std::vector<Arm> arms_;
+  MotionEntry pace_;
+  const data::DataStore& store_;
+  std::map<program::Handle, Asked> asked_;
+  program::Handle last_handle_ = 0;
+};
+
+}  // namespace polyarm::cell
