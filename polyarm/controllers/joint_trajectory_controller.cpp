@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 
@@ -15,6 +16,8 @@ constexpr double kImmediateFactor = 3;
 constexpr double kShortestRamp = 0.05;
 /// Nor is a stop slower than this after it has lasted for long enough, s.
 constexpr double kLastRamp = 0.5;
+/// Relative; a path is made for this period, or for another one.
+constexpr double kSamePeriod = 1e-6;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 double shortest(double angle) {
@@ -63,9 +66,9 @@ void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
 
 bool JointTrajectoryController::standing() const noexcept {
   if (any_braking_) return false;
-  if (scale_.value() <= 0) return true;
   for (const Track& track : tracks_)
-    if (track.goal) return false;
+    if (track.goal && !(track.goal->planned ? track.goal->planned->stands() : scale_.value() <= 0))
+      return false;
   return true;
 }
 
@@ -117,16 +120,31 @@ void JointTrajectoryController::judge_by(const Tolerances& wanted) noexcept {
   judged_.tolerances.goal_time = pick(wanted.goal_time, default_tolerances_.goal_time);
 }
 
+/// Whether a goal fits this controller and begins where the joints are commanded to be.
+GoalRefusal JointTrajectoryController::check_start(const TrajectoryGoal& goal) noexcept {
+  trajectory::PathFollower* planned = goal.planned.get();
+  const std::size_t named = goal.joints.empty() ? joints_.size() : goal.joints.size();
+  if (planned ? planned->joints() != joints_.size() || !goal.joints.empty() || goal.bridged
+              : goal.trajectory.joints() != named)
+    return GoalRefusal::wrong_size;
+  if (planned && !(std::abs(planned->period() - period_s_) <= kSamePeriod * period_s_))
+    return GoalRefusal::wrong_period;
+  if (goal.bridged) return GoalRefusal::none;
+  std::size_t hint = 0;
+  if (planned)
+    planned->sample(sample_position_, sample_velocity_, sample_acceleration_);
+  else
+    goal.trajectory.sample(0, sample_position_, {}, {}, hint);
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    if (!(std::abs(sample_position_[j] - position_[j]) <= kJumpTolerance) ||
+        (planned && !(std::abs(sample_velocity_[j] - velocity_[j]) <=
+                      planned->limits()[j].max_acceleration * period_s_)))
+      return GoalRefusal::jump;
+  return GoalRefusal::none;
+}
+
 void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept {
-  if (goal->trajectory.joints() != (goal->joints.empty() ? joints_.size() : goal->joints.size()))
-    return refuse(goal, GoalRefusal::wrong_size);
-  if (!goal->bridged) {
-    std::size_t hint = 0;
-    goal->trajectory.sample(0, sample_position_, {}, {}, hint);
-    for (std::size_t j = 0; j < joints_.size(); ++j)
-      if (!(std::abs(sample_position_[j] - position_[j]) <= kJumpTolerance))
-        return refuse(goal, GoalRefusal::jump);
-  }
+  if (const GoalRefusal no = check_start(*goal); no != GoalRefusal::none) return refuse(goal, no);
   if (goal->action) {
     end_action(GoalOutcome::aborted, -1);  // one goal at a time: the older is preempted
     judged_.id = goal->id;
@@ -193,6 +211,7 @@ void JointTrajectoryController::bridge(TrajectoryGoal& goal) noexcept {
 
 void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcept {
   if (goal->bridged) bridge(*goal);
+  if (goal->planned) goal->planned->begin(scale_.value() * factor_);
   const std::size_t count = goal->joints.empty() ? joints_.size() : goal->joints.size();
   if (!replacement_)  // the others hold where they are
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -325,50 +344,84 @@ void JointTrajectoryController::brake(std::size_t j, double dt) noexcept {
   acceleration_[j] = b.on ? a : 0;
 }
 
-void JointTrajectoryController::advance(double dt) noexcept {
+void JointTrajectoryController::follow_trajectory(std::size_t i, double dt) noexcept {
+  Track& track = tracks_[i];
   const double speed = scale_.value() * factor_;
+  track.time += dt;
+  const TrajectoryGoal& goal = *track.goal;
+  const std::size_t n = goal.trajectory.joints();
+  if (goal.joints.empty()) {  // all joints in order, nobody else leads any
+    goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
+    std::copy(velocity_.begin(), velocity_.end(), plan_velocity_.begin());
+    std::copy(acceleration_.begin(), acceleration_.end(), plan_acceleration_.begin());
+    if (speed != 1) {
+      for (double& v : velocity_) v *= speed;
+      for (double& a : acceleration_) a *= speed * speed;
+    }
+  } else {
+    const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
+    goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),
+                           some(sample_acceleration_), track.hint);
+    std::size_t hint = 0;
+    if (!goal.effort.empty()) goal.effort.sample(track.time, some(sample_effort_), {}, {}, hint);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t j = goal.joints[k];
+      if (leader_[j] != static_cast<int>(i)) continue;
+      position_[j] = sample_position_[k];
+      plan_velocity_[j] = sample_velocity_[k];
+      plan_acceleration_[j] = sample_acceleration_[k];
+      velocity_[j] = sample_velocity_[k] * speed;
+      acceleration_[j] = sample_acceleration_[k] * speed * speed;
+      effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
+    }
+  }
+  status_.time.store(track.time, std::memory_order_relaxed);
+  if (track.time >= goal.trajectory.duration()) end_track(i);
+}
+
+/// Where the path was moved to in this cycle.
+void JointTrajectoryController::follow_path(std::size_t i) noexcept {
+  trajectory::PathFollower& path = *tracks_[i].goal->planned;
+  path.sample(sample_position_, sample_velocity_, sample_acceleration_);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (leader_[j] != static_cast<int>(i)) continue;
+    position_[j] = sample_position_[j];
+    velocity_[j] = plan_velocity_[j] = sample_velocity_[j];
+    acceleration_[j] = plan_acceleration_[j] = sample_acceleration_[j];
+    effort_[j] = 0;
+  }
+  status_.time.store(path.time(), std::memory_order_relaxed);
+  status_.speed.store(path.factor(), std::memory_order_relaxed);
+  if (path.finished()) end_track(i);
+}
+
+/// Its joints hold where it ended.
+void JointTrajectoryController::end_track(std::size_t i) noexcept {
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    if (leader_[j] == static_cast<int>(i)) {
+      leader_[j] = -1;
+      if (!rules_.nonzero_end) velocity_[j] = 0;
+      acceleration_[j] = 0;
+    }
+  retire(i, true);
+}
+
+/// A path keeps its own limits on the way to the speed that the verdict asks for.
+void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
+  const double target = verdict.speed > 0 ? verdict.speed * factor_ : 0;
+  for (const Track& track : tracks_)
+    if (track.goal && track.goal->planned) track.goal->planned->advance(target, verdict.immediate);
+}
+
+void JointTrajectoryController::advance(double dt) noexcept {
   bool moving = false;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    Track& track = tracks_[i];
-    if (!track.goal) continue;
+    if (!tracks_[i].goal) continue;
     moving = true;
-    track.time += dt;
-    const TrajectoryGoal& goal = *track.goal;
-    const std::size_t n = goal.trajectory.joints();
-    if (goal.joints.empty()) {  // all joints in order, nobody else leads any
-      goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
-      std::copy(velocity_.begin(), velocity_.end(), plan_velocity_.begin());
-      std::copy(acceleration_.begin(), acceleration_.end(), plan_acceleration_.begin());
-      if (speed != 1) {
-        for (double& v : velocity_) v *= speed;
-        for (double& a : acceleration_) a *= speed * speed;
-      }
-    } else {
-      const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
-      goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),
-                             some(sample_acceleration_), track.hint);
-      std::size_t hint = 0;
-      if (!goal.effort.empty()) goal.effort.sample(track.time, some(sample_effort_), {}, {}, hint);
-      for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t j = goal.joints[k];
-        if (leader_[j] != static_cast<int>(i)) continue;
-        position_[j] = sample_position_[k];
-        plan_velocity_[j] = sample_velocity_[k];
-        plan_acceleration_[j] = sample_acceleration_[k];
-        velocity_[j] = sample_velocity_[k] * speed;
-        acceleration_[j] = sample_acceleration_[k] * speed * speed;
-        effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
-      }
-    }
-    status_.time.store(track.time, std::memory_order_relaxed);
-    if (track.time < goal.trajectory.duration()) continue;
-    for (std::size_t j = 0; j < joints_.size(); ++j)
-      if (leader_[j] == static_cast<int>(i)) {
-        leader_[j] = -1;
-        if (!rules_.nonzero_end) velocity_[j] = 0;
-        acceleration_[j] = 0;
-      }
-    retire(i, true);
+    if (tracks_[i].goal->planned)
+      follow_path(i);
+    else
+      follow_trajectory(i, dt);
   }
   if (std::exchange(any_braking_, false))
     for (std::size_t j = 0; j < joints_.size(); ++j)
@@ -448,7 +501,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
       error_velocity_[j] = velocity_[j] - measured_velocity_[j];
   }
   take_requests(cycle);
-  if (verdict.discard && scale_.value() <= 0) {
+  if (verdict.discard && standing()) {
     end_action(GoalOutcome::aborted, -1);
     drop_all();
   }
@@ -457,6 +510,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
   if (over_since_ >= 0) over_since_ += period_s_;
   if (looks && !judge(cycle)) hold(true);
+  advance_paths(verdict);
   advance(step * factor);
   if (cmd_timeout_ > 0 && over_since_ > cmd_timeout_ && !std::exchange(timed_out_, true)) {
     end_action(GoalOutcome::aborted, -5);

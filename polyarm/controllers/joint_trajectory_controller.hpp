@@ -17,7 +17,8 @@ namespace polyarm::controllers {
 /// parameters. Sampling is by time; time runs at the speed that the verdict and speed scaling allow, so that
 /// every slow-down, hold and resume stays on the path. Without a goal it holds its last command. Each joint
 /// is led by the newest trajectory that names it: a trajectory that begins takes its joints over where they
-/// are, with their velocity, and the others go on.
+/// are, with their velocity, and the others go on. A planned path (TrajectoryGoal::planned) is followed at
+/// the speed asked for, within the limits it was made with.
 ///
 /// Inputs: `joint_trajectory` (also `command`), action `follow_joint_trajectory`, `speed_scaling_input`.
 /// Outputs: `controller_state`.
@@ -46,6 +47,8 @@ class JointTrajectoryController : public Controller {
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
   const std::vector<std::string>& joints() const { return joints_; }
+  /// Of its cycles, s; what a planned path must be made for. Once configured.
+  double period() const { return period_s_; }
 
  private:
   struct Interfaces {  // of one quantity, per joint; -1: none
@@ -90,6 +93,10 @@ class JointTrajectoryController : public Controller {
   void hold(bool brake) noexcept;
   void measure() noexcept;
   void advance(double dt) noexcept;
+  void follow_trajectory(std::size_t track, double dt) noexcept;
+  void follow_path(std::size_t track) noexcept;
+  void end_track(std::size_t track) noexcept;
+  void advance_paths(const Verdict& verdict) noexcept;
   void brake(std::size_t joint, double dt) noexcept;
   bool judge(const Cycle& cycle) noexcept;
   void end_action(GoalOutcome outcome, int code, int joint = -1, double error = 0,
@@ -97,6 +104,7 @@ class JointTrajectoryController : public Controller {
   void command_all(double dt) noexcept;
   void publish(const Cycle& cycle) noexcept;
   double position_error(std::size_t joint) const noexcept;
+  GoalRefusal check_start(const TrajectoryGoal& goal) noexcept;
   double scaling() noexcept;
   double pass_time(const Verdict& verdict) noexcept;
   bool stands_in_one_cycle() const noexcept;

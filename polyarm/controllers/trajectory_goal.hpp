@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polyarm/controllers/messages.hpp"
+#include "polyarm/trajectory/path_follower.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
 namespace polyarm::controllers {
@@ -21,10 +22,13 @@ struct Tolerances {
   double goal_time = 0;  ///< s after the end in which the goal must be met; 0: no limit
 };
 
-/// A trajectory to follow. `id` counts up from 1.
+/// A trajectory or a planned path to follow. `id` counts up from 1.
 struct TrajectoryGoal {
   std::uint64_t id = 0;
-  trajectory::Trajectory trajectory;
+  trajectory::Trajectory trajectory = {};
+  /// Instead of a trajectory: all joints of the controller, in order, along a path at any speed. Its period
+  /// is the controller's, and it begins at the last command.
+  std::unique_ptr<trajectory::PathFollower> planned = nullptr;
   /// The controller's joint behind each of the trajectory's; empty: all of them, in order.
   std::vector<std::uint32_t> joints = {};
   trajectory::Trajectory effort = {};  ///< feed-forward, of the same joints; empty: none
@@ -39,7 +43,7 @@ struct TrajectoryGoal {
   bool relative = false;             ///< positions count from where the joints are when it begins
 };
 
-enum class GoalRefusal : std::uint32_t { none, jump, wrong_size, busy };
+enum class GoalRefusal : std::uint32_t { none, jump, wrong_size, busy, wrong_period };
 
 /// What became of the goals; every field may be read from any thread at any time.
 struct GoalStatus {
@@ -50,8 +54,8 @@ struct GoalStatus {
   std::atomic<GoalRefusal> reason{GoalRefusal::none};
   std::atomic<std::uint64_t> started_cycle{
       0};                        ///< cycle in which the newest goal began, plus one; 0: none yet
-  std::atomic<double> time{0};   ///< s into the active trajectory
-  std::atomic<double> speed{1};  ///< share of the planned speed now
+  std::atomic<double> time{0};   ///< s into the active trajectory or path
+  std::atomic<double> speed{1};  ///< share of the planned speed now; below zero: back along a path
 };
 
 /// How messages are understood.

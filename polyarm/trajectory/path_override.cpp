@@ -36,16 +36,23 @@ double allowed(double value, double limit) noexcept {
   return std::max(kRoom * limit, std::min(std::abs(value), limit));
 }
 
+MotionLimits harder(MotionLimits l) noexcept {
+  constexpr double kMore = PathOverride::kHarder;
+  l.min_acceleration *= kMore, l.max_acceleration *= kMore, l.max_jerk *= kMore * kMore;
+  return l;
+}
+
 }  // namespace
 
 PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
-    : path_(path), limits_(limits), period_(period) {
+    : path_(path), limits_(limits), own_limits_(limits), period_(period) {
   if (limits.size() != path.joints())
     throw Error("wrong-size", "limits for " + std::to_string(limits.size()) + " joints, the path has " +
                                   std::to_string(path.joints()));
   if (!(period > 0)) throw Error("bad-limit", "the control period is " + std::to_string(period) + " s");
   for (const MotionLimits& l : limits)
     back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity});
+  for (const MotionLimits& l : limits) hard_limits_.push_back(harder(l));
   for (const SpeedProfile::Piece& p : path.profile().pieces()) jumps_.push_back(p.begin);
   for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
   std::sort(jumps_.begin(), jumps_.end());
@@ -181,7 +188,7 @@ void PathOverride::begin(double time, double factor) noexcept {
 
 /// Tries laws from the boldest on; a target that none reaches yet is tried again.
 void PathOverride::choose() noexcept {
-  const bool fresh = wanted_ != target_;
+  const bool fresh = anew_ || wanted_ != target_;
   if (!fresh && (settled_ || ++cycles_ % kEvery != 0)) return;
   if (!fresh) level_to_try_ = 0;
   std::size_t steps = kMostSteps;
@@ -191,13 +198,19 @@ void PathOverride::choose() noexcept {
     const Run tried = run(state_, wanted_, level_to_try_, steps);
     steps -= tried.steps;
     if (!tried.safe) continue;
-    target_ = wanted_, level_ = level_to_try_, settled_ = false;
+    target_ = wanted_, level_ = level_to_try_, settled_ = anew_ = false;
     return;
   }
 }
 
-void PathOverride::advance(double target) noexcept {
-  if (!(target > -2)) target = 0;
+void PathOverride::advance(double target, bool immediate) noexcept {
+  const bool hard = limits_.data() != own_limits_.data(), stand = stands();
+  if (immediate && !hard && !stand) {
+    limits_ = hard_limits_, level_to_try_ = 0, cycles_ = 0;
+    anew_ = true;  // with what there is now
+  }
+  if (hard && stand && !immediate) limits_ = own_limits_;
+  if (!(target > -2) || limits_.data() != own_limits_.data()) target = 0;
   target = std::clamp(target, -back_, 1.0);
   if (target != wanted_) wanted_ = target, level_to_try_ = 0, cycles_ = 0;
   choose();

@@ -34,6 +34,8 @@ class PathOverride {
  public:
   static constexpr std::size_t kMostSteps = 1500;
   static constexpr std::size_t kMostRuns = 2;
+  /// An immediate stop takes this many times the acceleration, and its square times the jerk.
+  static constexpr double kHarder = 3;
 
   /// Outside the cycle. `limits`: of every joint, those that the path was planned with, or higher; `period`:
   /// of the control cycle, s. Begins held at the path's start. Throws Error "wrong-size", "bad-limit".
@@ -42,8 +44,9 @@ class PathOverride {
   /// From `time` on the plan, at a steady `factor`; for when the path is followed already, or nothing moves.
   void begin(double time, double factor) noexcept;
   /// One cycle on the way to `target` in [-1, 1] (clamped; not a number counts as 0). Backwards it goes no
-  /// faster than the joints' slower directions allow.
-  void advance(double target) noexcept;
+  /// faster than the joints' slower directions allow. `immediate`: brakes to 0 with harder limits; once it
+  /// does, it goes on until it stands, whatever is asked meanwhile.
+  void advance(double target, bool immediate = false) noexcept;
 
   /// Where on the planned time, s; the factor and its derivatives by time (the second: during the last
   /// cycle).
@@ -84,12 +87,14 @@ class PathOverride {
   void look(double time) noexcept;
 
   const TimedPath& path_;
-  std::span<const MotionLimits> limits_;
+  std::span<const MotionLimits> limits_;  // that hold now
+  std::span<const MotionLimits> own_limits_;
+  std::vector<MotionLimits> hard_limits_;
   double period_, back_ = 1;
   State state_;
   double bend_ = 0, target_ = 0, wanted_ = 0;
   std::size_t level_ = 0, level_to_try_ = 0, cycles_ = 0;
-  bool settled_ = true;
+  bool settled_ = true, anew_ = false;
   std::vector<double> position_, velocity_, acceleration_, jerk_;  // planned, at the time looked at
   std::vector<double> jumps_;  // times at which planned jerks jump, ascending
   std::size_t hint_ = 0;

@@ -78,6 +78,7 @@ void SpeedProfile::fit(double length) noexcept {
   };
   for (Piece& p : pieces_) further(p.motion);
   further(state_);
+  state_.s = length;
 }
 
 TimedPath::TimedPath(std::shared_ptr<const Path> path, SpeedProfile profile)

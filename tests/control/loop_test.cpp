@@ -10,6 +10,8 @@
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
+#include "polyarm/trajectory/path_joint.hpp"
+#include "polyarm/trajectory/timing.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::control {
@@ -103,6 +105,20 @@ struct Bench {
     ASSERT_TRUE(jtc->follow(goal));
     at = std::move(target);
   }
+  /// Along a planned path with a rounded corner.
+  trajectory::TimedPath go_along(const std::vector<std::vector<double>>& points) {
+    std::vector<trajectory::JointWaypoint> way{{at}};
+    for (const std::vector<double>& q : points) way.push_back({q, 0.1});
+    std::shared_ptr<const trajectory::Path> path = std::move(trajectory::joint_lines(way).sections.front());
+    std::vector<trajectory::MotionLimits> bounds(kJoints, trajectory::MotionLimits::symmetric(2, 8, 80));
+    const trajectory::TimedPath timed = trajectory::timed(path, bounds);
+    auto goal = std::make_unique<controllers::TrajectoryGoal>();
+    goal->id = next_id++;
+    goal->planned = std::make_unique<trajectory::PathFollower>(timed, bounds, jtc->period());
+    EXPECT_TRUE(jtc->follow(goal));
+    at = points.back();
+    return timed;
+  }
   double commanded(int j) { return loop.table().commands()[static_cast<std::size_t>(j)]; }
   void run(int cycles) {
     for (int i = 0; i < cycles; ++i) loop.step_next();
@@ -165,6 +181,28 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
   EXPECT_DOUBLE_EQ(stopped.commanded(0), 1);
   EXPECT_LE(hardest, 8.0e-6 * 1.1) << "stop and resume stay within the acceleration limit";
   EXPECT_LE(fastest, 2.0e-3 * (1 + 1e-6)) << "never faster than the joint's velocity limit";
+}
+
+TEST(ControlLoop, AStopOfAPlannedPathIsHeldOnItAndResumesToItsEnd) {
+  Bench bench;
+  bench.loop.supervisor().set_share(0.8);
+  const trajectory::TimedPath path =
+      bench.go_along({{1, 0.5, 0, -0.5, 0.2, 0.3}, {0.5, 1, 0.5, 0.5, 0.5, 0}});
+  bench.run(400);
+  EXPECT_NEAR(bench.jtc->status().speed.load(), 0.8, 1e-9);
+  bench.loop.supervisor().latch().request(realtime::StopKind::controlled);
+  bench.run(600);
+  EXPECT_EQ(bench.loop.supervisor().state(), RunState::held);
+  std::vector<double> on(kJoints);
+  std::size_t hint = 0;
+  path.sample(bench.jtc->status().time.load(), on, {}, {}, {}, hint);
+  for (int j = 0; j < kJoints; ++j) EXPECT_EQ(bench.commanded(j), on[static_cast<std::size_t>(j)]);
+  bench.loop.supervisor().latch().clear();
+  bench.loop.post(Request::resume);
+  bench.run(4000);
+  EXPECT_EQ(bench.jtc->status().finished.load(), 1u);
+  EXPECT_NEAR(bench.commanded(1), 1, 1e-12);
+  EXPECT_EQ(bench.loop.limits().clamps(), 0u);
 }
 
 TEST(ControlLoop, DiscardForgetsTheRestOfTheMove) {
