@@ -49,11 +49,15 @@ void RobotMotion::plan() {
   job_->with = waiting_.front().with;
   job_->from = planned_;
   job_->options = options_;
+  job_->period = controller_.period();
   for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
   waiting_.erase(waiting_.begin(), last);
   post_([job = job_, &robot = facts(job_->with)] {
     try {
       job->plan = plan_moves(robot, job->from, job->moves, job->options);
+      for (const PlannedMotion& motion : job->plan.motions)
+        job->followers.push_back(
+            std::make_unique<trajectory::PathFollower>(motion.path, job->plan.limits, job->period));
     } catch (const MoveError& why) {
       job->failure = why.problems().front();
       job->failed = why.move;
@@ -79,9 +83,11 @@ void RobotMotion::collect() {
   const std::uint64_t last = job->first_id + job->moves.size() - 1;
   for (Problem& warning : job->plan.warnings) warnings_.push_back({last, std::move(warning)});
   planned_ = job->plan.end;
-  for (PlannedMotion& motion : job->plan.motions)
+  for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
+    PlannedMotion& motion = job->plan.motions[i];
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
-                      job->plan.limits, job->with});
+                      std::move(job->followers[i]), job->with});
+  }
   // Moves to where the robot is anyway arrive with what is before them.
   if (!ready_.empty())
     ready_.back().last_id = last;
@@ -95,9 +101,12 @@ void RobotMotion::hand_over() {
   if (goal_ != 0 || ready_.empty()) return;
   auto goal = std::make_unique<controllers::TrajectoryGoal>();
   goal->id = controller_.new_goal_id();
-  goal->trajectory = trajectory::to_trajectory(ready_.front().motion.path);
+  goal->planned = std::move(ready_.front().follower);
   const std::uint64_t id = goal->id;
-  if (!controller_.follow(goal)) return;  // in the next tick
+  if (!controller_.follow(goal)) {  // in the next tick
+    ready_.front().follower = std::move(goal->planned);
+    return;
+  }
   goal_ = id;
   active_ = std::move(ready_.front());
   ready_.pop_front();

@@ -89,7 +89,9 @@ class RobotMotion {
     std::vector<double> from;
     std::vector<Move> moves;
     MovePlanOptions options;
+    double period;
     MovePlan plan;
+    std::vector<std::unique_ptr<trajectory::PathFollower>> followers;  ///< of the plan's motions
     std::optional<Problem> failure;
     std::size_t failed = 0;
     std::atomic<bool> done{false};
@@ -98,7 +100,7 @@ class RobotMotion {
     std::uint64_t first_id = 0;  ///< of motion.first
     std::uint64_t last_id = 0;   ///< of the moves that have arrived when it is over
     PlannedMotion motion;
-    std::vector<trajectory::MotionLimits> limits;
+    std::unique_ptr<trajectory::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
   };
 
