@@ -1,0 +1,206 @@
+#include "polyarm/motion/robot_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/controllers/controller_rig.hpp"
+#include "tests/motion/arm_moves.hpp"
+
+namespace polyarm::motion {
+namespace {
+
+using controllers::ControllerRig;
+using controllers::JointTrajectoryController;
+using test::Arm;
+using test::bent;
+using test::joint;
+using test::line;
+using test::shifted;
+using test::Values;
+
+/// An arm, its controller, and the jobs of planning, which a test may hold back.
+struct Rig {
+  Arm arm{"universal_robots/ur5e"};
+  Values from = bent(arm);
+  ControllerRig controller;
+  std::vector<std::function<void()>> jobs;
+  bool holds_jobs = false;
+  std::unique_ptr<RobotMotion> motion;
+
+  Rig()
+      : controller(std::make_unique<JointTrajectoryController>(), arm.chain().names(),
+                   {{"joints", arm.chain().names()},
+                    {"command_interfaces", {"position"}},
+                    {"state_interfaces", {"position"}}}) {
+    for (controllers::JointFacts& facts : controller.context().joints)
+      facts.velocity = 3, facts.acceleration = 12, facts.jerk = 120;
+    EXPECT_EQ(controller.configure(), controllers::CallbackReturn::success);
+    for (std::size_t j = 0; j < from.size(); ++j)
+      controller.state(name(j)) = controller.command(name(j)) = from[j];
+    EXPECT_EQ(controller.activate(), controllers::CallbackReturn::success);
+    motion = std::make_unique<RobotMotion>(*arm.facts,
+                                           dynamic_cast<JointTrajectoryController&>(controller.controller()),
+                                           [this](std::function<void()> job) {
+                                             if (holds_jobs)
+                                               jobs.push_back(std::move(job));
+                                             else
+                                               job();
+                                           });
+    motion->set_planned(from);
+  }
+  std::string name(std::size_t j) const { return arm.chain().names()[j] + "/position"; }
+  Values commanded() {
+    Values q;
+    for (std::size_t j = 0; j < from.size(); ++j) q.push_back(controller.command(name(j)));
+    return q;
+  }
+  Pose tcp() { return arm.chain().forward(commanded()); }
+  Pose start() const { return arm.chain().forward(from); }
+  void pass(int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      if (i % 2 == 0) motion->tick();
+      controller.update();
+    }
+    motion->tick();
+  }
+  int until_idle(int most = 20000) {
+    for (int i = 0; i < most; ++i) {
+      motion->tick();
+      if (motion->idle()) return i;
+      controller.update();
+    }
+    ADD_FAILURE() << "still moving";
+    return most;
+  }
+};
+
+TEST(RobotMotion, CarriesOutItsMovesInOrder) {
+  Rig rig;
+  const Pose up = shifted(rig.start(), {0, 0, 0.1});
+  const auto first = rig.motion->queue(line(up, "up"));
+  const auto second = rig.motion->queue(joint(rig.from, "back"));
+  rig.pass(50);
+  EXPECT_EQ(rig.motion->state_of(first), MoveState::running);
+  while (rig.motion->state_of(first) == MoveState::running) rig.pass(2);
+  EXPECT_EQ(rig.motion->state_of(first), MoveState::done);
+  EXPECT_EQ(rig.motion->state_of(second), MoveState::running);
+  EXPECT_LE(norm(rig.tcp().position - up.position), 1e-3);
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(second), MoveState::done);
+  for (std::size_t j = 0; j < rig.from.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
+}
+
+TEST(RobotMotion, ABlendWaitsForTheNextMoveOrForTheEnd) {
+  Rig rig;
+  const Pose up = shifted(rig.start(), {0, 0, 0.1}), over = shifted(rig.start(), {0.1, 0, 0.1});
+  rig.motion->queue(line(up, "up", 0.03));
+  rig.pass(100);
+  EXPECT_EQ(rig.commanded(), rig.from) << "nobody knows yet where it goes on";
+  rig.motion->queue(line(over, "over"));
+  double nearest = 1;
+  while (!rig.motion->idle()) {
+    rig.pass(2);
+    nearest = std::min(nearest, norm(rig.tcp().position - up.position));
+  }
+  EXPECT_GT(nearest, 1e-3);
+  EXPECT_LT(nearest, 0.03);
+  EXPECT_LE(norm(rig.tcp().position - over.position), 1e-9);
+
+  const auto last = rig.motion->queue(line(up, "up", 0.03));
+  rig.motion->close();
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(last), MoveState::done);
+  EXPECT_LE(norm(rig.tcp().position - up.position), 1e-9);
+}
+
+TEST(RobotMotion, ANewTcpIsNotBlendedInto) {
+  Rig rig;
+  const auto other = with_chain(
+      *rig.arm.facts, kinematics::Chain(rig.arm.model, rig.arm.model.tool_link(), {}, {{0, 0, 0.2}, {}}));
+  const Pose tip = other->chain.forward(rig.from);
+  rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up", 0.03));
+  rig.motion->queue(line(shifted(tip, {0, 0.05, 0.1}), "tip"), other);
+  rig.until_idle();
+  EXPECT_LE(norm(other->chain.forward(rig.commanded()).position - shifted(tip, {0, 0.05, 0.1}).position),
+            1e-9);
+}
+
+TEST(RobotMotion, WhatCannotBePlannedSaysWhichAndEndsTheRest) {
+  Rig rig;
+  const auto good = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up"));
+  const auto bad = rig.motion->queue(line(shifted(rig.start(), {3, 0, 0}), "far"));
+  const auto after = rig.motion->queue(joint(rig.from, "back"));
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(good), MoveState::done);
+  EXPECT_EQ(rig.motion->state_of(bad), MoveState::failed);
+  EXPECT_EQ(rig.motion->problem_of(bad)->code, "unreachable");
+  EXPECT_EQ(rig.motion->state_of(after), MoveState::discarded);
+  const auto again = rig.motion->queue(joint(rig.from, "back"));
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(again), MoveState::done);
+}
+
+TEST(RobotMotion, AHeldMoveWaitsAndADiscardedOneIsForgotten) {
+  Rig rig;
+  const auto id = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.2}), "up"));
+  const auto next = rig.motion->queue(joint(rig.from, "back"));
+  rig.pass(200);
+  rig.controller.verdict.speed = 0;
+  rig.pass(2000);
+  const Values held = rig.commanded();
+  rig.pass(500);
+  EXPECT_EQ(rig.commanded(), held);
+  EXPECT_EQ(rig.motion->state_of(id), MoveState::running);
+  rig.controller.verdict.discard = true;
+  rig.pass(4);
+  rig.controller.verdict.discard = false;
+  rig.controller.verdict.speed = 1;
+  rig.pass(100);
+  EXPECT_EQ(rig.motion->state_of(id), MoveState::discarded);
+  EXPECT_EQ(rig.motion->state_of(next), MoveState::discarded);
+  EXPECT_TRUE(rig.motion->idle());
+  EXPECT_EQ(rig.commanded(), held);
+}
+
+TEST(RobotMotion, PlansBesideTheOneWhoAsks) {
+  Rig rig;
+  rig.holds_jobs = true;
+  const auto id = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up"));
+  rig.pass(20);
+  ASSERT_EQ(rig.jobs.size(), 1u);
+  EXPECT_EQ(rig.commanded(), rig.from);
+  rig.jobs.front()();
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(id), MoveState::done);
+  // Dropped while it is planned, it is never carried out.
+  const Values here = rig.commanded();
+  const auto dropped = rig.motion->queue(joint(rig.from, "back"));
+  rig.pass(2);
+  rig.motion->drop();
+  rig.jobs.back()();
+  rig.pass(100);
+  EXPECT_EQ(rig.commanded(), here);
+  EXPECT_EQ(rig.motion->state_of(dropped), MoveState::discarded);
+}
+
+TEST(RobotMotion, TellsHowFarAMoveHasCome) {
+  Rig rig;
+  const auto id = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up"));
+  EXPECT_TRUE(std::isinf(rig.motion->travel(id, id).left));
+  rig.pass(150);
+  const Travel travel = rig.motion->travel(id, id);
+  EXPECT_NEAR(travel.covered, norm(rig.tcp().position - rig.start().position), 1e-4);
+  EXPECT_NEAR(travel.covered + travel.left, 0.1, 1e-6);
+  EXPECT_NEAR(travel.elapsed, 0.15, 0.003);
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->travel(id, id).left, 0);
+}
+
+}  // namespace
+}  // namespace polyarm::motion
