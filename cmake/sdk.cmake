@@ -24,18 +24,17 @@ target_compile_features(polyarm_plugin INTERFACE cxx_std_20)
 target_include_directories(polyarm_plugin INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
-# The sources behind those headers; they need nothing but the standard library.
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/polyarm/base/*.cpp
-     ${PROJECT_SOURCE_DIR}/polyarm/trajectory/*.cpp)
-list(FILTER sources EXCLUDE REGEX "yaml.cpp$")
-add_library(polyarm_testing STATIC ${sources} ${PROJECT_SOURCE_DIR}/polyarm/description/robot_model.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/hardware/device_lock.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/hardware/lifecycle.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/controllers/controller.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/controllers/filters.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/controllers/parameters.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/controllers/pid.cpp
-            ${PROJECT_SOURCE_DIR}/polyarm/controllers/speed_limiter.cpp)
+# What lies behind those headers: objects of the rooms that need nothing but the standard library.
+function(polyarm_testing_objects room files)
+  target_sources(polyarm_testing PRIVATE $<FILTER:$<TARGET_OBJECTS:polyarm_${room}>,INCLUDE,/${files}[.]cpp[.]>)
+endfunction()
+add_library(polyarm_testing STATIC)
+set_target_properties(polyarm_testing PROPERTIES LINKER_LANGUAGE CXX)
+target_sources(polyarm_testing PRIVATE $<FILTER:$<TARGET_OBJECTS:polyarm_base>,EXCLUDE,/yaml[.]cpp[.]>
+                                       $<TARGET_OBJECTS:polyarm_trajectory>)
+polyarm_testing_objects(description robot_model)
+polyarm_testing_objects(hardware "(device_lock|lifecycle)")
+polyarm_testing_objects(controllers "(controller|filters|parameters|pid|speed_limiter)")
 target_link_libraries(polyarm_testing PUBLIC polyarm_plugin)
 
 set_target_properties(polyarm_plugin PROPERTIES EXPORT_NAME plugin)
