@@ -61,6 +61,7 @@ int run_check(int argc, char** argv) {
   bool as_json = false;
   app.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
   app.add_option("--robot", overrides.robot, "check for another robot");
+  app.add_option("--program", overrides.program, "another program: a script, beside the cell or anywhere");
   app.add_option("--hardware", overrides.hardware, "hardware of the dry run: mock or mujoco");
   add_plugin_option(app, plugins);
   app.add_flag("--dry", options.dry,

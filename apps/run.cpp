@@ -36,6 +36,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
   app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
+  app.add_option("--program", a.overrides.program, "another program: a script, beside the cell or anywhere");
   app.add_option("--hardware", a.overrides.hardware,
                  "declared, mock, mujoco or a plugin's VENDOR/TYPE, for every robot")
       ->check(hardware_name());

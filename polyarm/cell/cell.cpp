@@ -445,7 +445,7 @@ void Cell::tick(Nanoseconds now) {
 void Cell::tick_motions(Nanoseconds now) {
   for (const auto& motion : motions_) {
     if (!motion || failure_) continue;
-    motion->tick();
+    motion->tick(now);
     for (motion::RobotMotion::Warning& warning : motion->take_warnings()) {
       if (program_ && warning.problem.where.file.empty()) warning.problem.where = program_->status().where;
       observer_.on_problem(now, warning.problem);

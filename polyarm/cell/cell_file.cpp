@@ -165,6 +165,13 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     if (!overrides.hardware.empty()) robot.hardware = overrides.hardware;
     if (robot.budget == 0 || overrides.budget > 0) robot.budget = cell.budget;
   }
+  if (!overrides.program.empty()) {
+    const std::filesystem::path given = overrides.program;
+    const bool beside = !given.is_absolute() && std::filesystem::exists(cell.folder / given);
+    cell.program = beside || !std::filesystem::exists(given) ? overrides.program
+                                                             : std::filesystem::absolute(given).string();
+    cell.program_where = {"--program"};
+  }
   if (overrides.robot.empty()) return;
   const auto equals = overrides.robot.find('=');
   if (equals == std::string::npos) {

@@ -87,6 +87,7 @@ struct CellFile {
 struct Overrides {
   std::string robot;       ///< model for the only robot, or "name=model"
   std::string hardware;    ///< for every robot
+  std::string program;     ///< a script, or a script-information file, beside the cell or anywhere
   Nanoseconds budget = 0;  ///< for everything; 0: what the file says
 };
 

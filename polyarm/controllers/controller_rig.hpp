@@ -76,6 +76,8 @@ class ControllerRig {
   double& state(const std::string& name) { return states_[place(context_.state_names, name)]; }
   double& command(const std::string& name) { return commands_[place(context_.command_names, name)]; }
   Controller& controller() { return *controller_; }
+  /// Of the next update.
+  Nanoseconds time() const { return cycle_.time; }
   ControllerContext& context() { return context_; }
   /// What the supervisor allows; a stop is `speed = 0`.
   Verdict verdict;

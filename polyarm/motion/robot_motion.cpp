@@ -9,14 +9,19 @@ namespace polyarm::motion {
 namespace {
 /// Outcomes of so many moves that were given up are kept to be asked for.
 constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
+/// Moves in step begin so long after the last of them is ready: the other robots' turns come in the next
+/// tick.
+constexpr Nanoseconds kInStepAhead = 10'000'000;
 }  // namespace
 
-std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with) {
+std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
+                                 std::shared_ptr<InStep> step) {
   if (!has_room())
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
-  if (!waiting_.empty() && waiting_.back().with != with) waiting_.back().move.blend = 0;
-  waiting_.push_back({++last_id_, std::move(move), std::move(with)});
+  if (!waiting_.empty() && (step || waiting_.back().with != with)) waiting_.back().move.blend = 0;
+  if (step) move.blend = 0;
+  waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
 }
 
@@ -24,12 +29,12 @@ void RobotMotion::close() {
   if (!waiting_.empty()) waiting_.back().move.blend = 0;
 }
 
-void RobotMotion::tick() {
+void RobotMotion::tick(Nanoseconds now) {
   watch();
   collect();
   plan();
   collect();
-  hand_over();
+  hand_over(now);
   if (idle()) settled_ = last_id_;
 }
 
@@ -47,6 +52,7 @@ void RobotMotion::plan() {
   job_ = std::make_shared<Job>();
   job_->first_id = waiting_.front().id;
   job_->with = waiting_.front().with;
+  job_->step = waiting_.front().step;
   job_->from = planned_;
   job_->options = options_;
   job_->period = controller_.period();
@@ -74,6 +80,7 @@ void RobotMotion::collect() {
   const std::shared_ptr<Job> job = std::exchange(job_, nullptr);
   if (job->failure) {
     const std::uint64_t failed = job->first_id + job->failed;
+    if (job->step) job->step->failed_ = true;
     waiting_.clear();
     end_badly(job->first_id, MoveState::discarded);
     ended_badly_[failed] = MoveState::failed;
@@ -83,10 +90,15 @@ void RobotMotion::collect() {
   const std::uint64_t last = job->first_id + job->moves.size() - 1;
   for (Problem& warning : job->plan.warnings) warnings_.push_back({last, std::move(warning)});
   planned_ = job->plan.end;
+  if (job->step) {
+    ++job->step->planned_;
+    if (job->plan.motions.empty()) ++job->step->ready_;  // it is there already
+    job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
+  }
   for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
     PlannedMotion& motion = job->plan.motions[i];
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
-                      std::move(job->followers[i]), job->with});
+                      std::move(job->followers[i]), job->with, job->step, false});
   }
   // Moves to where the robot is anyway arrive with what is before them.
   if (!ready_.empty())
@@ -97,11 +109,37 @@ void RobotMotion::collect() {
     settled_ = last;
 }
 
-void RobotMotion::hand_over() {
+/// Whether all whose moves go in step with this one are ready; then it takes as long as theirs.
+bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
+  InStep& step = *ready.step;
+  if (step.failed_) {
+    const std::uint64_t first = ready.first_id;
+    ready_.clear(), waiting_.clear();
+    job_ = nullptr;
+    end_badly(first, MoveState::discarded);
+    return false;
+  }
+  if (!std::exchange(ready.waits_for_others, true)) ++step.ready_;
+  if (step.ready_ < step.members_) return false;
+  if (step.start_ < 0) step.start_ = now + kInStepAhead;
+  trajectory::SpeedProfile profile = ready.motion.path.profile();
+  if (step.longest_ > profile.duration()) {
+    profile.stretch(step.longest_ / profile.duration());
+    ready.motion.path = trajectory::TimedPath(ready.motion.path.shared_path(), std::move(profile));
+    const auto limits = ready.follower->limits();
+    ready.follower = std::make_unique<trajectory::PathFollower>(
+        ready.motion.path, std::vector(limits.begin(), limits.end()), controller_.period());
+  }
+  return true;
+}
+
+void RobotMotion::hand_over(Nanoseconds now) {
   if (goal_ != 0 || ready_.empty()) return;
+  if (ready_.front().step && !in_step(ready_.front(), now)) return;
   auto goal = std::make_unique<controllers::TrajectoryGoal>();
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
+  if (ready_.front().step) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // in the next tick
     ready_.front().follower = std::move(goal->planned);

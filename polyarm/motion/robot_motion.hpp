@@ -27,6 +27,20 @@ struct Travel {
   double covered = 0, left = 0, elapsed = 0, remaining = 0;
 };
 
+/// Moves of several robots that begin in the same cycle and end together, at the pace of the slowest. Made
+/// for so many moves, one of each robot, and shared by them. Cell thread only.
+class InStep {
+ public:
+  explicit InStep(std::size_t members) : members_(members) {}
+
+ private:
+  friend class RobotMotion;
+  std::size_t members_, planned_ = 0, ready_ = 0;
+  double longest_ = 0;
+  Nanoseconds start_ = -1;
+  bool failed_ = false;
+};
+
 /// A queue of moves that are carried out one after the other, blended where they say so. Cell thread only;
 /// planning is posted to whoever the cell has for it. A move that blends into the next waits for that one, or
 /// for close(); so what comes from one run of a program is one path, however many moves it has.
@@ -44,11 +58,13 @@ class RobotMotion {
   bool has_room() const { return waiting_.size() < kMostWaiting; }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP, which nothing blends
   /// into that has not the same; null: as it is. Throws Error("busy") when there is no room.
-  std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr);
+  /// `step`: it waits for the moves of the others, and blends into nothing.
+  std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
+                      std::shared_ptr<InStep> step = nullptr);
   /// Nothing more will come that the last move could blend into.
   void close();
-  /// Every tick: plans what can be, hands over what is next, sees what has arrived.
-  void tick();
+  /// Every tick, with the cell's time: plans what can be, hands over what is next, sees what has arrived.
+  void tick(Nanoseconds now);
   /// Gives up all that has not been handed over.
   void drop();
 
@@ -81,11 +97,13 @@ class RobotMotion {
     std::uint64_t id;
     Move move;
     std::shared_ptr<const RobotFacts> with;
+    std::shared_ptr<InStep> step;
   };
   /// Moves that are planned together; the other thread writes `plan` or `failure`, then `done`.
   struct Job {
     std::uint64_t first_id;
     std::shared_ptr<const RobotFacts> with;
+    std::shared_ptr<InStep> step;  ///< the cell thread's
     std::vector<double> from;
     std::vector<Move> moves;
     MovePlanOptions options;
@@ -102,11 +120,14 @@ class RobotMotion {
     PlannedMotion motion;
     std::unique_ptr<trajectory::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
+    std::shared_ptr<InStep> step;
+    bool waits_for_others = false;
   };
 
   void plan();
   void collect();
-  void hand_over();
+  void hand_over(Nanoseconds now);
+  bool in_step(Ready& ready, Nanoseconds now);
   const RobotFacts& facts(const std::shared_ptr<const RobotFacts>& with) const {
     return with ? *with : robot_;
   }

@@ -58,6 +58,7 @@ class TimedPath {
 
   bool empty() const noexcept { return !path_; }
   const Path& path() const noexcept { return *path_; }
+  const std::shared_ptr<const Path>& shared_path() const noexcept { return path_; }
   const SpeedProfile& profile() const noexcept { return profile_; }
   std::size_t joints() const noexcept { return path_ ? path_->joints() : 0; }
   double duration() const noexcept { return profile_.duration(); }

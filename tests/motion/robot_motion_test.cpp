@@ -64,14 +64,14 @@ struct Rig {
   Pose start() const { return arm.chain().forward(from); }
   void pass(int cycles) {
     for (int i = 0; i < cycles; ++i) {
-      if (i % 2 == 0) motion->tick();
+      if (i % 2 == 0) motion->tick(controller.time());
       controller.update();
     }
-    motion->tick();
+    motion->tick(controller.time());
   }
   int until_idle(int most = 20000) {
     for (int i = 0; i < most; ++i) {
-      motion->tick();
+      motion->tick(controller.time());
       if (motion->idle()) return i;
       controller.update();
     }
@@ -200,6 +200,38 @@ TEST(RobotMotion, TellsHowFarAMoveHasCome) {
   EXPECT_NEAR(travel.elapsed, 0.15, 0.003);
   rig.until_idle();
   EXPECT_EQ(rig.motion->travel(id, id).left, 0);
+}
+
+TEST(RobotMotion, MovesInStepBeginAndEndTogether) {
+  Rig left, right;
+  const auto step = std::make_shared<InStep>(2);
+  const auto slow = left.motion->queue(line(shifted(left.start(), {0, 0, 0.2}), "far"), nullptr, step);
+  for (int i = 0; i < 60; ++i) left.pass(1), right.pass(1);
+  EXPECT_EQ(left.commanded(), left.from) << "it waits for the other";
+  const auto quick = right.motion->queue(line(shifted(right.start(), {0, 0.02, 0}), "near"), nullptr, step);
+  int left_begins = -1, right_begins = -1, left_ends = -1, right_ends = -1;
+  for (int i = 0; i < 4000 && (left_ends < 0 || right_ends < 0); ++i) {
+    left.pass(1), right.pass(1);
+    if (left_begins < 0 && left.commanded() != left.from) left_begins = i;
+    if (right_begins < 0 && right.commanded() != right.from) right_begins = i;
+    if (left_ends < 0 && left.motion->state_of(slow) == MoveState::done) left_ends = i;
+    if (right_ends < 0 && right.motion->state_of(quick) == MoveState::done) right_ends = i;
+  }
+  EXPECT_GT(left_begins, 0);
+  EXPECT_EQ(left_begins, right_begins);
+  EXPECT_LE(std::abs(left_ends - right_ends), 1);
+  EXPECT_GT(left_ends, left_begins + 100);
+}
+
+TEST(RobotMotion, WhereOneInStepCannotGoNobodyGoes) {
+  Rig left, right;
+  const auto step = std::make_shared<InStep>(2);
+  const auto good = left.motion->queue(line(shifted(left.start(), {0, 0, 0.2}), "up"), nullptr, step);
+  const auto bad = right.motion->queue(line(shifted(right.start(), {5, 0, 0}), "far"), nullptr, step);
+  for (int i = 0; i < 60; ++i) left.pass(1), right.pass(1);
+  EXPECT_EQ(right.motion->state_of(bad), MoveState::failed);
+  EXPECT_EQ(left.motion->state_of(good), MoveState::discarded);
+  EXPECT_EQ(left.commanded(), left.from);
 }
 
 }  // namespace
