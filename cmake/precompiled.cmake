@@ -1,0 +1,26 @@
+# Headers of others that most sources include, compiled once instead of in every source. A source still includes what it
+# uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without them.
+set(POLYARM_PRECOMPILED <algorithm> <array> <atomic> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <limits>
+    <map> <memory> <mutex> <numbers> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <string_view> <thread>
+    <unordered_map> <utility> <variant> <vector> <fmt/format.h>)
+
+# polyarm_headers(NAME LIBRARIES [HEADERS...]): what polyarm_precompiled(TARGET NAME) then uses.
+function(polyarm_headers name libraries)
+  add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  target_link_libraries(${name} PRIVATE ${libraries})
+  target_precompile_headers(${name} PRIVATE ${POLYARM_PRECOMPILED} ${ARGN})
+endfunction()
+
+# The same for programs, whose code the compiler places in another way than a library's.
+function(polyarm_program_headers name libraries)
+  polyarm_headers(${name} "${libraries}" ${ARGN})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(${name} PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
+endfunction()
+
+function(polyarm_precompiled target headers)
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
+
+polyarm_headers(polyarm_library_headers fmt::fmt)
+polyarm_headers(polyarm_json_headers "fmt::fmt;nlohmann_json::nlohmann_json" <nlohmann/json.hpp>)
