@@ -132,7 +132,6 @@ Outcome ServoBus::receive(std::uint8_t id, std::span<std::uint8_t> into) noexcep
       ++counters_.strangers;
       return false;
     }
-    last_error_ = found.error;
     std::copy(found.data.begin(), found.data.end(), into.begin());
     return true;
   });

@@ -50,7 +50,6 @@ class ServoBus {
   std::array<int, 2> descriptors() const noexcept { return port_.descriptors(); }
   bool is_open() const noexcept { return port_.is_open(); }
   void set_baud(int baud);
-  void set_answer_timeout(Nanoseconds timeout) noexcept { answer_timeout_ = timeout; }
   const Family& family() const noexcept { return family_; }
   const std::string& port() const noexcept { return port_.path(); }
   const LineCounters& counters() const noexcept { return counters_; }
@@ -73,7 +72,6 @@ class ServoBus {
   /// One register of several servos; nobody answers.
   Outcome sync_write(std::span<const std::uint8_t> ids, const Register& reg,
                      std::span<const std::int32_t> values) noexcept;
-  std::uint8_t last_error() const noexcept { return last_error_; }
 
  private:
   enum class Echo : std::uint8_t { unknown, yes, no };
@@ -98,7 +96,6 @@ class ServoBus {
   std::size_t sent_ = 0, received_ = 0;
   Echo echo_ = Echo::unknown;
   bool unsettled_ = false;
-  std::uint8_t last_error_ = 0;
   LineCounters counters_;
 };
 

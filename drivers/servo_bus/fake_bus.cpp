@@ -226,11 +226,6 @@ void FakeBus::cut_off() {
   cut_off_ = true;
 }
 
-void FakeBus::forget_heard() {
-  const std::lock_guard lock(mutex_);
-  heard_.clear();
-}
-
 /// Until the first servo's own watchdog bites; -1: none is set.
 int FakeBus::silence_left_ms() {
   const std::lock_guard lock(mutex_);

@@ -129,7 +129,6 @@ class Cell {
   void offer_named_states();
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
-  void add_controller(const std::string& type, controllers::ControllerContext context);
   void send_start_messages();
   void tell_overruns();
   void tell_threads();
