@@ -54,7 +54,7 @@ class Problem {
     std::vector<double> middles(n);
     for (std::size_t k = 0; k < n; ++k) middles[k] = (s[k] + s[k + 1]) / 2;
     fill_nodes(rows, s);
-    rows.look(std::move(middles));
+    rows.look(middles);
     problem.acceleration.resize(rows.joints(), n);
     problem.norm_acceleration.resize(rows.rows() - rows.joints(), n);
     for (std::size_t k = 0; k < n; ++k) problem.acceleration.at[k] = problem.norm_acceleration.at[k] = k;
@@ -202,7 +202,7 @@ class Edges {
       if (known_[k] && k > 0) edge(k, -1);
       if (known_[k] && k + 1 < known_.size()) edge(k, 1);
     }
-    rows_.look(std::move(places));
+    rows_.look(places);
     fill();
   }
   bool known(std::size_t node) const { return known_[node]; }
@@ -237,22 +237,13 @@ class Edges {
 
 /// Watches what was above its limit more closely, or lowers its scale if that is done already; `slower`:
 /// besides bounds the speed around jerks that stay too high, which always helps.
-void tighten(const Check& check, std::size_t joints, const std::vector<double>& b, bool slower,
-             SpeedProblem& p, Edges& edges) {
+void tighten(const Check& check, const std::vector<double>& b, bool slower, SpeedProblem& p, Edges& edges) {
   const std::size_t nodes = p.s.size();
-  std::vector<double> most[2][3];  // [norm][kind], per node or interval
+  auto most = check.most;  // [norm][kind], per node or interval
   for (auto& set : most)
-    for (auto& list : set) list.assign(nodes, 1.0);
+    for (auto& list : set) list.resize(nodes, 1.0);
   std::vector<char> watch(nodes, 0);
-  for (std::size_t i = 0; i < check.motion.size(); ++i) {
-    const std::size_t node = check.piece[i];
-    const std::size_t between = std::min(check.late[i] ? node : node - (node > 0), nodes - 2);
-    for (std::size_t kind = 0; kind < 3; ++kind) {
-      double& m = most[kind > 0 && check.ratio[i].row[kind] >= joints][kind][kind == 1 ? between : node];
-      m = std::max(m, check.ratio[i].value[kind]);
-    }
-    watch[node] |= char(check.ratio[i].value[2] > 1.02);
-  }
+  for (std::size_t k = 0; k < nodes; ++k) watch[k] = std::max(most[0][2][k], most[1][2][k]) > 1.02;
   edges.add(watch);
   for (std::size_t k = 0; k < nodes; ++k) {
     p.velocity.scale[k] /= most[0][0][k] * most[0][0][k];
@@ -273,12 +264,16 @@ void tighten(const Check& check, std::size_t joints, const std::vector<double>& 
     }
 }
 
-std::vector<ActiveLimit> active_limits(const Check& check, double length) {
+/// With every use as at `factor` times the time.
+std::vector<ActiveLimit> active_limits(const Check& check, double length, double factor) {
+  const double by[3] = {1 / factor, 1 / (factor * factor), 1 / (factor * factor * factor)};
   std::vector<ActiveLimit> out;
-  for (std::size_t i = 0; i < check.motion.size(); ++i) {
-    const Ratios& r = check.ratio[i];
-    const auto kind = std::size_t(std::max_element(r.value, r.value + 3) - r.value);
-    const ActiveLimit here{check.motion[i].s, length, r.row[kind], LimitKind(kind)};
+  for (const Check::Seen& seen : check.seen) {
+    std::size_t kind = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (double(seen.use[k]) * by[k] > most) most = double(seen.use[k]) * by[k], kind = k;
+    const ActiveLimit here{seen.s, length, seen.row[kind], LimitKind(kind)};
     if (!out.empty() && out.back().row == here.row && out.back().kind == here.kind) continue;
     if (!out.empty()) out.back().to = here.from;
     out.push_back(here);
@@ -288,13 +283,12 @@ std::vector<ActiveLimit> active_limits(const Check& check, double length) {
 }
 
 [[noreturn]] void too_fast(const PathRows& rows, const Check& check, const TimingOptions& o) {
-  const Ratios& r = check.ratio[check.worst];
   throw Error(
       "path-too-fast",
       "starting at path speed " + std::to_string(o.start_speed) + " and ending at " +
-          std::to_string(o.end_speed) + " leaves " + rows.name(r.row[check.worst_kind]) + " " +
-          std::to_string(r.value[check.worst_kind]) + " times its " + name(LimitKind(check.worst_kind)) +
-          " limit at s = " + std::to_string(check.motion[check.worst].s),
+          std::to_string(o.end_speed) + " leaves " + rows.name(check.worst_row) + " " +
+          std::to_string(check.worst_use) + " times its " + name(LimitKind(check.worst_kind)) +
+          " limit at s = " + std::to_string(check.worst_s),
       "lower the speed there by " + std::to_string(check.stretch) + " or the other end's, or move further");
 }
 
@@ -307,7 +301,7 @@ class Timer {
   double stretch() const { return stretch_; }
   Timing run() {
     if (straight()) {
-      checker_.look(timing_.profile, kFinalSamples, check_);
+      checker_.look(timing_.profile, kFinalSamples, true, check_);
       return finish(1);
     }
     TimingGrid grid = timing_grid(rows_, o_.start_speed, o_.end_speed, o_.fineness);
@@ -318,7 +312,7 @@ class Timer {
     double factor = 1;
     for (int tries = 0;; ++tries) {
       solve(problem.problem, edges, solver, factor);
-      checker_.look(timing_.profile, kFinalSamples, check_);
+      checker_.look(timing_.profile, kFinalSamples, true, check_);
       look_closely();
       if (o_.start_speed <= 0 && o_.end_speed <= 0) return finish(check_.stretch * (1 + kMargin));
       if (check_.stretch <= factor * (1 + 0.9 * kMargin)) return finish(factor);
@@ -338,7 +332,7 @@ class Timer {
     for (int round = 0; round < kRounds; ++round) {
       timing_.iterations += solver.improve(precision, 60).iterations;
       SpeedProfile profile = profile_of(timing_.grid, b_);
-      checker_.look(profile, kSamples, check_);
+      checker_.look(profile, kSamples, false, check_);
       const double duration = profile.duration() * check_.stretch;
       if (!std::isfinite(duration) || !(duration > 0)) {
         b_ = safe;
@@ -346,7 +340,7 @@ class Timer {
       }
       if (duration < best) best = duration, timing_.profile = std::move(profile), safe = b_;
       if (check_.stretch < kEnough) break;
-      tighten(check_, rows_.joints(), b_, round >= 2, problem, edges);
+      tighten(check_, b_, round >= 2, problem, edges);
     }
     if (!std::isfinite(best)) timing_.profile = profile_of(timing_.grid, b_);
   }
@@ -358,7 +352,7 @@ class Timer {
       if (b.peak > powers[b.kind] && (pieces.empty() || pieces.back() != b.piece)) pieces.push_back(b.piece);
     if (pieces.empty()) return;
     Check close;
-    checker_.look(timing_.profile, 6 * kFinalSamples, close, pieces);
+    checker_.look(timing_.profile, 6 * kFinalSamples, false, close, pieces);
     check_.stretch = std::max(check_.stretch, close.stretch);
     for (std::size_t kind = 0; kind < 3; ++kind)
       check_.peak[kind] = std::max(check_.peak[kind], close.peak[kind]);
@@ -366,9 +360,8 @@ class Timer {
   Timing finish(double stretch) {
     stretch_ = stretch;
     timing_.profile.stretch(stretch);
-    check_.slow_down(stretch);
-    timing_.excess = check_.excess;
-    timing_.active = active_limits(check_, rows_.path().length());
+    timing_.excess = std::max(0.0, check_.excess(stretch));
+    timing_.active = active_limits(check_, rows_.path().length(), stretch);
     return std::move(timing_);
   }
   /// A path whose tangent does not change has the motion of one axis as its fastest.

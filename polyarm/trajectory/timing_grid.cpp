@@ -256,7 +256,7 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
 
 TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness) {
   const double length = rows.path().length();
-  rows.look({0, length});
+  rows.look(std::array<double, 2>{0, length});
   const double step = std::min(first_step(rows, 0), first_step(rows, 1));
   const bool rests[2] = {start_speed <= 0, end_speed <= 0};
   rows.look(graded(cells(rows, step, rests[0], rests[1])));

@@ -1,8 +1,8 @@
 #include "polyarm/trajectory/timing_rows.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "polyarm/trajectory/timing_kernels.hpp"
 
 namespace polyarm::trajectory {
 
@@ -16,8 +16,8 @@ PathRows::PathRows(const Path& path, std::span<const MotionLimits> limits, std::
   one_.resize(3 * components_);
 }
 
-void PathRows::look(std::vector<double> s) {
-  s_ = std::move(s);
+void PathRows::look(std::span<const double> s) {
+  s_.assign(s.begin(), s.end());
   const std::size_t n = s_.size();
   for (auto* v : {&first_, &second_, &third_}) v->resize(components_ * n);
   const std::span<double> all(one_);
@@ -48,55 +48,53 @@ std::string PathRows::name(std::size_t row) const {
   return row < joints() ? "joint " + std::to_string(row + 1) : norms_[row - joints()].name;
 }
 
+void Passings::clear() {
+  for (auto* list : {&s, &speed, &acceleration, &jerk, &square, &cube}) list->clear();
+}
+void Passings::add(const PathMotion& m) {
+  s.push_back(m.s), speed.push_back(m.speed), acceleration.push_back(m.acceleration);
+  jerk.push_back(m.jerk), square.push_back(m.speed * m.speed), cube.push_back(m.speed * m.speed * m.speed);
+}
+
 namespace {
 
-/// Takes the highest of `value` over `high` and of its negative over `low`.
-void take(Ratios& r, std::size_t kind, std::size_t row, double ratio) {
-  if (ratio > r.value[kind]) r.value[kind] = ratio, r.row[kind] = row;
-}
-
-void joint_ratios(const PathRows& rows, std::span<const PathMotion> motion, std::size_t j,
-                  std::vector<Ratios>& out) {
+kernels::PathRow joint_row(const PathRows& rows, std::size_t j) {
   const MotionLimits& l = rows.limits(j);
-  const double *first = rows.first(j), *second = rows.second(j), *third = rows.third(j);
-  const double v_high = 1 / l.max_velocity, v_low = 1 / l.min_velocity, a_high = 1 / l.max_acceleration;
-  const double a_low = 1 / l.min_acceleration, j_high = 1 / l.max_jerk;
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    const PathMotion& m = motion[i];
-    const double v = first[i] * m.speed, a = first[i] * m.acceleration + second[i] * m.speed * m.speed;
-    const double jerk =
-        first[i] * m.jerk + 3 * second[i] * m.speed * m.acceleration + third[i] * m.speed * m.speed * m.speed;
-    take(out[i], 0, j, std::max(v * v_high, v * v_low));
-    take(out[i], 1, j, std::max(a * a_high, a * a_low));
-    take(out[i], 2, j, std::abs(jerk) * j_high);
-  }
+  return {rows.places(),      rows.first(j),      rows.second(j),         rows.third(j),
+          1 / l.max_velocity, 1 / l.min_velocity, 1 / l.max_acceleration, 1 / l.min_acceleration,
+          1 / l.max_jerk,     double(j)};
 }
 
-void norm_ratios(const PathRows& rows, std::span<const PathMotion> motion, std::size_t n,
-                 std::vector<Ratios>& out) {
+void norm_uses(const PathRows& rows, const Passings& m, std::size_t n, Uses& out) {
   const NormLimit& l = rows.norm(n);
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    const PathMotion& m = motion[i];
-    double v = 0, a = 0, jerk = 0;
+  const double limit[3] = {l.max_velocity, l.max_acceleration, l.max_jerk};
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    double square[3] = {0, 0, 0};
     for (std::size_t c = rows.first_component(n); c < rows.first_component(n + 1); ++c) {
       const double x1 = rows.first(c)[i], x2 = rows.second(c)[i], x3 = rows.third(c)[i];
-      const double one = x1 * m.speed, two = x1 * m.acceleration + x2 * m.speed * m.speed;
-      const double three = x1 * m.jerk + 3 * x2 * m.speed * m.acceleration + x3 * m.speed * m.speed * m.speed;
-      v += one * one, a += two * two, jerk += three * three;
+      const double one = x1 * m.speed[i], two = x1 * m.acceleration[i] + x2 * m.square[i];
+      const double three = x1 * m.jerk[i] + 3 * x2 * m.speed[i] * m.acceleration[i] + x3 * m.cube[i];
+      square[0] += one * one, square[1] += two * two, square[2] += three * three;
     }
-    const std::size_t row = rows.joints() + n;
-    take(out[i], 0, row, std::sqrt(v) / l.max_velocity);
-    take(out[i], 1, row, std::sqrt(a) / l.max_acceleration);
-    take(out[i], 2, row, std::sqrt(jerk) / l.max_jerk);
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      const double use = std::sqrt(square[kind]) / limit[kind];
+      if (use > out.value[kind][i]) out.value[kind][i] = use, out.row[kind][i] = double(rows.joints() + n);
+    }
   }
 }
 
 }  // namespace
 
-void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out) {
-  out.assign(motion.size(), {});
-  for (std::size_t j = 0; j < rows.joints(); ++j) joint_ratios(rows, motion, j, out);
-  for (std::size_t n = 0; n + rows.joints() < rows.rows(); ++n) norm_ratios(rows, motion, n, out);
+void find_uses(const PathRows& rows, const Passings& m, Uses& out) {
+  kernels::Use use;
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    out.value[kind].assign(m.size(), 0.0), out.row[kind].assign(m.size(), 0.0);
+    use.value[kind] = out.value[kind].data(), use.row[kind] = out.row[kind].data();
+  }
+  const kernels::Passing passing{m.speed.data(), m.acceleration.data(), m.jerk.data(), m.square.data(),
+                                 m.cube.data()};
+  for (std::size_t j = 0; j < rows.joints(); ++j) kernels::best().use(joint_row(rows, j), passing, use);
+  for (std::size_t n = 0; n + rows.joints() < rows.rows(); ++n) norm_uses(rows, m, n, out);
 }
 
 }  // namespace polyarm::trajectory

@@ -1,5 +1,6 @@
 #pragma once
 /// What limits say at places of a path, and how near to them a profile comes. Part of timing.hpp.
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -17,7 +18,7 @@ class PathRows {
   PathRows(const Path& path, std::span<const MotionLimits> limits, std::span<const NormLimit> norms);
 
   /// Looks at the path at `s`; forgets other places. Throws Error "bad-path".
-  void look(std::vector<double> s);
+  void look(std::span<const double> s);
 
   std::size_t places() const { return s_.size(); }
   double s(std::size_t place) const { return s_[place]; }
@@ -43,13 +44,21 @@ class PathRows {
   std::vector<double> s_, first_, second_, third_, one_;
 };
 
-/// The highest value of any row over its limit, for each kind, and which row it is.
-struct Ratios {
-  double value[3] = {0, 0, 0};
-  std::size_t row[3] = {0, 0, 0};
+/// How places are passed: lists of one value for each.
+struct Passings {
+  std::vector<double> s, speed, acceleration, jerk, square, cube;  ///< the last two: of the speed
+  std::size_t size() const { return s.size(); }
+  void clear();
+  void add(const PathMotion& m);
 };
 
-/// At every place of `rows` while it is passed as `motion` says (one per place).
-void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
+/// The highest value of any row over its limit at each place, of velocity, acceleration and jerk, and the
+/// number of the row.
+struct Uses {
+  std::array<std::vector<double>, 3> value, row;
+};
+
+/// At every place of `rows` while it is passed as `passed` says.
+void find_uses(const PathRows& rows, const Passings& passed, Uses& out);
 
 }  // namespace polyarm::trajectory

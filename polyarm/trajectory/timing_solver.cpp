@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
-// Before a loop whose arrays do not overlap.
-#ifdef __clang__
-#define POLYARM_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define POLYARM_INDEPENDENT _Pragma("GCC ivdep")
-#endif
+#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/trajectory/timing_kernels.hpp"
 
 namespace polyarm::trajectory {
 namespace {
@@ -113,6 +111,12 @@ class FiveDiagonals {
     d0_[at + 1] += m[3], d1_[at + 1] += m[4], d0_[at + 2] += m[5];
     for (std::size_t i = 0; i < 3; ++i) right_[at + i] += right[i];
   }
+  void add_one(std::size_t at, double m, double right) { d0_[at] += m, right_[at] += right; }
+  /// `at`: the first of two neighbours, counted likewise.
+  void add_two(std::size_t at, double m00, double m01, double m11, double right0, double right1) {
+    d0_[at] += m00, d1_[at] += m01, d0_[at + 1] += m11;
+    right_[at] += right0, right_[at + 1] += right1;
+  }
   /// Solves for nodes 1..last-1 (at 2..last); the others are 0.
   void solve(std::size_t last, std::vector<double>& x) {
     for (std::size_t i = 2; i <= last; ++i) {
@@ -138,124 +142,127 @@ class FiveDiagonals {
 };
 
 /// One kind of rows during the iterations: slacks and multipliers of both sides.
-class Side {
- public:
-  std::vector<double> slack, multiplier, slack_step, multiplier_step;
-  void resize(std::size_t n) {
-    slack.resize(n), multiplier.resize(n), slack_step.resize(n), multiplier_step.resize(n);
-  }
-};
-
-struct Steps {
-  double primal = 0, dual = 0;  // the reciprocals of the longest steps
-};
-
 class Rows {
  public:
-  Rows(const LimitRows& limits, bool jerk) : limits_(limits), jerk_(jerk) { fit(); }
+  Rows(const LimitRows& limits, LimitKind kind) : limits_(limits), kind_(kind) { fit(); }
   /// To as many points as there are now; true if they have changed.
   bool fit() {
-    if (bases_.size() == limits_.points) return false;
-    const std::size_t n = limits_.rows * limits_.points;
-    high_.resize(n), low_.resize(n), value_.resize(n);
-    coefficient_ = limits_.coefficient;
-    bases_.resize(limits_.points);
-    for (auto* set : {&m_, &step_}) set->assign(9 * limits_.points, 0.0);
+    if (room_ && points_ == limits_.points) return false;
+    points_ = limits_.points;
+    const std::size_t n = limits_.rows * points_;
+    room_ = std::make_unique_for_overwrite<double[]>(5 * n);
+    double* list = room_.get();
+    for (double** to : {&value_, &high_slack_, &high_multiplier_, &low_slack_, &low_multiplier_})
+      *to = std::exchange(list, list + n);
+    if (!limits_.component_end.empty()) aimed_ = limits_.coefficient;
+    if (kind_ == LimitKind::jerk) bases_.resize(points_);
+    basis_.assign(3 * points_, 0.0);
+    sums_.resize(9 * points_);
     return true;
   }
   std::size_t sides() const { return 2 * limits_.rows * limits_.points; }
   bool empty() const { return sides() == 0; }
 
   /// The rows at the speeds c = √b.
-  void evaluate(const Speeds& now, bool velocity) {
-    const std::vector<double>& b = now.b;
-    for (std::size_t i = 0; i < limits_.points; ++i) {
+  void evaluate(const Speeds& now) {
+    const std::size_t n = points_;
+    double *v0 = basis_.data(), *v1 = v0 + n, *v2 = v1 + n;
+    for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = limits_.at[i];
-      if (!limits_.side.empty())
-        bases_[i] = edge_bases_at(now, k, limits_.side[i]);
-      else if (jerk_)
-        bases_[i] = jerk_bases_at(now, k);
-      else if (velocity)
-        bases_[i] = {{b[k], 0, 0}, {{{0, 1, 0}, {}, {}}}};
-      else {
-        const double slope = now.slope[k + 1];
-        bases_[i] = {{now.intervals[k + 1].acceleration, (b[k + 1] + b[k]) / 2, 0},
-                     {{{0, -slope, slope}, {0, 0.5, 0.5}, {}}}};
+      if (kind_ == LimitKind::velocity) {
+        v0[i] = now.b[k];
+      } else if (kind_ == LimitKind::acceleration) {
+        v0[i] = now.intervals[k + 1].acceleration, v1[i] = (now.b[k + 1] + now.b[k]) / 2;
+      } else {
+        bases_[i] = limits_.side.empty() ? jerk_bases_at(now, k) : edge_bases_at(now, k, limits_.side[i]);
+        v0[i] = bases_[i].value[0], v1[i] = bases_[i].value[1], v2[i] = bases_[i].value[2];
       }
     }
     aim_norms();
-    for_rows([&](std::size_t, std::size_t begin) {
-      for (std::size_t i = 0; i < limits_.points; ++i) {
-        const Basis& v = bases_[i].value;
-        value_[begin + i] = coefficient_[0][begin + i] * v[0] + coefficient_[1][begin + i] * v[1] +
-                            coefficient_[2][begin + i] * v[2];
-      }
-    });
+    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.evaluate(row(r), v0, v1, v2);
   }
   /// Slacks and multipliers that belong to the values; again: those there are, moved off zero.
   void begin(double complementarity, double least, bool again) {
-    for_rows([&](std::size_t r, std::size_t begin) {
-      for (std::size_t i = begin, k = 0; k < limits_.points; ++i, ++k) {
+    const auto fresh = [&](double& multiplier, double slack) {
+      const double value = complementarity / slack;
+      multiplier = again ? std::max(multiplier, value) : value;
+    };
+    for (std::size_t r = 0; r < limits_.rows; ++r)
+      for (std::size_t k = 0, i = r * limits_.points; k < limits_.points; ++i, ++k) {
         const double floor = least * limits_.scale[k] * (1 - limits_.low[r]);
-        high_.slack[i] = std::max(limits_.scale[k] - value_[i], floor);
-        low_.slack[i] = std::max(value_[i] - limits_.scale[k] * limits_.low[r], floor);
-        for (Side* side : {&high_, &low_}) {
-          const double fresh = complementarity / side->slack[i];
-          side->multiplier[i] = again ? std::max(side->multiplier[i], fresh) : fresh;
-        }
+        high_slack_[i] = std::max(limits_.scale[k] - value_[i], floor);
+        low_slack_[i] = std::max(value_[i] - limits_.scale[k] * limits_.low[r], floor);
+        fresh(high_multiplier_[i], high_slack_[i]), fresh(low_multiplier_[i], low_slack_[i]);
       }
-    });
   }
-  double complementarity() const {
-    double sum[4] = {0, 0, 0, 0};
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      sum[i & 3] += high_.slack[i] * high_.multiplier[i] + low_.slack[i] * low_.multiplier[i];
-    return sum[0] + sum[1] + sum[2] + sum[3];
+  /// Adds to the sum of slacks times multipliers; raises `residual` to the largest excess of any value.
+  void measure(double& complementarity, double& residual) {
+    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.measure(row(r), complementarity, residual);
   }
-  double worst_residual() const {
-    double most = 0;
-    for_rows([&](std::size_t r, std::size_t begin) {
-      for (std::size_t k = 0; k < limits_.points; ++k) {
-        const double value = value_[begin + k], scale = limits_.scale[k], low = scale * limits_.low[r];
-        const double over = value - scale > low - value ? value - scale : low - value;
-        const double part = over / scale;
-        most = most > part ? most : part;
-      }
-    });
-    return most;
-  }
-  void assemble(double centre, FiveDiagonals& system) {
-    const std::size_t n = limits_.points;
-    std::fill(m_.begin(), m_.end(), 0.0);
-    double *m0 = m_.data(), *m1 = m0 + n, *m2 = m1 + n, *m3 = m2 + n, *m4 = m3 + n, *m5 = m4 + n;
-    double *v0 = m5 + n, *v1 = v0 + n, *v2 = v1 + n;
-    for_rows([&](std::size_t r, std::size_t begin) {
-      const double *q0 = &coefficient_[0][begin], *q1 = &coefficient_[1][begin],
-                   *q2 = &coefficient_[2][begin];
-      const double *value = &value_[begin], *sh = &high_.slack[begin], *lh = &high_.multiplier[begin];
-      const double *sl = &low_.slack[begin], *ll = &low_.multiplier[begin], *scale = limits_.scale.data();
-      const double low = limits_.low[r];
-      POLYARM_INDEPENDENT
-      for (std::size_t i = 0; i < n; ++i) {
-        const double wh = 1 / sh[i], wl = 1 / sl[i];
-        const double up = wh * (centre + lh[i] * (value[i] + sh[i] - scale[i]));
-        const double down = wl * (centre + ll[i] * (sl[i] + low * scale[i] - value[i]));
-        const double w = lh[i] * wh + ll[i] * wl, g = up - down;
-        m0[i] += w * q0[i] * q0[i], m1[i] += w * q0[i] * q1[i], m2[i] += w * q0[i] * q2[i];
-        m3[i] += w * q1[i] * q1[i], m4[i] += w * q1[i] * q2[i], m5[i] += w * q2[i] * q2[i];
-        v0[i] += g * q0[i], v1[i] += g * q1[i], v2[i] += g * q2[i];
-      }
-    });
+  void assemble(double centre, const Speeds& now, FiveDiagonals& system) {
+    if (empty()) return;
+    const std::size_t n = points_;
+    std::fill(sums_.begin(), sums_.end(), 0.0);
+    double* sums[9];
+    for (std::size_t k = 0; k < 9; ++k) sums[k] = sums_.data() + k * n;
+    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.assemble(row(r), centre, sums);
     bend_norms();
+    if (kind_ == LimitKind::velocity)
+      for (std::size_t i = 0; i < n; ++i) system.add_one(limits_.at[i] + 1, sums[0][i], -sums[6][i]);
+    else if (kind_ == LimitKind::acceleration)
+      add_accelerations(now, sums, system);
+    else
+      add_jerks(sums, system);
+  }
+  /// Along `db`, which counts from one before the first node: the bases' changes, and how far rows let it go.
+  void direction(double centre, const std::vector<double>& db, const Speeds& now, kernels::Decrease& most) {
+    const std::size_t n = points_;
+    double *d0 = basis_.data(), *d1 = d0 + n, *d2 = d1 + n;
     for (std::size_t i = 0; i < n; ++i) {
+      const double* x = &db[limits_.at[i]];
+      if (kind_ == LimitKind::velocity) {
+        d0[i] = x[1];
+        continue;
+      }
+      if (kind_ == LimitKind::acceleration) {
+        d0[i] = now.slope[limits_.at[i] + 1] * (x[2] - x[1]), d1[i] = (x[1] + x[2]) / 2;
+        continue;
+      }
+      const auto& J = bases_[i].gradient;
+      d0[i] = J[0][0] * x[0] + J[0][1] * x[1] + J[0][2] * x[2];
+      d1[i] = J[1][0] * x[0] + J[1][1] * x[1] + J[1][2] * x[2];
+      d2[i] = J[2][0] * x[0] + J[2][1] * x[1] + J[2][2] * x[2];
+    }
+    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.decrease(row(r), centre, d0, d1, d2, most);
+  }
+  /// After direction().
+  void go(double centre, double primal, double dual) {
+    const std::size_t n = limits_.points;
+    const double *d0 = basis_.data(), *d1 = d0 + n, *d2 = d1 + n;
+    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.step(row(r), centre, d0, d1, d2, primal, dual);
+  }
+
+ private:
+  void add_accelerations(const Speeds& now, double* const* sums, FiveDiagonals& system) const {
+    for (std::size_t i = 0; i < points_; ++i) {
+      const double slope = now.slope[limits_.at[i] + 1];
+      const double own = slope * slope * sums[0][i], half = slope * sums[1][i], mean = sums[3][i] / 4;
+      const double change = slope * sums[6][i], middle = sums[7][i] / 2;
+      system.add_two(limits_.at[i] + 1, own - half + mean, mean - own, own + half + mean, change - middle,
+                     -change - middle);
+    }
+  }
+  void add_jerks(double* const* sums, FiveDiagonals& system) const {
+    const double *m0 = sums[0], *m1 = sums[1], *m2 = sums[2], *m3 = sums[3], *m4 = sums[4], *m5 = sums[5];
+    const double *v0 = sums[6], *v1 = sums[7], *v2 = sums[8];
+    for (std::size_t i = 0; i < points_; ++i) {
       const auto& J = bases_[i].gradient;
       const double M[3][3] = {{m0[i], m1[i], m2[i]}, {m1[i], m3[i], m4[i]}, {m2[i], m4[i], m5[i]}};
       double MJ[3][3];
-      for (int a = 0; a < 3; ++a)
-        for (int k = 0; k < 3; ++k)
-          MJ[a][k] = M[a][0] * J[0][std::size_t(k)] + M[a][1] * J[1][std::size_t(k)] +
-                     M[a][2] * J[2][std::size_t(k)];
-      const auto entry = [&](std::size_t a, int k) {
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t k = 0; k < 3; ++k)
+          MJ[a][k] = M[a][0] * J[0][k] + M[a][1] * J[1][k] + M[a][2] * J[2][k];
+      const auto entry = [&](std::size_t a, std::size_t k) {
         return J[0][a] * MJ[0][k] + J[1][a] * MJ[1][k] + J[2][a] * MJ[2][k];
       };
       Basis right;
@@ -264,56 +271,15 @@ class Rows {
                  {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)}, right);
     }
   }
-  /// `db` counts from one before the first node.
-  void direction(double centre, const std::vector<double>& db, Steps& steps) {
-    const std::size_t n = limits_.points;
-    double *d0 = step_.data(), *d1 = d0 + n, *d2 = d1 + n;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double* x = &db[limits_.at[i]];
-      const auto& J = bases_[i].gradient;
-      d0[i] = J[0][0] * x[0] + J[0][1] * x[1] + J[0][2] * x[2];
-      d1[i] = J[1][0] * x[0] + J[1][1] * x[1] + J[1][2] * x[2];
-      d2[i] = J[2][0] * x[0] + J[2][1] * x[1] + J[2][2] * x[2];
-    }
-    double primal = steps.primal, dual = steps.dual;
-    for_rows([&](std::size_t r, std::size_t begin) {
-      const double *q0 = &coefficient_[0][begin], *q1 = &coefficient_[1][begin],
-                   *q2 = &coefficient_[2][begin];
-      const double *value = &value_[begin], *sh = &high_.slack[begin], *lh = &high_.multiplier[begin];
-      const double *sl = &low_.slack[begin], *ll = &low_.multiplier[begin], *scale = limits_.scale.data();
-      double *dsh = &high_.slack_step[begin], *dlh = &high_.multiplier_step[begin];
-      double *dsl = &low_.slack_step[begin], *dll = &low_.multiplier_step[begin];
-      const double low = limits_.low[r];
-      POLYARM_INDEPENDENT
-      for (std::size_t i = 0; i < n; ++i) {
-        const double change = q0[i] * d0[i] + q1[i] * d1[i] + q2[i] * d2[i];
-        dsh[i] = scale[i] - value[i] - sh[i] - change;
-        dsl[i] = value[i] - low * scale[i] - sl[i] + change;
-        dlh[i] = (centre - lh[i] * dsh[i]) / sh[i] - lh[i];
-        dll[i] = (centre - ll[i] * dsl[i]) / sl[i] - ll[i];
-      }
-      for (std::size_t i = 0; i < n; ++i) {
-        const double a = -dsh[i] / sh[i], b = -dsl[i] / sl[i], c = -dlh[i] / lh[i], d = -dll[i] / ll[i];
-        primal = primal > a ? primal : a;
-        primal = primal > b ? primal : b;
-        dual = dual > c ? dual : c;
-        dual = dual > d ? dual : d;
-      }
-    });
-    steps = {primal, dual};
+  const std::array<std::vector<double>, 3>& coefficients() const {
+    return limits_.component_end.empty() ? limits_.coefficient : aimed_;
   }
-  void go(double primal, double dual) {
-    for (Side* side : {&high_, &low_})
-      for (std::size_t i = 0; i < value_.size(); ++i) {
-        side->slack[i] += primal * side->slack_step[i];
-        side->multiplier[i] += dual * side->multiplier_step[i];
-      }
-  }
-
- private:
-  template <typename Each>
-  void for_rows(Each each) const {
-    for (std::size_t r = 0; r < limits_.rows; ++r) each(r, r * limits_.points);
+  kernels::Row row(std::size_t r) {
+    const std::size_t begin = r * limits_.points;
+    const auto& q = coefficients();
+    return {limits_.points,       q[0].data() + begin,     q[1].data() + begin, q[2].data() + begin,
+            limits_.scale.data(), value_ + begin,          high_slack_ + begin, high_multiplier_ + begin,
+            low_slack_ + begin,   low_multiplier_ + begin, limits_.low[r]};
   }
   /// A norm's row: the components along where their vector points now.
   void aim_norms() {
@@ -325,13 +291,13 @@ class Rows {
         for (std::size_t c = from; c < limits_.component_end[r]; ++c) {
           const std::size_t at = c * limits_.points + i;
           double y = 0;
-          for (std::size_t a = 0; a < 3; ++a) y += limits_.component[a][at] * bases_[i].value[a];
+          for (std::size_t a = 0; a < 3; ++a) y += limits_.component[a][at] * basis_[a * points_ + i];
           square += y * y;
           for (std::size_t a = 0; a < 3; ++a) along[a] += y * limits_.component[a][at];
         }
         const double norm = std::sqrt(square);
         for (std::size_t a = 0; a < 3; ++a)
-          coefficient_[a][r * limits_.points + i] = norm > 0 ? along[a] / norm : 0;
+          aimed_[a][r * limits_.points + i] = norm > 0 ? along[a] / norm : 0;
       }
   }
   /// A norm's curvature: |y| curves by (1 - n nᵀ)/|y|.
@@ -340,24 +306,28 @@ class Rows {
     std::size_t from = 0;
     for (std::size_t r = 0; r < limits_.component_end.size(); from = limits_.component_end[r++])
       for (std::size_t i = 0; i < n; ++i) {
-        const double w = high_.multiplier[r * n + i] / std::max(value_[r * n + i], 0.1 * limits_.scale[i]);
+        const double w = high_multiplier_[r * n + i] / std::max(value_[r * n + i], 0.1 * limits_.scale[i]);
         std::size_t at = 0;
         for (std::size_t a = 0; a < 3; ++a)
           for (std::size_t b = a; b < 3; ++b, ++at) {
-            double sum = -coefficient_[a][r * n + i] * coefficient_[b][r * n + i];
+            double sum = -aimed_[a][r * n + i] * aimed_[b][r * n + i];
             for (std::size_t c = from; c < limits_.component_end[r]; ++c)
               sum += limits_.component[a][c * n + i] * limits_.component[b][c * n + i];
-            m_[at * n + i] += w * sum;
+            sums_[at * n + i] += w * sum;
           }
       }
   }
 
   const LimitRows& limits_;
-  bool jerk_;
-  Side high_, low_;
-  std::vector<double> value_, m_, step_;
-  std::array<std::vector<double>, 3> coefficient_;
-  std::vector<Bases> bases_;
+  LimitKind kind_;
+  const kernels::Set& loops_ = kernels::best();
+  std::size_t points_ = 0;
+  std::unique_ptr<double[]> room_;  // of the five lists
+  double *value_ = nullptr, *high_slack_ = nullptr, *high_multiplier_ = nullptr, *low_slack_ = nullptr,
+         *low_multiplier_ = nullptr;
+  std::vector<double> basis_, sums_;          // per point: three bases or their changes; nine sums
+  std::array<std::vector<double>, 3> aimed_;  // of norms
+  std::vector<Bases> bases_;                  // of jerks
 };
 
 }  // namespace
@@ -366,12 +336,11 @@ class SpeedSolver::Solver {
  public:
   Solver(const SpeedProblem& problem, std::vector<double>& b)
       : p_(problem), b_(b), now_(problem.s, b), db_(b.size() + 4), system_(b.size()) {
-    rows_.emplace_back(p_.velocity, false);
-    rows_.emplace_back(p_.acceleration, false);
-    rows_.emplace_back(p_.norm_acceleration, false);
-    rows_.emplace_back(p_.jerk, true);
-    for (const LimitRows* jerk : {&p_.norm_jerk, &p_.edge_jerk, &p_.norm_edge_jerk})
-      rows_.emplace_back(*jerk, true);
+    rows_.emplace_back(p_.velocity, LimitKind::velocity);
+    for (const LimitRows* rows : {&p_.acceleration, &p_.norm_acceleration})
+      rows_.emplace_back(*rows, LimitKind::acceleration);
+    for (const LimitRows* rows : {&p_.jerk, &p_.norm_jerk, &p_.edge_jerk, &p_.norm_edge_jerk})
+      rows_.emplace_back(*rows, LimitKind::jerk);
   }
 
   SpeedSolution run(double precision, int most) {
@@ -387,14 +356,13 @@ class SpeedSolver::Solver {
     double keep = 0.2;
     for (; out.iterations < most; ++out.iterations) {
       double gap = 0, residual = 0;
-      for (const Rows& r : rows_)
-        gap += r.complementarity(), residual = std::max(residual, r.worst_residual());
+      for (Rows& r : rows_) r.measure(gap, residual);
       out.converged = gap < precision * duration() && residual < 0.006;
       if (out.converged) break;
       const double centre = keep * gap / double(sides);
       system_.clear();
       add_duration();
-      for (Rows& r : rows_) r.assemble(centre, system_);
+      for (Rows& r : rows_) r.assemble(centre, now_, system_);
       system_.solve(b_.size() - 1, db_);
       keep = go(centre);
     }
@@ -404,7 +372,7 @@ class SpeedSolver::Solver {
  private:
   void evaluate() {
     now_.evaluate();
-    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].evaluate(now_, i == 0);
+    for (Rows& r : rows_) r.evaluate(now_);
   }
   double duration() const { return now_.duration(); }
   void add_duration() {
@@ -420,8 +388,8 @@ class SpeedSolver::Solver {
   }
   /// Takes the step; returns how much of the complementarity to keep next.
   double go(double centre) {
-    Steps longest;
-    for (Rows& r : rows_) r.direction(centre, db_, longest);
+    kernels::Decrease longest;
+    for (Rows& r : rows_) r.direction(centre, db_, now_, longest);
     double primal = longest.primal > 0.98 ? 0.98 / longest.primal : 1;
     const double dual = longest.dual > 0.98 ? 0.98 / longest.dual : 1;
     for (std::size_t k = 1; k + 1 < b_.size(); ++k) {
@@ -430,7 +398,7 @@ class SpeedSolver::Solver {
       if (change * primal > 3) primal = 3 / change;
     }
     for (std::size_t k = 1; k + 1 < b_.size(); ++k) b_[k] += primal * db_[k + 1];
-    for (Rows& r : rows_) r.go(primal, dual);
+    for (Rows& r : rows_) r.go(centre, primal, dual);
     evaluate();
     const double least = std::min(primal, dual);
     return least > 0.9 ? 0.05 : least > 0.6 ? 0.15 : least > 0.3 ? 0.3 : 0.6;
