@@ -18,7 +18,7 @@ Task::Task(std::string name, program::Program program, ProgramHost::Context cont
 }
 
 void Task::look() {
-  status_ = std::move(interpreter_.status().front());
+  status_ = interpreter_.overview();
   if (status_.where.line == shown_.line || status_.state == TaskState::finished) return;
   shown_ = status_.where;
   observer_->on_line(*now_, name_, status_.where, status_.source);
@@ -55,6 +55,21 @@ std::string Task::sentence() const {
     case program::WaitKind::time:
       out += ", waits for time to pass";
       break;
+    case program::WaitKind::arrival:
+    case program::WaitKind::room:
+      out += ", moves";
+      break;
+    case program::WaitKind::until:
+      out += ", moves until " + join(status_.waiting.names, ", ");
+      break;
+    case program::WaitKind::meet:
+    case program::WaitKind::lock:
+      out += ", waits for another task at " + status_.waiting.text;
+      break;
+    case program::WaitKind::together:
+      out += ", waits for what it does together";
+      break;
+    case program::WaitKind::turn:
     case program::WaitKind::none:
       break;
   }

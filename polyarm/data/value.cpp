@@ -31,6 +31,8 @@ std::string text_of(const List& list) {
 
 std::string text_of(const JointState& joints) {
   std::string out;
+  if (joints.names.empty())
+    for (const double position : joints.positions) out += (out.empty() ? "" : ", ") + format_number(position);
   for (std::size_t i = 0; i < joints.names.size() && i < joints.positions.size(); ++i)
     out += (i ? ", " : "") + joints.names[i] + ": " + format_number(joints.positions[i]);
   return "{" + out + "}";
@@ -44,6 +46,13 @@ std::string text_of(const Point& point) {
          (point.quaternion_given ? ") quaternion(" + join_numbers({q.x, q.y, q.z, q.w})
                                  : ") rpy(" + join_numbers({rpy.x, rpy.y, rpy.z})) +
          ")";
+}
+
+std::string text_of(const Record& record) {
+  std::string out;
+  for (std::size_t i = 0; i < record.names.size(); ++i)
+    out += (i ? ", " : "") + record.names[i] + " = " + record.values[i].text();
+  return "{" + out + "}";
 }
 }  // namespace
 
@@ -61,6 +70,8 @@ const char* name(Kind kind) {
       return "a joint state";
     case Kind::pose:
       return "a pose";
+    case Kind::record:
+      return "a record";
   }
   return "a value";
 }
@@ -103,11 +114,25 @@ const double* JointState::find(std::string_view joint) const {
 
 bool operator==(const JointState& a, const JointState& b) {
   if (a.names.size() != b.names.size() || a.positions.size() != b.positions.size()) return false;
+  if (a.names.empty()) return a.positions == b.positions;
   return std::all_of(a.names.begin(), a.names.end(), [&](const std::string& joint) {
     const double* mine = a.find(joint);
     const double* other = b.find(joint);
     return mine && other && *mine == *other;
   });
+}
+
+const Value* Record::find(std::string_view field) const {
+  const auto at = std::find(names.begin(), names.end(), field);
+  return at == names.end() ? nullptr : &values[static_cast<std::size_t>(at - names.begin())];
+}
+
+static bool operator==(const Record& a, const Record& b) {
+  return a.names.size() == b.names.size() &&
+         std::all_of(a.names.begin(), a.names.end(), [&](const std::string& field) {
+           const Value* other = b.find(field);
+           return other && *a.find(field) == *other;
+         });
 }
 
 std::string Value::text() const {

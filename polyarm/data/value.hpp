@@ -10,7 +10,7 @@
 
 namespace polyarm::data {
 
-enum class Kind { boolean, number, text, list, joints, pose };
+enum class Kind { boolean, number, text, list, joints, pose, record };
 
 /// "a boolean", "a number", …: as it stands in a sentence.
 const char* name(Kind kind);
@@ -22,7 +22,8 @@ struct Number {
   friend bool operator==(const Number&, const Number&) = default;
 };
 
-/// One position per joint, radians or metres. The names decide which joint is meant, never the order.
+/// One position per joint, radians or metres. The names decide which joint is meant, never the order; without
+/// names the positions are in the order of the robot that takes them.
 struct JointState {
   std::vector<std::string> names;
   std::vector<double> positions;
@@ -43,6 +44,14 @@ struct Point {
 class Value;
 using List = std::vector<Value>;
 
+/// Named values, in the order they were written.
+struct Record {
+  std::vector<std::string> names;
+  List values;
+  /// The value of `field`, or nullptr.
+  const Value* find(std::string_view field) const;
+};
+
 class Value {
  public:
   Value() : content_{false} {}
@@ -56,6 +65,7 @@ class Value {
   Value(List value) : content_{std::move(value)} {}
   Value(JointState value) : content_{std::move(value)} {}
   Value(Point value) : content_{std::move(value)} {}
+  Value(Record value) : content_{std::move(value)} {}
 
   Kind kind() const { return static_cast<Kind>(content_.index()); }
   const bool* as_boolean() const { return std::get_if<bool>(&content_); }
@@ -64,16 +74,19 @@ class Value {
   const List* as_list() const { return std::get_if<List>(&content_); }
   const JointState* as_joints() const { return std::get_if<JointState>(&content_); }
   const Point* as_point() const { return std::get_if<Point>(&content_); }
+  const Record* as_record() const { return std::get_if<Record>(&content_); }
   /// A joint state or a pose: something a robot can move to.
   bool is_place() const { return as_joints() || as_point(); }
 
-  /// As a person reads it: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…).
+  /// As a person reads it: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…),
+  /// {red = 1}.
   std::string text() const;
 
+  /// Records are equal when every field is, in whatever order they stand.
   friend bool operator==(const Value& a, const Value& b);
 
  private:
-  std::variant<bool, Number, std::string, List, JointState, Point> content_;
+  std::variant<bool, Number, std::string, List, JointState, Point, Record> content_;
 };
 
 /// The SI unit of `dimension` as the language spells it; empty for none.

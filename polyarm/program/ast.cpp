@@ -12,6 +12,36 @@ const char* spelling(Operator op) {
   return kSpellings[static_cast<int>(op)];
 }
 
+const char* spelling(Clause::Kind kind) {
+  static constexpr const char* kSpellings[] = {"robot", "tool",     "frame", "speed", "accel",
+                                               "blend", "duration", "exact", "until", "at"};
+  return kSpellings[static_cast<int>(kind)];
+}
+
+std::string spelled(const Expression& expression) {
+  using Kind = Expression::Kind;
+  switch (expression.kind) {
+    case Kind::name:
+      return expression.name;
+    case Kind::call: {
+      const std::size_t count = expression.parts.size();
+      const std::string first = count ? spelled(*expression.parts.front()) : "";
+      return expression.name + "(" + first + (count > 1 ? ", …)" : ")");
+    }
+    case Kind::index:
+      return spelled(*expression.parts[0]) + "[" + spelled(*expression.parts[1]) + "]";
+    case Kind::field:
+      return spelled(*expression.parts[0]) + "." + expression.name;
+    case Kind::literal:
+      return expression.value.text();
+    case Kind::binary:
+      return spelled(*expression.parts[0]) + " " + spelling(expression.op) + " " +
+             spelled(*expression.parts[1]);
+    default:
+      return "…";
+  }
+}
+
 namespace {
 void collect_names(const Expression& expression, std::vector<std::string>& out) {
   if (expression.kind == Expression::Kind::name &&
@@ -27,9 +57,17 @@ std::vector<std::string> names_read(const Expression& expression) {
   return out;
 }
 
-std::string Program::source(int line) const {
-  if (line < 1 || static_cast<std::size_t>(line) > lines.size()) return {};
-  return std::string(trim(lines[static_cast<std::size_t>(line) - 1]));
+Location Program::at(Place place) const {
+  const auto index = static_cast<std::size_t>(place.file);
+  const std::string& name = index == 0 || index > included.size() ? file : included[index - 1].file;
+  return {name, place.line, place.column};
+}
+
+std::string Program::source(Place place) const {
+  const auto index = static_cast<std::size_t>(place.file);
+  const auto& text = index == 0 || index > included.size() ? lines : included[index - 1].lines;
+  const auto line = static_cast<std::size_t>(place.line);
+  return place.line < 1 || line > text.size() ? std::string{} : std::string(trim(text[line - 1]));
 }
 
 }  // namespace polyarm::program

@@ -45,9 +45,11 @@ struct Expression {
     name,     ///< name, with its dots: "in.part_ready"
     unary,    ///< op, parts[0]
     binary,   ///< op, parts[0], parts[1]
-    call,     ///< name, parts
+    call,     ///< name, parts; names: of an argument that was named, else empty
     index,    ///< parts[0] [ parts[1] ], first index 1
+    field,    ///< parts[0] . name
     list,     ///< parts
+    record,   ///< names and parts
     joined,   ///< parts, each as text, one after the other
   };
   Kind kind = Kind::literal;
@@ -57,7 +59,11 @@ struct Expression {
   std::string name;
   Operator op = Operator::add;
   std::vector<ExpressionPtr> parts;
+  std::vector<std::string> names;
 };
+
+/// As a message calls it: its name, or its form such as offset(Pick, …).
+std::string spelled(const Expression& expression);
 
 /// The names that `expression` reads, each once, in the order of the text.
 std::vector<std::string> names_read(const Expression& expression);
@@ -68,6 +74,34 @@ using Block = std::vector<Statement>;
 /// One branch of an if: `condition` is empty for else.
 struct Branch;
 
+/// What is said about a move, or about all moves of a block by `use`.
+struct Clause {
+  enum class Kind { robot, tool, frame, speed, accel, blend, duration, exact, until, at };
+  Kind kind = Kind::exact;
+  Place place;
+  ExpressionPtr value;    ///< all but exact; of `at` the distance or time, if one is said
+  Block otherwise;        ///< until … else
+  bool has_else = false;  ///< of until
+  bool from_end = false;  ///< of at: before the end, not after the start
+  std::string target;     ///< of at: what is set
+  ExpressionPtr to;       ///< of at: what it is set to
+};
+/// As it is spelled in a program.
+const char* spelling(Clause::Kind kind);
+
+/// What follows a name on the left of `=`: a field or a place in a list.
+struct PathPart {
+  Place place;
+  std::string field;
+  ExpressionPtr index;  ///< empty: a field
+};
+
+struct Parameter {
+  std::string name;
+  Place place;
+  ExpressionPtr value;  ///< where a call leaves it out; may be empty
+};
+
 struct Statement {
   enum class Kind {
     load,
@@ -76,6 +110,7 @@ struct Statement {
     set,
     let,
     move,
+    use,
     wait_time,
     wait,
     ask,
@@ -85,20 +120,41 @@ struct Statement {
     break_loop,
     continue_loop,
     stop,
+    hold,
     log,
-    call
+    call,
+    include,
+    function,
+    return_value,
+    try_block,
+    raise,
+    retry,
+    task,
+    together,
+    meet,
+    lock,
+    when,
+    on_stop
   };
+  enum class Motion { moveto, movej, movel, movec };
   Kind kind = Kind::stop;
+  Motion motion = Motion::moveto;
   Place place;
-  std::string name;  ///< data file, variable
+  std::string name;  ///< data file, variable, function, task, meeting, lock, of try the name of the error
   Place name_place;
   bool explicit_variable = false;        ///< wait var NAME
   Value literal;                         ///< set_literal; the text of ask
-  ExpressionPtr expression;              ///< value, condition, time, point, first of a range, list
+  ExpressionPtr expression;              ///< value, condition, time, first of a range, list
   ExpressionPtr second;                  ///< end of a range; timeout; of a bare `wait user` the name `user`
-  std::vector<ExpressionPtr> arguments;  ///< log
-  Block body;                            ///< of a loop; what happens after a timeout
-  bool has_else = false;                 ///< wait … timeout … else
+  std::string second_name;               ///< for NAME, NAME in …: the place in the list comes first
+  std::vector<ExpressionPtr> arguments;  ///< log; the points of a move
+  std::vector<PathPart> path;            ///< set NAME.field[index] = …
+  std::vector<Clause> clauses;           ///< move, use
+  std::vector<Parameter> parameters;     ///< function
+  Block body;                            ///< of a loop, function, task …; what happens after a timeout
+  Block handler;                         ///< try … on error
+  Place handler_place;
+  bool has_else = false;  ///< wait, meet … timeout … else
   std::vector<Branch> branches;
 };
 
@@ -110,13 +166,18 @@ struct Branch {
 
 /// A parsed program and its text.
 struct Program {
+  struct Included {
+    std::string file;
+    std::vector<std::string> lines;
+  };
   std::string file;
   std::vector<std::string> lines;
-  Block statements;
+  Block statements;                ///< with those of the included files where they are included
+  std::vector<Included> included;  ///< file 1 and on
 
-  Location at(Place place) const { return {file, place.line, place.column}; }
+  Location at(Place place) const;
   /// The source line without blanks around it; empty for a line there is not.
-  std::string source(int line) const;
+  std::string source(Place place) const;
 };
 
 }  // namespace polyarm::program

@@ -5,7 +5,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
-#include "polyarm/program/operators.hpp"
+#include "polyarm/program/code.hpp"
+#include "polyarm/program/scope.hpp"
 
 namespace polyarm::program {
 
@@ -27,195 +28,88 @@ void KnownNames::add(const data::DataStore& store) {
 namespace {
 using Statements = Statement::Kind;
 
-const Type kBoolean{Kind::boolean, {}};
-const Type kUnknown{};
-Type number_of(std::optional<Dimension> dimension) {
-  return {Kind::number, dimension};
-}
-
-bool is_place(Kind kind) {
-  return kind == Kind::joints || kind == Kind::pose;
-}
-
-std::string described(const Type& type) {
-  if (type.kind == Kind::number && type.dimension)
-    return *type.dimension == Dimension::none ? "a number without unit" : name(*type.dimension);
-  return type.kind ? data::name(*type.kind) : "something";
-}
-
-bool surely_other(const Type& a, const Type& b) {
-  if (!a.kind || !b.kind) return false;
-  if (is_place(*a.kind) && is_place(*b.kind)) return false;
-  return *a.kind != *b.kind || (a.dimension && b.dimension && *a.dimension != *b.dimension);
-}
-
-bool is_comparison(Operator op) {
-  return op >= Operator::equal && op <= Operator::greater_equal;
+/// Blocks that run within one cycle: what may not stand in them.
+bool takes_time(const Statement& s) {
+  switch (s.kind) {
+    case Statements::move:
+    case Statements::wait:
+    case Statements::wait_time:
+    case Statements::ask:
+    case Statements::load:
+    case Statements::import:
+    case Statements::meet:
+    case Statements::lock:
+    case Statements::together:
+    case Statements::hold:
+      return true;
+    default:
+      return false;
+  }
 }
 
 class Checker {
  public:
   Checker(const Program& program, const KnownNames& known, Problems& problems)
-      : program_{program}, known_{known}, problems_{problems}, names_{known.names} {}
+      : program_{program}, known_{known}, problems_{problems}, scope_{program, known, problems} {}
 
   void run() {
-    collect_made(program_.statements);
-    block(program_.statements);
-    warn_of_case();
+    check_functions_names();
+    block(program_.statements, true);
+    for (const Statement& s : program_.statements) apart(s);
+    check_tasks();
+    check_blends(program_, scope_);
+    scope_.warn_of_case();
   }
 
  private:
-  struct Scoped {
-    std::string name;
-    Type type;
-  };
-
+  Type infer(const Expression& e) { return scope_.infer(e); }
   void error(std::string code, Place place, std::string what, std::string advice = {}) {
-    problems_.error(std::move(code), program_.at(place), std::move(what), std::move(advice));
+    scope_.error(std::move(code), place, std::move(what), std::move(advice));
   }
   void warning(std::string code, Place place, std::string what, std::string advice = {}) {
-    problems_.warning(std::move(code), program_.at(place), std::move(what), std::move(advice));
+    scope_.warning(std::move(code), place, std::move(what), std::move(advice));
   }
 
-  /// Names that lines such as `set NAME True` will make.
-  void collect_made(const Block& statements) {
-    for (const Statement& s : statements) {
-      if (s.kind == Statements::set_literal && !s.name.empty() && !known_.names.contains(s.name))
-        made_.insert(s.name);
-      collect_made(s.body);
-      for (const Branch& branch : s.branches) collect_made(branch.body);
+  void check_functions_names() {
+    std::map<std::string, int> lines;
+    int stops = 0;
+    for (const Statement& s : program_.statements) {
+      if (s.kind == Statements::on_stop && ++stops == 2)
+        error("twice", s.place, "there is an 'on stop' already", "a program has one");
+      if (s.kind != Statements::function && s.kind != Statements::task) continue;
+      const std::string what = s.kind == Statements::task ? "task" : "func";
+      const auto [at, made] = lines.try_emplace(what + " " + s.name, s.place.line);
+      if (!made)
+        error("twice", s.name_place,
+              "there is a '" + at->first + "' in line " + std::to_string(at->second) + " already",
+              "choose another name");
     }
   }
 
-  std::vector<std::string> all_names() const {
-    std::vector<std::string> out;
-    for (const auto& name : names_) out.push_back(name.first);
-    for (const Scoped& local : locals_) out.push_back(local.name);
-    return out;
-  }
-
-  const Type* local(const std::string& name) const {
-    const auto at =
-        std::find_if(locals_.rbegin(), locals_.rend(), [&](const Scoped& l) { return l.name == name; });
-    return at == locals_.rend() ? nullptr : &at->type;
-  }
-
-  Type type_of_name(const std::string& name, Place place) {
-    used_.emplace(name, place);
-    if (const Type* found = local(name)) return *found;
-    if (const auto at = names_.find(name); at != names_.end()) return at->second;
-    if (made_.contains(name)) return kUnknown;
-    error("unknown-name", place, "there is nothing called '" + name + "'" + did_you_mean(name, all_names()),
-          "names are data, points, tags and what `let` made");
-    return kUnknown;
-  }
-
-  Type infer(const Expression& e) {
-    using Kinds = Expression::Kind;
-    switch (e.kind) {
-      case Kinds::literal:
-        return type_of(e.value);
-      case Kinds::name:
-        return type_of_name(e.name, e.place);
-      case Kinds::unary:
-        return infer_unary(e);
-      case Kinds::binary:
-        return infer_binary(e);
-      case Kinds::call:
-        return infer_call(e);
-      default:
-        break;
+  /// What stands outside of the program's own lines, with the names that those make.
+  void apart(const Statement& s) {
+    const std::size_t outer = scope_.variables.size();
+    if (s.kind == Statements::function) {
+      for (const Parameter& parameter : s.parameters) {
+        const Type type = parameter.value ? infer(*parameter.value) : kUnknown;
+        scope_.declare(parameter.name, parameter.place, type.kind && is_place(type) ? kUnknown : type);
+      }
+      block(s.body);
     }
-    const std::vector<Type> parts = infer_all(e);
-    if (e.kind == Kinds::list) return {Kind::list, {}};
-    if (e.kind == Kinds::joined) return {Kind::text, {}};
-    if (parts[0].kind && *parts[0].kind != Kind::list)
-      error("bad-type", e.place, "only a list has elements, here is " + described(parts[0]));
-    return kUnknown;
+    if (s.kind == Statements::task) block(s.body);
+    if (s.kind == Statements::when || s.kind == Statements::on_stop) check_at_once(s);
+    scope_.variables.resize(outer);
   }
 
-  std::vector<Type> infer_all(const Expression& e) {
-    std::vector<Type> out;
-    for (const ExpressionPtr& part : e.parts) out.push_back(infer(*part));
-    return out;
-  }
-
-  Type infer_unary(const Expression& e) {
-    const Type of = infer(*e.parts[0]);
-    const Kind wanted = e.op == Operator::logical_not ? Kind::boolean : Kind::number;
-    if (of.kind && *of.kind != wanted)
-      error(
-          "bad-type", e.place,
-          std::string("'") + spelling(e.op) + "' needs " + data::name(wanted) + ", here is " + described(of));
-    return wanted == Kind::boolean ? kBoolean : number_of(of.dimension);
-  }
-
-  void refuse_pair(const Expression& e, const Type& a, const Type& b) {
-    error("bad-type", e.place,
-          std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b));
-  }
-
-  Type infer_binary(const Expression& e) {
-    const Type a = infer(*e.parts[0]), b = infer(*e.parts[1]);
-    if (e.op == Operator::logical_and || e.op == Operator::logical_or) {
-      if (surely_other(a, kBoolean) || surely_other(b, kBoolean)) refuse_pair(e, a, b);
-      return kBoolean;
-    }
-    if (is_comparison(e.op)) {
-      const bool ordered = e.op >= Operator::less && e.op <= Operator::greater_equal;
-      if (surely_other(a, b) || (ordered && (!can_order(a) || !can_order(b)))) refuse_pair(e, a, b);
-      return kBoolean;
-    }
-    return infer_arithmetic(e, a, b);
-  }
-
-  static bool can_order(const Type& type) {
-    return !type.kind || *type.kind == Kind::number || *type.kind == Kind::text;
-  }
-
-  Type infer_arithmetic(const Expression& e, const Type& a, const Type& b) {
-    if (!a.kind || !b.kind) return kUnknown;
-    const bool joins =
-        e.op == Operator::add && *a.kind == *b.kind && (*a.kind == Kind::text || *a.kind == Kind::list);
-    if (joins) return a;
-    if (*a.kind != Kind::number || *b.kind != Kind::number) {
-      refuse_pair(e, a, b);
-      return kUnknown;
-    }
-    if (!a.dimension || !b.dimension) return number_of({});
-    return number_of(dimension_of(e, a, b));
-  }
-
-  std::optional<Dimension> dimension_of(const Expression& e, const Type& a, const Type& b) {
-    std::optional<Dimension> out;
-    if (e.op == Operator::multiply) {
-      out = product(*a.dimension, *b.dimension);
-    } else if (e.op == Operator::divide) {
-      out = quotient(*a.dimension, *b.dimension);
-    } else if (*a.dimension == *b.dimension) {
-      out = a.dimension;
-    }
-    if (!out) refuse_pair(e, a, b);
-    return out;
-  }
-
-  Type infer_call(const Expression& e) {
-    const std::vector<Type> arguments = infer_all(e);
-    const Function* function = find_function(e.name);
-    if (!function) {
-      error("unknown-function", e.place,
-            "there is no function '" + e.name + "'" + did_you_mean(e.name, function_names()),
-            "functions are " + join(function_names(), ", "));
-      return kUnknown;
-    }
-    if (arguments.size() < function->least || arguments.size() > function->most) {
-      error("bad-call", e.place,
-            e.name + "() takes " + std::to_string(function->least) +
-                (function->most > function->least ? " or more" : "") + " values, here are " +
-                std::to_string(arguments.size()));
-      return number_of({});
-    }
-    return number_of(e.name == "length" ? std::optional(Dimension::none) : arguments[0].dimension);
+  void check_at_once(const Statement& s) {
+    const std::string what = s.kind == Statements::when ? "when" : "on stop";
+    if (s.expression) condition(*s.expression, what);
+    for_each_statement(s.body, [&](const Statement& inner) {
+      if (takes_time(inner))
+        error("waits", inner.place, "'" + what + "' runs within one cycle: nothing in it moves or waits",
+              "set a tag here and let a task do it");
+    });
+    block(s.body);
   }
 
   void condition(const Expression& e, const std::string& of) {
@@ -225,17 +119,27 @@ class Checker {
             "the condition of '" + of + "' is " + described(type) + ", True or False was expected");
   }
 
-  void block(const Block& statements) {
-    const std::size_t outer = locals_.size();
+  static bool leaves(const Statement& s) {
+    return s.kind == Statements::stop || s.kind == Statements::break_loop ||
+           s.kind == Statements::continue_loop || s.kind == Statements::return_value ||
+           s.kind == Statements::raise;
+  }
+  static bool stands_apart(const Statement& s) {
+    return s.kind == Statements::function || s.kind == Statements::task || s.kind == Statements::on_stop;
+  }
+
+  void block(const Block& statements, bool top = false) {
+    const std::size_t outer = scope_.variables.size();
     bool left = false, said = false;
     for (const Statement& s : statements) {
-      if (left && !said) warning("unreachable", s.place, "this line is never reached");
-      said = said || left;
+      if (left && !said && !stands_apart(s)) {
+        warning("unreachable", s.place, "this line is never reached");
+        said = true;
+      }
       statement(s);
-      left = left || s.kind == Statements::stop || s.kind == Statements::break_loop ||
-             s.kind == Statements::continue_loop;
+      left = left || leaves(s);
     }
-    locals_.resize(outer);
+    if (!top) scope_.variables.resize(outer);
   }
 
   void statement(const Statement& s) {
@@ -251,6 +155,8 @@ class Checker {
         return declare(s, s.expression ? infer(*s.expression) : kUnknown);
       case Statements::move:
         return check_move(s);
+      case Statements::use:
+        return check_clauses(s);
       case Statements::wait_time:
         return check_time(s.expression, true);
       case Statements::wait:
@@ -268,8 +174,42 @@ class Checker {
         for (const ExpressionPtr& argument : s.arguments) infer(*argument);
         return;
       case Statements::call:
+      case Statements::hold:
+      case Statements::return_value:
         if (s.expression) infer(*s.expression);
         return;
+      default:
+        return structure(s);
+    }
+  }
+
+  void structure(const Statement& s) {
+    switch (s.kind) {
+      case Statements::try_block: {
+        block(s.body);
+        const std::size_t outer = scope_.variables.size();
+        scope_.declare(s.name, s.name_place, {Kind::record, {}});
+        block(s.handler);
+        scope_.variables.resize(outer);
+        return;
+      }
+      case Statements::raise:
+        return check_raise(s);
+      case Statements::retry:
+        if (s.expression && surely_other(infer(*s.expression), number_of(Dimension::none)))
+          error("bad-type", s.expression->place, "'retry' takes how often, a number without unit");
+        return;
+      case Statements::together: {
+        const std::size_t outside = fixed_;
+        fixed_ = scope_.variables.size();
+        block(s.body);
+        fixed_ = outside;
+        return;
+      }
+      case Statements::meet:
+      case Statements::lock:
+        check_time(s.second, false);
+        return block(s.body);
       default:
         return;
     }
@@ -286,18 +226,20 @@ class Checker {
 
   void check_set_literal(const Statement& s) {
     if (s.name.empty()) return;
-    used_.emplace(s.name, s.name_place);
+    scope_.used.emplace(s.name, s.name_place);
     const Type now = type_of(s.literal);
-    const Type* inner = local(s.name);
-    const auto at = names_.find(s.name);
-    if (!inner && at == names_.end()) {
-      warning("new-name", s.name_place, "'" + s.name + "' is made here" + did_you_mean(s.name, all_names()),
+    const Type* inner = scope_.local(s.name);
+    auto& names = scope_.names;
+    const auto at = names.find(s.name);
+    if (!inner && at == names.end()) {
+      warning("new-name", s.name_place,
+              "'" + s.name + "' is made here" + did_you_mean(s.name, scope_.all_names()),
               "give it a line in the data file if it is meant");
-      names_[s.name] = now;
+      names[s.name] = now;
       return;
     }
     const Type before = inner ? *inner : at->second;
-    if (s.literal.as_text() && names_.contains(*s.literal.as_text()))
+    if (s.literal.as_text() && (names.contains(*s.literal.as_text()) || scope_.local(*s.literal.as_text())))
       return warning("text-or-name", s.name_place,
                      "this sets '" + s.name + "' to the text \"" + *s.literal.as_text() + "\"",
                      "did you mean `set " + s.name + " = " + *s.literal.as_text() + "`?");
@@ -308,40 +250,142 @@ class Checker {
 
   void check_set(const Statement& s) {
     const Type value = s.expression ? infer(*s.expression) : kUnknown;
+    for (const PathPart& part : s.path)
+      if (part.index && surely_other(infer(*part.index), number_of(Dimension::none)))
+        error("bad-type", part.place, "the place in a list is a whole number");
     if (s.name.empty()) return;
-    used_.emplace(s.name, s.name_place);
-    const Type* inner = local(s.name);
-    const auto at = names_.find(s.name);
-    if (!inner && at == names_.end()) {
-      if (made_.contains(s.name)) return;
-      return error("unknown-name", s.name_place,
-                   "there is nothing called '" + s.name + "'" + did_you_mean(s.name, all_names()),
-                   "write `let " + s.name + " = …` to make it");
+    scope_.used.emplace(s.name, s.name_place);
+    check_target(s.name, s.name_place, s.path.empty() ? value : kUnknown);
+  }
+
+  /// Something that `set` may change to a value of type `value`.
+  void check_target(const std::string& name, Place place, const Type& value) {
+    const std::string variable = scope_.variable_in(name);
+    const auto at = scope_.names.find(name);
+    if (variable.empty() && at == scope_.names.end()) {
+      if (scope_.made.contains(name)) return;
+      return error("unknown-name", place,
+                   "there is nothing called '" + name + "'" + did_you_mean(name, scope_.all_names()),
+                   "write `let " + name + " = …` to make it");
     }
-    const Type before = inner ? *inner : at->second;
+    if (!variable.empty()) check_not_fixed(variable, place);
+    const Type before = variable.empty() ? at->second : variable == name ? *scope_.local(name) : kUnknown;
     if (surely_other(before, value))
-      error("bad-type", s.name_place,
-            "'" + s.name + "' is " + described(before) + " and cannot become " + described(value),
+      error("bad-type", place,
+            "'" + name + "' is " + described(before) + " and cannot become " + described(value),
             "a name keeps its type and unit");
   }
 
-  void declare(const Statement& s, Type type) {
-    if (s.name.empty()) return;
-    if (local(s.name) || names_.contains(s.name))
-      error("shadowing", s.name_place, "there is a '" + s.name + "' already",
-            "choose another name, or change it with `set`");
-    used_.emplace(s.name, s.name_place);
-    locals_.push_back({s.name, type});
+  void check_not_fixed(const std::string& variable, Place place) {
+    for (std::size_t i = 0; i < fixed_ && i < scope_.variables.size(); ++i)
+      if (scope_.variables[i].name == variable)
+        return error("fixed", place, "'" + variable + "' cannot be changed inside 'together'",
+                     "its statements run side by side; set a tag, or change it before or after");
   }
 
+  void declare(const Statement& s, Type type) { scope_.declare(s.name, s.name_place, type); }
+
   void check_move(const Statement& s) {
+    const bool may_be_list = s.motion == Statement::Motion::movej || s.motion == Statement::Motion::movel;
+    for (const ExpressionPtr& point : s.arguments) {
+      const Type type = infer(*point);
+      if (is_place(type) || (may_be_list && type.kind == Kind::list)) continue;
+      const std::string what = point->kind == Expression::Kind::name ? "'" + point->name + "'" : "this";
+      error("bad-type", point->place, what + " is " + described(type) + ", a point was expected",
+            "a move goes to a joint state or a pose");
+    }
+    check_clauses(s);
+  }
+
+  void check_clauses(const Statement& s) {
+    const Clause* blend = nullptr;
+    const Clause* exact = nullptr;
+    for (const Clause& clause : s.clauses) {
+      if (clause.kind == Clause::Kind::blend) blend = &clause;
+      if (clause.kind == Clause::Kind::exact) exact = &clause;
+      check_clause(clause);
+    }
+    const bool single =
+        s.kind == Statements::move && s.arguments.size() == 1 &&
+        s.arguments.front()->kind == Expression::Kind::name &&
+        is_place(scope_.local(s.arguments.front()->name) ? *scope_.local(s.arguments.front()->name)
+                                                         : type_known(s.arguments.front()->name));
+    if (blend && exact && single)
+      warning("no-blend", blend->place, "this blend cannot happen: the move is exact",
+              "leave one of the two");
+  }
+
+  Type type_known(const std::string& name) const {
+    const auto at = scope_.names.find(name);
+    return at == scope_.names.end() || !at->second.kind ? Type{Kind::list, {}} : at->second;
+  }
+
+  void check_clause(const Clause& clause) {
+    using Kinds = Clause::Kind;
+    using D = Dimension;
+    switch (clause.kind) {
+      case Kinds::speed:
+        return check_quantity(clause, {D::speed, D::angular_speed, D::none}, "500mm/s, 30deg/s or 50%");
+      case Kinds::accel:
+        return check_quantity(clause, {D::acceleration, D::angular_acceleration, D::none},
+                              "2m/s2, 200deg/s2 or 50%");
+      case Kinds::blend:
+        return check_quantity(clause, {D::length}, "20mm");
+      case Kinds::duration:
+        return check_quantity(clause, {D::time}, "2s");
+      case Kinds::until:
+        if (clause.value) condition(*clause.value, "until");
+        return block(clause.otherwise);
+      case Kinds::at:
+        return check_at(clause);
+      case Kinds::robot:
+      case Kinds::tool:
+      case Kinds::frame:
+        if (clause.value && clause.value->kind != Expression::Kind::name) infer(*clause.value);
+        return;
+      default:
+        return;
+    }
+  }
+
+  void check_quantity(const Clause& clause, std::initializer_list<Dimension> dimensions,
+                      const char* such_as) {
+    if (!clause.value) return;
+    const Type type = infer(*clause.value);
+    const auto fits = [&](Dimension dimension) { return type.dimension == dimension; };
+    if (!type.kind || (type.kind == Kind::number && !type.dimension)) return;
+    const std::string word = std::string("'") + spelling(clause.kind) + "'";
+    if (type.kind != Kind::number || std::none_of(dimensions.begin(), dimensions.end(), fits))
+      return error("bad-type", clause.value->place, word + " cannot be " + described(type),
+                   std::string("write such as ") + such_as);
+    const data::Number* value =
+        clause.value->kind == Expression::Kind::literal ? clause.value->value.as_number() : nullptr;
+    if (value && value->dimension == Dimension::none && value->value > 1)
+      error("bad-value", clause.value->place,
+            word + " as a share of what the robot can is at most 100%, here is " + clause.value->value.text(),
+            std::string("with a unit write such as ") + such_as);
+  }
+
+  void check_at(const Clause& clause) {
+    if (clause.value) {
+      const Type type = infer(*clause.value);
+      if (surely_other(type, number_of(Dimension::length)) && surely_other(type, number_of(Dimension::time)))
+        error("bad-type", clause.value->place, "'at' takes a length or a time, here is " + described(type));
+    }
+    const Type value = clause.to ? infer(*clause.to) : kUnknown;
+    if (clause.target.empty()) return;
+    if (!scope_.variable_in(clause.target).empty())
+      return error(
+          "bad-target", clause.place,
+          "a move on its way sets tags and data, and '" + clause.target + "' is a name of this program", "");
+    check_target(clause.target, clause.place, value);
+  }
+
+  void check_raise(const Statement& s) {
     if (!s.expression) return;
     const Type type = infer(*s.expression);
-    if (!type.kind || is_place(*type.kind)) return;
-    const Expression& point = *s.expression;
-    const std::string what = point.kind == Expression::Kind::name ? "'" + point.name + "'" : "this";
-    error("bad-type", point.place, what + " is " + described(type) + ", a point was expected",
-          "moveto goes to a joint state or a pose");
+    if (type.kind && type.kind != Kind::text && type.kind != Kind::record)
+      error("bad-type", s.expression->place, "'raise' takes a text or an error, here is " + described(type));
   }
 
   void check_time(const ExpressionPtr& e, bool bare_seconds) {
@@ -376,7 +420,8 @@ class Checker {
 
   void check_ask(const Statement& s) {
     if (s.expression) infer(*s.expression);
-    if (s.second && (local(s.second->name) || names_.contains(s.second->name))) condition(*s.second, "wait");
+    if (s.second && (scope_.local(s.second->name) || scope_.names.contains(s.second->name)))
+      condition(*s.second, "wait");
   }
 
   void check_branches(const Statement& s) {
@@ -395,31 +440,64 @@ class Checker {
     if (!s.second && s.expression && first.kind && *first.kind != Kind::list)
       error("bad-type", s.expression->place,
             "a list, or a range such as 1 .. 5, was expected, here is " + described(first));
-    const std::size_t outer = locals_.size();
+    const std::size_t outer = scope_.variables.size();
+    if (!s.second_name.empty()) scope_.declare(s.second_name, s.place, number_of(Dimension::none));
     declare(s, s.second ? first : kUnknown);
     block(s.body);
-    locals_.resize(outer);
+    scope_.variables.resize(outer);
   }
 
-  /// Names that a reader would take for one another.
-  void warn_of_case() {
-    std::map<std::string, std::set<std::string>> same;
-    for (const auto& name : names_) same[lower(name.first)].insert(name.first);
-    for (const auto& [name, place] : used_) {
-      const auto& spellings = same[lower(name)];
-      if (spellings.size() < 2 || *spellings.begin() == name) continue;
-      warning("case", place, "'" + name + "' and '" + *spellings.begin() + "' differ only in case",
-              "they are two names");
+  // Tasks against one another.
+
+  struct Use {
+    Place place;
+    const Statement* task;
+  };
+
+  void check_tasks() {
+    std::map<std::string, Use> robots;
+    std::map<std::string, std::set<const Statement*>> meetings;
+    std::map<std::string, Place> first_meeting;
+    for (const Statement& s : program_.statements) {
+      if (s.kind == Statements::task) robots_in(s.body, s, robots);
+      for_each_statement(s.body, [&](const Statement& inner) {
+        if (inner.kind != Statements::meet || inner.name.empty()) return;
+        meetings[inner.name].insert(&s);
+        first_meeting.try_emplace(inner.name, inner.place);
+      });
+    }
+    for (const auto& [name, tasks] : meetings)
+      if (tasks.size() == 1 && (*tasks.begin())->kind != Statements::function)
+        error("no-meeting", first_meeting.at(name), "no other task comes to '" + name + "'",
+              "`meet` stands in two or more tasks");
+  }
+
+  /// Two tasks that command one robot outside of a lock.
+  void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots) {
+    for (const Statement& s : block_) {
+      if (s.kind == Statements::lock) continue;
+      for (const Clause& clause : s.clauses) {
+        if (clause.kind != Clause::Kind::robot || !clause.value) continue;
+        const std::string name =
+            clause.value->kind == Expression::Kind::literal ? clause.value->value.text() : clause.value->name;
+        const auto [at, made] = robots.try_emplace(name, Use{clause.place, &task});
+        if (!made && at->second.task != &task)
+          error("two-tasks", clause.place,
+                "the robot '" + name + "' is used by the task '" + at->second.task->name + "' in line " +
+                    std::to_string(at->second.place.line) + ", too",
+                "a robot belongs to one task; where they take turns, use it inside a `lock`");
+      }
+      robots_in(s.body, task, robots);
+      robots_in(s.handler, task, robots);
+      for (const Branch& branch : s.branches) robots_in(branch.body, task, robots);
     }
   }
 
   const Program& program_;
   const KnownNames& known_;
   Problems& problems_;
-  std::map<std::string, Type> names_;
-  std::set<std::string> made_;
-  std::map<std::string, Place> used_;
-  std::vector<Scoped> locals_;
+  Scope scope_;
+  std::size_t fixed_ = 0;  ///< variables that may not be changed here
 };
 }  // namespace
 

@@ -1,164 +1,721 @@
 #include "polyarm/program/code.hpp"
 
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/program/functions.hpp"
+
 namespace polyarm::program {
 
 namespace {
 using Kind = Statement::Kind;
 
-class Flattener {
+class Compiler {
  public:
-  Code run(const Program& program) {
-    block(program.statements);
-    add(Op::finish, {static_cast<int>(program.lines.size()), 1});
+  explicit Compiler(const Program& program) : program_{program} {}
+
+  Code run() {
+    collect(program_.statements);
+    compile_block(program_.statements, true);
+    add(Op::finish, {static_cast<int>(program_.lines.size()), 1, 0});
+    for (std::size_t i = 0; i < functions_.size(); ++i) compile_function(*functions_[i], code_.functions[i]);
+    for (std::size_t i = 0; i < tasks_.size(); ++i) compile_apart(*tasks_[i], code_.tasks[i]);
+    for (std::size_t i = 0; i < whens_.size(); ++i) compile_when(*whens_[i], code_.whens[i]);
+    if (on_stop_) {
+      FunctionCode entry;
+      compile_apart(*on_stop_, entry);
+      code_.on_stop = entry.entry;
+    }
+    count_meetings();
     return std::move(code_);
   }
 
  private:
   struct Loop {
-    int locals_in_body = 0, locals_outside = 0;
+    Depths body, outside;
     std::vector<int> breaks, continues;
   };
+  struct Handler {
+    int count_slot = 0, error_slot = 0, begin = 0;
+    Depths outside;
+  };
+  /// What is known while the code of one function or task is made.
+  struct Scope {
+    std::vector<std::string> locals;
+    Depths depths;  ///< its locals are counted by `locals`
+    std::vector<Loop> loops;
+    std::vector<Handler> handlers;
+    bool counts_passes = true;
+  };
+  struct Resolved {
+    enum class Where { local, global, host } where = Where::host;
+    int slot = -1;
+    std::vector<std::string> fields;
+  };
 
-  int here() const { return static_cast<int>(code_.size()); }
-  int add(Op op, Place place, const Statement* statement = nullptr) {
-    code_.push_back({op, place, statement, nullptr, -1, locals_});
+  // What is made first: names that stand for the whole program.
+
+  void collect(const Block& top) {
+    for (const Statement& s : top) {
+      if (s.kind == Kind::let && !s.name.empty()) globals_.try_emplace(s.name, code_.globals++);
+      if (s.kind == Kind::function) functions_.push_back(&s), code_.functions.push_back({s.name, 0});
+      if (s.kind == Kind::task) tasks_.push_back(&s), code_.tasks.push_back({s.name, 0});
+      if (s.kind == Kind::when) whens_.push_back(&s), code_.whens.push_back({"when", 0});
+      if (s.kind == Kind::on_stop) on_stop_ = &s;
+    }
+  }
+
+  // Emission.
+
+  int here() const { return static_cast<int>(code_.steps.size()); }
+
+  int add(Op op, Place place, int a = -1, int b = -1) {
+    Step step{op, a, b, -1, place, line_.line ? line_ : place, statement_, begins_};
+    begins_ = false;
+    code_.steps.push_back(step);
     return here() - 1;
   }
-  void land(int step) { code_[static_cast<std::size_t>(step)].target = here(); }
-
-  /// The names that `statements` declare end with them.
-  void block(const Block& statements) {
-    const int before = locals_;
-    for (const Statement& statement : statements) add_statement(statement);
-    if (locals_ == before) return;
-    locals_ = before;
-    add(Op::keep_locals, code_.back().place);
+  void land(int step) { code_.steps[static_cast<std::size_t>(step)].c = here(); }
+  void jump_to(int target, Place place) {
+    code_.steps[static_cast<std::size_t>(add(Op::jump, place))].c = target;
   }
 
-  void add_statement(const Statement& s) {
+  int constant(const Value& value) {
+    code_.constants.push_back(value);
+    return static_cast<int>(code_.constants.size()) - 1;
+  }
+  int text(const std::string& text) {
+    const auto [at, made] = text_at_.try_emplace(text, static_cast<int>(code_.texts.size()));
+    if (made) code_.texts.push_back(text);
+    return at->second;
+  }
+  int names(std::vector<std::string> names) {
+    code_.name_lists.push_back(std::move(names));
+    return static_cast<int>(code_.name_lists.size()) - 1;
+  }
+  void refuse(Place place, const OperationError& error) {
+    code_.problems.push_back({error.code, program_.at(place), error.what, error.advice});
+    add(Op::refuse, place, static_cast<int>(code_.problems.size()) - 1);
+  }
+
+  // Names.
+
+  Depths depths() const {
+    Depths out = scope_.depths;
+    out.locals = static_cast<int>(scope_.locals.size());
+    return out;
+  }
+  int declare(const std::string& name) {
+    scope_.locals.push_back(name);
+    return static_cast<int>(scope_.locals.size()) - 1;
+  }
+
+  bool find_variable(const std::string& name, Resolved& out) const {
+    const auto& locals = scope_.locals;
+    const auto at = std::find(locals.rbegin(), locals.rend(), name);
+    if (!name.empty() && at != locals.rend()) {
+      out.where = Resolved::Where::local;
+      out.slot = static_cast<int>(locals.rend() - at) - 1;
+      return true;
+    }
+    const auto global = globals_.find(name);
+    if (global == globals_.end()) return false;
+    out.where = Resolved::Where::global;
+    out.slot = global->second;
+    return true;
+  }
+
+  /// A variable, a field of a variable, or something of the host's.
+  Resolved resolve(const std::string& name) const {
+    Resolved out;
+    if (find_variable(name, out)) return out;
+    const auto dot = name.find('.');
+    if (dot != std::string::npos && find_variable(name.substr(0, dot), out))
+      out.fields = split_fields(std::string_view(name).substr(dot + 1), '.');
+    return out;
+  }
+
+  void push_variable(const Resolved& resolved, const std::string& name, Place place) {
+    using Where = Resolved::Where;
+    if (resolved.where == Where::host) {
+      add(Op::host, place, text(name));
+    } else {
+      add(resolved.where == Where::local ? Op::local : Op::global, place, resolved.slot);
+    }
+    for (const std::string& field : resolved.fields) add(Op::field, place, text(field));
+  }
+
+  // Expressions.
+
+  void expression(const Expression& e) {
+    using Kinds = Expression::Kind;
+    switch (e.kind) {
+      case Kinds::literal:
+        add(Op::constant, e.place, constant(e.value));
+        return;
+      case Kinds::name:
+        return push_variable(resolve(e.name), e.name, e.place);
+      case Kinds::binary:
+        return binary(e);
+      case Kinds::call:
+        return call(e);
+      case Kinds::index:
+        return index(e);
+      default:
+        break;
+    }
+    for (const ExpressionPtr& part : e.parts) expression(*part);
+    const int count = static_cast<int>(e.parts.size());
+    if (e.kind == Kinds::unary) add(Op::unary, e.place, static_cast<int>(e.op));
+    if (e.kind == Kinds::list) add(Op::list, e.place, count);
+    if (e.kind == Kinds::joined) add(Op::joined, e.place, count);
+    if (e.kind == Kinds::field) add(Op::field, e.place, text(e.name));
+    if (e.kind == Kinds::record) add(Op::record, e.place, count, names(e.names));
+  }
+
+  void binary(const Expression& e) {
+    const bool may_settle = e.op == Operator::logical_and || e.op == Operator::logical_or;
+    expression(*e.parts[0]);
+    const int settle = may_settle ? add(Op::settle, e.place, static_cast<int>(e.op)) : -1;
+    expression(*e.parts[1]);
+    add(Op::binary, e.place, static_cast<int>(e.op));
+    if (may_settle) land(settle);
+  }
+
+  void index(const Expression& e) {
+    const Expression& list = *e.parts[0];
+    const Resolved resolved = list.kind == Expression::Kind::name ? resolve(list.name) : Resolved{};
+    if (resolved.where == Resolved::Where::host || !resolved.fields.empty()) {
+      expression(list);
+      expression(*e.parts[1]);
+      add(Op::element, e.place);
+      return;
+    }
+    expression(*e.parts[1]);
+    add(resolved.where == Resolved::Where::local ? Op::local_element : Op::global_element, e.place,
+        resolved.slot);
+  }
+
+  void call(const Expression& e) {
+    try {
+      for (std::size_t i = 0; i < functions_.size(); ++i)
+        if (functions_[i]->name == e.name) return call_function(e, i);
+      const Function* function = find_function(e.name);
+      if (!function) throw OperationError{"unknown-function", "there is no function '" + e.name + "'", {}};
+      call_builtin(e, *function);
+    } catch (const OperationError& error) {
+      refuse(e.place, error);
+    }
+  }
+
+  void call_function(const Expression& e, std::size_t which) {
+    const Bound bound = bind_arguments(signature_of(*functions_[which]), e.names);
+    for (const int argument : bound.argument_of) {
+      if (argument < 0) {
+        add(Op::absent, e.place);
+      } else {
+        expression(*e.parts[static_cast<std::size_t>(argument)]);
+      }
+    }
+    add(Op::call, e.place, static_cast<int>(which), static_cast<int>(bound.argument_of.size()));
+  }
+
+  void call_builtin(const Expression& e, const Function& function) {
+    const Bound bound = bind_arguments(signature_of(function), e.names);
+    if (function.name == "here") {
+      add(Op::here, e.place);
+      return;
+    }
+    for (std::size_t i = 0; i < bound.argument_of.size(); ++i) {
+      const int argument = bound.argument_of[i];
+      if (argument >= 0) {
+        expression(*e.parts[static_cast<std::size_t>(argument)]);
+        continue;
+      }
+      const FunctionParameter& parameter = function.parameters[i];
+      const Dimension dimension = parameter.wanted == Wanted::length  ? Dimension::length
+                                  : parameter.wanted == Wanted::angle ? Dimension::angle
+                                                                      : Dimension::none;
+      add(Op::constant, e.place, constant(data::Number{*parameter.otherwise, dimension}));
+    }
+    for (const int argument : bound.further) expression(*e.parts[static_cast<std::size_t>(argument)]);
+    const int step = add(Op::builtin, e.place, static_cast<int>(&function - functions().data()),
+                         static_cast<int>(bound.argument_of.size() + bound.further.size()));
+    code_.steps[static_cast<std::size_t>(step)].c = names(e.names);
+  }
+
+  /// What a condition reads that others change.
+  int reads(const Expression& condition) {
+    ConditionReads out;
+    for (const std::string& name : names_read(condition)) {
+      const Resolved resolved = resolve(name);
+      if (resolved.where == Resolved::Where::host) out.names.push_back(name);
+      if (resolved.where == Resolved::Where::global) out.others = true;
+    }
+    for_each_call(condition, [&](const Expression&) { out.others = true; });
+    code_.reads.push_back(std::move(out));
+    return static_cast<int>(code_.reads.size()) - 1;
+  }
+
+  // Blocks.
+
+  void leave(const Depths& to, Place place) {
+    code_.depths.push_back(to);
+    add(Op::leave, place, static_cast<int>(code_.depths.size()) - 1);
+  }
+
+  static bool same(const Depths& a, const Depths& b) {
+    return a.locals == b.locals && a.uses == b.uses && a.locks == b.locks && a.handlers == b.handlers;
+  }
+
+  void compile_block(const Block& statements, bool top = false) {
+    const Depths before = depths();
+    for (const Statement& s : statements) {
+      statement_ = &s;
+      line_ = s.place;
+      begins_ = true;
+      statement(s, top);
+    }
+    if (top || same(before, depths())) return;
+    scope_.locals.resize(static_cast<std::size_t>(before.locals));
+    scope_.depths = before;
+    leave(before, line_);
+  }
+
+  void statement(const Statement& s, bool top) {
     switch (s.kind) {
       case Kind::load:
       case Kind::import:
-        add(Op::load, s.place, &s);
+        add(Op::load, s.place);
         return;
       case Kind::set_literal:
-        add(Op::set_literal, s.place, &s);
-        return;
+        return set_literal(s);
       case Kind::set:
-        add(Op::set, s.place, &s);
-        return;
+        return set(s);
       case Kind::let:
-        add(Op::let, s.place, &s), ++locals_;
-        return;
+        return let(s, top);
       case Kind::move:
-        add(Op::move, s.place, &s);
+        return move(s);
+      case Kind::use:
+        for (const Clause& clause : s.clauses) clause_value(clause);
+        add(Op::use, s.place);
+        ++scope_.depths.uses;
         return;
       case Kind::wait_time:
-        add(Op::wait_time, s.place, &s);
+        add(Op::arrive, s.place);
+        expression(*s.expression);
+        add(Op::wait_time, s.expression->place);
         return;
       case Kind::wait:
-        add_wait(s);
-        return;
+        return wait(s, *s.expression);
       case Kind::ask:
-        add(Op::ask, s.place, &s);
-        return;
+        return ask(s);
       case Kind::while_loop:
-        add_while(s);
-        return;
+        return while_loop(s);
       case Kind::branch:
-        add_branches(s);
-        return;
+        return branches(s);
       case Kind::for_loop:
-        add_for(s);
-        return;
+        return for_loop(s);
       case Kind::break_loop:
-        leave(s, loops_.back().locals_outside, loops_.back().breaks);
-        return;
+        return leave_loop(s, true);
       case Kind::continue_loop:
-        leave(s, loops_.back().locals_in_body, loops_.back().continues);
-        return;
+        return leave_loop(s, false);
       case Kind::stop:
-        add(Op::stop, s.place, &s);
+        add(Op::stop, s.place);
         return;
       case Kind::log:
-        add(Op::log, s.place, &s);
+        for (const ExpressionPtr& argument : s.arguments) expression(*argument);
+        add(Op::log, s.place, static_cast<int>(s.arguments.size()));
         return;
       case Kind::call:
-        add(Op::call, s.place, &s);
+        expression(*s.expression);
+        add(Op::drop, s.place);
+        return;
+      case Kind::hold:
+        if (s.expression) expression(*s.expression);
+        add(Op::hold, s.place, s.expression ? 1 : 0);
+        return;
+      default:
+        return structure(s);
+    }
+  }
+
+  void structure(const Statement& s) {
+    switch (s.kind) {
+      case Kind::return_value:
+        if (s.expression) {
+          expression(*s.expression);
+        } else {
+          add(Op::absent, s.place);
+        }
+        add(Op::give, s.place);
+        return;
+      case Kind::try_block:
+        return try_block(s);
+      case Kind::raise:
+        return raise(s);
+      case Kind::retry:
+        return retry(s);
+      case Kind::together:
+        return together(s);
+      case Kind::meet:
+        return meet(s);
+      case Kind::lock:
+        return lock(s);
+      case Kind::when:
+        add(Op::begin_when, s.place,
+            static_cast<int>(std::find(whens_.begin(), whens_.end(), &s) - whens_.begin()));
+        return;
+      default:  // functions, tasks and on stop stand elsewhere
+        begins_ = false;
         return;
     }
   }
 
-  /// On timeout the step jumps to its target: the block after `else`.
-  void add_wait(const Statement& s) {
-    const int wait = add(Op::wait, s.place, &s);
-    if (!s.has_else) return;
+  void set_literal(const Statement& s) {
+    Resolved resolved;
+    const bool variable = find_variable(s.name, resolved);
+    const bool local = variable && resolved.where == Resolved::Where::local;
+    if (!variable) add(Op::arrive, s.place);
+    add(Op::set_literal, s.place, local ? resolved.slot : -1, variable && !local ? resolved.slot : -1);
+  }
+
+  void set(const Statement& s) {
+    const Resolved resolved = resolve(s.name);
+    std::size_t parts = resolved.fields.size() + s.path.size();
+    if (parts > 0) {
+      Resolved root = resolved;
+      root.fields.clear();
+      push_variable(root, s.name, s.name_place);
+      for (const PathPart& part : s.path)
+        if (part.index) expression(*part.index);
+    }
+    expression(*s.expression);
+    if (parts > 0) add(Op::replace, s.name_place, names(resolved.fields));
+    if (resolved.where == Resolved::Where::host) {
+      add(Op::set_host, s.name_place, text(s.name));
+    } else {
+      add(resolved.where == Resolved::Where::local ? Op::set_local : Op::set_global, s.name_place,
+          resolved.slot);
+    }
+  }
+
+  void let(const Statement& s, bool top) {
+    add(Op::check_new, s.name_place, text(s.name));
+    expression(*s.expression);
+    if (top) {
+      add(Op::let_global, s.name_place, globals_.at(s.name));
+    } else {
+      declare(s.name);
+    }
+  }
+
+  void clause_value(const Clause& clause) {
+    using Clauses = Clause::Kind;
+    const bool is_name =
+        clause.kind == Clauses::robot || clause.kind == Clauses::tool || clause.kind == Clauses::frame;
+    if (clause.kind == Clauses::exact || clause.kind == Clauses::until) return;
+    if (clause.kind == Clauses::at) {
+      if (clause.value) expression(*clause.value);
+      return expression(*clause.to);
+    }
+    const Expression& value = *clause.value;
+    if (is_name && value.kind == Expression::Kind::name &&
+        resolve(value.name).where == Resolved::Where::host) {
+      add(Op::constant, value.place, constant(value.name));
+      return;
+    }
+    expression(value);
+  }
+
+  void move(const Statement& s) {
+    for (const ExpressionPtr& point : s.arguments) expression(*point);
+    for (const Clause& clause : s.clauses) clause_value(clause);
+    add(Op::move, s.place);
+    for (const Clause& clause : s.clauses)
+      if (clause.kind == Clause::Kind::until)
+        look_until(Op::until, *clause.value, clause.has_else, clause.otherwise, s);
+  }
+
+  /// The condition again and again; `otherwise` is what is done when the step goes to its c.
+  void look_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
+                  const Statement& s) {
+    const int start = here();
+    const int what = reads(condition);
+    expression(condition);
+    const int step = add(op, condition.place, start, what);
+    or_else(step, has_else, otherwise, s);
+  }
+
+  void or_else(int step, bool has_else, const Block& otherwise, const Statement& s) {
+    if (!has_else) return;
     const int skip = add(Op::jump, s.place);
-    land(wait);
-    block(s.body);
+    land(step);
+    compile_block(otherwise);
     land(skip);
   }
 
-  int add_condition(const Expression& condition, const Statement& s, Place place) {
-    const int step = add(Op::jump_unless, place, &s);
-    code_.back().expression = &condition;
-    return step;
+  void timeout(const Statement& s) {
+    if (!s.second) return;
+    expression(*s.second);
+    add(Op::deadline, s.second->place);
   }
 
-  void add_while(const Statement& s) {
-    const bool outermost = loops_.empty();
-    const int start = add_condition(*s.expression, s, s.place);
-    loops_.push_back({locals_, locals_, {}, {}});
-    block(s.body);
-    for (const int step : loops_.back().continues) land(step);
-    const int pass = outermost ? add(Op::pass, s.place, &s) : -1;
-    code_[static_cast<std::size_t>(add(Op::jump, s.place))].target = start;
-    land(start);
+  void wait(const Statement& s, const Expression& condition) {
+    add(Op::arrive, s.place);
+    if (s.kind == Kind::wait) timeout(s);
+    look_until(Op::wait, condition, s.has_else, s.body, s);
+  }
+
+  /// `wait user`: a name where there is one, else a question.
+  void ask(const Statement& s) {
+    if (s.second && resolve(s.second->name).where != Resolved::Where::host) return wait(s, *s.second);
+    if (s.expression) {
+      expression(*s.expression);
+    } else {
+      add(Op::constant, s.place, constant(std::string{}));
+    }
+    const int question = add(Op::ask, s.place);
+    if (!s.second) return;
+    const int skip = add(Op::jump, s.place);
+    code_.steps[static_cast<std::size_t>(question)].a = here();
+    wait(s, *s.second);
+    land(skip);
+  }
+
+  void while_loop(const Statement& s) {
+    const bool outermost = scope_.loops.empty() && scope_.counts_passes;
+    const int start = here();
+    expression(*s.expression);
+    const int unless = add(Op::jump_unless, s.expression->place);
+    scope_.loops.push_back({depths(), depths(), {}, {}});
+    compile_block(s.body);
+    statement_ = &s, line_ = s.place;
+    for (const int step : scope_.loops.back().continues) land(step);
+    const int pass = outermost ? add(Op::pass, s.place) : -1;
+    jump_to(start, s.place);
+    land(unless);
     if (outermost) land(pass);
-    for (const int step : loops_.back().breaks) land(step);
-    loops_.pop_back();
+    for (const int step : scope_.loops.back().breaks) land(step);
+    scope_.loops.pop_back();
   }
 
-  void add_for(const Statement& s) {
-    const int outside = locals_;
-    add(Op::for_begin, s.place, &s);
-    locals_ += 3;
-    const int next = add(Op::for_next, s.place, &s);
-    loops_.push_back({locals_, outside + 3, {}, {}});
-    block(s.body);
-    for (const int step : loops_.back().continues) land(step);
-    code_[static_cast<std::size_t>(add(Op::jump, s.place))].target = next;
+  void for_loop(const Statement& s) {
+    const Depths outside = depths();
+    expression(*s.expression);
+    if (s.second) expression(*s.second);
+    const bool named_place = !s.second_name.empty();
+    add(Op::for_begin, s.place, s.second ? 1 : 0, named_place ? 1 : 0);
+    const int slot = declare("");
+    declare("");
+    if (named_place) declare(s.second_name);
+    declare(s.name);
+    begins_ = true;
+    const int next = add(Op::for_next, s.place, slot, named_place ? 1 : 0);
+    scope_.loops.push_back({depths(), outside, {}, {}});
+    compile_block(s.body);
+    statement_ = &s, line_ = s.place;
+    for (const int step : scope_.loops.back().continues) land(step);
+    jump_to(next, s.place);
     land(next);
-    for (const int step : loops_.back().breaks) land(step);
-    loops_.pop_back();
-    locals_ = outside;
-    add(Op::keep_locals, s.place);
+    scope_.locals.resize(static_cast<std::size_t>(outside.locals));
+    leave(outside, s.place);
+    for (const int step : scope_.loops.back().breaks) land(step);
+    scope_.loops.pop_back();
   }
 
-  void leave(const Statement& s, int locals, std::vector<int>& jumps) {
-    code_[static_cast<std::size_t>(add(Op::keep_locals, s.place))].locals = locals;
-    jumps.push_back(add(Op::jump, s.place, &s));
+  void leave_loop(const Statement& s, bool breaks) {
+    if (scope_.loops.empty()) return refuse(s.place, {"no-loop", "this stands in no loop", {}});
+    Loop& loop = scope_.loops.back();
+    leave(breaks ? loop.outside : loop.body, s.place);
+    (breaks ? loop.breaks : loop.continues).push_back(add(Op::jump, s.place));
   }
 
-  void add_branches(const Statement& s) {
+  void branches(const Statement& s) {
     std::vector<int> ends;
     for (const Branch& branch : s.branches) {
-      const int unless = branch.condition ? add_condition(*branch.condition, s, branch.place) : -1;
-      block(branch.body);
+      statement_ = &s, line_ = branch.place;
+      int unless = -1;
+      if (branch.condition) {
+        expression(*branch.condition);
+        unless = add(Op::jump_unless, branch.condition->place);
+      }
+      compile_block(branch.body);
       if (&branch != &s.branches.back()) ends.push_back(add(Op::jump, branch.place));
       if (unless >= 0) land(unless);
     }
     for (const int step : ends) land(step);
+    begins_ = false;
   }
 
+  /// How often it was tried lies below what the try and its handler declare, and the error above it.
+  void try_block(const Statement& s) {
+    const Depths outside = depths();
+    add(Op::constant, s.place, constant(0));
+    Handler handler;
+    handler.count_slot = declare("");
+    handler.outside = depths();
+    handler.begin = here();
+    begins_ = true;
+    const int begin = add(Op::try_begin, s.place);
+    ++scope_.depths.handlers;
+    compile_block(s.body);
+    add(Op::try_end, line_);
+    --scope_.depths.handlers;
+    const int skip = add(Op::jump, s.place);
+    land(begin);
+    handler.error_slot = declare(s.name);
+    scope_.handlers.push_back(handler);
+    compile_block(s.handler);
+    scope_.handlers.pop_back();
+    scope_.locals.resize(static_cast<std::size_t>(outside.locals));
+    land(skip);
+    leave(outside, line_);
+  }
+
+  void raise(const Statement& s) {
+    if (s.expression) {
+      expression(*s.expression);
+      add(Op::raise, s.place);
+    } else if (!scope_.handlers.empty()) {
+      add(Op::raise_again, s.place, scope_.handlers.back().error_slot);
+    }
+  }
+
+  void retry(const Statement& s) {
+    if (scope_.handlers.empty()) return;
+    const Handler& handler = scope_.handlers.back();
+    if (s.expression) {
+      expression(*s.expression);
+    } else {
+      add(Op::constant, s.place, constant(1));
+    }
+    code_.depths.push_back(handler.outside);
+    const int step = add(Op::retry, s.place, handler.count_slot, handler.begin);
+    code_.steps[static_cast<std::size_t>(step)].c = static_cast<int>(code_.depths.size()) - 1;
+  }
+
+  /// Each statement becomes a small task of its own that starts with the names there are.
+  void together(const Statement& s) {
+    const int skip = add(Op::jump, s.place);
+    std::vector<int> entries;
+    const Scope around = scope_;
+    for (const Statement& part : s.body) {
+      scope_ = {around.locals, {}, {}, around.handlers, false};
+      entries.push_back(here());
+      statement_ = &part, line_ = part.place, begins_ = true;
+      statement(part, false);
+      add(Op::finish, part.place);
+    }
+    scope_ = around;
+    statement_ = &s, line_ = s.place;
+    land(skip);
+    code_.entries.push_back(std::move(entries));
+    add(Op::together, s.place, static_cast<int>(code_.entries.size()) - 1);
+  }
+
+  void meet(const Statement& s) {
+    add(Op::arrive, s.place);
+    timeout(s);
+    or_else(add(Op::meet, s.place, text(s.name)), s.has_else, s.body, s);
+  }
+
+  void lock(const Statement& s) {
+    const Depths before = depths();
+    add(Op::arrive, s.place);
+    timeout(s);
+    add(Op::lock, s.place, text(s.name));
+    ++scope_.depths.locks;
+    compile_block(s.body);
+    --scope_.depths.locks;
+    statement_ = &s;
+    add(Op::arrive, line_);
+    leave(before, line_);
+  }
+
+  // What stands apart from the lines around it.
+
+  void begin_apart(const Statement& s, bool counts_passes) {
+    scope_ = {};
+    scope_.counts_passes = counts_passes;
+    statement_ = &s, line_ = s.place;
+    begins_ = false;
+  }
+
+  void compile_apart(const Statement& s, FunctionCode& out) {
+    begin_apart(s, s.kind == Kind::task);
+    out.entry = here();
+    compile_block(s.body);
+    add(Op::finish, line_);
+  }
+
+  void compile_when(const Statement& s, FunctionCode& out) {
+    begin_apart(s, false);
+    out.entry = here();
+    expression(*s.expression);
+    add(Op::edge, s.expression->place, out.entry);
+    compile_block(s.body);
+    statement_ = &s, line_ = s.place;
+    add(Op::rest, s.place, out.entry);
+  }
+
+  void compile_function(const Statement& s, FunctionCode& out) {
+    begin_apart(s, false);
+    out.entry = here();
+    for (const Parameter& parameter : s.parameters) declare(parameter.name);
+    for (std::size_t i = 0; i < s.parameters.size(); ++i) {
+      if (!s.parameters[i].value) continue;
+      const int given = add(Op::given, s.parameters[i].place, static_cast<int>(i));
+      expression(*s.parameters[i].value);
+      add(Op::fill, s.parameters[i].place, static_cast<int>(i));
+      land(given);
+    }
+    compile_block(s.body);
+    add(Op::absent, line_);
+    add(Op::give, line_);
+  }
+
+  // Meetings.
+
+  /// The meetings that `block` comes to, also in the functions that it calls.
+  void meetings_in(const Block& block, std::set<std::string>& out, std::set<std::string>& seen) const {
+    for_each_statement(block, [&](const Statement& s) {
+      if (s.kind == Kind::meet) out.insert(s.name);
+      for_each_expression(s, [&](const Expression& e) {
+        for_each_call(e, [&](const Expression& call) {
+          for (const Statement* function : functions_)
+            if (function->name == call.name && seen.insert(call.name).second)
+              meetings_in(function->body, out, seen);
+        });
+      });
+    });
+  }
+
+  void count_meetings() {
+    for (const Statement* task : tasks_) {
+      std::set<std::string> names, seen;
+      meetings_in(task->body, names, seen);
+      for (const std::string& name : names) ++code_.meetings[name];
+    }
+  }
+
+  const Program& program_;
   Code code_;
-  int locals_ = 0;
-  std::vector<Loop> loops_;
+  Scope scope_;
+  std::map<std::string, int> globals_;
+  std::map<std::string, int> text_at_;
+  std::vector<const Statement*> functions_, tasks_, whens_;
+  const Statement* on_stop_ = nullptr;
+  const Statement* statement_ = nullptr;
+  Place line_;
+  bool begins_ = false;
 };
 }  // namespace
 
-Code flatten(const Program& program) {
-  return Flattener().run(program);
+Code compile(const Program& program) {
+  return Compiler(program).run();
 }
 
 }  // namespace polyarm::program

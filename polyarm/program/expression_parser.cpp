@@ -188,7 +188,14 @@ ExpressionPtr TokenCursor::power() {
 
 ExpressionPtr TokenCursor::postfix() {
   ExpressionPtr out = primary();
-  while (is_symbol("[")) {
+  while (is_symbol("[") || is_field()) {
+    if (is_symbol(".")) {
+      auto field = node(Expression::Kind::field, take().place);
+      field->name = take().text;
+      adopt(*field, std::move(out));
+      out = std::move(field);
+      continue;
+    }
     const Token& open = take();
     const Nesting nested(nesting_, open.place);
     auto index = node(Expression::Kind::index, open.place);
@@ -201,10 +208,19 @@ ExpressionPtr TokenCursor::postfix() {
   return out;
 }
 
-std::vector<ExpressionPtr> TokenCursor::list_until(std::string_view close, const Token& open) {
+bool TokenCursor::is_field() const {
+  return is_symbol(".") && (peek(1).kind == TokenKind::name || peek(1).kind == TokenKind::quoted);
+}
+
+std::vector<ExpressionPtr> TokenCursor::list_until(std::string_view close, const Token& open,
+                                                   std::vector<std::string>* names) {
   const Nesting nested(nesting_, open.place);
   std::vector<ExpressionPtr> out;
   while (!is_symbol(close)) {
+    const bool named =
+        names && (peek().kind == TokenKind::name || peek().kind == TokenKind::quoted) && is_symbol("=", 1);
+    if (names) names->push_back(named ? peek().text : "");
+    if (named) take(), take();
     out.push_back(expression());
     if (take_symbol(",") || is_symbol(close)) continue;
     refuse_bad(peek());
@@ -236,8 +252,25 @@ ExpressionPtr TokenCursor::primary() {
     for (ExpressionPtr& part : list_until("]", token)) adopt(*out, std::move(part));
     return out;
   }
+  if (is_symbol("{")) return record(take());
   throw SyntaxError{"no-value", token.place, "a value was expected, here is " + shown(token),
                     is_symbol("=") ? "write == to compare" : ""};
+}
+
+ExpressionPtr TokenCursor::record(const Token& open) {
+  auto out = node(Expression::Kind::record, open.place);
+  for (ExpressionPtr& part : list_until("}", open, &out->names)) adopt(*out, std::move(part));
+  for (std::size_t i = 0; i < out->names.size(); ++i) {
+    const auto before = out->names.begin() + static_cast<std::ptrdiff_t>(i);
+    const std::string& name = out->names[i];
+    if (name.empty())
+      throw SyntaxError{"no-name", out->parts[i]->place, "every value of a record has a name",
+                        "write { name = value, … }"};
+    if (std::find(out->names.begin(), before, name) != before)
+      throw SyntaxError{"twice", out->parts[i]->place, "this record has two values called '" + name + "'",
+                        ""};
+  }
+  return out;
 }
 
 ExpressionPtr TokenCursor::name_or_call() {
@@ -252,11 +285,11 @@ ExpressionPtr TokenCursor::name_or_call() {
   if (bare && is_symbol("(")) {
     const Token& open = take();
     out->kind = Expression::Kind::call;
-    out->name = lower(token.text);
-    for (ExpressionPtr& part : list_until(")", open)) adopt(*out, std::move(part));
+    out->name = token.text;
+    for (ExpressionPtr& part : list_until(")", open, &out->names)) adopt(*out, std::move(part));
     return out;
   }
-  while (is_symbol(".") && (peek(1).kind == TokenKind::name || peek(1).kind == TokenKind::quoted)) {
+  while (is_field()) {
     take();
     out->name += "." + take().text;
   }

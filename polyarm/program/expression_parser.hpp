@@ -37,8 +37,12 @@ class TokenCursor {
 
   /// Parses the longest expression from here. Throws SyntaxError.
   ExpressionPtr expression();
-  /// Expressions between commas, up to and with `close`.
-  std::vector<ExpressionPtr> list_until(std::string_view close, const Token& open);
+  /// Expressions between commas, up to and with `close`. With `names` each may be `NAME = EXPR`, and its
+  /// name, or an empty one, goes there.
+  std::vector<ExpressionPtr> list_until(std::string_view close, const Token& open,
+                                        std::vector<std::string>* names = nullptr);
+  /// A dot and a name are next.
+  bool is_field() const;
   /// Throws SyntaxError unless the statement ends here.
   void expect_end(const std::string& statement) const;
 
@@ -48,6 +52,7 @@ class TokenCursor {
   ExpressionPtr power();
   ExpressionPtr postfix();
   ExpressionPtr primary();
+  ExpressionPtr record(const Token& open);
   ExpressionPtr name_or_call();
   ExpressionPtr text_parts(const Token& token);
 

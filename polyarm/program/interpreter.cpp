@@ -1,9 +1,9 @@
 #include "polyarm/program/interpreter.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
-#include "polyarm/base/text.hpp"
+#include "polyarm/program/task.hpp"
 
 namespace polyarm::program {
 
@@ -12,367 +12,242 @@ const char* name(TaskState state) {
   return kNames[static_cast<int>(state)];
 }
 
-namespace {
-bool ended(TaskState state) {
-  return state != TaskState::running && state != TaskState::waiting;
-}
-
-/// The condition that a wait looks at again and again.
-const Expression& condition_of(const Statement& s) {
-  return s.kind == Statement::Kind::ask ? *s.second : *s.expression;
-}
-
-bool same_type(const Value& a, const Value& b) {
-  if (a.is_place() && b.is_place()) return true;
-  if (a.kind() != b.kind()) return false;
-  return !a.as_number() || a.as_number()->dimension == b.as_number()->dimension;
-}
-}  // namespace
-
 Interpreter::Interpreter(Program program, Host& host)
-    : program_{std::move(program)}, code_{flatten(program_)}, host_{host} {
-  tasks_.emplace_back().name = "main";
+    : program_{std::move(program)}, code_{compile(program_)}, host_{host} {
+  Slot empty;
+  empty.set = false;
+  globals_.assign(static_cast<std::size_t>(code_.globals), empty);
+  add_task("main", 0, true);
+}
+
+Interpreter::~Interpreter() = default;
+
+Interpreter::Task& Interpreter::add_task(std::string name, int entry, bool shown) {
+  auto task = std::make_unique<Task>();
+  task->id = ++last_id_;
+  task->name = std::move(name);
+  task->pc = static_cast<std::size_t>(entry);
+  task->shown = shown;
+  tasks_.push_back(std::move(task));
+  return *tasks_.back();
+}
+
+Interpreter::Task* Interpreter::task_of(std::uint64_t id) const {
+  const auto at =
+      std::find_if(tasks_.begin(), tasks_.end(), [&](const auto& task) { return task->id == id; });
+  return at == tasks_.end() ? nullptr : at->get();
+}
+
+// How the program stands.
+
+bool Interpreter::ended() const {
+  return outcome_ && (cleaned_up_ || code_.on_stop < 0);
 }
 
 TaskState Interpreter::state() const {
-  const auto any = [&](TaskState state) {
-    return std::any_of(tasks_.begin(), tasks_.end(), [&](const Task& task) { return task.state == state; });
-  };
-  for (const TaskState state :
-       {TaskState::failed, TaskState::stopped, TaskState::running, TaskState::waiting})
-    if (any(state)) return state;
-  return TaskState::finished;
+  if (ended()) return *outcome_;
+  const bool any = std::any_of(tasks_.begin(), tasks_.end(), [](const auto& task) {
+    return task->shown && task->state == TaskState::running;
+  });
+  return any ? TaskState::running : TaskState::waiting;
+}
+
+TaskStatus Interpreter::status_of(const Task& task) const {
+  const Place place = code_.steps[task.pc].line;
+  return {task.name,    task.state,  program_.at(place), program_.source(place),
+          task.waiting, task.passes, task.problem};
 }
 
 std::vector<TaskStatus> Interpreter::status() const {
   std::vector<TaskStatus> out;
-  for (const Task& task : tasks_) {
-    const Place place = code_[task.pc].place;
-    out.push_back({task.name, task.state, program_.at(place), program_.source(place.line), task.waiting,
-                   task.passes, task.problem});
-  }
+  for (const auto& task : tasks_)
+    if (task->shown) out.push_back(status_of(*task));
   return out;
 }
 
-void Interpreter::stop() {
-  for (Task& task : tasks_) {
-    if (!ended(task.state)) task.state = TaskState::stopped;
-    task.waiting = {};
+TaskStatus Interpreter::overview() const {
+  const Task* shown = tasks_.front().get();
+  for (const auto& task : tasks_) {
+    const bool first = task->shown && shown->over() && !task->over() && shown->state != TaskState::failed;
+    if (first || (task->state == TaskState::failed && shown->state != TaskState::failed)) shown = task.get();
   }
+  TaskStatus out = status_of(*shown);
+  out.state = state();
+  for (const auto& task : tasks_) out.passes = std::max(out.passes, task->passes);
+  return out;
 }
+
+// Running.
 
 StepResult Interpreter::step(int budget) {
   const int given = budget;
-  for (Task& task : tasks_) {
-    while (budget > 0 && !ended(state()) && step_task(task, budget)) {
-    }
+  if (!outcome_ && looked_at_ != host_.now()) {
+    looked_at_ = host_.now();
+    step_whens();
+    look_at_watches();
   }
+  std::size_t idle = 0;
+  while (budget > 0 && !outcome_ && idle < tasks_.size()) {
+    if (turn_ >= tasks_.size()) turn_ = 0;
+    if (turn_left_ <= 0) turn_left_ = kTurn;
+    int turn = std::min(budget, turn_left_);
+    const int before = turn;
+    const bool more = run_task(*tasks_[turn_], turn);
+    budget -= before - turn;
+    turn_left_ -= before - turn;
+    idle = before == turn ? idle + 1 : 0;
+    if (!more || turn_left_ <= 0) ++turn_, turn_left_ = 0;
+  }
+  remove_children();
+  if (!outcome_) finish_when_all_have();
+  if (outcome_) step_clean_up(budget);
   return {state(), given - budget};
 }
 
-/// False where the task can do nothing more now.
-bool Interpreter::step_task(Task& task, int& budget) {
-  if (ended(task.state)) return false;
+/// Runs `task` until it waits, has ended, or the budget is used up, which alone is true.
+bool Interpreter::run_task(Task& task, int& budget) {
+  if (task.over()) return false;
   try {
     if (task.state == TaskState::waiting && !poll(task)) return false;
-    if (task.state != TaskState::running) return false;
-    --budget;
-    execute(task, code_[task.pc]);
+    while (task.state == TaskState::running) {
+      if (code_.steps[task.pc].begins && budget-- <= 0) {
+        budget = 0;
+        return true;
+      }
+      execute(task);
+    }
+  } catch (const Ended& end) {
+    raise(task, end.problem, false);
   } catch (const Error& error) {
-    fail(task, error.problems().empty() ? Problem{"failed", {}, error.what(), {}} : error.problems().front());
+    raise(task, error.problems().empty() ? Problem{"failed", {}, error.what(), {}} : error.problems().front(),
+          true);
   }
-  return !ended(task.state);
+  return task.state == TaskState::running;
+}
+
+/// Each `when` gets one look, and its block where the condition has become true, in every tick.
+void Interpreter::step_whens() {
+  constexpr int kMostStatements = 1000;
+  for (std::size_t i = 0; i < tasks_.size() && !outcome_; ++i) {
+    Task& task = *tasks_[i];
+    if (task.waiting.kind != WaitKind::turn) continue;
+    go_on(task);
+    int budget = kMostStatements;
+    if (run_task(task, budget))
+      raise(task,
+            {"too-long", {}, "this 'when' does not come to its end", "it runs within one cycle of the cell"},
+            false);
+  }
+}
+
+void Interpreter::finish_when_all_have() {
+  const bool all = std::all_of(tasks_.begin(), tasks_.end(),
+                               [](const auto& task) { return !task->shown || task->over(); });
+  if (all && watches_.empty()) end_program(TaskState::finished);
+}
+
+void Interpreter::end_program(TaskState outcome) {
+  if (outcome_) return;
+  outcome_ = outcome;
+  for (const auto& task : tasks_) {
+    if (!task->over()) task->state = TaskState::stopped;
+    task->waiting = {};
+  }
+  watches_.clear();
+}
+
+void Interpreter::stop() {
+  end_program(TaskState::stopped);
+}
+
+/// The block `on stop`, once and for whatever reason the program has ended, when its robots stand.
+void Interpreter::step_clean_up(int& budget) {
+  if (ended() || !host_.standing()) return;
+  Task* task = tasks_.back()->name == "on stop" ? tasks_.back().get() : nullptr;
+  if (!task) task = &add_task("on stop", code_.on_stop, true);
+  task->apart = true;
+  run_task(*task, budget);
+  if (task->state == TaskState::waiting)
+    raise(*task, {"waits", {}, "an 'on stop' block cannot wait", {}}, false);
+  cleaned_up_ = task->over();
+  if (task->state == TaskState::failed) outcome_ = TaskState::failed;
+}
+
+// Going wrong.
+
+namespace {
+/// The kinds of errors that programs tell apart.
+const char* kind_of(const std::string& code) {
+  for (const char* kind : {"timeout", "unreachable", "limit", "signal", "user"})
+    if (code == kind) return kind;
+  if (code == "singular" || code == "jump" || code == "refused") return "unreachable";
+  if (code == "link" || code == "stale") return "signal";
+  return "value";
+}
+
+Value as_value(const Problem& problem, const std::string& robot) {
+  return data::Record{{"kind", "text", "line", "robot"},
+                      {Value(kind_of(problem.code)), Value(problem.what),
+                       Value(static_cast<double>(problem.where.line)), Value(robot)}};
+}
+}  // namespace
+
+void Interpreter::raise(Task& task, Problem problem, bool catchable) {
+  if (problem.where.file.empty() && problem.where.line == 0)
+    problem.where = program_.at(code_.steps[task.pc].line);
+  end_children(task.id);
+  task.waiting = {};
+  task.handles.clear();
+  task.deadline.reset();
+  task.met = false;
+  for (auto& [name, come] : meetings_) std::erase(come, task.id);
+  if (catchable && !task.handlers.empty()) return unwind(task, problem);
+  fail(task, std::move(problem));
+}
+
+void Interpreter::unwind(Task& task, const Problem& problem) {
+  const Handler handler = task.handlers.back();
+  const std::string robot = task.uses.empty() ? std::string{} : task.uses.back().robot;
+  task.handlers.pop_back();
+  task.stack.resize(handler.stack);
+  task.frames.resize(handler.frames);
+  task.uses.resize(handler.uses);
+  give_back_locks(task, handler.locks);
+  task.push(as_value(problem, robot));
+  task.pc = handler.step;
+  task.state = TaskState::running;
 }
 
 void Interpreter::fail(Task& task, Problem problem) {
-  if (problem.where.file.empty() && problem.where.line == 0)
-    problem.where = program_.at(code_[task.pc].place);
-  task.problem = std::move(problem);
   task.state = TaskState::failed;
-  task.waiting = {};
+  give_back_locks(task, 0);
+  Task* parent = task.parent ? task_of(task.parent) : nullptr;
+  if (parent && !parent->over()) return raise(*parent, std::move(problem), true);
+  task.problem = std::move(problem);
+  end_program(TaskState::failed);
 }
 
-void Interpreter::execute(Task& task, const Step& step) {
-  const Statement* s = step.statement;
-  switch (step.op) {
-    case Op::load:
-      return begin_load(task, *s);
-    case Op::move:
-      return begin_move(task, *s);
-    case Op::wait_time:
-      return begin_wait_time(task, evaluator(task).time(*s->expression, true));
-    case Op::wait:
-      return begin_wait(task, *s);
-    case Op::ask:
-      return begin_ask(task, *s);
-    case Op::set_literal:
-    case Op::set:
-      assign(task, *s);
-      break;
-    case Op::let:
-      declare(task, *s);
-      break;
-    case Op::log:
-      write_log(task, *s);
-      break;
-    case Op::call:
-      evaluator(task).value(*s->expression);
-      break;
-    case Op::for_begin:
-      begin_for(task, *s);
-      break;
-    default:
-      return execute_flow(task, step);
-  }
-  ++task.pc;
-}
-
-void Interpreter::execute_flow(Task& task, const Step& step) {
-  const auto target = static_cast<std::size_t>(step.target);
-  switch (step.op) {
-    case Op::jump:
-      task.pc = target;
-      return;
-    case Op::jump_unless: {
-      const char* of = step.statement->kind == Statement::Kind::while_loop ? "while" : "if";
-      task.pc = evaluator(task).boolean(*step.expression, of) ? task.pc + 1 : target;
-      return;
-    }
-    case Op::for_next:
-      return next_of_for(task, step);
-    case Op::pass:
-      return end_pass(task, step);
-    case Op::keep_locals:
-      task.frame().locals.resize(static_cast<std::size_t>(step.locals));
-      ++task.pc;
-      return;
-    case Op::stop:
-      return stop();
-    default:
-      task.state = TaskState::finished;
-      return;
+void Interpreter::end_children(std::uint64_t parent) {
+  for (const auto& task : tasks_) {
+    if (task->parent != parent || task->over()) continue;
+    task->state = TaskState::stopped;
+    give_back_locks(*task, 0);
+    end_children(task->id);
   }
 }
 
-void Interpreter::begin_load(Task& task, const Statement& s) {
-  const LoadForm form = s.kind == Statement::Kind::import ? LoadForm::import : LoadForm::load;
-  task.handle = host_.start_load(s.name, form, program_.at(s.place));
-  task.waiting = {WaitKind::load, {}, {}, s.name};
-  task.state = TaskState::waiting;
+void Interpreter::remove_children() {
+  const auto gone = [](const auto& task) { return task->parent != 0 && task->over(); };
+  if (outcome_ || std::none_of(tasks_.begin(), tasks_.end(), gone)) return;
+  std::erase_if(tasks_, gone);
+  turn_ = 0, turn_left_ = 0;
 }
 
-void Interpreter::begin_move(Task& task, const Statement& s) {
-  const Expression& point = *s.expression;
-  const Value value = evaluator(task).value(point);
-  const std::string called = point.kind == Expression::Kind::name ? point.name : value.text();
-  if (!value.is_place())
-    throw Error(Problem{"bad-type", program_.at(point.place),
-                        "'" + called + "' is " + data::name(value.kind()) + ", a point was expected",
-                        "moveto goes to a joint state or a pose"});
-  Move move;
-  move.targets.push_back({value, called});
-  move.waits = true;
-  task.handle = host_.start_move(move, program_.at(s.place));
-  task.waiting = {WaitKind::move, {}, {}, called};
-  task.state = TaskState::waiting;
-}
-
-void Interpreter::begin_wait_time(Task& task, Nanoseconds duration) {
-  task.waiting = {WaitKind::time, host_.now() + duration, {}, {}};
-  task.state = TaskState::waiting;
-}
-
-void Interpreter::begin_wait(Task& task, const Statement& s) {
-  const Expression& condition = condition_of(s);
-  const Value first = evaluator(task).value(condition);
-  if (s.kind == Statement::Kind::wait && first.as_number()) {
-    if (s.second)
-      throw Error(Problem{"bad-type", program_.at(s.second->place), "a wait for a time has no timeout", {}});
-    return begin_wait_time(task, evaluator(task).time(first, condition.place, false));
+void Interpreter::give_back_locks(Task& task, std::size_t keep) {
+  for (; task.locks.size() > keep; task.locks.pop_back()) {
+    const auto at = locks_.find(task.locks.back());
+    if (at != locks_.end() && at->second == task.id) locks_.erase(at);
   }
-  task.waiting = {WaitKind::condition, {}, {}, {}};
-  for (const std::string& read : names_read(condition))
-    if (!task.frame().find(read)) task.waiting.names.push_back(read);
-  if (s.second && s.kind == Statement::Kind::wait)
-    task.waiting.until = host_.now() + evaluator(task).time(*s.second, false);
-  task.seen_version = host_.data_version() - 1;
-  task.state = TaskState::waiting;
-}
-
-void Interpreter::begin_ask(Task& task, const Statement& s) {
-  if (s.second && (task.frame().find(s.second->name) || host_.find(s.second->name)))
-    return begin_wait(task, s);
-  const std::string text = s.expression ? evaluator(task).value(*s.expression).text() : std::string{};
-  task.handle = host_.start_ask(text, program_.at(s.place));
-  task.waiting = {WaitKind::user, {}, {}, text};
-  task.state = TaskState::waiting;
-}
-
-/// Looks whether the wait is over; then the task runs on behind it.
-bool Interpreter::poll(Task& task) {
-  const Step& step = code_[task.pc];
-  switch (task.waiting.kind) {
-    case WaitKind::time:
-      if (host_.now() < *task.waiting.until) return false;
-      end_wait(task);
-      return true;
-    case WaitKind::condition:
-      return poll_condition(task, step);
-    default:
-      return poll_handle(task, step);
-  }
-}
-
-bool Interpreter::poll_condition(Task& task, const Step& step) {
-  const std::uint64_t version = host_.data_version();
-  if (version != task.seen_version) {
-    task.seen_version = version;
-    if (evaluator(task).boolean(condition_of(*step.statement), "wait")) {
-      end_wait(task);
-      return true;
-    }
-  }
-  if (!task.waiting.until || host_.now() < *task.waiting.until) return false;
-  time_out(task, step);
-  return true;
-}
-
-void Interpreter::time_out(Task& task, const Step& step) {
-  if (step.target < 0)
-    throw Error(Problem{
-        "timeout", program_.at(step.place),
-        "the time-out passed and the condition is still false; it reads " + join(task.waiting.names, ", "),
-        "write `else` after the timeout to handle it"});
-  end_wait(task);
-  task.pc = static_cast<std::size_t>(step.target);
-}
-
-bool Interpreter::poll_handle(Task& task, const Step& step) {
-  const WaitKind kind = task.waiting.kind;
-  Progress progress = kind == WaitKind::move   ? host_.poll_move(task.handle)
-                      : kind == WaitKind::load ? host_.poll_load(task.handle)
-                                               : host_.poll_ask(task.handle);
-  if (progress.state == Progress::State::running) return false;
-  if (progress.state != Progress::State::done)
-    throw Error(progress.problem.value_or(
-        Problem{"failed", program_.at(step.place), "'" + program_.source(step.place.line) + "' failed", {}}));
-  end_wait(task);
-  return true;
-}
-
-void Interpreter::end_wait(Task& task) {
-  task.waiting = {};
-  task.state = TaskState::running;
-  ++task.pc;
-}
-
-void Interpreter::assign(Task& task, const Statement& s) {
-  const Evaluator evaluate = evaluator(task);
-  if (s.kind == Statement::Kind::set) return assign_checked(task, s, evaluate.value(*s.expression));
-  if (Local* local = task.frame().find(s.name)) {
-    local->value = s.literal;
-  } else {
-    host_.set(s.name, s.literal, program_.at(s.place));
-  }
-}
-
-/// A name keeps its type and unit.
-void Interpreter::assign_checked(Task& task, const Statement& s, Value value) {
-  Local* local = task.frame().find(s.name);
-  const Value* present = local ? &local->value : host_.find(s.name);
-  if (!present)
-    throw Error(Problem{"unknown-name", program_.at(s.name_place),
-                        "there is nothing called '" + s.name + "'" + did_you_mean(s.name, host_.names()),
-                        "write `let " + s.name + " = …` to make it"});
-  if (!same_type(*present, value))
-    throw Error(Problem{"bad-type", program_.at(s.name_place),
-                        "'" + s.name + "' is " + data::name(present->kind()) + " (" +
-                            present->text().substr(0, 60) + ") and cannot become " +
-                            data::name(value.kind()) + " (" + value.text().substr(0, 60) + ")",
-                        "a name keeps its type and unit"});
-  if (local) {
-    local->value = std::move(value);
-  } else {
-    host_.set(s.name, std::move(value), program_.at(s.place));
-  }
-}
-
-void Interpreter::declare(Task& task, const Statement& s) {
-  if (task.frame().find(s.name) || host_.find(s.name))
-    throw Error(Problem{"shadowing", program_.at(s.name_place), "there is a '" + s.name + "' already",
-                        "choose another name, or change it with `set`"});
-  Value value = evaluator(task).value(*s.expression);
-  task.frame().locals.push_back({s.name, std::move(value)});
-}
-
-/// Locals of a loop: how far it has come, what it runs over (a list, or the last number), and its name.
-void Interpreter::begin_for(Task& task, const Statement& s) {
-  const auto fail_at = [&](Place place, std::string what) {
-    throw Error(Problem{"bad-type", program_.at(place), std::move(what), {}});
-  };
-  if (task.frame().find(s.name) || host_.find(s.name))
-    throw Error(Problem{"shadowing", program_.at(s.name_place), "there is a '" + s.name + "' already",
-                        "choose another name for the loop"});
-  Value first = evaluator(task).value(*s.expression);
-  Value over = s.second ? evaluator(task).value(*s.second) : first;
-  if (!s.second && !over.as_list())
-    fail_at(s.expression->place, "a list, or a range such as 1 .. 5, was expected");
-  if (s.second && (!first.as_number() || !over.as_number() ||
-                   first.as_number()->dimension != over.as_number()->dimension))
-    fail_at(s.second->place, "a range goes from one number to another of the same unit");
-  constexpr double kLargest = 1e15;  // beyond it a step of one may not count
-  if (s.second &&
-      (std::abs(first.as_number()->value) > kLargest || std::abs(over.as_number()->value) > kLargest))
-    fail_at(s.second->place, "this range is too large to count");
-  auto& locals = task.frame().locals;
-  locals.push_back({"", Value(0)});
-  locals.push_back({"", std::move(over)});
-  locals.push_back({s.name, s.second ? std::move(first) : Value(0)});
-}
-
-void Interpreter::next_of_for(Task& task, const Step& step) {
-  auto& locals = task.frame().locals;
-  Local& loop = locals[locals.size() - 1];
-  const Value& over = locals[locals.size() - 2].value;
-  Value& count = locals[locals.size() - 3].value;
-  const double done = count.as_number()->value;
-  bool more = false;
-  if (const data::List* list = over.as_list()) {
-    more = done < static_cast<double>(list->size());
-    if (more) loop.value = (*list)[static_cast<std::size_t>(done)];
-  } else {
-    const data::Number present = *loop.value.as_number();
-    const data::Number next{present.value + (done > 0 ? 1 : 0), present.dimension};
-    more = next.value <= over.as_number()->value;
-    loop.value = next;
-  }
-  count = done + 1;
-  task.pc = more ? task.pc + 1 : static_cast<std::size_t>(step.target);
-}
-
-void Interpreter::end_pass(Task& task, const Step& step) {
-  ++task.passes;
-  if (pass_limit_ == 0 || task.passes < pass_limit_) {
-    ++task.pc;
-    return;
-  }
-  const Expression& condition = *step.statement->expression;
-  if (condition.kind == Expression::Kind::name) {
-    if (Local* local = task.frame().find(condition.name)) {
-      local->value = false;
-    } else {
-      host_.set(condition.name, false, program_.at(step.place));
-    }
-  }
-  task.pc = static_cast<std::size_t>(step.target);
-}
-
-void Interpreter::write_log(Task& task, const Statement& s) {
-  std::string text;
-  for (const ExpressionPtr& argument : s.arguments) {
-    text += (text.empty() ? "" : " ") + evaluator(task).value(*argument).text();
-  }
-  host_.log(text, program_.at(s.place));
 }
 
 }  // namespace polyarm::program

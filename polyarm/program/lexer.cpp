@@ -210,7 +210,7 @@ bool ends_with_comma(const std::vector<Token>& tokens) {
 /// Collects statements, line after line.
 class SourceReader {
  public:
-  explicit SourceReader(const std::vector<std::string>& lines) : lines_{lines} {}
+  SourceReader(const std::vector<std::string>& lines, int file) : lines_{lines}, file_{file} {}
 
   std::vector<SourceLine> read() {
     while (next_ < lines_.size()) read_statement();
@@ -239,12 +239,13 @@ class SourceReader {
   int read_line(SourceLine& statement, int depth) {
     const std::string& line = lines_[next_];
     const int number = static_cast<int>(++next_);
-    LineLexer lexer(line, {number, 1});
+    LineLexer lexer(line, {number, 1, file_});
     auto tokens = lexer.read();
     statement.raw += (statement.raw.empty() ? "" : "\n") + line.substr(0, lexer.end_of_code());
     depth = depth_after(tokens, depth);
     end_ = {number,
-            tokens.empty() ? 1 : tokens.back().place.column + static_cast<int>(tokens.back().text.size())};
+            tokens.empty() ? 1 : tokens.back().place.column + static_cast<int>(tokens.back().text.size()),
+            file_};
     std::move(tokens.begin(), tokens.end(), std::back_inserter(statement.tokens));
     return depth;
   }
@@ -256,6 +257,7 @@ class SourceReader {
   }
 
   const std::vector<std::string>& lines_;
+  int file_;
   std::size_t next_ = 0;
   Place end_;
   std::vector<SourceLine> out_;
@@ -275,14 +277,14 @@ std::vector<std::string> split_lines(std::string_view text) {
   return out;
 }
 
-std::vector<SourceLine> read_source(const std::vector<std::string>& lines) {
-  return SourceReader(lines).read();
+std::vector<SourceLine> read_source(const std::vector<std::string>& lines, int file) {
+  return SourceReader(lines, file).read();
 }
 
 std::vector<Token> read_tokens(std::string_view text, Place place) {
   auto tokens = LineLexer(text, place).read();
-  tokens.push_back(
-      {TokenKind::end, "", {place.line, place.column + static_cast<int>(text.size())}, 0, Dimension::none});
+  const int end = place.column + static_cast<int>(text.size());
+  tokens.push_back({TokenKind::end, "", {place.line, end, place.file}, 0, Dimension::none});
   return tokens;
 }
 

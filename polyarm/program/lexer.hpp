@@ -12,8 +12,8 @@ namespace polyarm::program {
 /// The lines of `text` without their endings, a byte order mark dropped.
 std::vector<std::string> split_lines(std::string_view text);
 
-/// The statements of `lines`; empty lines and comments leave none.
-std::vector<SourceLine> read_source(const std::vector<std::string>& lines);
+/// The statements of `lines`, which are file `file` of their program; empty lines and comments leave none.
+std::vector<SourceLine> read_source(const std::vector<std::string>& lines, int file = 0);
 
 /// The tokens of a piece of source that starts at `place`, for expressions inside texts.
 std::vector<Token> read_tokens(std::string_view text, Place place);

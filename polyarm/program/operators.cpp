@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
 
 namespace polyarm::program {
 
@@ -16,13 +18,6 @@ namespace {
   throw OperationError{"bad-type", std::move(what), std::move(advice)};
 }
 
-/// "a number (a length)".
-std::string described(const Value& value) {
-  const Number* number = value.as_number();
-  if (!number) return data::name(value.kind());
-  return number->dimension == Dimension::none ? "a number without unit" : name(number->dimension);
-}
-
 std::string pair(const Value& a, const Value& b) {
   return described(a) + " and " + described(b);
 }
@@ -32,8 +27,12 @@ Value number(double value, Dimension dimension) {
   return Number{value, dimension};
 }
 
+const List* parts_of(const Value& value) {
+  return value.as_record() ? &value.as_record()->values : value.as_list();
+}
+
 std::size_t depth_of(const Value& value, std::size_t most) {
-  const List* list = value.as_list();
+  const List* list = parts_of(value);
   if (!list || most == 0) return 0;
   std::size_t deepest = 0;
   for (const Value& item : *list) deepest = std::max(deepest, depth_of(item, most - 1));
@@ -41,7 +40,7 @@ std::size_t depth_of(const Value& value, std::size_t most) {
 }
 
 std::size_t items_in(const Value& value) {
-  const List* list = value.as_list();
+  const List* list = parts_of(value);
   if (!list) return 1;
   std::size_t count = 1;
   for (const Value& item : *list) count += items_in(item);
@@ -95,6 +94,8 @@ void refuse_zero(const Number& divisor, Operator op) {
 }
 
 Value multiply(const Value& a, const Value& b) {
+  if (a.as_point() && b.as_point())
+    return data::Point{a.as_point()->pose * b.as_point()->pose, a.as_point()->quaternion_given};
   const auto [x, y] = numbers(Operator::multiply, a, b);
   const auto dimension = product(x.dimension, y.dimension);
   if (!dimension) refuse("the product of " + pair(a, b) + " has no unit here");
@@ -154,38 +155,6 @@ bool boolean(Operator op, const Value& value) {
   if (!value.as_boolean())
     refuse(std::string("'") + spelling(op) + "' needs True or False, here is " + described(value));
   return *value.as_boolean();
-}
-
-constexpr std::array kFunctions = {Function{"length", 1, 1}, Function{"abs", 1, 1},
-                                   Function{"min", 1, 100},  Function{"max", 1, 100},
-                                   Function{"round", 1, 1},  Function{"floor", 1, 1}};
-
-Value length_of(const Value& value) {
-  if (value.as_list()) return static_cast<double>(value.as_list()->size());
-  if (!value.as_text()) refuse("length() takes a list or a text, here is " + described(value));
-  const std::string& text = *value.as_text();
-  return static_cast<double>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
-
-/// The smallest, or with `less` turned round the largest, of numbers of one dimension.
-Value extreme(std::string_view function, std::span<const Value> values) {
-  Value best = values.front();
-  for (const Value& value : values) {
-    const Operator op = function == "min" ? Operator::less : Operator::greater;
-    numbers(op, value, best);
-    if (*compare(op, value, best).as_boolean()) best = value;
-  }
-  return best;
-}
-
-Value round_or_abs(std::string_view function, const Value& value) {
-  const Number* n = value.as_number();
-  if (!n) refuse(std::string(function) + "() takes a number, here is " + described(value));
-  const double result = function == "abs"     ? std::abs(n->value)
-                        : function == "round" ? std::round(n->value)
-                                              : std::floor(n->value);
-  return number(result, n->dimension);
 }
 
 struct Triple {
@@ -258,51 +227,112 @@ Value apply(Operator op, const Value& a) {
   return Number{-a.as_number()->value, a.as_number()->dimension};
 }
 
-const Function* find_function(std::string_view name) {
-  const auto at =
-      std::find_if(kFunctions.begin(), kFunctions.end(), [&](const Function& f) { return f.name == name; });
-  return at == kFunctions.end() ? nullptr : &*at;
-}
-
-std::vector<std::string> function_names() {
-  std::vector<std::string> out;
-  for (const Function& function : kFunctions) out.emplace_back(function.name);
-  return out;
-}
-
-Value call(std::string_view function, std::span<const Value> arguments) {
-  const Function* found = find_function(function);
-  if (!found || arguments.size() < found->least || arguments.size() > found->most)
-    refuse("there is no function " + std::string(function) + "() of " + std::to_string(arguments.size()) +
-           " values");
-  if (function == "length") return length_of(arguments[0]);
-  if (function == "min" || function == "max") return extreme(function, arguments);
-  return round_or_abs(function, arguments[0]);
-}
-
-Value element(const Value& list, const Value& index) {
-  const List* items = list.as_list();
+namespace {
+std::size_t place_in(const List& items, const Value& index) {
   const Number* at = index.as_number();
-  if (!items) refuse("only a list has elements, here is " + described(list));
   if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
     refuse("the place in a list is a whole number, here is " + index.text());
-  if (at->value < 1 || at->value > static_cast<double>(items->size()))
+  if (at->value < 1 || at->value > static_cast<double>(items.size()))
     throw OperationError{
-        "no-element",
-        "there is no element " + index.text() + " in a list of " + std::to_string(items->size()),
+        "no-element", "there is no element " + index.text() + " in a list of " + std::to_string(items.size()),
         at->value == 0 ? "the first element is 1" : ""};
-  return (*items)[static_cast<std::size_t>(at->value) - 1];
+  return static_cast<std::size_t>(at->value) - 1;
 }
 
-Value make_list(List items) {
+[[noreturn]] void refuse_field(const data::Record& record, const std::string& name) {
+  throw OperationError{"unknown-name",
+                       "there is no '" + name + "' in this record" + did_you_mean(name, record.names),
+                       record.names.empty() ? "it is empty" : "it has " + join(record.names, ", ")};
+}
+
+std::optional<Value> part_of_pose(const Pose& pose, std::string_view name) {
+  if (name == "x") return Number{pose.position.x, Dimension::length};
+  if (name == "y") return Number{pose.position.y, Dimension::length};
+  if (name == "z") return Number{pose.position.z, Dimension::length};
+  const Vec3 rpy = to_rpy(pose.rotation);
+  if (name == "rx") return Number{rpy.x, Dimension::angle};
+  if (name == "ry") return Number{rpy.y, Dimension::angle};
+  if (name == "rz") return Number{rpy.z, Dimension::angle};
+  return std::nullopt;
+}
+}  // namespace
+
+const Value& element(const Value& list, const Value& index) {
+  const List* items = list.as_list();
+  if (!items) refuse("only a list has elements, here is " + described(list));
+  return (*items)[place_in(*items, index)];
+}
+
+Value field(const Value& of, const std::string& name) {
+  if (const data::Record* record = of.as_record()) {
+    if (const Value* found = record->find(name)) return *found;
+    refuse_field(*record, name);
+  }
+  if (const data::Point* point = of.as_point()) {
+    if (const auto part = part_of_pose(point->pose, name)) return *part;
+    refuse("a pose has x y z rx ry rz, and no '" + name + "'");
+  }
+  const double* joint = of.as_joints() ? of.as_joints()->find(name) : nullptr;
+  if (joint) return Number{*joint, Dimension::angle};
+  refuse(described(of) + " has no '" + name + "'");
+}
+
+void replace(Value& whole, std::span<const PathStep> path, Value value) {
+  if (path.empty()) {
+    if (!same_type(whole, value))
+      refuse("this is " + described(whole) + " (" + whole.text().substr(0, 60) + ") and cannot become " +
+                 described(value) + " (" + value.text().substr(0, 60) + ")",
+             "a name keeps its type and unit");
+    whole = std::move(value);
+    return;
+  }
+  const PathStep& step = path.front();
+  if (step.index) {
+    if (!whole.as_list()) refuse("only a list has elements, here is " + described(whole));
+    List items = *whole.as_list();
+    replace(items[place_in(items, *step.index)], path.subspan(1), std::move(value));
+    whole = make_list(std::move(items));
+    return;
+  }
+  if (!whole.as_record()) refuse("only a record has fields that can be set, here is " + described(whole));
+  data::Record record = *whole.as_record();
+  const auto at = std::find(record.names.begin(), record.names.end(), step.field);
+  if (at == record.names.end()) refuse_field(record, step.field);
+  replace(record.values[static_cast<std::size_t>(at - record.names.begin())], path.subspan(1),
+          std::move(value));
+  whole = make_record(std::move(record));
+}
+
+bool same_type(const Value& a, const Value& b) {
+  if (a.is_place() && b.is_place()) return true;
+  if (a.kind() != b.kind()) return false;
+  return !a.as_number() || a.as_number()->dimension == b.as_number()->dimension;
+}
+
+namespace {
+Value bounded(Value out) {
   constexpr std::size_t kDeepest = 8;
-  Value out(std::move(items));
   if (depth_of(out, kDeepest + 1) > kDeepest)
     throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
   if (items_in(out) > kMostListItems + 1)
     throw OperationError{
         "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};
   return out;
+}
+}  // namespace
+
+Value make_list(List items) {
+  return bounded(Value(std::move(items)));
+}
+
+Value make_record(data::Record record) {
+  return bounded(Value(std::move(record)));
+}
+
+std::string described(const Value& value) {
+  const Number* number = value.as_number();
+  if (!number) return data::name(value.kind());
+  return number->dimension == Dimension::none ? "a number without unit" : name(number->dimension);
 }
 
 }  // namespace polyarm::program

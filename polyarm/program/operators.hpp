@@ -24,18 +24,25 @@ struct OperationError {
 /// Throw OperationError. `and` and `or` take both sides as they are here.
 Value apply(Operator op, const Value& a, const Value& b);
 Value apply(Operator op, const Value& a);
-Value call(std::string_view function, std::span<const Value> arguments);
-Value element(const Value& list, const Value& index);
-/// Throws where a list would be too large or lists stand in lists in lists.
+const Value& element(const Value& list, const Value& index);
+/// A field of a record; x y z rx ry rz of a pose; a joint of a joint state.
+Value field(const Value& of, const std::string& name);
+/// Throw where a list would be too large or lists stand in lists in lists.
 Value make_list(data::List items);
+Value make_record(data::Record record);
 
-struct Function {
-  std::string_view name;
-  std::size_t least, most;  ///< how many arguments it takes
+/// One step from a value to a part of it.
+struct PathStep {
+  std::string field;
+  std::optional<Value> index;  ///< nothing: the field
 };
-/// The function, or nullptr.
-const Function* find_function(std::string_view name);
-std::vector<std::string> function_names();
+/// Changes a part of `whole`; what is replaced keeps its type and unit.
+void replace(Value& whole, std::span<const PathStep> path, Value value);
+
+/// Whether a name that holds `a` may come to hold `b`.
+bool same_type(const Value& a, const Value& b);
+/// "a boolean", "a length", "a number without unit".
+std::string described(const Value& value);
 
 /// The dimension of a product or quotient; nothing where it has no name here.
 std::optional<Dimension> product(Dimension a, Dimension b);

@@ -1,12 +1,13 @@
 #include "polyarm/program/parser.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/import_format.hpp"
-#include "polyarm/program/expression_parser.hpp"
 #include "polyarm/program/lexer.hpp"
+#include "polyarm/program/statement_parser.hpp"
 
 namespace polyarm::program {
 
@@ -20,25 +21,29 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
 
 /// Words of the full language that this version refuses by name.
 const std::vector<std::string>& later_words() {
-  static const std::vector<std::string> words = {
-      "movej", "movel", "movec", "include", "use",      "meet", "lock", "func", "return", "try",
-      "raise", "retry", "hold",  "task",    "together", "when", "on",   "test", "run",    "expect"};
+  static const std::vector<std::string> words = {"test", "run", "expect"};
   return words;
 }
 
 bool is_closer(std::string_view word) {
-  return one_of(word, {"end", "endwhile", "endif", "endfor", "endwait"});
-}
-bool ends_block(std::string_view word) {
-  return is_closer(word) || word == "else" || word == "elif";
+  return one_of(word, {"end", "endwhile", "endif", "endfor", "endwait", "endfunc", "endtask", "endtry",
+                       "endwhen", "endlock", "endtogether", "endmeet", "endmove", "endon"});
 }
 
-/// A statement with the keyword it begins with, corrected where it is misspelt.
-struct Line {
-  SourceLine source;
-  std::string word;  ///< lower case; empty: no keyword is near
-  bool misspelt = false;
-};
+/// `on error`, where a statement begins.
+bool is_handler(const SourceLine& source) {
+  return source.tokens.size() > 2 && source.tokens[0].kind == TokenKind::name &&
+         equal_ignoring_case(source.tokens[0].text, "on") && source.tokens[1].kind == TokenKind::name &&
+         equal_ignoring_case(source.tokens[1].text, "error");
+}
+
+bool ends_block(const Line& line) {
+  return is_closer(line.word) || line.word == "else" || line.word == "elif" || is_handler(line.source);
+}
+
+bool is_move(std::string_view word) {
+  return one_of(word, {"moveto", "movej", "movel", "movec"});
+}
 
 std::string keyword_of(const Token& token, bool& misspelt) {
   misspelt = false;
@@ -62,24 +67,24 @@ bool is_row_of_closers(const SourceLine& source) {
 
 class Parser {
  public:
-  Parser(Program& program, Problems& problems) : program_{program}, problems_{problems} {}
+  /// Parses file `file` of the program.
+  Parser(Program& program, Problems& problems, int file = 0)
+      : program_{program}, problems_{problems}, file_{file} {}
 
-  void run() {
-    prepare(read_source(program_.lines));
-    program_.statements = block();
+  Block run() {
+    prepare(read_source(file_ == 0 ? program_.lines : included().lines, file_));
+    Block out = block();
     while (next_ < lines_.size() && !given_up_) {  // a closer that closes nothing
       refuse_closer(lines_[next_]);
       ++next_;
       Block more = block();
-      std::move(more.begin(), more.end(), std::back_inserter(program_.statements));
+      std::move(more.begin(), more.end(), std::back_inserter(out));
     }
+    return out;
   }
 
  private:
-  struct Opener {
-    std::string word;
-    Place place;
-  };
+  const Program::Included& included() const { return program_.included[static_cast<std::size_t>(file_) - 1]; }
 
   void prepare(std::vector<SourceLine> sources) {
     for (SourceLine& source : sources) {
@@ -133,7 +138,7 @@ class Parser {
     Block out;
     while (next_ < lines_.size() && !given_up_) {
       Line& line = lines_[next_];
-      if (ends_block(line.word)) {
+      if (ends_block(line)) {
         if (line.misspelt) refuse_word(line);
         line.misspelt = false;
         return out;
@@ -147,7 +152,9 @@ class Parser {
   void statement(const Line& line, Block& out) {
     Statement made;
     made.place = line.source.place;
-    const bool opens = one_of(line.word, {"while", "if", "for"}) || waits_with_else(line);
+    const bool opens =
+        one_of(line.word, {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on"}) ||
+        ends_with_else(line);
     try {
       if (line.misspelt || line.word.empty()) {
         refuse_word(line);
@@ -155,7 +162,10 @@ class Parser {
       }
       TokenCursor cursor(line.source.tokens);
       cursor.take();
-      parse_statement(line, cursor, made);
+      parse_statement(line, cursor, made, open_);
+      if (made.kind == Kind::include) return include(made, out);
+      if (file_ > 0 && open_.empty() && made.kind != Kind::function && made.kind != Kind::let)
+        throw SyntaxError{"not-included", made.place, "an included file holds only 'func' and 'let'", ""};
     } catch (const SyntaxError& e) {
       error(e);
       if (!opens && made.kind != Kind::let) return;
@@ -164,11 +174,43 @@ class Parser {
     out.push_back(std::move(made));
   }
 
-  /// `wait … timeout … else`, also where something in it is wrong.
-  static bool waits_with_else(const Line& line) {
+  /// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.
+  static bool ends_with_else(const Line& line) {
     const auto& tokens = line.source.tokens;
-    return line.word == "wait" && tokens.size() > 4 && tokens[tokens.size() - 2].kind == TokenKind::name &&
-           equal_ignoring_case(tokens[tokens.size() - 2].text, "else");
+    const auto says = [&](std::string_view word) {
+      return std::any_of(tokens.begin() + 1, tokens.end(), [&](const Token& t) {
+        return t.kind == TokenKind::name && equal_ignoring_case(t.text, word);
+      });
+    };
+    const bool waits = line.word == "wait" || line.word == "meet";
+    if (tokens.size() < 5 || !(waits || (is_move(line.word) && says("until")))) return false;
+    const Token& last = tokens[tokens.size() - 2];
+    return last.kind == TokenKind::name && equal_ignoring_case(last.text, "else");
+  }
+
+  /// The functions and names of another file, once however often it is included.
+  void include(const Statement& s, Block& out) {
+    constexpr std::size_t kMostFiles = 50;
+    const std::string by = file_ == 0 ? program_.file : included().file;
+    const std::filesystem::path path = std::filesystem::path(by).parent_path() / s.name;
+    const auto same = [&](const Program::Included& other) { return other.file == path.string(); };
+    if (path.string() == program_.file ||
+        std::any_of(program_.included.begin(), program_.included.end(), same))
+      return;
+    if (program_.included.size() >= kMostFiles)
+      return error("too-many", s.name_place, "a program includes at most 50 files");
+    std::string text;
+    try {
+      text = read_file(path);
+    } catch (const Error& e) {
+      return error("no-file", s.name_place,
+                   "'" + s.name + "' cannot be included: " + e.problems().front().what,
+                   "the name is relative to the folder of this file");
+    }
+    if (const auto why = data::why_not_text(text)) return error("not-text", s.name_place, *why);
+    program_.included.push_back({path.string(), split_lines(text)});
+    Block more = Parser(program_, problems_, static_cast<int>(program_.included.size())).run();
+    std::move(more.begin(), more.end(), std::back_inserter(out));
   }
 
   void refuse_word(const Line& line) {
@@ -185,256 +227,6 @@ class Parser {
           "no statement begins with " + shown(first) + did_you_mean(first.text, statement_words()), "");
   }
 
-  void parse_statement(const Line& line, TokenCursor& cursor, Statement& out) {
-    const std::string& word = line.word;
-    if (word == "load" || word == "import") return parse_load(line, cursor, out);
-    if (word == "set") return parse_set(line, cursor, out);
-    if (word == "let") return parse_let(cursor, out);
-    if (word == "moveto") return parse_move(cursor, out);
-    if (word == "wait") return parse_wait(cursor, out);
-    if (word == "while" || word == "if") return parse_condition(word, cursor, out);
-    if (word == "for") return parse_for(cursor, out);
-    if (one_of(word, {"break", "continue", "stop"})) return parse_single(line, cursor, out);
-    if (word == "log") return parse_log(cursor, out);
-    if (word == "call") return parse_call(line, out);
-    throw SyntaxError{"unknown-word", line.source.place,
-                      "'" + word + "' is not part of this version of the language",
-                      "statements are " + join(statement_words(), ", ")};
-  }
-
-  void parse_load(const Line& line, TokenCursor& cursor, Statement& out) {
-    out.kind = line.word == "load" ? Kind::load : Kind::import;
-    const Token& token = cursor.peek();
-    out.name_place = token.place;
-    if (token.kind == TokenKind::text && cursor.peek(1).kind == TokenKind::end) {
-      out.name = token.text;
-      return;
-    }
-    const std::string_view raw = trim(line.source.raw);
-    out.name = trim(raw.substr(std::min(raw.size(), line.word.size())));
-    if (out.name.empty())
-      throw SyntaxError{"no-name", token.place, "the name of a data file was expected",
-                        "write `load cycledata`"};
-    if (out.name.find_first_of(" \t\n\"") != std::string::npos) {
-      refuse_bad(token);
-      throw SyntaxError{"bad-name", token.place, "one name of a file was expected after '" + line.word + "'",
-                        "a name with blanks goes in \"quotes\""};
-    }
-  }
-
-  /// The name of something that can be changed, with its dots.
-  std::string target(TokenCursor& cursor, const char* statement) {
-    const Token& token = cursor.peek();
-    refuse_bad(token);
-    if (token.kind != TokenKind::name && token.kind != TokenKind::quoted)
-      throw SyntaxError{"no-name", token.place,
-                        std::string("a name was expected after '") + statement + "', here is " + shown(token),
-                        ""};
-    if (token.kind == TokenKind::name && is_reserved(token.text))
-      throw SyntaxError{"reserved", token.place, shown(token) + " is a word of the language and no name", ""};
-    std::string name = cursor.take().text;
-    while (cursor.is_symbol(".") &&
-           (cursor.peek(1).kind == TokenKind::name || cursor.peek(1).kind == TokenKind::quoted)) {
-      cursor.take();
-      name += "." + cursor.take().text;
-    }
-    return name;
-  }
-
-  void parse_set(const Line& line, TokenCursor& cursor, Statement& out) {
-    out.name_place = cursor.peek().place;
-    out.name = target(cursor, "set");
-    if (cursor.take_symbol("=")) {
-      out.kind = Kind::set;
-      out.expression = cursor.expression();
-      return cursor.expect_end("the value");
-    }
-    if (cursor.position() > 2)
-      throw SyntaxError{"no-equals", cursor.peek().place, "'=' was expected after '" + out.name + "'",
-                        "write `set " + out.name + " = …`"};
-    if (cursor.is_symbol("["))
-      throw SyntaxError{"bad-target", cursor.peek().place, "an element of a list cannot be changed here",
-                        "set the whole list"};
-    out.kind = Kind::set_literal;
-    out.literal = thesis_literal(line, cursor);
-  }
-
-  /// True or False, a number, or the rest of the line as text.
-  Value thesis_literal(const Line& line, const TokenCursor& cursor) {
-    const std::string& raw = line.source.raw;
-    std::size_t at = raw.find_first_not_of(" \t", raw.find_first_of(" \t", raw.find_first_not_of(" \t")));
-    if (at != std::string::npos && raw[at] == '`') {
-      at = raw.find('`', at + 1) + 1;
-    } else if (at != std::string::npos) {
-      at += line.source.tokens[1].text.size();
-    }
-    const std::string_view rest =
-        at < raw.size() ? trim(std::string_view(raw).substr(at)) : std::string_view{};
-    if (rest.empty())
-      throw SyntaxError{"no-value", cursor.peek().place,
-                        "a value was expected after '" + line.source.tokens[1].text + "'",
-                        "write True, False, a number, a text, or `= …`"};
-    if (equal_ignoring_case(rest, "true")) return true;
-    if (equal_ignoring_case(rest, "false")) return false;
-    if (const auto number = parse_number(rest)) return *number;
-    const bool signed_number = cursor.is_symbol("-") || cursor.is_symbol("+");
-    const Token& token = cursor.peek(signed_number ? 1 : 0);
-    if (token.kind == TokenKind::number && cursor.peek(signed_number ? 2 : 1).kind == TokenKind::end)
-      return data::Number{cursor.is_symbol("-") ? -token.number : token.number, token.dimension};
-    if (rest.size() >= 2 && rest.front() == '"' && rest.back() == '"')
-      return std::string(rest.substr(1, rest.size() - 2));
-    return std::string(rest);
-  }
-
-  void parse_let(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::let;
-    out.name_place = cursor.peek().place;
-    out.name = target(cursor, "let");
-    if (cursor.position() > 2)
-      throw SyntaxError{"bad-target", out.name_place, "a name that `let` makes has no dots", ""};
-    if (!cursor.take_symbol("=")) {
-      refuse_bad(cursor.peek());
-      throw SyntaxError{"no-equals", cursor.peek().place,
-                        "'=' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
-                        "write `let " + out.name + " = …`"};
-    }
-    out.expression = cursor.expression();
-    cursor.expect_end("the value");
-  }
-
-  void parse_move(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::move;
-    out.name_place = cursor.peek().place;
-    if (cursor.at_end())
-      throw SyntaxError{"no-value", cursor.peek().place, "a point was expected after 'moveto'",
-                        "write `moveto Home`"};
-    out.expression = cursor.expression();
-    cursor.expect_end("the point");
-  }
-
-  static bool begins_value(const TokenCursor& cursor, std::size_t ahead) {
-    const Token& token = cursor.peek(ahead);
-    if (token.kind == TokenKind::end) return false;
-    if (token.kind == TokenKind::name) return !one_of(lower(token.text), {"and", "or", "mod", "timeout"});
-    return token.kind != TokenKind::symbol || one_of(token.text, {"(", "-", "["});
-  }
-
-  void parse_wait(TokenCursor& cursor, Statement& out) {
-    out.name_place = cursor.peek().place;
-    if (cursor.at_end())
-      throw SyntaxError{"no-value", cursor.peek().place, "'wait' needs to know for what",
-                        "write `wait NAME`, `wait 500ms`, `wait time 1` or `wait user`"};
-    if (cursor.is_word("time") && begins_value(cursor, 1)) {
-      cursor.take();
-      out.kind = Kind::wait_time;
-      out.expression = cursor.expression();
-      return cursor.expect_end("the time");
-    }
-    if (cursor.is_word("user") || cursor.is_word("input")) {
-      if (cursor.peek(1).kind == TokenKind::end) return parse_ask(cursor, out);
-      if (cursor.peek(1).kind == TokenKind::text) return parse_ask(cursor, out);
-    }
-    if (cursor.is_word("var") && begins_value(cursor, 1)) {
-      cursor.take();
-      out.explicit_variable = true;
-    }
-    parse_wait_condition(cursor, out);
-  }
-
-  void parse_ask(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::ask;
-    out.name = cursor.peek().text;
-    if (cursor.peek(1).kind == TokenKind::end) {
-      out.second = cursor.expression();
-      return;
-    }
-    cursor.take();
-    out.expression = cursor.expression();
-    cursor.expect_end("the text");
-  }
-
-  void parse_wait_condition(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::wait;
-    out.expression = cursor.expression();
-    if (cursor.take_word("timeout")) {
-      out.second = cursor.expression();
-      out.has_else = cursor.take_word("else");
-    }
-    cursor.expect_end("the condition");
-  }
-
-  void parse_condition(const std::string& word, TokenCursor& cursor, Statement& out) {
-    out.kind = word == "while" ? Kind::while_loop : Kind::branch;
-    if (cursor.at_end())
-      throw SyntaxError{"no-value", cursor.peek().place, "a condition was expected after '" + word + "'",
-                        "write `" + word + " NAME`"};
-    ExpressionPtr condition = cursor.expression();
-    if (out.kind == Kind::while_loop) {
-      out.expression = std::move(condition);
-    } else {
-      out.branches.push_back({std::move(condition), out.place, {}});
-    }
-    cursor.expect_end("the condition");
-  }
-
-  void parse_for(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::for_loop;
-    out.name_place = cursor.peek().place;
-    out.name = target(cursor, "for");
-    if (!cursor.take_word("in"))
-      throw SyntaxError{"no-in", cursor.peek().place,
-                        "'in' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
-                        "write `for i in 1 .. 5`"};
-    out.expression = cursor.expression();
-    if (cursor.take_symbol("..")) out.second = cursor.expression();
-    cursor.expect_end("the range");
-  }
-
-  void parse_single(const Line& line, TokenCursor& cursor, Statement& out) {
-    out.kind = line.word == "stop"    ? Kind::stop
-               : line.word == "break" ? Kind::break_loop
-                                      : Kind::continue_loop;
-    const bool in_loop = std::any_of(open_.begin(), open_.end(), [](const Opener& opener) {
-      return opener.word == "while" || opener.word == "for";
-    });
-    if (out.kind != Kind::stop && !in_loop)
-      throw SyntaxError{"no-loop", out.place, "'" + line.word + "' stands in no loop", ""};
-    cursor.expect_end("'" + line.word + "'");
-  }
-
-  void parse_log(TokenCursor& cursor, Statement& out) {
-    out.kind = Kind::log;
-    if (cursor.is_symbol("(") && closes_at_end(cursor)) {
-      const Token& open = cursor.take();
-      out.arguments = cursor.list_until(")", open);
-    } else {
-      out.arguments.push_back(cursor.expression());
-    }
-    cursor.expect_end("the text");
-  }
-
-  /// Whether the bracket at the cursor is closed by the last token of the statement.
-  static bool closes_at_end(const TokenCursor& cursor) {
-    int depth = 0;
-    for (std::size_t i = cursor.position(); i < cursor.tokens().size(); ++i) {
-      const Token& token = cursor.tokens()[i];
-      if (token.kind != TokenKind::symbol) continue;
-      if (token.text == "(") ++depth;
-      if (token.text == ")" && --depth == 0) return i + 2 == cursor.tokens().size();
-    }
-    return true;
-  }
-
-  void parse_call(const Line& line, Statement& out) {
-    out.kind = Kind::call;
-    TokenCursor cursor(line.source.tokens);
-    out.expression = cursor.expression();
-    cursor.expect_end("the call");
-    if (out.expression->kind != Expression::Kind::call)
-      throw SyntaxError{"unexpected", line.source.place, "a value alone is no statement",
-                        "write `log(…)` or `set … = …`"};
-  }
-
   /// The block that `line` opens, with its branches, up to and with its closing word.
   void parse_body(const Line& line, Statement& out) {
     if (static_cast<int>(open_.size()) >= kDeepestBlocks) {
@@ -443,9 +235,10 @@ class Parser {
       given_up_ = true;
       return;
     }
-    open_.push_back({line.word, out.place});
+    open_.push_back({is_move(line.word) ? "move" : line.word, out.place});
     if (line.word == "if" && out.branches.empty()) out.branches.push_back({nullptr, out.place, {}});
     Block* target = line.word == "if" ? &out.branches.back().body : &out.body;
+    if (is_move(line.word) && !out.clauses.empty()) target = &out.clauses.back().otherwise;
     bool had_else = false;
     do {
       Block more = block();
@@ -463,6 +256,11 @@ class Parser {
       return true;
     }
     const Line& line = lines_[next_];
+    if (is_handler(line.source)) {
+      ++next_;
+      begin_handler(line, out, target);
+      return false;
+    }
     if (!is_closer(line.word)) {
       ++next_;
       next_branch(line, out, target, had_else);
@@ -471,9 +269,34 @@ class Parser {
     if (line.word == "end" || line.word == "end" + opener.word) {
       ++next_;
       closed_line_ends(line);
+      if (opener.word == "try" && !opener.handles)
+        error("no-handler", opener.place, "this 'try' has no 'on error'",
+              "write `on error e` before its end, with what is to be done then");
       return true;
     }
     return mismatch(line);
+  }
+
+  /// on error [NAME]: what follows is done when something before it went wrong.
+  void begin_handler(const Line& line, Statement& out, Block*& target) {
+    Opener& opener = open_.back();
+    if (opener.word != "try" || opener.handles)
+      return error("stray-handler", line.source.place,
+                   "'on error' belongs to a 'try', here is the '" + opener.word + "' of line " +
+                       std::to_string(opener.place.line),
+                   opener.handles ? "it has its 'on error' already" : "close the block before it");
+    opener.handles = true;
+    out.handler_place = line.source.place;
+    target = &out.handler;
+    const Token& name = line.source.tokens[2];
+    if (name.kind == TokenKind::end) return;
+    out.name_place = name.place;
+    if ((name.kind != TokenKind::name && name.kind != TokenKind::quoted) || is_reserved(name.text))
+      return error("no-name", name.place, "a name was expected after 'on error', here is " + shown(name));
+    out.name = name.text;
+    if (line.source.tokens[3].kind != TokenKind::end)
+      error("unexpected", line.source.tokens[3].place,
+            shown(line.source.tokens[3]) + " is not expected here, after 'on error'");
   }
 
   void closed_line_ends(const Line& line) {
@@ -538,26 +361,23 @@ class Parser {
   }
 
   void refuse_closer(const Line& line) {
-    const bool closes = is_closer(line.word);
+    const bool closes = is_closer(line.word), handles = is_handler(line.source);
     error("stray-end", line.source.place,
-          closes ? "'" + line.word + "' closes nothing" : "'" + line.word + "' belongs to no 'if'", "");
+          closes    ? "'" + line.word + "' closes nothing"
+          : handles ? "'on error' belongs to no 'try'"
+                    : "'" + line.word + "' belongs to no 'if'",
+          "");
   }
 
   Program& program_;
   Problems& problems_;
   std::vector<Line> lines_;
   std::size_t next_ = 0, count_ = 0;
-  std::vector<Opener> open_;
+  Openers open_;
   bool given_up_ = false;
+  int file_ = 0;
 };
 }  // namespace
-
-const std::vector<std::string>& statement_words() {
-  static const std::vector<std::string> words = {
-      "load", "import", "set", "let",    "moveto", "wait",     "while", "endwhile", "if",  "elif",
-      "else", "endif",  "for", "endfor", "break",  "continue", "stop",  "log",      "end", "endwait"};
-  return words;
-}
 
 Program parse(std::string_view text, const std::string& file, Problems& problems) {
   Program program;
@@ -568,10 +388,12 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
   }
   program.lines = split_lines(text);
   Problems found;
-  Parser(program, found).run();
+  program.statements = Parser(program, found).run();
   std::vector<Problem> list = found.list();
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Problem& a, const Problem& b) { return a.where.line < b.where.line; });
+  std::stable_sort(list.begin(), list.end(), [&](const Problem& a, const Problem& b) {
+    const bool other_a = a.where.file != file, other_b = b.where.file != file;
+    return other_a != other_b ? other_b : a.where.line < b.where.line;
+  });
   for (Problem& problem : list) problems.add(std::move(problem));
   return program;
 }

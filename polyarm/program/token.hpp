@@ -7,10 +7,11 @@
 
 namespace polyarm::program {
 
-/// A place in a program: line and column from 1, columns in characters.
+/// A place in a program: line and column from 1, columns in characters; the file as Program counts them.
 struct Place {
   int line = 0;
   int column = 0;
+  int file = 0;
 };
 
 enum class TokenKind {

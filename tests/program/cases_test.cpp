@@ -1,5 +1,8 @@
 /// Every file in tests/program/cases is a program that says on its lines what is expected:
-///   # given NAME: True | 3 | 5mm | "text" | point     before it starts
+///   # given NAME: True | 3 | 5mm | "text" | point | point 1 2 3 | joints     before it starts
+///   # after 150ms NAME: True                          what somebody else sets then
+///   # expect arrivals: 2                              how often it waits for queued motion
+///   movel A           # expect move: line A exact     what the cell is asked for by this line, in its order
 ///   log …          # expect: a | b                    what this line logs, in its order
 ///   …              # expect error: part of the text   of a finding of the parser or checker on this line
 ///   …              # expect warning: part
@@ -8,6 +11,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "fake_host.hpp"
 #include "polyarm/base/file.hpp"
@@ -20,8 +24,9 @@ namespace polyarm::program {
 namespace {
 
 struct Expectations {
-  std::map<int, std::vector<std::string>> logs;
+  std::map<int, std::vector<std::string>> logs, moves;
   std::multimap<int, std::string> errors, warnings, failures;
+  std::optional<int> arrivals;
 };
 
 std::string after(const std::string& line, const std::string& mark) {
@@ -34,6 +39,9 @@ Expectations read_expectations(const std::vector<std::string>& lines) {
   for (int i = 1; i <= static_cast<int>(lines.size()); ++i) {
     const std::string& line = lines[static_cast<std::size_t>(i) - 1];
     if (const auto text = after(line, "# expect:"); !text.empty()) out.logs[i] = split_fields(text, '|');
+    if (const auto text = after(line, "# expect move:"); !text.empty())
+      out.moves[i] = split_fields(text, '|');
+    if (const auto text = after(line, "# expect arrivals:"); !text.empty()) out.arrivals = std::stoi(text);
     if (const auto text = after(line, "# expect error:"); !text.empty()) out.errors.emplace(i, text);
     if (const auto text = after(line, "# expect warning:"); !text.empty()) out.warnings.emplace(i, text);
     if (const auto text = after(line, "# expect failure:"); !text.empty()) out.failures.emplace(i, text);
@@ -44,6 +52,11 @@ Expectations read_expectations(const std::vector<std::string>& lines) {
 data::Value given_value(const std::string& text) {
   if (text == "True" || text == "False") return text == "True";
   if (text == "point") return data::Point{};
+  if (text == "joints") return data::JointState{{"elbow"}, {0.5}};
+  if (text.starts_with("point ")) {
+    const auto parts = split_words(text);
+    return data::Point{{{std::stod(parts.at(1)), std::stod(parts.at(2)), std::stod(parts.at(3))}, {}}, false};
+  }
   if (text.starts_with('"')) return text.substr(1, text.size() - 2);
   const auto tokens = read_tokens(text, {1, 1});
   return data::Number{tokens[0].number, tokens[0].dimension};
@@ -56,6 +69,28 @@ void give(FakeHost& host, const std::vector<std::string>& lines) {
     host.store.declare_tag(std::string(trim(std::string_view(line).substr(8, colon - 8))),
                            given_value(std::string(trim(std::string_view(line).substr(colon + 1)))));
   }
+}
+
+/// What others set while the program runs.
+struct Later {
+  Nanoseconds at = 0;
+  std::string name;
+  data::Value value;
+};
+
+std::vector<Later> read_later(const std::vector<std::string>& lines) {
+  std::vector<Later> out;
+  for (const std::string& line : lines) {
+    if (!line.starts_with("# after ")) continue;
+    const auto words = split_words(line);
+    const auto colon = line.find(':');
+    const double seconds = given_value(words.at(2)).as_number()->value;
+    const auto name_at = line.find(words.at(2)) + words.at(2).size();
+    out.push_back({nanoseconds(seconds),
+                   std::string(trim(std::string_view(line).substr(name_at, colon - name_at))),
+                   given_value(std::string(trim(std::string_view(line).substr(colon + 1))))});
+  }
+  return out;
 }
 
 void compare_findings(const Problems& problems, Expectations expected) {
@@ -74,10 +109,14 @@ void compare_findings(const Problems& problems, Expectations expected) {
 }
 
 void compare_run(const FakeHost& host, const Interpreter& interpreter, const Expectations& expected) {
-  std::map<int, std::vector<std::string>> logs;
+  std::map<int, std::vector<std::string>> logs, moves;
   for (const auto& [line, text] : host.logs) logs[line].push_back(text);
   EXPECT_EQ(logs, expected.logs);
-  const TaskStatus status = interpreter.status().front();
+  for (const auto& [line, text] : host.asked)
+    if (expected.moves.contains(line)) moves[line].push_back(text);
+  EXPECT_EQ(moves, expected.moves);
+  EXPECT_EQ(host.arrivals_asked, expected.arrivals.value_or(host.arrivals_asked));
+  const TaskStatus status = interpreter.overview();
   if (expected.failures.empty()) {
     EXPECT_NE(status.state, TaskState::failed) << status.problem->text();
     return;
@@ -88,13 +127,10 @@ void compare_run(const FakeHost& host, const Interpreter& interpreter, const Exp
       << status.problem->text();
 }
 
-class Case : public testing::TestWithParam<std::string> {};
-
-TEST_P(Case, DoesWhatItsLinesSay) {
-  const std::string path = std::string(POLYARM_SOURCE_DIR) + "/tests/program/cases/" + GetParam() + ".script";
+void run_case(const std::string& text, const std::string& path) {
   FakeHost host;
   Problems problems;
-  Program program = parse(read_file(path), path, problems);
+  Program program = parse(text, path, problems);
   const Expectations expected = read_expectations(program.lines);
   give(host, program.lines);
   KnownNames known;
@@ -102,11 +138,46 @@ TEST_P(Case, DoesWhatItsLinesSay) {
   check(program, known, problems);
   compare_findings(problems, expected);
   const bool runs = !problems.has_errors() || !expected.failures.empty();
-  EXPECT_TRUE(runs || expected.logs.empty()) << "a program with errors does not run";
+  EXPECT_TRUE(runs || (expected.logs.empty() && expected.moves.empty()))
+      << "a program with errors does not run";
   if (!runs) return;
   Interpreter interpreter(std::move(program), host);
-  run(interpreter, host, nanoseconds(60));
+  const std::vector<Later> later = read_later(interpreter.program().lines);
+  run(interpreter, host, nanoseconds(60), [&] {
+    for (const Later& each : later)
+      if (host.time >= each.at && host.time < each.at + 2'000'000)
+        host.store.set(each.name, each.value, "others");
+  });
   compare_run(host, interpreter, expected);
+}
+
+class Case : public testing::TestWithParam<std::string> {};
+
+TEST_P(Case, DoesWhatItsLinesSay) {
+  const std::string path = std::string(POLYARM_SOURCE_DIR) + "/tests/program/cases/" + GetParam() + ".script";
+  run_case(read_file(path), path);
+}
+
+/// The programs between ``` in the manual, with the lines they stand on.
+TEST(Manual, EveryProgramInItDoesWhatItsLinesSay) {
+  const std::string path = std::string(POLYARM_SOURCE_DIR) + "/docs/language.md";
+  std::string text;
+  bool inside = false;
+  int programs = 0;
+  for (const std::string& line : split_lines(read_file(path))) {
+    if (!line.starts_with("```")) {
+      if (inside) text += line + "\n";
+      continue;
+    }
+    if (inside) {
+      SCOPED_TRACE(text);
+      run_case(text, path);
+      ++programs;
+    }
+    inside = !inside;
+    text.clear();
+  }
+  EXPECT_GT(programs, 8);
 }
 
 std::vector<std::string> case_names() {

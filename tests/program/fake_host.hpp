@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/data/data_store.hpp"
@@ -18,7 +20,19 @@ class FakeHost : public Host {
   std::filesystem::path folder;
   Nanoseconds time = 0;
   Nanoseconds move_time = 100'000'000;
-  Nanoseconds arrives = 0;  ///< when the last move that was queued ends
+  struct Queued {
+    Move move;
+    Location where;
+    Nanoseconds begin = 0, end = 0;
+    bool fails = false;  ///< a target called Late…: told when it should have arrived
+  };
+  std::vector<Queued> queued;
+  std::map<std::string, Nanoseconds> arrivals;     ///< by robot, when all of its moves have ended
+  std::vector<std::pair<int, std::string>> asked;  ///< line, the move in words
+  std::vector<std::string> ended_moves, holds;
+  std::size_t room = 1000, most_open = 0;
+  int arrivals_asked = 0;
+  bool dropped = false;  ///< somebody stopped the robot
   std::vector<std::string> moves;
   std::vector<std::pair<int, std::string>> logs;  ///< line, text
   std::vector<std::string> questions;
@@ -33,18 +47,63 @@ class FakeHost : public Host {
     store.set(name, std::move(value), "program");
   }
   std::uint64_t data_version() const override { return store.version(); }
-  Handle start_move(const Move& move, const Location&) override {
+  Handle start_move(const Move& move, const Location& where) override {
     for (const Move::Target& target : move.targets) {
       if (target.name == "Unreachable")
         throw Error("unreachable", "'Unreachable' is 5.31 m from the base, this robot reaches 0.50 m");
       moves.push_back(target.name);
     }
-    arrives = std::max(arrives, time) + move_time;
+    asked.emplace_back(where.line, described(move));
+    Nanoseconds& arrives = arrivals[move.robot];
+    const Nanoseconds begin = std::max(arrives, time);
+    arrives = begin + (move.duration ? nanoseconds(move.duration->value) : move_time);
+    const bool fails = move.targets.back().name.starts_with("Late");
+    queued.push_back({move, where, begin, arrives, fails});
     return start(arrives);
   }
-  Progress poll_move(Handle handle) override { return until(handle); }
-  bool room_for_move(const std::string&) override { return true; }
-  Handle start_arrival(const std::string&) override { return start(std::max(arrives, time)); }
+  Progress poll_move(Handle handle) override {
+    if (dropped) return Progress::ended({"discarded", {}, "the move was discarded", {}});
+    if (until(handle).state == Progress::State::running) return {};
+    for (Queued& each : queued)
+      if (each.end <= time && std::exchange(each.fails, false))
+        return Progress::failed(
+            {"unreachable", each.where, "'" + each.move.targets.back().name + "' is out of reach", {}});
+    return Progress::done();
+  }
+  bool room_for_move(const std::string& robot) override {
+    std::size_t open = 0;
+    for (const Queued& each : queued) open += each.move.robot == robot && each.end > time;
+    most_open = std::max(most_open, open);
+    return open < room;
+  }
+  Handle start_arrival(const std::string& robot) override {
+    ++arrivals_asked;
+    return start(std::max(arrivals[robot], time));
+  }
+  void end_move(Handle handle, const Location&) override {
+    ends_.at(static_cast<std::size_t>(handle)) = time;
+    ended_moves.push_back(queued.back().move.targets.back().name);
+    arrivals[queued.back().move.robot] = queued.back().end = time;
+  }
+  Travel travel(Handle handle) const override {
+    const Nanoseconds end = ends_.at(static_cast<std::size_t>(handle));
+    const auto at = std::find_if(queued.begin(), queued.end(), [&](const Queued& q) { return q.end == end; });
+    const Nanoseconds begin = at == queued.end() ? end : at->begin;
+    const Nanoseconds now = std::clamp(time, begin, end);
+    const double share =
+        end > begin ? static_cast<double>(now - begin) / static_cast<double>(end - begin) : 1;
+    return {share, 1 - share, now - begin, end - now};  // every move is one metre long
+  }
+  data::Value here(const std::string&, const std::string&, const std::string&) const override {
+    for (auto each = queued.rbegin(); each != queued.rend(); ++each)
+      if (each->end <= time && each->move.targets.back().value.as_point())
+        return each->move.targets.back().value;
+    return data::Point{};
+  }
+  bool standing() const override {
+    return std::all_of(queued.begin(), queued.end(), [&](const Queued& q) { return q.end <= time; });
+  }
+  void hold(const std::string& reason, const Location&) override { holds.push_back(reason); }
   Handle start_load(const std::string& name, LoadForm, const Location& where) override {
     const auto path = data::find_file(name, folder, where);
     load_now(path);
@@ -61,6 +120,21 @@ class FakeHost : public Host {
   Progress poll_ask(Handle handle) override { return answers ? until(handle) : Progress{}; }
   Nanoseconds now() const override { return time; }
   void log(const std::string& text, const Location& where) override { logs.emplace_back(where.line, text); }
+
+  static std::string described(const Move& move) {
+    static constexpr const char* kKinds[] = {"joint", "line", "arc"};
+    std::string out = kKinds[static_cast<int>(move.kind)];
+    for (const Move::Target& target : move.targets) out += " " + target.name;
+    const auto number = [&](const char* word, const std::optional<data::Number>& value) {
+      if (value) out += std::string(" ") + word + " " + data::Value(*value).text();
+    };
+    number("speed", move.speed), number("accel", move.accel);
+    number("blend", move.blend), number("duration", move.duration);
+    for (const auto& [word, name] :
+         {std::pair{"robot", move.robot}, {"tool", move.tool}, {"frame", move.frame}})
+      if (!name.empty()) out += std::string(" ") + word + " " + name;
+    return out + (move.exact ? " exact" : "") + (move.waits ? " waits" : "");
+  }
 
   /// The files as they are now, with everything written through.
   std::map<std::string, data::ImportFile> files;

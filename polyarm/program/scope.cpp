@@ -1,0 +1,295 @@
+#include "polyarm/program/scope.hpp"
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/program/code.hpp"
+
+namespace polyarm::program {
+
+using data::Kind;
+
+namespace {
+bool is_place(Kind kind) {
+  return kind == Kind::joints || kind == Kind::pose;
+}
+
+bool is_comparison(Operator op) {
+  return op >= Operator::equal && op <= Operator::greater_equal;
+}
+
+bool can_order(const Type& type) {
+  return !type.kind || *type.kind == Kind::number || *type.kind == Kind::text;
+}
+
+/// The nearest of Wanted that says the same as a type; nothing where it may fit.
+bool surely_not(Wanted wanted, const Type& type) {
+  if (!type.kind || wanted == Wanted::any) return false;
+  const auto number = [&](std::optional<Dimension> dimension) {
+    return *type.kind != Kind::number || (dimension && type.dimension && *type.dimension != *dimension);
+  };
+  switch (wanted) {
+    case Wanted::number:
+      return number({});
+    case Wanted::length:
+      return number(Dimension::length);
+    case Wanted::angle:
+      return number(Dimension::angle);
+    case Wanted::scalar:
+      return number(Dimension::none);
+    case Wanted::text:
+      return *type.kind != Kind::text;
+    case Wanted::list:
+      return *type.kind != Kind::list;
+    case Wanted::list_or_text:
+      return *type.kind != Kind::list && *type.kind != Kind::text;
+    case Wanted::pose:
+      return *type.kind != Kind::pose;
+    default:
+      return !is_place(*type.kind);
+  }
+}
+}  // namespace
+
+Type number_of(std::optional<Dimension> dimension) {
+  return {Kind::number, dimension};
+}
+
+std::string described(const Type& type) {
+  if (type.kind == Kind::number && type.dimension)
+    return *type.dimension == Dimension::none ? "a number without unit" : name(*type.dimension);
+  return type.kind ? data::name(*type.kind) : "something";
+}
+
+bool surely_other(const Type& a, const Type& b) {
+  if (!a.kind || !b.kind) return false;
+  if (is_place(*a.kind) && is_place(*b.kind)) return false;
+  return *a.kind != *b.kind || (a.dimension && b.dimension && *a.dimension != *b.dimension);
+}
+
+bool is_place(const Type& type) {
+  return !type.kind || is_place(*type.kind);
+}
+
+Scope::Scope(const Program& program, const KnownNames& known, Problems& problems)
+    : names{known.names}, program_{program}, problems_{problems} {
+  for_each_statement(program.statements, [&](const Statement& s) {
+    if (s.kind == Statement::Kind::set_literal && !s.name.empty() && !known.names.contains(s.name))
+      made.insert(s.name);
+  });
+  for (const Statement& s : program.statements)
+    if (s.kind == Statement::Kind::function && !s.name.empty()) functions.push_back(&s);
+}
+
+std::vector<std::string> Scope::all_names() const {
+  std::vector<std::string> out;
+  for (const auto& name : names) out.push_back(name.first);
+  for (const Variable& variable : variables) out.push_back(variable.name);
+  return out;
+}
+
+const Type* Scope::local(const std::string& name) const {
+  const auto at =
+      std::find_if(variables.rbegin(), variables.rend(), [&](const Variable& v) { return v.name == name; });
+  return at == variables.rend() ? nullptr : &at->type;
+}
+
+std::string Scope::variable_in(const std::string& name) const {
+  if (local(name)) return name;
+  const std::string first = name.substr(0, name.find('.'));
+  return local(first) ? first : std::string{};
+}
+
+const Statement* Scope::function(const std::string& name) const {
+  const auto at =
+      std::find_if(functions.begin(), functions.end(), [&](const Statement* s) { return s->name == name; });
+  return at == functions.end() ? nullptr : *at;
+}
+
+void Scope::declare(const std::string& name, Place place, Type type) {
+  if (name.empty()) return;
+  if (local(name) || names.contains(name))
+    error("shadowing", place, "there is a '" + name + "' already",
+          "choose another name, or change it with `set`");
+  used.emplace(name, place);
+  variables.push_back({name, type});
+}
+
+Type Scope::type_of_field(const Type& of, const std::string& field, Place place) {
+  if (!of.kind || *of.kind == Kind::record) return kUnknown;
+  if (is_place(*of.kind) && field == "name") return {Kind::text, {}};
+  if (*of.kind == Kind::joints) return number_of(Dimension::angle);
+  if (*of.kind == Kind::pose) {
+    for (const char* axis : {"x", "y", "z"})
+      if (field == axis) return number_of(Dimension::length);
+    for (const char* axis : {"rx", "ry", "rz"})
+      if (field == axis) return number_of(Dimension::angle);
+  }
+  error("bad-type", place, described(of) + " has no '" + field + "'",
+        *of.kind == Kind::pose ? "a pose has x y z rx ry rz" : "");
+  return kUnknown;
+}
+
+Type Scope::type_of_name(const std::string& name, Place place) {
+  used.emplace(name, place);
+  if (const Type* found = local(name)) return *found;
+  if (const std::string variable = variable_in(name); !variable.empty()) {
+    Type type = *local(variable);
+    for (const std::string& part : split_fields(std::string_view(name).substr(variable.size() + 1), '.'))
+      type = type_of_field(type, part, place);
+    return type;
+  }
+  for (std::size_t end = name.size(); end != std::string::npos && end > 0; end = name.rfind('.', end - 1)) {
+    const auto at = names.find(name.substr(0, end));
+    if (at == names.end()) continue;
+    return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
+  }
+  if (made.contains(name)) return kUnknown;
+  error("unknown-name", place, "there is nothing called '" + name + "'" + did_you_mean(name, all_names()),
+        "names are data, points, tags and what `let` made");
+  return kUnknown;
+}
+
+Type Scope::infer(const Expression& e) {
+  using Kinds = Expression::Kind;
+  switch (e.kind) {
+    case Kinds::literal:
+      return type_of(e.value);
+    case Kinds::name:
+      return type_of_name(e.name, e.place);
+    case Kinds::unary:
+      return infer_unary(e);
+    case Kinds::binary:
+      return infer_binary(e);
+    case Kinds::call:
+      return infer_call(e);
+    default:
+      break;
+  }
+  const std::vector<Type> parts = infer_all(e);
+  if (e.kind == Kinds::list) return {Kind::list, {}};
+  if (e.kind == Kinds::record) return {Kind::record, {}};
+  if (e.kind == Kinds::field) return type_of_field(parts[0], e.name, e.place);
+  if (e.kind == Kinds::joined) return {Kind::text, {}};
+  if (parts[0].kind && *parts[0].kind != Kind::list)
+    error("bad-type", e.place, "only a list has elements, here is " + described(parts[0]));
+  return kUnknown;
+}
+
+std::vector<Type> Scope::infer_all(const Expression& e) {
+  std::vector<Type> out;
+  for (const ExpressionPtr& part : e.parts) out.push_back(infer(*part));
+  return out;
+}
+
+Type Scope::infer_unary(const Expression& e) {
+  const Type of = infer(*e.parts[0]);
+  const Kind wanted = e.op == Operator::logical_not ? Kind::boolean : Kind::number;
+  if (of.kind && *of.kind != wanted)
+    error("bad-type", e.place,
+          std::string("'") + spelling(e.op) + "' needs " + data::name(wanted) + ", here is " + described(of));
+  return wanted == Kind::boolean ? kBoolean : number_of(of.dimension);
+}
+
+void Scope::refuse_pair(const Expression& e, const Type& a, const Type& b) {
+  error("bad-type", e.place,
+        std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b));
+}
+
+Type Scope::infer_binary(const Expression& e) {
+  const Type a = infer(*e.parts[0]), b = infer(*e.parts[1]);
+  if (e.op == Operator::logical_and || e.op == Operator::logical_or) {
+    if (surely_other(a, kBoolean) || surely_other(b, kBoolean)) refuse_pair(e, a, b);
+    return kBoolean;
+  }
+  if (is_comparison(e.op)) {
+    const bool ordered = e.op >= Operator::less && e.op <= Operator::greater_equal;
+    if (surely_other(a, b) || (ordered && (!can_order(a) || !can_order(b)))) refuse_pair(e, a, b);
+    return kBoolean;
+  }
+  return infer_arithmetic(e, a, b);
+}
+
+Type Scope::infer_arithmetic(const Expression& e, const Type& a, const Type& b) {
+  if (!a.kind || !b.kind) return kUnknown;
+  if (e.op == Operator::multiply && *a.kind == Kind::pose && *b.kind == Kind::pose) return a;
+  const bool joins =
+      e.op == Operator::add && *a.kind == *b.kind && (*a.kind == Kind::text || *a.kind == Kind::list);
+  if (joins) return a;
+  if (*a.kind != Kind::number || *b.kind != Kind::number) {
+    refuse_pair(e, a, b);
+    return kUnknown;
+  }
+  if (!a.dimension || !b.dimension) return number_of({});
+  return number_of(dimension_of(e, a, b));
+}
+
+std::optional<Dimension> Scope::dimension_of(const Expression& e, const Type& a, const Type& b) {
+  std::optional<Dimension> out;
+  if (e.op == Operator::multiply) {
+    out = product(*a.dimension, *b.dimension);
+  } else if (e.op == Operator::divide) {
+    out = quotient(*a.dimension, *b.dimension);
+  } else if (*a.dimension == *b.dimension) {
+    out = a.dimension;
+  }
+  if (!out) refuse_pair(e, a, b);
+  return out;
+}
+
+Type Scope::infer_call(const Expression& e) {
+  const std::vector<Type> arguments = infer_all(e);
+  const Statement* own = function(e.name);
+  const Function* builtin = own ? nullptr : find_function(e.name);
+  if (!own && !builtin) {
+    std::vector<std::string> all = function_names();
+    for (const Statement* each : functions) all.push_back(each->name);
+    error("unknown-function", e.place, "there is no function '" + e.name + "'" + did_you_mean(e.name, all),
+          "functions are " + join(all, ", "));
+    return kUnknown;
+  }
+  try {
+    if (builtin) return infer_builtin(e, *builtin, arguments);
+    bind_arguments(signature_of(*own), e.names);
+  } catch (const OperationError& problem) {
+    error(problem.code, e.place, problem.what, problem.advice);
+  }
+  return kUnknown;
+}
+
+Type Scope::infer_builtin(const Expression& e, const Function& function, const std::vector<Type>& arguments) {
+  const Bound bound = bind_arguments(signature_of(function), e.names);
+  const auto look = [&](std::size_t parameter, int argument) {
+    if (argument < 0) return;
+    const auto& wanted = function.parameters[parameter];
+    const Type& type = arguments[static_cast<std::size_t>(argument)];
+    if (!surely_not(wanted.wanted, type)) return;
+    const bool bare = type.dimension == Dimension::none;
+    error("bad-type", e.parts[static_cast<std::size_t>(argument)]->place,
+          "'" + std::string(wanted.name) + "' of " + std::string(function.name) + "() is " +
+              name(wanted.wanted) + ", here is " + described(type),
+          bare && wanted.wanted == Wanted::length  ? "say the unit, such as 20mm"
+          : bare && wanted.wanted == Wanted::angle ? "say the unit, such as 30deg"
+                                                   : "");
+  };
+  for (std::size_t i = 0; i < bound.argument_of.size(); ++i) look(i, bound.argument_of[i]);
+  for (const int argument : bound.further) look(function.parameters.size() - 1, argument);
+  const Type first = arguments.empty() ? kUnknown : arguments.front();
+  if (function.name == "interpolate") return first;
+  if (function.gives == Kind::number)
+    return number_of(function.dimension ? function.dimension : first.dimension);
+  return {function.gives, {}};
+}
+
+void Scope::warn_of_case() {
+  std::map<std::string, std::set<std::string>> same;
+  for (const auto& name : names) same[lower(name.first)].insert(name.first);
+  for (const auto& [name, place] : used) {
+    const auto& spellings = same[lower(name)];
+    if (spellings.size() < 2 || *spellings.begin() == name) continue;
+    warning("case", place, "'" + name + "' and '" + *spellings.begin() + "' differ only in case",
+            "they are two names");
+  }
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,74 @@
+#pragma once
+/// The types of expressions, as far as they are known before a program runs; for the checker's own files.
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "polyarm/program/checker.hpp"
+#include "polyarm/program/functions.hpp"
+
+namespace polyarm::program {
+
+inline const Type kUnknown{};
+inline const Type kBoolean{data::Kind::boolean, {}};
+Type number_of(std::optional<Dimension> dimension);
+/// "a length", "a boolean", "something".
+std::string described(const Type& type);
+/// The two are known and cannot be the same.
+bool surely_other(const Type& a, const Type& b);
+bool is_place(const Type& type);
+
+/// The names that are known at one place of a program, and what expressions of them are.
+class Scope {
+ public:
+  Scope(const Program& program, const KnownNames& known, Problems& problems);
+
+  void error(std::string code, Place place, std::string what, std::string advice = {}) {
+    problems_.error(std::move(code), program_.at(place), std::move(what), std::move(advice));
+  }
+  void warning(std::string code, Place place, std::string what, std::string advice = {}) {
+    problems_.warning(std::move(code), program_.at(place), std::move(what), std::move(advice));
+  }
+
+  Type infer(const Expression& e);
+  /// Of a variable; nullptr where there is none of that name.
+  const Type* local(const std::string& name) const;
+  /// The variable that `name`, or what stands before its first dot, is; or an empty text.
+  std::string variable_in(const std::string& name) const;
+  std::vector<std::string> all_names() const;
+  void declare(const std::string& name, Place place, Type type);
+  const Statement* function(const std::string& name) const;
+  /// Names that a reader would take for one another.
+  void warn_of_case();
+
+  struct Variable {
+    std::string name;
+    Type type;
+  };
+  std::map<std::string, Type> names;  ///< data, points, tags
+  std::set<std::string> made;         ///< names that lines such as `set NAME True` will make
+  std::map<std::string, Place> used;
+  std::vector<Variable> variables;  ///< the innermost last
+  std::vector<const Statement*> functions;
+
+ private:
+  Type type_of_name(const std::string& name, Place place);
+  Type type_of_field(const Type& of, const std::string& field, Place place);
+  std::vector<Type> infer_all(const Expression& e);
+  Type infer_unary(const Expression& e);
+  void refuse_pair(const Expression& e, const Type& a, const Type& b);
+  Type infer_binary(const Expression& e);
+  Type infer_arithmetic(const Expression& e, const Type& a, const Type& b);
+  std::optional<Dimension> dimension_of(const Expression& e, const Type& a, const Type& b);
+  Type infer_call(const Expression& e);
+  Type infer_builtin(const Expression& e, const Function& function, const std::vector<Type>& arguments);
+
+  const Program& program_;
+  Problems& problems_;
+};
+
+/// Warns of blends that cannot happen, with the line that prevents each.
+void check_blends(const Program& program, Scope& scope);
+
+}  // namespace polyarm::program

@@ -1,0 +1,570 @@
+#include "polyarm/program/statement_parser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::program {
+
+namespace {
+using Kind = Statement::Kind;
+
+bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+void parse_load(const Line& line, TokenCursor& cursor, Statement& out) {
+  out.kind = line.word == "load" ? Kind::load : Kind::import;
+  const Token& token = cursor.peek();
+  out.name_place = token.place;
+  if (token.kind == TokenKind::text && cursor.peek(1).kind == TokenKind::end) {
+    out.name = token.text;
+    return;
+  }
+  const std::string_view raw = trim(line.source.raw);
+  out.name = trim(raw.substr(std::min(raw.size(), line.word.size())));
+  if (out.name.empty())
+    throw SyntaxError{"no-name", token.place, "the name of a data file was expected",
+                      "write `load cycledata`"};
+  if (out.name.find_first_of(" \t\n\"") != std::string::npos) {
+    refuse_bad(token);
+    throw SyntaxError{"bad-name", token.place, "one name of a file was expected after '" + line.word + "'",
+                      "a name with blanks goes in \"quotes\""};
+  }
+}
+
+/// The name of something that can be changed, with its dots.
+std::string target(TokenCursor& cursor, const char* statement) {
+  const Token& token = cursor.peek();
+  refuse_bad(token);
+  if (token.kind != TokenKind::name && token.kind != TokenKind::quoted)
+    throw SyntaxError{"no-name", token.place,
+                      std::string("a name was expected after '") + statement + "', here is " + shown(token),
+                      ""};
+  if (token.kind == TokenKind::name && is_reserved(token.text))
+    throw SyntaxError{"reserved", token.place, shown(token) + " is a word of the language and no name", ""};
+  std::string name = cursor.take().text;
+  while (cursor.is_symbol(".") &&
+         (cursor.peek(1).kind == TokenKind::name || cursor.peek(1).kind == TokenKind::quoted)) {
+    cursor.take();
+    name += "." + cursor.take().text;
+  }
+  return name;
+}
+
+/// Places in lists and fields behind a name: [1], [i].x
+std::vector<PathPart> path(TokenCursor& cursor) {
+  std::vector<PathPart> out;
+  while (cursor.is_symbol("[") || cursor.is_field()) {
+    const Token& open = cursor.take();
+    if (open.text == ".") {
+      out.push_back({open.place, cursor.take().text, nullptr});
+      continue;
+    }
+    out.push_back({open.place, {}, cursor.expression()});
+    if (!cursor.take_symbol("]"))
+      throw SyntaxError{"unclosed", open.place, "this '[' is not closed before " + shown(cursor.peek()),
+                        "add ']'"};
+  }
+  return out;
+}
+
+Value thesis_literal(const Line& line, const TokenCursor& cursor);
+
+void parse_set(const Line& line, TokenCursor& cursor, Statement& out) {
+  out.name_place = cursor.peek().place;
+  out.name = target(cursor, "set");
+  out.path = path(cursor);
+  if (cursor.take_symbol("=")) {
+    out.kind = Kind::set;
+    out.expression = cursor.expression();
+    return cursor.expect_end("the value");
+  }
+  if (cursor.position() > 2)
+    throw SyntaxError{"no-equals", cursor.peek().place, "'=' was expected after '" + out.name + "'",
+                      "write `set " + out.name + " = …`"};
+  out.kind = Kind::set_literal;
+  out.literal = thesis_literal(line, cursor);
+}
+
+/// True or False, a number, or the rest of the line as text.
+Value thesis_literal(const Line& line, const TokenCursor& cursor) {
+  const std::string& raw = line.source.raw;
+  std::size_t at = raw.find_first_not_of(" \t", raw.find_first_of(" \t", raw.find_first_not_of(" \t")));
+  if (at != std::string::npos && raw[at] == '`') {
+    at = raw.find('`', at + 1) + 1;
+  } else if (at != std::string::npos) {
+    at += line.source.tokens[1].text.size();
+  }
+  const std::string_view rest = at < raw.size() ? trim(std::string_view(raw).substr(at)) : std::string_view{};
+  if (rest.empty())
+    throw SyntaxError{"no-value", cursor.peek().place,
+                      "a value was expected after '" + line.source.tokens[1].text + "'",
+                      "write True, False, a number, a text, or `= …`"};
+  if (equal_ignoring_case(rest, "true")) return true;
+  if (equal_ignoring_case(rest, "false")) return false;
+  if (const auto number = parse_number(rest)) return *number;
+  const bool signed_number = cursor.is_symbol("-") || cursor.is_symbol("+");
+  const Token& token = cursor.peek(signed_number ? 1 : 0);
+  if (token.kind == TokenKind::number && cursor.peek(signed_number ? 2 : 1).kind == TokenKind::end)
+    return data::Number{cursor.is_symbol("-") ? -token.number : token.number, token.dimension};
+  if (rest.size() >= 2 && rest.front() == '"' && rest.back() == '"')
+    return std::string(rest.substr(1, rest.size() - 2));
+  return std::string(rest);
+}
+
+void parse_let(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::let;
+  out.name_place = cursor.peek().place;
+  out.name = target(cursor, "let");
+  if (cursor.position() > 2)
+    throw SyntaxError{"bad-target", out.name_place, "a name that `let` makes has no dots", ""};
+  if (!cursor.take_symbol("=")) {
+    refuse_bad(cursor.peek());
+    throw SyntaxError{"no-equals", cursor.peek().place,
+                      "'=' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
+                      "write `let " + out.name + " = …`"};
+  }
+  out.expression = cursor.expression();
+  cursor.expect_end("the value");
+}
+
+constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Clause::Kind::frame,
+                                 Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
+                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::until,
+                                 Clause::Kind::at};
+
+std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
+  for (const Clause::Kind kind : kClauses)
+    if (cursor.is_word(spelling(kind), ahead)) return kind;
+  return std::nullopt;
+}
+
+std::vector<std::string> clause_words() {
+  std::vector<std::string> out;
+  for (const Clause::Kind kind : kClauses) out.emplace_back(spelling(kind));
+  return out;
+}
+
+[[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
+  const Token& token = cursor.peek();
+  refuse_bad(token);
+  if (cursor.is_word("near") || cursor.is_word("payload"))
+    throw SyntaxError{"not-yet", token.place, shown(token) + " is not part of this version of the language",
+                      ""};
+  const std::vector<std::string> words = clause_words();
+  const bool word = token.kind == TokenKind::name;
+  std::string advice = "clauses are " + join(words, ", ");
+  if (after_comma && token.kind != TokenKind::end && (!word || !nearest_name(token.text, words)))
+    advice = "a path through several points is a list: [A, B]";
+  throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place,
+                    (after_comma ? "a clause was expected after ',', here is " + shown(token)
+                                 : shown(token) + " is not expected here, after the point") +
+                        (word ? did_you_mean(token.text, words) : ""),
+                    advice};
+}
+
+/// at (start|end) [(+|-) EXPR] set NAME = EXPR
+void parse_at(TokenCursor& cursor, Clause& out) {
+  out.from_end = cursor.is_word("end");
+  if (!out.from_end && !cursor.is_word("start"))
+    throw SyntaxError{"no-place", cursor.peek().place,
+                      "'start' or 'end' was expected after 'at', here is " + shown(cursor.peek()),
+                      "write `at end - 20mm set NAME = VALUE`"};
+  cursor.take();
+  if (cursor.is_symbol("+") || cursor.is_symbol("-")) {
+    const Token& sign = cursor.take();
+    if ((sign.text == "-") != out.from_end)
+      throw SyntaxError{"bad-place", sign.place,
+                        out.from_end ? "what is set after the end stands on the next line"
+                                     : "nothing can be set before the start of a move",
+                        "write `at end - 20mm` or `at start + 20mm`"};
+    out.value = cursor.expression();
+  }
+  if (!cursor.take_word("set"))
+    throw SyntaxError{"no-set", cursor.peek().place, "'set' was expected here, is " + shown(cursor.peek()),
+                      "write `at end - 20mm set NAME = VALUE`"};
+  out.target = target(cursor, "set");
+  if (!cursor.take_symbol("="))
+    throw SyntaxError{"no-equals", cursor.peek().place, "'=' was expected after '" + out.target + "'",
+                      "write `set " + out.target + " = …`"};
+  out.to = cursor.expression();
+}
+
+void parse_clause(TokenCursor& cursor, Statement& out) {
+  Clause clause;
+  clause.kind = *clause_at(cursor, 0);
+  clause.place = cursor.take().place;
+  const bool twice = std::any_of(out.clauses.begin(), out.clauses.end(),
+                                 [&](const Clause& c) { return c.kind == clause.kind; });
+  if (twice && clause.kind != Clause::Kind::at)
+    throw SyntaxError{"twice", clause.place,
+                      std::string("'") + spelling(clause.kind) + "' is said twice here", ""};
+  const bool moves_only = clause.kind == Clause::Kind::until || clause.kind == Clause::Kind::at ||
+                          clause.kind == Clause::Kind::duration;
+  if (moves_only && out.kind == Kind::use)
+    throw SyntaxError{"bad-clause", clause.place,
+                      std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
+  if (clause.kind == Clause::Kind::at) {
+    parse_at(cursor, clause);
+  } else if (clause.kind != Clause::Kind::exact) {
+    clause.value = cursor.expression();
+  }
+  if (clause.kind == Clause::Kind::until) clause.has_else = cursor.take_word("else");
+  out.clauses.push_back(std::move(clause));
+}
+
+/// Clauses to the end of the statement, with or without commas between them.
+void parse_clauses(TokenCursor& cursor, Statement& out) {
+  while (!cursor.at_end()) {
+    const bool comma = !out.clauses.empty() || out.kind == Kind::move ? cursor.take_symbol(",") : false;
+    if (cursor.is_word("until") && cursor.is_word("else", 1)) refuse_clause(cursor, comma);
+    if (!clause_at(cursor, 0)) refuse_clause(cursor, comma);
+    parse_clause(cursor, out);
+    if (!out.clauses.empty() && out.clauses.back().has_else) return cursor.expect_end("'else'");
+  }
+}
+
+void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
+  using Motion = Statement::Motion;
+  out.kind = Kind::move;
+  out.motion = line.word == "movej"   ? Motion::movej
+               : line.word == "movel" ? Motion::movel
+               : line.word == "movec" ? Motion::movec
+                                      : Motion::moveto;
+  out.name_place = cursor.peek().place;
+  if (cursor.at_end())
+    throw SyntaxError{
+        "no-value", cursor.peek().place, "a point was expected after '" + line.word + "'",
+        out.motion == Motion::movec ? "write `movec OnTheWay, End`" : "write `" + line.word + " Home`"};
+  out.arguments.push_back(cursor.expression());
+  if (out.motion == Motion::movec) {
+    if (!cursor.take_symbol(","))
+      throw SyntaxError{"no-value", cursor.peek().place,
+                        "',' and the end of the arc were expected after the point on the way, here is " +
+                            shown(cursor.peek()),
+                        "write `movec OnTheWay, End`"};
+    out.arguments.push_back(cursor.expression());
+  }
+  parse_clauses(cursor, out);
+}
+
+void parse_use(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::use;
+  if (cursor.at_end())
+    throw SyntaxError{"no-clause", cursor.peek().place, "'use' needs to know what",
+                      "write `use tool NAME, speed 50%`"};
+  parse_clauses(cursor, out);
+}
+
+bool begins_value(const TokenCursor& cursor, std::size_t ahead) {
+  const Token& token = cursor.peek(ahead);
+  if (token.kind == TokenKind::end) return false;
+  if (token.kind == TokenKind::name) return !one_of(lower(token.text), {"and", "or", "mod", "timeout"});
+  return token.kind != TokenKind::symbol || one_of(token.text, {"(", "-", "["});
+}
+
+void parse_ask(TokenCursor& cursor, Statement& out);
+void parse_wait_condition(TokenCursor& cursor, Statement& out);
+
+void parse_wait(TokenCursor& cursor, Statement& out) {
+  out.name_place = cursor.peek().place;
+  if (cursor.at_end())
+    throw SyntaxError{"no-value", cursor.peek().place, "'wait' needs to know for what",
+                      "write `wait NAME`, `wait 500ms`, `wait time 1` or `wait user`"};
+  if (cursor.is_word("time") && begins_value(cursor, 1)) {
+    cursor.take();
+    out.kind = Kind::wait_time;
+    out.expression = cursor.expression();
+    return cursor.expect_end("the time");
+  }
+  if (cursor.is_word("user") || cursor.is_word("input")) {
+    if (cursor.peek(1).kind == TokenKind::end) return parse_ask(cursor, out);
+    if (cursor.peek(1).kind == TokenKind::text) return parse_ask(cursor, out);
+  }
+  if (cursor.is_word("var") && begins_value(cursor, 1)) {
+    cursor.take();
+    out.explicit_variable = true;
+  }
+  parse_wait_condition(cursor, out);
+}
+
+void parse_ask(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::ask;
+  out.name = cursor.peek().text;
+  if (cursor.peek(1).kind == TokenKind::end) {
+    out.second = cursor.expression();
+    return;
+  }
+  cursor.take();
+  out.expression = cursor.expression();
+  cursor.expect_end("the text");
+}
+
+void parse_timeout(TokenCursor& cursor, Statement& out) {
+  if (cursor.is_symbol(",") && cursor.is_word("timeout", 1)) cursor.take();
+  if (!cursor.take_word("timeout")) return;
+  out.second = cursor.expression();
+  out.has_else = cursor.take_word("else");
+}
+
+void parse_wait_condition(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::wait;
+  out.expression = cursor.expression();
+  parse_timeout(cursor, out);
+  cursor.expect_end("the condition");
+}
+
+void parse_condition(const std::string& word, TokenCursor& cursor, Statement& out) {
+  out.kind = word == "while" ? Kind::while_loop : Kind::branch;
+  if (cursor.at_end())
+    throw SyntaxError{"no-value", cursor.peek().place, "a condition was expected after '" + word + "'",
+                      "write `" + word + " NAME`"};
+  ExpressionPtr condition = cursor.expression();
+  if (out.kind == Kind::while_loop) {
+    out.expression = std::move(condition);
+  } else {
+    out.branches.push_back({std::move(condition), out.place, {}});
+  }
+  cursor.expect_end("the condition");
+}
+
+void parse_for(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::for_loop;
+  out.name_place = cursor.peek().place;
+  out.name = target(cursor, "for");
+  if (cursor.take_symbol(",")) {
+    out.second_name = std::exchange(out.name, {});
+    out.name_place = cursor.peek().place;
+    out.name = target(cursor, "for");
+  }
+  if (!cursor.take_word("in"))
+    throw SyntaxError{"no-in", cursor.peek().place,
+                      "'in' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
+                      "write `for i in 1 .. 5`"};
+  out.expression = cursor.expression();
+  if (cursor.take_symbol("..")) out.second = cursor.expression();
+  cursor.expect_end("the range");
+}
+
+void parse_single(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
+  out.kind = line.word == "stop" ? Kind::stop : line.word == "break" ? Kind::break_loop : Kind::continue_loop;
+  const auto around = std::find_if(open.rbegin(), open.rend(), [](const Opener& opener) {
+    return one_of(opener.word, {"while", "for", "together", "func", "task"});
+  });
+  const bool in_loop = around != open.rend() && one_of(around->word, {"while", "for"});
+  if (out.kind != Kind::stop && !in_loop)
+    throw SyntaxError{"no-loop", out.place, "'" + line.word + "' stands in no loop", ""};
+  cursor.expect_end("'" + line.word + "'");
+}
+
+bool closes_at_end(const TokenCursor& cursor);
+
+void parse_log(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::log;
+  if (cursor.is_symbol("(") && closes_at_end(cursor)) {
+    const Token& open = cursor.take();
+    out.arguments = cursor.list_until(")", open);
+  } else {
+    out.arguments.push_back(cursor.expression());
+  }
+  cursor.expect_end("the text");
+}
+
+/// Whether the bracket at the cursor is closed by the last token of the statement.
+bool closes_at_end(const TokenCursor& cursor) {
+  int depth = 0;
+  for (std::size_t i = cursor.position(); i < cursor.tokens().size(); ++i) {
+    const Token& token = cursor.tokens()[i];
+    if (token.kind != TokenKind::symbol) continue;
+    if (token.text == "(") ++depth;
+    if (token.text == ")" && --depth == 0) return i + 2 == cursor.tokens().size();
+  }
+  return true;
+}
+
+void parse_call(const Line& line, Statement& out) {
+  out.kind = Kind::call;
+  TokenCursor cursor(line.source.tokens);
+  out.expression = cursor.expression();
+  cursor.expect_end("the call");
+  if (out.expression->kind != Expression::Kind::call)
+    throw SyntaxError{"unexpected", line.source.place, "a value alone is no statement",
+                      "write `log(…)` or `set … = …`"};
+}
+
+/// One plain name, for what a statement makes.
+void parse_name(const Line& line, TokenCursor& cursor, Statement& out) {
+  out.name_place = cursor.peek().place;
+  out.name = target(cursor, line.word.c_str());
+  if (out.name.find('.') != std::string::npos && cursor.position() > 2)
+    throw SyntaxError{"bad-name", out.name_place, "this name has no dots", ""};
+}
+
+void parse_parameter(TokenCursor& cursor, Statement& out) {
+  Parameter parameter;
+  parameter.place = cursor.peek().place;
+  parameter.name = target(cursor, "(");
+  const auto same = [&](const Parameter& p) { return p.name == parameter.name; };
+  if (std::any_of(out.parameters.begin(), out.parameters.end(), same))
+    throw SyntaxError{"twice", parameter.place, "there are two parameters '" + parameter.name + "'", ""};
+  if (cursor.take_symbol("=")) {
+    parameter.value = cursor.expression();
+  } else if (!out.parameters.empty() && out.parameters.back().value) {
+    throw SyntaxError{"no-default", parameter.place,
+                      "'" + parameter.name + "' needs a value, as the parameter before it has one",
+                      "write `" + parameter.name + " = …`, or move it before"};
+  }
+  out.parameters.push_back(std::move(parameter));
+}
+
+void parse_function(const Line& line, TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::function;
+  parse_name(line, cursor, out);
+  const std::string lowered = lower(out.name);
+  const auto& words = statement_words();
+  if (std::find(words.begin(), words.end(), lowered) != words.end())
+    throw SyntaxError{"bad-name", out.name_place,
+                      "a function cannot be called '" + out.name + "': a statement begins with that word",
+                      ""};
+  if (!cursor.take_symbol("("))
+    throw SyntaxError{"no-brackets", cursor.peek().place,
+                      "'(' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
+                      "write `func " + out.name + "()`"};
+  while (!cursor.take_symbol(")")) {
+    parse_parameter(cursor, out);
+    if (cursor.take_symbol(",") || cursor.is_symbol(")")) continue;
+    refuse_bad(cursor.peek());
+    throw SyntaxError{"unclosed", cursor.peek().place,
+                      "',' or ')' was expected here, is " + shown(cursor.peek()), "add ')'"};
+  }
+  cursor.expect_end("the parameters");
+}
+
+bool stands_in(const Openers& open, std::string_view word) {
+  return std::any_of(open.begin(), open.end(), [&](const Opener& o) { return o.word == word; });
+}
+
+void parse_return(TokenCursor& cursor, Statement& out, const Openers& open) {
+  out.kind = Kind::return_value;
+  if (!stands_in(open, "func"))
+    throw SyntaxError{"no-function", out.place, "'return' stands in no function", "write `stop` to end"};
+  if (!cursor.at_end()) out.expression = cursor.expression();
+  cursor.expect_end("the value");
+}
+
+bool in_handler(const Openers& open) {
+  return std::any_of(open.begin(), open.end(), [](const Opener& o) { return o.handles; });
+}
+
+void parse_raise(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
+  out.kind = line.word == "raise" ? Kind::raise : Kind::retry;
+  if (!in_handler(open) && (out.kind == Kind::retry || cursor.at_end()))
+    throw SyntaxError{"no-handler", out.place, "'" + line.word + "' stands in no 'on error'",
+                      out.kind == Kind::raise ? "write `raise \"what is wrong\"`" : ""};
+  if (!cursor.at_end()) out.expression = cursor.expression();
+  cursor.expect_end("'" + line.word + "'");
+}
+
+void parse_meeting(const Line& line, TokenCursor& cursor, Statement& out) {
+  out.kind = line.word == "meet" ? Kind::meet : Kind::lock;
+  parse_name(line, cursor, out);
+  parse_timeout(cursor, out);
+  if (out.kind == Kind::lock && out.has_else)
+    throw SyntaxError{"bad-else", out.place, "a lock has no else", "catch its time-out with `try`"};
+  cursor.expect_end("the name");
+}
+
+void parse_on(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::on_stop;
+  if (!cursor.take_word("stop"))
+    throw SyntaxError{"unexpected", cursor.peek().place,
+                      "'stop' or 'error' was expected after 'on', here is " + shown(cursor.peek()),
+                      "write `on stop`"};
+  cursor.expect_end("'stop'");
+}
+
+void parse_opener(const Line& line, TokenCursor& cursor, Statement& out) {
+  if (line.word == "task") {
+    out.kind = Kind::task;
+    parse_name(line, cursor, out);
+  } else if (line.word == "when") {
+    out.kind = Kind::when;
+    out.expression = cursor.expression();
+  } else {
+    out.kind = line.word == "try" ? Kind::try_block : Kind::together;
+  }
+  cursor.expect_end("'" + line.word + "'");
+}
+
+void parse_hold(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::hold;
+  if (!cursor.at_end()) out.expression = cursor.expression();
+  cursor.expect_end("the reason");
+}
+
+void parse_include(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::include;
+  const Token& token = cursor.peek();
+  out.name_place = token.place;
+  if (token.kind != TokenKind::text)
+    throw SyntaxError{"no-name", token.place,
+                      "the name of a file in quotes was expected, here is " + shown(token),
+                      "write `include \"tools.script\"`"};
+  out.name = cursor.take().text;
+  cursor.expect_end("the file");
+}
+
+void require_top(const Line& line, const Openers& open) {
+  const bool top = one_of(line.word, {"func", "task", "when", "on", "include"});
+  if (top && !open.empty())
+    throw SyntaxError{"nested", line.source.place,
+                      "'" + line.word + "' stands inside the '" + open.back().word + "' of line " +
+                          std::to_string(open.back().place.line),
+                      "it belongs outside of every block"};
+}
+}  // namespace
+
+const std::vector<std::string>& statement_words() {
+  static const std::vector<std::string> words = {
+      "load",    "import",  "set",      "let",         "moveto",  "movej",  "movel",   "movec",
+      "use",     "wait",    "while",    "endwhile",    "if",      "elif",   "else",    "endif",
+      "for",     "endfor",  "break",    "continue",    "stop",    "hold",   "log",     "func",
+      "return",  "endfunc", "include",  "try",         "on",      "raise",  "retry",   "endtry",
+      "task",    "endtask", "together", "endtogether", "meet",    "lock",   "endlock", "when",
+      "endwhen", "endon",   "end",      "endwait",     "endmeet", "endmove"};
+  return words;
+}
+
+void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
+  const std::string& word = line.word;
+  require_top(line, open);
+  if (word == "load" || word == "import") return parse_load(line, cursor, out);
+  if (word == "set") return parse_set(line, cursor, out);
+  if (word == "let") return parse_let(cursor, out);
+  if (one_of(word, {"moveto", "movej", "movel", "movec"})) return parse_move(line, cursor, out);
+  if (word == "use") return parse_use(cursor, out);
+  if (word == "wait") return parse_wait(cursor, out);
+  if (word == "while" || word == "if") return parse_condition(word, cursor, out);
+  if (word == "for") return parse_for(cursor, out);
+  if (one_of(word, {"break", "continue", "stop"})) return parse_single(line, cursor, out, open);
+  if (word == "hold") return parse_hold(cursor, out);
+  if (word == "log") return parse_log(cursor, out);
+  if (word == "call") return parse_call(line, out);
+  if (word == "include") return parse_include(cursor, out);
+  if (word == "func") return parse_function(line, cursor, out);
+  if (word == "return") return parse_return(cursor, out, open);
+  if (word == "raise" || word == "retry") return parse_raise(line, cursor, out, open);
+  if (word == "meet" || word == "lock") return parse_meeting(line, cursor, out);
+  if (word == "on") return parse_on(cursor, out);
+  if (one_of(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
+  throw SyntaxError{"unknown-word", line.source.place,
+                    "'" + word + "' is not part of this version of the language",
+                    "statements are " + join(statement_words(), ", ")};
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,29 @@
+#pragma once
+/// One statement of a program, without the block that it may open.
+#include <string>
+#include <vector>
+
+#include "polyarm/program/expression_parser.hpp"
+
+namespace polyarm::program {
+
+/// A statement with the keyword it begins with, corrected where it is misspelt.
+struct Line {
+  SourceLine source;
+  std::string word;  ///< lower case; empty: no keyword is near
+  bool misspelt = false;
+};
+
+/// A block that is open where a statement stands.
+struct Opener {
+  std::string word;
+  Place place;
+  bool handles = false;  ///< behind its `on error`
+};
+using Openers = std::vector<Opener>;
+
+/// Parses `line` behind its first word, which the cursor has passed; `open` are the blocks around it,
+/// innermost last. Throws SyntaxError.
+void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open);
+
+}  // namespace polyarm::program

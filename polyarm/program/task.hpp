@@ -1,0 +1,58 @@
+#pragma once
+/// The state of one task; for the interpreter's own files.
+#include "polyarm/program/interpreter.hpp"
+
+namespace polyarm::program {
+
+/// Calls of functions inside calls, deeper than this, are an error.
+inline constexpr std::size_t kDeepestCalls = 200;
+/// Statements that a task may begin before the next one has its turn.
+inline constexpr int kTurn = 20;
+
+struct Interpreter::Task {
+  std::uint64_t id = 0, parent = 0;
+  std::string name;
+  bool shown = true;   ///< it is a task of its own to a person: no part of `together`, no `when`
+  bool apart = false;  ///< a `when` or `on stop`: without motion or waiting
+  TaskState state = TaskState::running;
+  std::size_t pc = 0;
+  std::vector<Slot> stack;
+  std::vector<CallFrame> frames = std::vector<CallFrame>(1);
+  std::vector<MoveDefaults> uses;
+  std::vector<std::string> locks;
+  std::vector<Handler> handlers;
+
+  Waiting waiting;
+  std::vector<Handle> handles;          ///< of what it waits for
+  std::vector<std::string> robots;      ///< that may have queued motion of this task
+  std::optional<Nanoseconds> deadline;  ///< of the wait that is being looked at
+  std::uint64_t seen_version = 0;
+  Nanoseconds seen_at = 0;
+  bool met = false, was_true = false;
+  std::uint64_t passes = 0;
+  std::optional<Problem> problem;
+
+  bool over() const { return state != TaskState::running && state != TaskState::waiting; }
+  CallFrame& frame() { return frames.back(); }
+  Slot& local(int slot) { return stack[frame().base + static_cast<std::size_t>(slot)]; }
+  void push(Value value, const std::string* origin = nullptr) {
+    stack.push_back({std::move(value), origin, true});
+  }
+};
+
+/// A value that is set when a move has come far enough.
+struct Interpreter::Watch {
+  std::uint64_t task = 0;
+  Handle handle = 0;
+  const Clause* clause = nullptr;
+  std::optional<data::Number> offset;
+  Value value;
+  Location where;
+};
+
+/// A stop, fault or person ended what a task waited for; no handler sees it.
+struct Ended {
+  Problem problem;
+};
+
+}  // namespace polyarm::program
