@@ -4,27 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "polyarm/trajectory/constant_jerk.hpp"
+
 namespace polyarm::trajectory {
 
 namespace {
-constexpr double kRounding = 1e-12;  // relative
-
 double square(double x) {
   return x * x;
 }
-double root(double x) {
-  return x > 0 ? std::sqrt(x) : 0.0;
-}
-
-/// p, v, a under constant jerk.
-struct Moving {
-  double p = 0, v, a;
-  void pass(double t, double jerk) noexcept {
-    p += t * (v + t * (a / 2 + t * jerk / 6));
-    v += t * (a + t * jerk / 2);
-    a += t * jerk;
-  }
-};
 }  // namespace
 
 UpperReach::UpperReach(const Ends& ends, const Limits& limits) noexcept : e_(ends), l_(limits) {
@@ -103,20 +90,19 @@ double UpperReach::slope_of(const Shape& s) const noexcept {
 }
 
 double UpperReach::reach_of(const Shape& s) const noexcept {
-  Moving m{0, e_.v0, e_.a0};
-  m.pass(s.high - e_.a0, 1);
-  m.pass(s.high_time, 0);
+  JerkState m{0, e_.v0, e_.a0};
+  const auto pass = [&](double t, double jerk) { m = after(m, t, jerk); };
+  pass(s.high - e_.a0, 1);
+  pass(s.high_time, 0);
   if (s.cruise > 0) {
-    m.pass(s.high, -1);
-    m.p += l_.velocity * s.cruise;
-    m.v = l_.velocity;
-    m.a = 0;
-    m.pass(-s.low, -1);
+    pass(s.high, -1);
+    m = {m.p + l_.velocity * s.cruise, l_.velocity, 0};
+    pass(-s.low, -1);
   } else {
-    m.pass(s.high - s.low, -1);
+    pass(s.high - s.low, -1);
   }
-  m.pass(s.low_time, 0);
-  m.pass(e_.a1 - s.low, 1);
+  pass(s.low_time, 0);
+  pass(e_.a1 - s.low, 1);
   return m.p;
 }
 

@@ -8,9 +8,18 @@
 /// For a given T that motion follows from quadratic equations; the lower end is that of the mirrored axis.
 /// Everything is in units in which the jerk is 1. No allocation, no exceptions, any thread.
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace polyarm::trajectory {
+
+/// Relative: what the arithmetic of a plan from a sampled state may lose.
+constexpr double kRounding = 1e-12;
+
+/// 0 where rounding has gone below zero.
+inline double root(double x) noexcept {
+  return x > 0 ? std::sqrt(x) : 0.0;
+}
 
 /// Piecewise constant jerk; `jerk[i]` for `time[i]` >= 0.
 struct JerkPhases {

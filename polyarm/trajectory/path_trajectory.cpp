@@ -8,14 +8,6 @@
 #include "polyarm/trajectory/splines.hpp"
 
 namespace polyarm::trajectory {
-namespace {
-
-PathMotion after(const PathMotion& m, double t) noexcept {
-  return {m.s + t * (m.speed + t * (m.acceleration / 2 + t * m.jerk / 6)),
-          m.speed + t * (m.acceleration + t * m.jerk / 2), m.acceleration + t * m.jerk, m.jerk};
-}
-
-}  // namespace
 
 void SpeedProfile::append(double duration, double jerk) {
   if (!(duration > 0)) return;

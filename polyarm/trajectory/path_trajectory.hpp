@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "polyarm/trajectory/constant_jerk.hpp"
 #include "polyarm/trajectory/path.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
@@ -14,6 +15,12 @@ namespace polyarm::trajectory {
 struct PathMotion {
   double s = 0, speed = 0, acceleration = 0, jerk = 0;
 };
+
+/// `t` seconds later, under the same jerk.
+inline PathMotion after(const PathMotion& m, double t) noexcept {
+  const JerkState end = after(JerkState{m.s, m.speed, m.acceleration}, t, m.jerk);
+  return {end.p, end.v, end.a, m.jerk};
+}
 
 /// s(t) as pieces of constant jerk: continuous to the acceleration, never backwards. Const after
 /// construction: any thread, no allocation in at().

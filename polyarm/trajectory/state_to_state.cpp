@@ -5,16 +5,12 @@
 #include <limits>
 
 #include "polyarm/trajectory/axis_reach.hpp"
+#include "polyarm/trajectory/constant_jerk.hpp"
 
 namespace polyarm::trajectory {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRounding = 1e-12;  // relative: what the arithmetic of a plan from a sampled state may lose
-
-double root(double x) {
-  return x > 0 ? std::sqrt(x) : 0.0;
-}
 
 bool finite(const MotionState& s) {
   return std::isfinite(s.position) && std::isfinite(s.velocity) && std::isfinite(s.acceleration);
@@ -29,20 +25,18 @@ bool right_side_of_zero(const MotionLimits& l) {
 }
 
 /// Brings an axis back inside its limits, in units in which the jerk is 1.
-struct Brake {
+struct Brake : JerkState {
   static constexpr std::size_t kMost = 7;
   std::array<double, kMost> time{}, jerk{};
   std::size_t count = 0;
-  double total = 0, p = 0, v, a;
+  double total = 0;
 
   void pass(double t, double j) noexcept {
     if (!(t > 0) || count == kMost) return;
     time[count] = t;
     jerk[count++] = j;
     total += t;
-    p += t * (v + t * (a / 2 + t * j / 6));
-    v += t * (a + t * j / 2);
-    a += t * j;
+    static_cast<JerkState&>(*this) = after(*this, t, j);
   }
   void into_acceleration(double most, double least) noexcept {
     if (a > most) pass(a - most, -1), a = most;
@@ -88,8 +82,8 @@ const char* name(MotionStatus status) noexcept {
 
 namespace {
 MotionState passed(const MotionState& s, double t, double jerk) noexcept {
-  return {s.position + t * (s.velocity + t * (s.acceleration / 2 + t * jerk / 6)),
-          s.velocity + t * (s.acceleration + t * jerk / 2), s.acceleration + t * jerk};
+  const JerkState end = after({s.position, s.velocity, s.acceleration}, t, jerk);
+  return {end.p, end.v, end.a};
 }
 }  // namespace
 

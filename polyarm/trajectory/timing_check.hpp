@@ -98,8 +98,7 @@ class Checker {
     std::size_t first_late = passed_.size();
     for (std::size_t k = 0; k < samples; ++k) {
       const double x = t.from + step * double(k);
-      PathMotion at{m.s + x * (m.speed + x * (m.acceleration / 2 + x * m.jerk / 6)),
-                    m.speed + x * (m.acceleration + x * m.jerk / 2), m.acceleration + x * m.jerk, m.jerk};
+      PathMotion at = after(m, x);
       at.s = k == 0 ? from_s : k + 1 == samples ? to_s - inside : std::clamp(at.s, from_s, to_s - inside);
       passed_.add(at);
       if (2 * x <= t.piece) ++first_late;
