@@ -51,6 +51,7 @@ class ProgramHost : public program::Host {
   program::Progress poll_move(program::Handle handle) override;
   bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
   program::Handle start_arrival(const std::string& robot) override;
+  void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;

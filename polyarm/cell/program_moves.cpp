@@ -240,6 +240,12 @@ program::Travel ProgramMoves::travel(program::Handle handle) const {
   return {way.covered, way.left, time(way.elapsed), time(way.remaining)};
 }
 
+void ProgramMoves::end(program::Handle handle) {
+  const auto found = asked_.find(handle);
+  if (found == asked_.end()) return;
+  for (const Moves& moves : found->second) arms_[moves.arm].robot.motion->end(moves.first);
+}
+
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
                                const std::string& frame) const {
   const Arm& arm = arms_[arm_of(robot, {})];

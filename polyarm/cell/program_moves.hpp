@@ -35,6 +35,7 @@ class ProgramMoves {
   bool has_room(const std::string& robot);
   program::Handle start_arrival(const std::string& robot);
   program::Travel travel(program::Handle handle) const;
+  void end(program::Handle handle);
   data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
 
   /// Its controller is going to be unloaded.

@@ -20,6 +20,10 @@ constexpr double kLastRamp = 0.5;
 constexpr double kSamePeriod = 1e-6;
 constexpr double kTurn = 2 * std::numbers::pi;
 
+bool is_ended(const TrajectoryGoal& goal) {
+  return goal.ends && goal.ends->load(std::memory_order_relaxed);
+}
+
 double shortest(double angle) {
   return angle - kTurn * std::round(angle / kTurn);
 }
@@ -392,7 +396,7 @@ void JointTrajectoryController::follow_path(std::size_t i) noexcept {
   }
   status_.time.store(path.time(), std::memory_order_relaxed);
   status_.speed.store(path.factor(), std::memory_order_relaxed);
-  if (path.finished()) end_track(i);
+  if (path.finished() || (is_ended(*tracks_[i].goal) && path.stands())) end_track(i);
 }
 
 /// Its joints hold where it ended.
@@ -410,7 +414,8 @@ void JointTrajectoryController::end_track(std::size_t i) noexcept {
 void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
   const double target = verdict.speed > 0 ? verdict.speed * factor_ : 0;
   for (const Track& track : tracks_)
-    if (track.goal && track.goal->planned) track.goal->planned->advance(target, verdict.immediate);
+    if (track.goal && track.goal->planned)
+      track.goal->planned->advance(is_ended(*track.goal) ? 0 : target, verdict.immediate);
 }
 
 void JointTrajectoryController::advance(double dt) noexcept {

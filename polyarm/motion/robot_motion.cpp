@@ -139,6 +139,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   auto goal = std::make_unique<controllers::TrajectoryGoal>();
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
+  goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
   if (ready_.front().step) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // in the next tick
@@ -163,6 +164,12 @@ void RobotMotion::watch() {
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
     goal_ = 0;
     settled_ = active_.last_id;
+    if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was ended
+      const trajectory::TimedPath& path = active_.motion.path;
+      std::size_t hint = 0;
+      planned_.resize(path.joints());
+      path.sample(status.time.load(std::memory_order_relaxed), planned_, {}, {}, {}, hint);
+    }
   }
 }
 
@@ -170,6 +177,13 @@ void RobotMotion::drop() {
   waiting_.clear(), ready_.clear();
   job_ = nullptr;  // what it plans is planned for nothing
   end_badly((goal_ != 0 ? active_.last_id : settled_) + 1, MoveState::discarded);
+}
+
+void RobotMotion::end(std::uint64_t id) {
+  while (!waiting_.empty() && waiting_.back().id >= id) waiting_.pop_back();
+  if (job_ && job_->first_id + job_->moves.size() > id) job_ = nullptr;
+  while (!ready_.empty() && ready_.back().last_id >= id) ready_.pop_back();
+  if (goal_ != 0 && active_.last_id >= id) active_.ends->store(true, std::memory_order_relaxed);
 }
 
 /// All moves from `first` on.

@@ -67,6 +67,9 @@ class RobotMotion {
   void tick(Nanoseconds now);
   /// Gives up all that has not been handed over.
   void drop();
+  /// Ends a move where it is, on its path, as soon as the limits allow, and whatever was to come after it.
+  /// They count as done when the robot stands.
+  void end(std::uint64_t id);
 
   MoveState state_of(std::uint64_t id) const;
   /// How far the moves from `first` to `last` have come.
@@ -122,6 +125,7 @@ class RobotMotion {
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
     bool waits_for_others = false;
+    std::shared_ptr<std::atomic<bool>> ends;
   };
 
   void plan();

@@ -168,6 +168,23 @@ TEST(RobotMotion, AHeldMoveWaitsAndADiscardedOneIsForgotten) {
   EXPECT_EQ(rig.commanded(), held);
 }
 
+TEST(RobotMotion, AMoveIsEndedOnItsPathAndTheNextBeginsThere) {
+  Rig rig;
+  const auto id = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.2}), "up"));
+  rig.motion->queue(joint(rig.from, "never"));
+  rig.pass(200);
+  rig.motion->end(id);
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(id), MoveState::done);
+  const Vec3 by = rig.tcp().position - rig.start().position;
+  EXPECT_LE(std::hypot(by.x, by.y), 1e-6) << "it left the line";
+  EXPECT_LT(by.z, 0.1995);
+  const auto back = rig.motion->queue(joint(rig.from, "back"));
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(back), MoveState::done);
+  for (std::size_t j = 0; j < rig.from.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
+}
+
 TEST(RobotMotion, PlansBesideTheOneWhoAsks) {
   Rig rig;
   rig.holds_jobs = true;
