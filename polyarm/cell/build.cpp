@@ -348,6 +348,23 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
   return nullptr;
 }
 
+namespace {
+/// What a script loads is there from the start, as with a script-information file, so that everything beside
+/// it knows the names. Files that there are not the checker complains of.
+void load_data_of(const program::Program& program, const CellFile& file, DataFiles& files,
+                  Problems& problems) {
+  for (const program::Statement* load : program::loads(program)) {
+    const Location where = program.at(load->name_place);
+    try {
+      data::find_file(load->name, file.folder, where);
+    } catch (const Error&) {
+      continue;
+    }
+    collect(problems, [&] { files.load_now(load->name, where); });
+  }
+}
+}  // namespace
+
 Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems) {
   Programs out;
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {
@@ -364,7 +381,9 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
       if (path.empty())
         throw Error(Problem{"no-script", file.program_where, "'" + file.program + "' names no ScriptFile",
                             "add 'Name: ScriptFile' and 'Text: <script>' to it"});
+      const bool bare = is_script(path) && path.stem() == std::filesystem::path(file.program).stem();
       out.program = load_script(path);
+      if (bare && out.program) load_data_of(*out.program, file, files, problems);
     });
   if (!file.plc.empty())
     collect(problems, [&] { out.plc = load_script(data::find_file(file.plc, file.folder, file.plc_where)); });

@@ -447,8 +447,9 @@ void Cell::tick_motions(Nanoseconds now) {
     if (!motion || failure_) continue;
     motion->tick(now);
     for (motion::RobotMotion::Warning& warning : motion->take_warnings()) {
-      if (program_ && warning.problem.where.file.empty()) warning.problem.where = program_->status().where;
-      observer_.on_problem(now, warning.problem);
+      if (moves_ && warning.problem.where.file.empty())
+        warning.problem.where = moves_->place_of(*motion, warning.move);
+      if (told_warnings_.insert(warning.problem.text()).second) observer_.on_problem(now, warning.problem);
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -164,6 +165,7 @@ class Cell {
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
   std::unique_ptr<ProgramMoves> moves_;  ///< of the program
+  std::set<std::string> told_warnings_;  ///< of moves; a loop says them once
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;

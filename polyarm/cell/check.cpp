@@ -82,8 +82,10 @@ class Checker {
     if (!file_.program.empty())
       collect(problems_, [&] {
         script = data::find_file(file_.program, file_.folder, file_.program_where);
-        if (script.extension() == ".script") return;
-        script = data(std::exchange(script, {}), known);
+        if (script.extension() == ".script")
+          data_of(script, known);
+        else
+          script = script_of(std::exchange(script, {}), known);
       });
     if (!script.empty()) one_program(script, known);
     if (!file_.plc.empty())
@@ -91,25 +93,32 @@ class Checker {
               [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
   }
 
+  data::ImportFile take(const std::filesystem::path& from, program::KnownNames& known) {
+    Problems found;
+    const std::string text = read_file(from);
+    data::ImportFile file = data::ImportFile::parse(text, from.string(), found);
+    for (const Problem& problem : found.list()) problems_.add(problem);
+    known.add(file.values());
+    add_names(text, known);
+    sets_.push_back(file.values());
+    return file;
+  }
+
   /// The data file and its points, each for itself, so that one that is broken does not hide the other.
-  /// Returns the script that it names.
-  std::filesystem::path data(const std::filesystem::path& path, program::KnownNames& known) {
-    const auto take = [&](const std::filesystem::path& from) {
-      Problems found;
-      const std::string text = read_file(from);
-      data::ImportFile file = data::ImportFile::parse(text, from.string(), found);
-      for (const Problem& problem : found.list()) problems_.add(problem);
-      known.add(file.values());
-      add_names(text, known);
-      sets_.push_back(file.values());
-      return file;
-    };
-    const data::ImportFile file = take(path);
+  data::ImportFile data(const std::filesystem::path& path, program::KnownNames& known) {
+    data::ImportFile file = take(path, known);
     const data::Value* points = file.values().value("PointFile");
     if (points && points->as_text())
       collect(problems_, [&] {
-        take(data::find_file(*points->as_text(), file_.folder, file.values().find("PointFile")->where));
+        take(data::find_file(*points->as_text(), file_.folder, file.values().find("PointFile")->where),
+             known);
       });
+    return file;
+  }
+
+  /// The script that a data file names, after its data.
+  std::filesystem::path script_of(const std::filesystem::path& path, program::KnownNames& known) {
+    const data::ImportFile file = data(path, known);
     const data::Value* script = file.values().value("ScriptFile");
     if (!script || !script->as_text())
       throw Error(Problem{"no-script",
@@ -117,6 +126,21 @@ class Checker {
                           "this data file names no script",
                           "add 'Name: ScriptFile' and 'Text: <script>' to it"});
     return data::find_file(*script->as_text(), file_.folder, file.values().find("ScriptFile")->where);
+  }
+
+  /// The data that a script loads, which a cell has from the start.
+  void data_of(const std::filesystem::path& script, program::KnownNames& known) {
+    Problems unread;
+    const program::Program program = program::parse(read_file(script), script.string(), unread);
+    for (const program::Statement* load : program::loads(program)) {
+      std::filesystem::path file;
+      try {
+        file = data::find_file(load->name, file_.folder, program.at(load->name_place));
+      } catch (const Error&) {
+        continue;  // the checker says so
+      }
+      collect(problems_, [&] { data(file, known); });
+    }
   }
 
   /// Names whose values are written wrong are names all the same.

@@ -261,6 +261,13 @@ void ProgramMoves::forget(const motion::RobotMotion& motion) {
   asked_.clear();
 }
 
+Location ProgramMoves::place_of(const motion::RobotMotion& motion, std::uint64_t move) const {
+  for (const Arm& arm : arms_)
+    for (const Open& open : arm.open)
+      if (arm.robot.motion == &motion && open.id == move) return open.where;
+  return {};
+}
+
 bool ProgramMoves::moving() const {
   return std::any_of(arms_.begin(), arms_.end(),
                      [](const Arm& arm) { return arm.robot.motion && !arm.robot.motion->idle(); });

@@ -40,6 +40,8 @@ class ProgramMoves {
 
   /// Its controller is going to be unloaded.
   void forget(const motion::RobotMotion& motion);
+  /// Where the program asks for a move that is under way; empty for one that is not the program's.
+  Location place_of(const motion::RobotMotion& motion, std::uint64_t move) const;
   /// True while something that was asked for has not ended.
   bool moving() const;
 

@@ -163,7 +163,7 @@ class Planner {
     trajectory::JointPathOptions options;
     options.tcp_distance = distance_;
     auto path = trajectory::joint_lines(points, options);
-    take_warnings(path.warnings);
+    take_warnings(path.warnings, run);
     double begin = 0;
     for (auto& section : path.sections) {
       PathPtr joints(std::move(section));
@@ -205,7 +205,7 @@ class Planner {
     trajectory::CartesianSections path = builder.build();
     trajectory::PathSections joints = joints_along(robot_.chain, path, q_);
     if (last < run.last) return;  // only to see whether it can be had
-    take_warnings(path.warnings);
+    take_warnings(path.warnings, run);
     double begin = 0;
     auto follow = joints.sections.begin();
     for (CartesianPath& section : path.sections) {
@@ -261,8 +261,14 @@ class Planner {
     return out;
   }
 
-  void take_warnings(std::vector<Problem>& warnings) {
-    for (Problem& warning : warnings) plan_.warnings.push_back(std::move(warning));
+  /// Of the geometry of a run, which knows its moves by their names.
+  void take_warnings(std::vector<Problem>& warnings, const Run& run) {
+    for (Problem& warning : warnings) {
+      std::size_t move = run.first;
+      while (move < run.last && warning.what.find(moves_[move].end().name + " is ") == std::string::npos)
+        ++move;
+      plan_.warnings.push_back({move, std::move(warning)});
+    }
   }
 
   // --- joining --------------------------------------------------------------------------------------------
@@ -355,7 +361,7 @@ class Planner {
     bool wide = false;
     for (int k = 0;; ++k, da *= kLess, db *= kLess, wide = true) {
       if (k == kTries || !(da > 0) || !(db > 0)) {
-        warn(move, 0, "there is no room for it");
+        warn(before.move, 0, "there is no room for it");
         return false;
       }
       const Ends ends = ends_of(a, b, da, db);
@@ -365,7 +371,7 @@ class Planner {
       const double reached = std::max(distance_(at(*a.joints, a.to - da), corner),
                                       distance_(at(*b.joints, b.from + db), corner));
       if (reached < 0.98 * radius)
-        warn(move, reached,
+        warn(before.move, reached,
              wide ? "the curve would leave the ball of that radius" : "half of a move beside it");
       Part middle{path,
                   nullptr,
@@ -384,13 +390,15 @@ class Planner {
     }
   }
 
-  void warn(const Move& move, double reached, const char* why) {
-    plan_.warnings.push_back({"blend-shrunk",
-                              {},
-                              fmt::format("the blend of {:.6g} m at {} is shrunk to {:.6g} m: {}", move.blend,
-                                          move.end().name, reached, why),
-                              "give a smaller blend, or move the points apart",
-                              Severity::warning});
+  void warn(std::size_t index, double reached, const char* why) {
+    const Move& move = moves_[index];
+    plan_.warnings.push_back({index,
+                              {"blend-shrunk",
+                               {},
+                               fmt::format("the blend of {:.6g} m at {} is shrunk to {:.6g} m: {}",
+                                           move.blend, move.end().name, reached, why),
+                               "give a smaller blend, or move the points apart",
+                               Severity::warning}});
   }
 
   // --- time -----------------------------------------------------------------------------------------------

@@ -61,7 +61,11 @@ struct MovePlan {
   std::vector<PlannedMotion> motions;            ///< none where every move ends where it began
   std::vector<double> end;                       ///< joint state
   std::vector<trajectory::MotionLimits> limits;  ///< of the joints, that the paths keep
-  std::vector<Problem> warnings;                 ///< "blend-shrunk", "waypoint-repeated", …
+  struct Warning {
+    std::size_t move;
+    Problem problem;  ///< "blend-shrunk", "waypoint-repeated", …
+  };
+  std::vector<Warning> warnings;
   double duration() const;
 };
 

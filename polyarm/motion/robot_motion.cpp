@@ -88,7 +88,8 @@ void RobotMotion::collect() {
     return;
   }
   const std::uint64_t last = job->first_id + job->moves.size() - 1;
-  for (Problem& warning : job->plan.warnings) warnings_.push_back({last, std::move(warning)});
+  for (MovePlan::Warning& warning : job->plan.warnings)
+    warnings_.push_back({job->first_id + warning.move, std::move(warning.problem)});
   planned_ = job->plan.end;
   if (job->step) {
     ++job->step->planned_;

@@ -76,7 +76,7 @@ class RobotMotion {
   Travel travel(std::uint64_t first, std::uint64_t last) const;
   /// Why a move failed.
   std::optional<Problem> problem_of(std::uint64_t id) const;
-  /// Of plans since the last call, with the last of their moves.
+  /// Of plans since the last call, with their moves.
   struct Warning {
     std::uint64_t move;
     Problem problem;

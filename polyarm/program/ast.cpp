@@ -70,4 +70,23 @@ std::string Program::source(Place place) const {
   return place.line < 1 || line > text.size() ? std::string{} : std::string(trim(text[line - 1]));
 }
 
+namespace {
+void find_loads(const Block& block, std::vector<const Statement*>& out) {
+  for (const Statement& s : block) {
+    const bool known =
+        std::any_of(out.begin(), out.end(), [&](const Statement* other) { return other->name == s.name; });
+    if ((s.kind == Statement::Kind::load || s.kind == Statement::Kind::import) && !known) out.push_back(&s);
+    find_loads(s.body, out);
+    find_loads(s.handler, out);
+    for (const Branch& branch : s.branches) find_loads(branch.body, out);
+  }
+}
+}  // namespace
+
+std::vector<const Statement*> loads(const Program& program) {
+  std::vector<const Statement*> out;
+  find_loads(program.statements, out);
+  return out;
+}
+
 }  // namespace polyarm::program

@@ -180,4 +180,7 @@ struct Program {
   std::string source(Place place) const;
 };
 
+/// The statements that load data, each file once, in the order of the text.
+std::vector<const Statement*> loads(const Program& program);
+
 }  // namespace polyarm::program

@@ -276,8 +276,8 @@ TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {
   const MovePlan plan = plan_moves(*arm.facts, from, moves);
   keeps_the_laws(plan, from);
   ASSERT_FALSE(plan.warnings.empty());
-  EXPECT_EQ(plan.warnings[0].code, "blend-shrunk");
-  EXPECT_NE(plan.warnings[0].what.find("up"), std::string::npos);
+  EXPECT_EQ(plan.warnings[0].problem.code, "blend-shrunk");
+  EXPECT_NE(plan.warnings[0].problem.what.find("up"), std::string::npos);
 }
 
 }  // namespace
