@@ -1,7 +1,6 @@
 #include "polyarm/trajectory/path_override.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
@@ -10,129 +9,43 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kRoom = 0.99;  // of a limit that the law plans with; the rest is for the way between cycles
-constexpr double kTolerance = 9e-7;
+/// Of a limit: what f'' is chosen with, and what is accepted; the rest is for what lies between two looks.
+/// Where the plan by itself uses more, no more than nearly that is left.
+struct Room {
+  double share, at_limit;
+  double most(double own, double limit) const noexcept {
+    const double within = share * limit, keep = (at_limit - share) / (1 - share);
+    return own > within ? within + keep * (own - within) : within;
+  }
+};
+constexpr Room kChosen{0.9965, 0.9996}, kAccepted{0.9985, 0.9998};
 // Of the factor, where the joints hardly move and leave any room: 0 to 1 in some 20 ms.
 constexpr double kMostRate = 50, kMostBend = 20000;
-/// How much of the room for f' and for the end of f' the law uses, from the boldest on.
-struct Boldness {
-  double rate, brake;
-};
-constexpr std::array<Boldness, 8> kBoldness{
-    {{1.0, 0.9}, {1.0, 0.6}, {0.95, 0.35}, {0.8, 0.5}, {0.6, 0.3}, {0.35, 0.2}, {0.15, 0.1}, {0.05, 0.03}}};
-constexpr std::size_t kEvery = 8;  // cycles between attempts at a bolder one
+constexpr double kSpacing = 1e-3;      // s of the plan between two rows
+constexpr double kSame = 1e-12;        // of factors
+constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
+constexpr double kLeastBoldness = 1.0 / 64;
 
-/// Narrows [low, high] for x with a·x + b within [least, most].
-void narrow(double a, double b, double least, double most, double& low, double& high) noexcept {
-  if (a > 0) {
-    low = std::max(low, (least - b) / a), high = std::min(high, (most - b) / a);
-  } else if (a < 0) {
-    low = std::max(low, (most - b) / a), high = std::min(high, (least - b) / a);
-  }
-}
-
-/// What the plan itself uses is never too much.
-double allowed(double value, double limit) noexcept {
-  return std::max(kRoom * limit, std::min(std::abs(value), limit));
-}
-
-MotionLimits harder(MotionLimits l) noexcept {
-  constexpr double kMore = PathOverride::kHarder;
-  l.min_acceleration *= kMore, l.max_acceleration *= kMore, l.max_jerk *= kMore * kMore;
-  return l;
+double sign(double x) noexcept {
+  return x < 0 ? -1 : 1;
 }
 
 }  // namespace
 
 PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
-    : path_(path), limits_(limits), own_limits_(limits), period_(period) {
+    : path_(path), table_(path, kSpacing), period_(period) {
   if (limits.size() != path.joints())
     throw Error("wrong-size", "limits for " + std::to_string(limits.size()) + " joints, the path has " +
                                   std::to_string(path.joints()));
   if (!(period > 0)) throw Error("bad-limit", "the control period is " + std::to_string(period) + " s");
   for (const MotionLimits& l : limits)
     back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity});
-  for (const MotionLimits& l : limits) hard_limits_.push_back(harder(l));
-  for (const SpeedProfile::Piece& p : path.profile().pieces()) jumps_.push_back(p.begin);
-  for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
-  std::sort(jumps_.begin(), jumps_.end());
-  for (auto* v : {&position_, &velocity_, &acceleration_, &jerk_}) v->resize(limits.size());
-}
-
-void PathOverride::look(double time) noexcept {
-  path_.sample(time, position_, velocity_, acceleration_, jerk_, hint_);
-}
-
-PathOverride::Room PathOverride::room(const State& s) noexcept {
-  Room out{-kMostRate, kMostRate, -kMostBend, kMostBend, -kMostRate, kMostRate};
-  look(s.time);
-  double square = s.factor * s.factor, cube = square * s.factor;
-  for (std::size_t j = 0; j < limits_.size(); ++j) {
-    const MotionLimits& l = limits_[j];
-    const double a = acceleration_[j] * square, own = jerk_[j] * cube;
-    const double jerk = own + acceleration_[j] * 3 * s.factor * s.rate;
-    narrow(velocity_[j], a, std::min(kRoom * l.min_acceleration, std::max(a, l.min_acceleration)),
-           std::max(kRoom * l.max_acceleration, std::min(a, l.max_acceleration)), out.rate_low,
-           out.rate_high);
-    const double most = allowed(jerk, l.max_jerk);
-    narrow(velocity_[j], jerk, -most, most, out.bend_low, out.bend_high);
-    // To speed up, f' leaves alone room for itself.
-    narrow(3 * acceleration_[j] * s.factor, own, -allowed(own, l.max_jerk), allowed(own, l.max_jerk),
-           out.faster_low, out.faster_high);
-  }
-  // The same at the end of the cycle, where f' is changed by f''.
-  const double t = period_, factor = s.factor + t * s.rate;
-  look(std::clamp(s.time + t * (s.factor + t * s.rate / 2), 0.0, path_.duration()));
-  square = factor * factor, cube = square * factor;
-  for (std::size_t j = 0; j < limits_.size(); ++j) {
-    const MotionLimits& l = limits_[j];
-    const double a = acceleration_[j] * square + velocity_[j] * s.rate;
-    const double jerk = jerk_[j] * cube + acceleration_[j] * 3 * factor * s.rate;
-    narrow(velocity_[j] * t, a, std::min(kRoom * l.min_acceleration, std::max(a, l.min_acceleration)),
-           std::max(kRoom * l.max_acceleration, std::min(a, l.max_acceleration)), out.bend_low,
-           out.bend_high);
-    const double most = allowed(jerk, l.max_jerk);
-    narrow(velocity_[j] + 3 * acceleration_[j] * factor * t, jerk, -most, most, out.bend_low, out.bend_high);
-  }
-  return out;
-}
-
-/// Are the limits kept in this state with this f''? For the planned values last looked at.
-bool PathOverride::within(const State& s, double bend) noexcept {
-  const double square = s.factor * s.factor, cube = square * s.factor, turn = 3 * s.factor * s.rate;
-  double over = 0;
-  for (std::size_t j = 0; j < limits_.size(); ++j) {
-    const MotionLimits& l = limits_[j];
-    const double v = velocity_[j] * s.factor, a = acceleration_[j] * square + velocity_[j] * s.rate;
-    const double jerk = jerk_[j] * cube + acceleration_[j] * turn + velocity_[j] * bend;
-    over = std::max({over, v / l.max_velocity, v / l.min_velocity, a / l.max_acceleration,
-                     a / l.min_acceleration, std::abs(jerk) / l.max_jerk});
-  }
-  return over <= 1 + kTolerance;
-}
-
-/// f'' of the next cycle.
-double PathOverride::law(const State& s, const Room& room, double target, std::size_t level) const noexcept {
-  const Boldness bold = kBoldness[level];
-  const double t = period_, way = target - s.factor;
-  if (way == 0 && s.rate == 0) return 0;
-  // Two cycles that arrive: u1 + u2 = -rate/t and rate·2t + u1·3t²/2 + u2·t²/2 = way.
-  const double sum = -s.rate / t, first = (way - 2 * t * s.rate - sum * t * t / 2) / (t * t);
-  if (std::abs(s.rate + first * t) * t + std::abs(way) < 1e-13) return -s.rate / t;
-  const double least = room.bend_low, most = room.bend_high;
-  if (first >= least && first <= most && sum - first >= least && sum - first <= most) return first;
-  // As fast as there is room for f', and so that f'' can end it at the target.
-  const bool up = way > 0, faster = up == (s.factor >= 0) && target != 0;
-  double highest = std::max(up ? room.rate_high : -room.rate_low, 0.0);
-  if (faster) highest = std::min(highest, std::max(up ? room.faster_high : -room.faster_low, 0.0));
-  highest *= bold.rate;
-  const double brake = bold.brake * std::max(up ? -least : most, 0.0), left = std::abs(way);
-  const double now = up ? s.rate : -s.rate;
-  const double inside = brake * brake * t * t / 4 + 2 * brake * (left - now * t / 2);
-  const double ending = inside > 0 ? std::sqrt(inside) - brake * t / 2 : 0;
-  const double want = std::min(highest, std::max(ending, 0.0));
-  const double bend = ((up ? want : -want) - s.rate) / t;
-  return least <= most ? std::clamp(bend, least, most) : bend;
+  std::size_t hint = 0;
+  const PathMotion start = path.profile().at(0, hint);
+  if (start.speed != 0 || start.acceleration != 0) back_ = 0;
+  own_limits_ = PathRows::limits_of(limits, 1), hard_limits_ = PathRows::limits_of(limits, kHarder);
+  for (auto* rows : {&here_, &there_, &inside_}) rows->resize(table_.blocks());
+  for (auto* v : {&position_, &velocity_, &acceleration_}) v->resize(limits.size());
 }
 
 /// The state after a part of a cycle.
@@ -141,109 +54,229 @@ PathOverride::State PathOverride::during(const State& s, double bend, double t) 
           s.factor + t * (s.rate + t * bend / 2), s.rate + t * bend};
 }
 
-/// Are the limits kept within the cycle: at its thirds and on both sides of where planned jerks jump?
-bool PathOverride::between(const State& s, double bend) noexcept {
-  for (const double part : {1.0 / 3, 2.0 / 3}) {
-    const State inside = during(s, bend, part * period_);
-    look(inside.time);
-    if (!within(inside, bend)) return false;
-  }
-  const double end = during(s, bend, period_).time, low = std::min(s.time, end), high = std::max(s.time, end);
-  for (auto jump = std::upper_bound(jumps_.begin(), jumps_.end(), low); jump != jumps_.end() && *jump < high;
-       ++jump) {
-    const State inside = during(s, bend, period_ * (*jump - s.time) / (end - s.time));
-    for (const double side : {-1e-9, 1e-9}) {
-      look(*jump + side);
-      if (!within(inside, bend)) return false;
-    }
-  }
-  return true;
+void PathOverride::look(double time, std::vector<Rows>& out) noexcept {
+  node_ = table_.before(time, node_);
+  table_.between(node_, time, out.data());
 }
 
-PathOverride::Run PathOverride::run(State s, double target, std::size_t level, std::size_t most) noexcept {
-  const double start = s.factor;
-  for (std::size_t step = 0; step < most; ++step) {
-    if (std::abs(target - s.factor) < 1e-12 && std::abs(s.rate) < 1e-9) return {true, s, step};
-    if (s.time >= path_.duration() && s.factor >= 0) return {true, s, step};
-    if (s.time <= 0 && s.factor <= 0 && target <= 0 && step > 0) return {true, s, step};
-    const Room here = room(s);
-    const double bend = law(s, here, target, level);
-    look(s.time);
-    if (here.bend_low > here.bend_high || !within(s, bend)) return {false, s, step};
-    if (!between(s, bend)) return {false, s, step};
-    s = during(s, bend, period_);
-    look(s.time);
-    if (!within(s, bend)) return {false, s, step};
-    const double past =
-        start < target ? s.factor - std::max(target, start) : std::min(target, start) - s.factor;
-    if (past > 1e-9) return {false, s, step};
+/// How far f'' may go in a direction where these rows, factor and rate hold at first, and f'' has had an
+/// effect for `t` s.
+double PathOverride::most_bend(const Rows* rows, double factor, double rate, double t,
+                               double direction) const noexcept {
+  const std::vector<PathRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
+  const double square = factor * factor, cube = square * factor;
+  double most[PathRows::kWidth];
+  std::fill(std::begin(most), std::end(most), kMostBend);
+  for (std::size_t b = 0; b < limits.size(); ++b) {
+    const Rows& r = rows[b];
+    const PathRows::Limits& l = limits[b];
+    for (std::size_t i = 0; i < PathRows::kWidth; ++i) {
+      const double own = r.jerk[i] * cube, turn = 3 * r.acceleration[i] * factor;
+      const double slope = direction * (r.velocity[i] + turn * t), jerk = own + turn * rate;
+      const double up = kChosen.most(own, l.jerk[i]) - jerk, down = kChosen.most(-own, l.jerk[i]) + jerk;
+      most[i] = std::min(most[i], (slope > 0 ? up : down) / (std::abs(slope) + 1e-30));
+      const double a = r.acceleration[i] * square, now = a + r.velocity[i] * rate;
+      const double gain = direction * r.velocity[i] * t;
+      const double above = kChosen.most(a, l.high[i]) - now, below = kChosen.most(-a, -l.low[i]) + now;
+      most[i] = std::min(most[i], (gain > 0 ? above : below) / (std::abs(gain) + 1e-30));
+    }
   }
-  return {false, s, most};
+  return *std::min_element(std::begin(most), std::end(most));
+}
+
+/// The furthest f'' in a direction, for `t` s: as both ends and what jumps between them leave.
+double PathOverride::boldest(const State& s, double t, double direction) noexcept {
+  const double end = std::clamp(s.time + t * (s.factor + t * s.rate / 2), 0.0, path_.duration());
+  look(s.time, here_);
+  const std::size_t node = node_;
+  look(end, there_);
+  double most = std::min({most_bend(here_.data(), s.factor, s.rate, 0, direction),
+                          most_bend(there_.data(), s.factor + t * s.rate, s.rate, t, direction),
+                          (kMostRate - direction * s.rate) / t});
+  const std::size_t first = std::min(node, node_), last = std::max(node, node_);
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    if (table_.time(k) != table_.time(k - 1)) continue;
+    const double part = std::clamp(t * (table_.time(k) - s.time) / (end - s.time), 0.0, t);
+    for (const std::size_t side : {k - 1, k})
+      most = std::min(most, most_bend(table_.at(side), s.factor + part * s.rate, s.rate, part, direction));
+  }
+  return direction * std::max(most, -kMostBend);
+}
+
+/// Are the limits kept with this factor, rate and f''?
+bool PathOverride::within(const Rows* rows, double factor, double rate, double bend) const noexcept {
+  const std::vector<PathRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
+  const double square = factor * factor, cube = square * factor, turn = 3 * factor * rate;
+  double over[PathRows::kWidth] = {};
+  for (std::size_t b = 0; b < limits.size(); ++b) {
+    const Rows& r = rows[b];
+    const PathRows::Limits& l = limits[b];
+    for (std::size_t i = 0; i < PathRows::kWidth; ++i) {
+      const double own = r.acceleration[i] * square, a = own + r.velocity[i] * rate;
+      const double own_jerk = r.jerk[i] * cube,
+                   j = own_jerk + r.acceleration[i] * turn + r.velocity[i] * bend;
+      over[i] =
+          std::max({over[i], a - kAccepted.most(own, l.high[i]), -a - kAccepted.most(-own, -l.low[i]),
+                    j - kAccepted.most(own_jerk, l.jerk[i]), -j - kAccepted.most(-own_jerk, l.jerk[i])});
+    }
+  }
+  return *std::max_element(std::begin(over), std::end(over)) <= 0;
+}
+
+/// Are they kept for `t` s of this f'': at both ends, in the middle, and at every node of the table passed?
+bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
+  const State end = during(s, bend, t);
+  if (end.factor > 1 + kSame || end.factor < -back_ - kSame) return false;
+  const auto kept = [&](double part) {
+    const State inside = during(s, bend, part * t);
+    look(inside.time, inside_);
+    return within(inside_.data(), inside.factor, inside.rate, bend);
+  };
+  if (!kept(0) || !kept(1)) return false;
+  const double low = std::min(s.time, end.time), high = std::max(s.time, end.time);
+  std::size_t node = table_.before(low, node_);
+  if (table_.time(node) < low) ++node;
+  bool passed = false;
+  for (; node < table_.nodes() && table_.time(node) <= high; ++node) {
+    passed = true;
+    const double part = high > low ? t * (table_.time(node) - s.time) / (end.time - s.time) : 0;
+    const double rate = s.rate + part * bend;
+    if (!within(table_.at(node), s.factor + part * (s.rate + part * bend / 2), rate, bend)) return false;
+  }
+  return passed || kept(0.5);
+}
+
+/// The quickest way found to a steady factor. False where none keeps the limits.
+bool PathOverride::recover(State s, Way& way) noexcept {
+  way.steps = 0, way.cycles = 1;
+  const double direction = -sign(s.rate);
+  for (; way.steps < kMostSteps; ++way.steps) {
+    if (s.rate == 0 || (s.time >= path_.duration() && s.factor >= 0) || (s.time <= 0 && s.factor < 0)) {
+      way.end = s.factor;
+      return true;
+    }
+    double bend = boldest(s, period_ * double(way.cycles), direction);
+    if (way.steps == 0 && direction * bend > 0) {
+      const double cycles = std::abs(s.rate / bend) / period_;
+      way.cycles = std::size_t(std::clamp(std::ceil(cycles / 32), 1.0, 64.0));
+      if (way.cycles > 1) bend = boldest(s, period_ * double(way.cycles), direction);
+    }
+    const double t = period_ * double(way.cycles), rest = -s.rate / t;
+    const bool last = direction * rest <= direction * bend;
+    if (last) bend = rest;
+    if (!keeps(s, bend, t)) return false;
+    s = during(s, bend, t);
+    if (last) s.rate = 0;
+    way.bends[way.steps] = bend;
+  }
+  return false;
 }
 
 void PathOverride::begin(double time, double factor) noexcept {
-  state_ = {std::clamp(time, 0.0, path_.duration()), std::clamp(factor, -back_, 1.0), 0};
-  target_ = wanted_ = state_.factor, bend_ = 0, settled_ = true;
+  motion_ = {};
+  motion_.at = {std::clamp(time, 0.0, path_.duration()), std::clamp(factor, -back_, 1.0), 0};
+  motion_.out.end = motion_.at.factor;
+  bend_ = 0;
 }
 
-/// Tries laws from the boldest on; a target that none reaches yet is tried again.
-void PathOverride::choose() noexcept {
-  const bool fresh = anew_ || wanted_ != target_;
-  if (!fresh && (settled_ || ++cycles_ % kEvery != 0)) return;
-  if (!fresh) level_to_try_ = 0;
-  std::size_t steps = kMostSteps;
-  for (std::size_t runs = 0; runs < (fresh ? kMostRuns : 1); ++runs, ++level_to_try_) {
-    if (!fresh && level_to_try_ >= level_) return;
-    if (level_to_try_ == kBoldness.size()) level_to_try_ = 0;
-    const Run tried = run(state_, wanted_, level_to_try_, steps);
-    steps -= tried.steps;
-    if (!tried.safe) continue;
-    target_ = wanted_, level_ = level_to_try_, settled_ = anew_ = false;
-    return;
+void PathOverride::take(double bend, const Way& way) noexcept {
+  bend_ = bend;
+  motion_.at = during(motion_.at, bend, period_);
+  motion_.out = way;
+  motion_.step = motion_.cycle = 0;
+}
+
+/// One cycle of the way out; steady when there is none left.
+void PathOverride::follow_way_out() noexcept {
+  Motion& m = motion_;
+  const bool any = m.step < m.out.steps;
+  bend_ = any ? m.out.bends[m.step] : 0;
+  m.at = during(m.at, bend_, period_);
+  if (!any) return;
+  if (++m.cycle == m.out.cycles) ++m.step, m.cycle = 0;
+  if (m.step == m.out.steps) m.at.rate = 0, m.at.factor = m.out.end;
+}
+
+/// Two cycles that end at the target, where the rows leave room for them.
+bool PathOverride::arrive(double target) noexcept {
+  const State& s = motion_.at;
+  const double t = period_, first = (target - s.factor - 1.5 * t * s.rate) / (t * t);
+  const double second = -(s.rate + first * t) / t;
+  if (!(std::abs(first) <= kMostBend && std::abs(second) <= kMostBend)) return false;
+  if (!keeps(s, first, t) || !keeps(during(s, first, t), second, t)) return false;
+  tried_.bends[0] = second, tried_.steps = tried_.cycles = 1, tried_.end = target;
+  take(first, tried_);
+  return true;
+}
+
+/// Looks for an f'' towards the target that can be taken back.
+bool PathOverride::attempt(double target) noexcept {
+  Motion& m = motion_;
+  const double direction = sign(target - m.out.end), t = period_;
+  const double calm = m.step < m.out.steps ? m.out.bends[m.step] : 0;
+  double more = m.boldness * (boldest(m.at, t, direction) - calm);
+  for (std::size_t tries = 0; tries < kMostTries; ++tries) {
+    if (!(direction * more > 0)) return false;
+    const double bend = calm + more;
+    const bool safe = keeps(m.at, bend, t) && recover(during(m.at, bend, t), tried_);
+    const double beyond = safe ? direction * (tried_.end - target) : 0;
+    if (safe && beyond <= kSame) {
+      take(bend, tried_);
+      m.boldness = std::min(1.0, 2 * m.boldness);
+      return true;
+    }
+    if (safe) {  // less by what the end lies beyond, as the way out passes it on
+      more -= direction * beyond / (t * (t / 2 + t * double(tried_.steps * tried_.cycles)));
+    } else {
+      more /= 2;
+      m.boldness = std::max(m.boldness / 2, kLeastBoldness);
+    }
   }
+  return false;
+}
+
+double PathOverride::allowed_target(double target) const noexcept {
+  if (!(target > -2) || motion_.hard) return 0;
+  if (target < 0 && motion_.at.time <= 0) return 0;
+  return std::clamp(target, -back_, 1.0);
 }
 
 void PathOverride::advance(double target, bool immediate) noexcept {
-  const bool hard = limits_.data() != own_limits_.data(), stand = stands();
-  if (immediate && !hard && !stand) {
-    limits_ = hard_limits_, level_to_try_ = 0, cycles_ = 0;
-    anew_ = true;  // with what there is now
-  }
-  if (hard && stand && !immediate) limits_ = own_limits_;
-  if (!(target > -2) || limits_.data() != own_limits_.data()) target = 0;
-  target = std::clamp(target, -back_, 1.0);
-  if (target != wanted_) wanted_ = target, level_to_try_ = 0, cycles_ = 0;
-  choose();
-  if (settled_) {
-    bend_ = 0;
-    state_ = during(state_, 0, period_);
-    return;
-  }
-  bend_ = law(state_, room(state_), target_, level_);
-  state_ = during(state_, bend_, period_);
-  if (std::abs(target_ - state_.factor) < 1e-12 && std::abs(state_.rate) < 1e-9) {
-    state_.factor = target_, state_.rate = 0, settled_ = true;
+  Motion& m = motion_;
+  if (immediate ? !stands() : stands()) m.hard = immediate;
+  target = allowed_target(target);
+  const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSame;
+  const bool leads_there = m.step < m.out.steps && std::abs(target - m.out.end) <= kNearlyThere;
+  if (settled) m.at.factor = m.out.end = target, m.boldness = 1;
+  if (settled || leads_there || !(arrive(target) || attempt(target))) follow_way_out();
+  if (m.at.time <= 0 && m.at.factor < 0) {  // back at the start, where the plan rests
+    m.at.factor = m.at.rate = m.out.end = 0;
+    m.step = m.out.steps = 0;
   }
 }
 
 void PathOverride::sample(std::span<double> position, std::span<double> velocity,
                           std::span<double> acceleration) noexcept {
-  look(state_.time);
+  const State& s = motion_.at;
+  path_.sample(s.time, position_, velocity_, acceleration_, {}, hint_);
   std::copy_n(position_.begin(), position.size(), position.begin());
-  for (std::size_t j = 0; j < velocity.size(); ++j) velocity[j] = velocity_[j] * state_.factor;
+  for (std::size_t j = 0; j < velocity.size(); ++j) velocity[j] = velocity_[j] * s.factor;
   for (std::size_t j = 0; j < acceleration.size(); ++j)
-    acceleration[j] = acceleration_[j] * state_.factor * state_.factor + velocity_[j] * state_.rate;
+    acceleration[j] = acceleration_[j] * s.factor * s.factor + velocity_[j] * s.rate;
 }
 
 StoppingWay PathOverride::stopping() noexcept {
-  std::size_t hint = 0;
-  for (std::size_t level = 0; level < kBoldness.size(); ++level) {
-    const Run end = run(state_, 0, level, kMostSteps);
-    if (!end.safe) continue;
-    return {double(end.steps) * period_,
-            path_.profile().at(end.end.time, hint).s - path_.profile().at(state_.time, hint).s, true};
-  }
-  return {0, 0, false};
+  constexpr std::size_t kMostCycles = 100'000;
+  const Motion before = motion_;
+  const double bend = bend_;
+  std::size_t cycles = 0, hint = 0;
+  for (; cycles < kMostCycles && !stands() && !finished(); ++cycles) advance(0);
+  const StoppingWay out{
+      double(cycles) * period_,
+      path_.profile().at(motion_.at.time, hint).s - path_.profile().at(before.at.time, hint).s,
+      stands() || finished()};
+  motion_ = before, bend_ = bend;
+  return out;
 }
 
 }  // namespace polyarm::trajectory

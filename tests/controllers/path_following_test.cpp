@@ -160,7 +160,7 @@ TEST(PathFollowing, AnImmediateStopBrakesHarderOnThePathAndIsOverWhenItStands) {
   for (PathRig* rig : {&soft, &hard}) {
     rig->start();
     rig->follow(planned_path());
-    rig->cycles(300);
+    rig->cycles(350);
     rig->look_anew();
     rig->verdict.speed = 0;
     rig->verdict.immediate = rig == &hard;

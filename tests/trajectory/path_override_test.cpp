@@ -11,6 +11,7 @@
 
 #include "polyarm/trajectory/timing.hpp"
 #include "tests/support/realtime_guard.hpp"
+#include "tests/support/slow_stop.hpp"
 #include "tests/support/test_paths.hpp"
 
 namespace polyarm::trajectory {
@@ -97,7 +98,63 @@ TEST(PathOverride, StopsAndResumesAnywhereWithinEveryLimit) {
   std::sort(ratios.begin(), ratios.end());
   std::printf("stop over the soonest of any joint alone: p50 %.3f p90 %.3f max %.3f\n",
               ratios[ratios.size() / 2], ratios[ratios.size() * 9 / 10], ratios.back());
-  EXPECT_LE(ratios[ratios.size() / 2], 1.1);
+  EXPECT_LE(ratios[ratios.size() / 2], 1.05);
+  EXPECT_LE(ratios[ratios.size() * 9 / 10], 1.2) << "what holds for one joint alone cannot always be had";
+}
+
+/// Where the plan leaves least to brake with: two from 400 random moments at which a stop takes longest
+/// beside the soonest of any joint alone, and an ordinary one.
+TEST(PathOverride, StopsWithinATenthOfTheShortestTimeThatASearchFinds) {
+  struct Case {
+    std::uint64_t seed;
+    double time, factor;
+  };
+  for (const Case& c : {Case{109, 1.641, 1}, Case{112, 6.782, 1}, Case{100, 6.030, 0.18}}) {
+    const TimedPath path = some(c.seed);
+    PathOverride o(path, kLimits, kPeriod);
+    o.begin(c.time, c.factor);
+    const Seen stop = drive(o, path, 0, 3000);
+    const double shortest = test::SlowStop(path, kLimits, 8e-3).search(c.time, c.factor);
+    std::printf("stop %.3f s, the search %.3f s\n", stop.cycles * kPeriod, shortest);
+    EXPECT_LE(stop.cycles * kPeriod, 1.1 * shortest) << c.seed;
+    EXPECT_LE(stop.most, 1 + 1e-6);
+  }
+}
+
+TEST(PathOverride, ChangesASteadyOverrideAsSoonAsItStopsAndStarts) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const TimedPath path = some(seed);
+    for (double part = 0.1; part < 0.8; part += 0.2) {
+      PathOverride o(path, kLimits, kPeriod);
+      o.begin(part * path.duration(), 0.5);
+      const double shortest = soonest(path, part * path.duration());  // from full speed to rest
+      for (const double target : {0.8, 0.6, 0.3, 0.5}) {
+        const Seen change = drive(o, path, target, 3000);
+        EXPECT_EQ(o.factor(), o.finished() ? o.factor() : target);
+        EXPECT_LE(change.cycles * kPeriod, 1.1 * shortest + 0.1);
+        EXPECT_LE(change.most, 1 + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(PathOverride, AnImmediateStopKeepsItsHarderLimitsAndGoesOnUntilItStands) {
+  const TimedPath path = some(4);
+  PathOverride soft(path, kLimits, kPeriod), hard(path, kLimits, kPeriod);
+  double most = 0;
+  int cycles = 0;
+  for (auto* o : {&soft, &hard}) o->begin(0.4 * path.duration(), 1);
+  const Seen stop = drive(soft, path, 0, 3000);
+  for (; cycles < 3000 && !hard.stands(); ++cycles) {
+    const double time = hard.time(), factor = hard.factor(), rate = hard.rate();
+    hard.advance(cycles < 10 ? 0 : 1, cycles < 10);
+    most = std::max(most, most_used(path, time, factor, rate, hard.bend()));
+  }
+  EXPECT_LT(cycles, 0.6 * stop.cycles);
+  EXPECT_GT(most, 1.5) << "of the limits of ordinary stops";
+  EXPECT_LE(most, PathOverride::kHarder * PathOverride::kHarder * (1 + 1e-6));
+  const Seen again = drive(hard, path, 1, 3000);
+  EXPECT_LE(again.most, 1 + 1e-6) << "what follows keeps the limits";
 }
 
 TEST(PathOverride, FollowsRandomRequestsOnThePathWithinEveryLimit) {
@@ -138,9 +195,10 @@ TEST(PathOverride, SaysHowLongAndFarAStopTakes) {
   ASSERT_TRUE(told.known);
   std::size_t hint = 0;
   const double from = path.profile().at(o.time(), hint).s;
+  EXPECT_EQ(o.factor(), 0.8) << "asking moves nothing";
   const Seen stop = drive(o, path, 0, 3000);
-  EXPECT_LE(stop.cycles * kPeriod, told.time + 2 * kPeriod);
-  EXPECT_LE(path.profile().at(o.time(), hint).s - from, told.way * (1 + 1e-6));
+  EXPECT_EQ(stop.cycles * kPeriod, told.time);
+  EXPECT_DOUBLE_EQ(path.profile().at(o.time(), hint).s - from, told.way);
 }
 
 TEST(PathOverride, GoesBackToTheStart) {
@@ -149,6 +207,9 @@ TEST(PathOverride, GoesBackToTheStart) {
   o.begin(0.2 * path.duration(), 0);
   for (int i = 0; i < 20000 && o.time() > 0; ++i) o.advance(-0.5);
   EXPECT_EQ(o.time(), 0);
+  EXPECT_TRUE(o.stands());
+  o.advance(-0.5);
+  EXPECT_TRUE(o.stands());
 }
 
 TEST(PathOverride, AllocatesNothing) {
@@ -160,7 +221,6 @@ TEST(PathOverride, AllocatesNothing) {
   for (int cycle = 0; cycle < 5000; ++cycle) {
     o.advance(cycle / 700 % 2 ? 0.0 : 1.0);
     o.sample(q, v, a);
-    if (cycle % 100 == 0) o.stopping();
   }
   EXPECT_EQ(guard.violations(), "");
 }

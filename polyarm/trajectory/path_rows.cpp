@@ -1,0 +1,97 @@
+#include "polyarm/trajectory/path_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyarm::trajectory {
+namespace {
+
+constexpr double kSide = 1e-9;         // s; so near to a jump its one side is looked at
+constexpr double kNoLimit = 1e300;     // of places without a joint
+constexpr std::size_t kMost = 40'000;  // nodes, but for jumps; of longer plans they are further apart
+
+std::vector<double> jumps_of(const TimedPath& path) {
+  std::vector<double> all{0, path.duration()};
+  for (const SpeedProfile::Piece& p : path.profile().pieces()) all.push_back(p.begin);
+  for (const double s : path.path().breaks()) all.push_back(path.profile().time_at(s));
+  std::sort(all.begin(), all.end());
+  std::vector<double> out;
+  for (const double t : all)
+    if (out.empty() || t - out.back() > 4 * kSide) out.push_back(t);
+  return out;
+}
+
+}  // namespace
+
+PathRows::PathRows(const TimedPath& path, double spacing) : blocks_((path.joints() + kWidth - 1) / kWidth) {
+  spacing = std::max(spacing, path.duration() / double(kMost));
+  std::vector<double> q(path.joints()), v(q), a(q), j(q);
+  std::size_t hint = 0;
+  const auto add = [&](double time, double look) {
+    path.sample(look, q, v, a, j, hint);
+    times_.push_back(time);
+    rows_.resize(rows_.size() + blocks_, Rows{});
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      Rows& to = rows_[rows_.size() - blocks_ + i / kWidth];
+      to.velocity[i % kWidth] = v[i], to.acceleration[i % kWidth] = a[i], to.jerk[i % kWidth] = j[i];
+    }
+  };
+  const std::vector<double> jumps = jumps_of(path);
+  for (std::size_t k = 0; k + 1 < jumps.size(); ++k) {
+    const double begin = jumps[k], length = jumps[k + 1] - begin;
+    const auto parts = std::max<std::size_t>(1, std::size_t(std::ceil(length / spacing)));
+    add(begin, begin + kSide);
+    for (std::size_t i = 1; i < parts; ++i) {
+      const double t = begin + length * double(i) / double(parts);
+      add(t, t);
+    }
+    add(begin + length, begin + length - kSide);
+  }
+  if (times_.empty()) add(0, 0), add(0, 0);
+}
+
+std::size_t PathRows::before(double t, std::size_t i) const noexcept {
+  const std::size_t last = times_.size() - 1;
+  i = std::min(i, last);
+  for (int near = 0; near < 8; ++near) {
+    if (times_[i] > t) {
+      if (i == 0) return 0;
+      --i;
+    } else if (i < last && times_[i + 1] <= t) {
+      ++i;
+    } else {
+      return i;
+    }
+  }
+  const auto after = std::upper_bound(times_.begin(), times_.end(), t);
+  return after == times_.begin() ? 0 : std::size_t(after - times_.begin()) - 1;
+}
+
+void PathRows::between(std::size_t node, double t, Rows* out) const noexcept {
+  const std::size_t next = std::min(node + 1, times_.size() - 1);
+  const double length = times_[next] - times_[node];
+  const double share = length > 0 ? std::clamp((t - times_[node]) / length, 0.0, 1.0) : 0;
+  const Rows *from = at(node), *to = at(next);
+  for (std::size_t b = 0; b < blocks_; ++b)
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      out[b].velocity[i] = from[b].velocity[i] + share * (to[b].velocity[i] - from[b].velocity[i]);
+      out[b].acceleration[i] =
+          from[b].acceleration[i] + share * (to[b].acceleration[i] - from[b].acceleration[i]);
+      out[b].jerk[i] = from[b].jerk[i] + share * (to[b].jerk[i] - from[b].jerk[i]);
+    }
+}
+
+std::vector<PathRows::Limits> PathRows::limits_of(std::span<const MotionLimits> limits, double harder) {
+  std::vector<Limits> out((limits.size() + kWidth - 1) / kWidth);
+  for (std::size_t i = 0; i < out.size() * kWidth; ++i) {
+    Limits& to = out[i / kWidth];
+    const std::size_t k = i % kWidth;
+    to.high[k] = to.jerk[k] = kNoLimit, to.low[k] = -kNoLimit;
+    if (i >= limits.size()) continue;
+    to.high[k] = harder * limits[i].max_acceleration, to.low[k] = harder * limits[i].min_acceleration;
+    to.jerk[k] = harder * harder * limits[i].max_jerk;
+  }
+  return out;
+}
+
+}  // namespace polyarm::trajectory
