@@ -178,7 +178,7 @@ TEST(RobotMotion, AMoveIsEndedOnItsPathAndTheNextBeginsThere) {
   EXPECT_EQ(rig.motion->state_of(id), MoveState::done);
   const Vec3 by = rig.tcp().position - rig.start().position;
   EXPECT_LE(std::hypot(by.x, by.y), 1e-6) << "it left the line";
-  EXPECT_LT(by.z, 0.1995);
+  EXPECT_LT(by.z, 0.1975);
   const auto back = rig.motion->queue(joint(rig.from, "back"));
   rig.until_idle();
   EXPECT_EQ(rig.motion->state_of(back), MoveState::done);
