@@ -134,12 +134,14 @@ std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, cons
               : move.kind == program::Move::Kind::line ? motion::MoveKind::line
                                                        : motion::MoveKind::arc;
   pace(move, made);
+  const bool curve = move.smooth && move.targets.size() > 1;
+  if (curve) made.kind = motion::MoveKind::spline;
   const double blend = move.blend ? move.blend->value : 0;
   std::vector<motion::Move> out;
   for (std::size_t i = 0; i < move.targets.size(); ++i) {
     const bool last = i + 1 == move.targets.size();
     made.targets.push_back(target_of(move.targets[i], frame, arm, where));
-    if (made.kind == motion::MoveKind::arc && !last) continue;
+    if ((made.kind == motion::MoveKind::arc || curve) && !last) continue;
     made.blend = last && move.exact ? 0 : blend;
     out.push_back(made);
     made.targets.clear();
@@ -163,8 +165,15 @@ program::Handle ProgramMoves::start(const program::Move& move, const Location& w
     asked.last = arm.robot.motion->queue(std::move(one), facts);
     arm.open.push_back({asked.last, where, std::move(name)});
   }
-  if (move.waits) asked_[++last_handle_] = {asked};
-  return move.waits ? last_handle_ : 0;
+  forget_ended();
+  asked_[++last_handle_] = {asked};
+  return last_handle_;
+}
+
+/// Of moves that nobody waits for.
+void ProgramMoves::forget_ended() {
+  constexpr std::size_t kKept = 2000;
+  while (asked_.size() > kKept) asked_.erase(asked_.begin());
 }
 
 /// The first of the moves not told about that did not end well; forgets those that did.
@@ -231,12 +240,14 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
 
 program::Travel ProgramMoves::travel(program::Handle handle) const {
   const auto found = asked_.find(handle);
-  if (found == asked_.end() || found->second.empty()) return {};
+  constexpr Nanoseconds kForever = std::numeric_limits<Nanoseconds>::max();
+  if (found == asked_.end() || found->second.empty())  // it is long over
+    return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   const Moves& moves = found->second.front();
   const motion::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
-  const auto time = [](double s) {
-    return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : std::numeric_limits<Nanoseconds>::max();
-  };
+  const auto time = [](double s) { return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : kForever; };
+  if (way.left == 0 && way.remaining == 0 && way.covered == 0)  // it has arrived
+    return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   return {way.covered, way.left, time(way.elapsed), time(way.remaining)};
 }
 

@@ -73,6 +73,7 @@ class ProgramMoves {
   std::vector<motion::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
                                      const Location& where) const;
   void pace(const program::Move& from, motion::Move& to) const;
+  void forget_ended();
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
 
   std::string task_;

@@ -13,8 +13,8 @@ const char* spelling(Operator op) {
 }
 
 const char* spelling(Clause::Kind kind) {
-  static constexpr const char* kSpellings[] = {"robot", "tool",     "frame", "speed", "accel",
-                                               "blend", "duration", "exact", "until", "at"};
+  static constexpr const char* kSpellings[] = {"robot",    "tool",  "frame",  "speed", "accel", "blend",
+                                               "duration", "exact", "smooth", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
 }
 

@@ -76,10 +76,10 @@ struct Branch;
 
 /// What is said about a move, or about all moves of a block by `use`.
 struct Clause {
-  enum class Kind { robot, tool, frame, speed, accel, blend, duration, exact, until, at };
+  enum class Kind { robot, tool, frame, speed, accel, blend, duration, exact, smooth, until, at };
   Kind kind = Kind::exact;
   Place place;
-  ExpressionPtr value;    ///< all but exact; of `at` the distance or time, if one is said
+  ExpressionPtr value;    ///< all but exact and smooth; of `at` the distance or time, if one is said
   Block otherwise;        ///< until … else
   bool has_else = false;  ///< of until
   bool from_end = false;  ///< of at: before the end, not after the start

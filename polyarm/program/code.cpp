@@ -416,7 +416,8 @@ class Compiler {
     using Clauses = Clause::Kind;
     const bool is_name =
         clause.kind == Clauses::robot || clause.kind == Clauses::tool || clause.kind == Clauses::frame;
-    if (clause.kind == Clauses::exact || clause.kind == Clauses::until) return;
+    if (clause.kind == Clauses::exact || clause.kind == Clauses::smooth || clause.kind == Clauses::until)
+      return;
     if (clause.kind == Clauses::at) {
       if (clause.value) expression(*clause.value);
       return expression(*clause.to);

@@ -43,6 +43,7 @@ struct Move {
   std::optional<data::Number> duration;  ///< a time: the move takes at least this long
   /// It comes to rest at its last target: the program says so, or states no blend.
   bool exact = true;
+  bool smooth = false;  ///< line: one curve through all targets instead of lines between them
   /// The statement ends when the move has arrived (moveto); others only queue it.
   bool waits = false;
   std::string robot, tool, frame;  ///< names; empty: the task's own

@@ -76,8 +76,8 @@ void take(Target& out, const Clause& clause, const Value& value) {
 }
 
 bool takes_value(const Clause& clause) {
-  return clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::until &&
-         clause.kind != Clause::Kind::at;
+  return clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth &&
+         clause.kind != Clause::Kind::until && clause.kind != Clause::Kind::at;
 }
 std::size_t values_of(const Clause& clause) {
   if (clause.kind == Clause::Kind::at) return clause.value ? 2 : 1;
@@ -128,6 +128,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   for (const Clause& clause : s.clauses) {
     exact = exact || clause.kind == Clause::Kind::exact;
     blends = blends || clause.kind == Clause::Kind::blend;
+    out.smooth = out.smooth || clause.kind == Clause::Kind::smooth;
     out.waits = out.waits || clause.kind == Clause::Kind::until;
     if (clause.kind == Clause::Kind::duration)
       out.duration = quantity(task.stack[first].value, clause, {Dimension::time}, "2s");

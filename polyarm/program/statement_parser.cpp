@@ -135,8 +135,8 @@ void parse_let(TokenCursor& cursor, Statement& out) {
 
 constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Clause::Kind::frame,
                                  Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
-                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::until,
-                                 Clause::Kind::at};
+                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
+                                 Clause::Kind::until,    Clause::Kind::at};
 
 std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
   for (const Clause::Kind kind : kClauses)
@@ -209,9 +209,13 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   if (moves_only && out.kind == Kind::use)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
+  if (clause.kind == Clause::Kind::smooth &&
+      (out.kind != Kind::move || out.motion != Statement::Motion::movel))
+    throw SyntaxError{"bad-clause", clause.place, "'smooth' belongs to a movel through several points",
+                      "write `movel [A, B, C], smooth`"};
   if (clause.kind == Clause::Kind::at) {
     parse_at(cursor, clause);
-  } else if (clause.kind != Clause::Kind::exact) {
+  } else if (clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth) {
     clause.value = cursor.expression();
   }
   if (clause.kind == Clause::Kind::until) clause.has_else = cursor.take_word("else");
