@@ -7,6 +7,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/message_parts.hpp"
+#include "polyarm/cell/trajectory_file.hpp"
 
 namespace polyarm::cell {
 
@@ -18,18 +20,15 @@ namespace {
   throw Error(Problem{"bad-message", at.where(), std::move(what), std::move(advice)});
 }
 
+}  // namespace
+
 void check_keys(const Yaml& yaml, const std::vector<std::string>& known) {
   Problems problems;
   yaml.check_keys(known, problems);
   if (!problems.list().empty()) throw Error(problems.list());
 }
 
-void require_map(const Yaml& yaml, const char* what, const char* example) {
-  if (!yaml.is_map()) refuse(yaml, std::string("this is no ") + what, std::string("write ") + example);
-}
-
-/// `{sec, nanosec}`, `{secs, nsecs}` or a number of seconds.
-double seconds_of(const Yaml& yaml, double fallback = 0) {
+double seconds_of(const Yaml& yaml, double fallback) {
   if (!yaml.defined()) return fallback;
   if (!yaml.is_map()) return yaml.number();
   check_keys(yaml, {"sec", "nanosec", "secs", "nsecs"});
@@ -48,32 +47,10 @@ std::optional<Nanoseconds> stamp_of(const Yaml& header) {
   return nanoseconds(stamp);
 }
 
-trajectory::TrajectoryPoint point_of(const Yaml& yaml) {
-  require_map(yaml, "point", "{positions: [0.1, 0.2], time_from_start: 1.0}");
-  check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "efforts", "time_from_start"});
-  trajectory::TrajectoryPoint out;
-  out.positions = yaml["positions"].numbers();
-  out.velocities = yaml["velocities"].numbers();
-  out.accelerations = yaml["accelerations"].numbers();
-  out.effort = yaml[yaml.has("efforts") ? "efforts" : "effort"].numbers();
-  if (!yaml.has("time_from_start"))
-    refuse(yaml, "the point has no time_from_start", "add time_from_start: 1.0");
-  out.time_from_start = seconds_of(yaml["time_from_start"]);
-  return out;
-}
+namespace {
 
-controllers::TrajectoryMessage trajectory_of(const Yaml& yaml) {
-  require_map(yaml, "trajectory",
-              "{joint_names: [joint_1], points: [{positions: [0.1], time_from_start: 1.0}]}");
-  if (yaml.has("trajectory") || yaml.has("goal"))
-    refuse(yaml, "this is a goal around a trajectory", "send it as a goal: polyarm send … --goal");
-  check_keys(yaml, {"header", "joint_names", "points"});
-  controllers::TrajectoryMessage out;
-  out.start = stamp_of(yaml["header"]);
-  out.joints = yaml.required("joint_names").texts();
-  if (!yaml.has("points")) refuse(yaml, "the trajectory has no points");
-  for (const Yaml& point : yaml["points"].items()) out.points.push_back(point_of(point));
-  return out;
+void require_map(const Yaml& yaml, const char* what, const char* example) {
+  if (!yaml.is_map()) refuse(yaml, std::string("this is no ") + what, std::string("write ") + example);
 }
 
 std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
