@@ -24,6 +24,7 @@ const std::vector<Verb>& verbs() {
       {"fk", "forward kinematics: joint values to a pose", run_fk},
       {"ik", "inverse kinematics: a pose to joint values", run_ik},
       {"workspace", "map where an arm reaches and how well it moves there", run_workspace},
+      {"plan", "plan a motion without moving: how long, what bounds it where, a plot", run_plan},
       {"xacro", "expand a description in xacro to URDF", run_xacro},
       {"replay", "play the last cycles before a fault again", run_replay},
       {"control", "controllers of a running cell: list, switch, load, state, hold, resume", run_control},

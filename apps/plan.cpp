@@ -1,0 +1,348 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "apps/options.hpp"
+#include "apps/plan_motion.hpp"
+#include "apps/plan_moves.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/cell/trajectory_file.hpp"
+#include "polyarm/data/file_lookup.hpp"
+#include "polyarm/motion/cartesian_joints.hpp"
+#include "polyarm/motion/tcp_rates.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+using trajectory::MotionLimits;
+
+struct Request {
+  std::string robot, of, tool = "none";
+  std::vector<std::string> words, data;
+  std::vector<double> from;
+  PaceWords pace;
+  bool keep_times = false, lines = false, ros1 = false, as_json = false;
+  std::string svg, csv;
+  std::vector<std::string> exports;
+  double rate = 0, tolerance = 1e-6;
+
+  void add_to(CLI::App& app);
+};
+
+void Request::add_to(CLI::App& app) {
+  app.add_option("what", words,
+                 "a JointTrajectory file (YAML or JSON), or [CELL] and moves: movej P, movel P, movec VIA P, "
+                 "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
+                 "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone")
+      ->required();
+  app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
+  app.add_option("--of", of, "of a cell with several robots: which");
+  app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
+  app.add_option("--data", data, "data file with more points; may be repeated")->check(CLI::ExistingFile);
+  app.add_option("--from", from, "joint values to start from, rad or m (home by default)")->expected(-1);
+  app.add_option("--blend", pace.blend,
+                 "how far around points the path may leave its lines: 20mm; for files also rad");
+  app.add_option("--speed", pace.speed, "50% of the limits, or at most 250mm/s at the TCP");
+  app.add_option("--acceleration", pace.acceleration, "50% of the limits, or at most 1m/s2 at the TCP");
+  app.add_flag("--keep-times", keep_times, "judge the file's trajectory with the times that it has");
+  app.add_flag("--lines", lines, "straight between the file's points in joint space, not a spline");
+  app.add_option("--svg", svg, "plot position, velocity, acceleration, jerk and TCP speed");
+  app.add_option("--csv", csv, "write them as a table, at --rate (250 Hz)");
+  app.add_option("--export", exports, "write a JointTrajectory, FILE.yaml or FILE.json; may be repeated");
+  app.add_option("--rate", rate, "Hz of --csv and --export; without it an export has the fewest points")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--ros1", ros1, "exports have secs and nsecs");
+  app.add_flag("--json", as_json, "one JSON object");
+}
+
+bool is_trajectory_file(const std::string& word) {
+  const std::string ending = lower(fs::path(word).extension().string());
+  return (ending == ".yaml" || ending == ".yml" || ending == ".json") &&
+         fs::path(word).filename() != "cell.yaml";
+}
+
+/// The robot that is asked about, and the places that have a name.
+struct Setting {
+  cell::CellFile file;
+  cell::CellRobots robots;
+  cell::CellRobot* robot = nullptr;
+  std::vector<data::DataSet> sets;
+
+  const motion::RobotFacts& facts() const { return *robot->facts; }
+  const kinematics::Chain& chain() const { return robot->facts->chain; }
+};
+
+void read_points(Setting& setting, const std::string& name, const fs::path& folder, const Location& where) {
+  const data::LoadedFiles files = data::load_files(name, folder, where);
+  setting.sets.push_back(files.data.values());
+  for (const data::ImportFile& points : files.points) setting.sets.push_back(points.values());
+}
+
+cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
+  std::vector<std::string> names;
+  for (const auto& robot : setting.robots) {
+    names.push_back(robot->entry.name);
+    if (robot->entry.name == of || (of.empty() && setting.robots.size() == 1)) return robot.get();
+  }
+  throw Error("unknown-name",
+              of.empty() ? "this cell has several robots"
+                         : "the cell has no robot '" + of + "'" + did_you_mean(of, names),
+              "say --of " + join(names, " or --of "));
+}
+
+Setting settle(Request& request, Problems& problems) {
+  Setting out;
+  if (!request.words.empty() && fs::exists(request.words[0]) && !is_trajectory_file(request.words[0])) {
+    cell::Overrides overrides;
+    overrides.robot = request.robot;
+    out.file = cell::read_cell_file(request.words[0], overrides);
+    request.words.erase(request.words.begin());
+  } else if (!request.robot.empty()) {
+    out.file.folder = fs::current_path();
+    cell::RobotEntry entry;
+    entry.model = request.robot, entry.tool = request.tool;
+    out.file.robots.push_back(entry);
+  } else {
+    throw Error("no-robot", "no robot is named, and '" + request.words[0] + "' is no cell",
+                "say --robot universal_robots/ur5e, or begin with the folder of a cell");
+  }
+  std::vector<std::string> notes;
+  out.robots = cell::resolve_robots(out.file, open_catalogue(), false, problems, notes);
+  problems.throw_if_errors();
+  out.robot = chosen(out, request.of);
+  if (!out.file.program.empty() && !out.file.program.ends_with(".script"))
+    read_points(out, out.file.program, out.file.folder, out.file.program_where);
+  for (const std::string& file : request.data)
+    read_points(out, fs::path(file).filename().string(), fs::absolute(file).parent_path(), {});
+  return out;
+}
+
+std::vector<double> start_of(const Request& request, const Setting& setting) {
+  const kinematics::Chain& chain = setting.chain();
+  if (request.from.empty()) return setting.facts().home;
+  if (request.from.size() != chain.joints())
+    throw Error("bad-value", fmt::format("--from takes {} numbers for this robot ({}), here are {}",
+                                         chain.joints(), join(chain.names(), " "), request.from.size()));
+  motion::check_joints(setting.facts(), request.from, "--from");
+  return request.from;
+}
+
+void describe_joints(PlannedMotion& motion, const kinematics::Chain& chain,
+                     const std::vector<MotionLimits>& limits) {
+  for (std::size_t j = 0; j < chain.joints(); ++j)
+    motion.joints.push_back(
+        {chain.names()[j], chain.slides(j), limits[j], chain.lower()[j], chain.upper()[j]});
+}
+
+// --- from a file ----------------------------------------------------------------------------------------
+
+std::vector<MotionLimits> limits_of(const Setting& setting, const PaceValue& speed,
+                                    const PaceValue& acceleration) {
+  std::vector<MotionLimits> out;
+  for (std::size_t j = 0; j < setting.chain().joints(); ++j) {
+    const trajectory::JointMotionLimits& l = setting.facts().limits[j];
+    double v = l.velocity * speed.share;
+    if (speed.angular > 0 && !setting.chain().slides(j)) v = std::min(v, speed.angular);
+    out.push_back(
+        MotionLimits::symmetric(v, l.acceleration * acceleration.share, l.jerk * acceleration.share));
+  }
+  return out;
+}
+
+/// Radii of corners: metres at the TCP if they have a unit of length, else in the joint norm.
+double radius_of(const std::string& text, bool& metres) {
+  metres = false;
+  if (text.empty()) return 0;
+  if (const auto angle = parse_quantity(text, Dimension::angle)) return *angle;
+  if (const auto length = parse_quantity(text, Dimension::length)) return metres = true, *length;
+  throw Error("bad-value", "--blend is '" + text + "', which is no radius",
+              "write 20mm at the TCP, or 0.1 rad");
+}
+
+trajectory::PathSections path_of(const cell::JointTrajectoryFile& file, const Request& request,
+                                 const Setting& setting) {
+  bool metres = false;
+  const double radius = radius_of(request.pace.blend, metres);
+  auto points = cell::as_waypoints(file, radius);
+  if (!request.from.empty()) points.insert(points.begin(), {request.from, radius, "--from"});
+  trajectory::JointPathOptions options;
+  if (metres) options.tcp_distance = motion::tcp_distance(setting.chain());
+  for (const trajectory::JointWaypoint& p : points) motion::check_joints(setting.facts(), p.q, p.name);
+  return request.lines || radius > 0 ? joint_lines(points, options) : joint_spline(points, options);
+}
+
+void plan_section(PlannedMotion& motion, const Setting& setting,
+                  std::unique_ptr<const trajectory::Path> section, const std::vector<MotionLimits>& limits,
+                  double tcp_speed, double tcp_acceleration) {
+  const std::shared_ptr<const trajectory::Path> path = std::move(section);
+  const motion::TcpPath tcp(setting.chain(), path, motion::TcpPart::translation);
+  std::vector<trajectory::NormLimit> norms;
+  if (tcp_speed > 0 || tcp_acceleration > 0)
+    norms.push_back({&tcp, tcp_speed > 0 ? tcp_speed : INFINITY,
+                     tcp_acceleration > 0 ? tcp_acceleration : INFINITY, INFINITY, "the TCP"});
+  trajectory::TimingOptions options;
+  options.norms = norms;
+  const trajectory::Timing timing = time_path(*path, limits, options);
+  std::vector<std::string> bounds;
+  for (const trajectory::NormLimit& norm : norms) bounds.push_back(norm.name);
+  add_section(motion, fmt::format("section {}", motion.sections.size() + 1),
+              std::make_shared<trajectory::TimedPath>(path, timing.profile), timing.active, bounds);
+}
+
+PlannedMotion from_file(const Request& request, const Setting& setting, Problems& problems) {
+  if (request.words.size() != 1)
+    throw Error("bad-value", fmt::format("'{}' stands behind a trajectory file", request.words[1]),
+                "one file, or moves");
+  const kinematics::Chain& chain = setting.chain();
+  cell::JointTrajectoryFile file = cell::read_trajectory_file(request.words[0]);
+  const std::vector<double> start = start_of(request, setting);
+  order_joints(file, chain.names(), start, problems);
+  const PaceValue speed = parse_speed(request.pace.speed, "--speed");
+  const PaceValue acceleration = parse_acceleration(request.pace.acceleration, "--acceleration");
+  const std::vector<MotionLimits> limits = limits_of(setting, speed, acceleration);
+  PlannedMotion out;
+  out.title =
+      fmt::format("{} along {}", setting.robot->model.name, fs::path(request.words[0]).filename().string());
+  describe_joints(out, chain, limits);
+  if (speed.tcp > 0) out.tcp_speed_limit = speed.tcp;
+  if (request.keep_times) {
+    std::vector<double> times;
+    for (const auto& point : file.message.points) times.push_back(point.time_from_start);
+    std::vector<bool> continuous;
+    for (const controllers::JointFacts& joint : setting.robot->joints) continuous.push_back(joint.continuous);
+    take_trajectory(out, chain, as_timed(file, start, continuous), times);
+    return out;
+  }
+  trajectory::PathSections path = path_of(file, request, setting);
+  for (Problem& warning : path.warnings) problems.add(std::move(warning));
+  for (auto& section : path.sections)
+    plan_section(out, setting, std::move(section), limits, speed.tcp, acceleration.tcp);
+  finish(out, chain);
+  return out;
+}
+
+// --- from moves -----------------------------------------------------------------------------------------
+
+PlannedMotion from_moves(const Request& request, const Setting& setting, Problems& problems) {
+  const kinematics::Chain& chain = setting.chain();
+  const std::vector<double> start = start_of(request, setting);
+  const NamedPlaces places{setting.facts(), setting.sets};
+  const std::vector<motion::Move> moves = parse_moves(request.words, places, start, request.pace);
+  motion::MovePlan plan;
+  try {
+    plan = plan_moves(setting.facts(), start, moves);
+  } catch (const motion::MoveError& e) {
+    std::vector<Problem> all = e.problems();
+    for (Problem& p : all)
+      p.what = fmt::format("move {}, {}: {}", e.move + 1, text_of(moves[e.move]), p.what);
+    throw Error(std::move(all));
+  }
+  if (plan.motions.empty())
+    throw Error("no-motion", "these moves end where they begin", "name another target");
+  PlannedMotion out;
+  out.title =
+      fmt::format("{}, {} move{}", setting.robot->model.name, moves.size(), moves.size() == 1 ? "" : "s");
+  describe_joints(out, chain, plan.limits);
+  const double tcp = parse_speed(request.pace.speed, "--speed").tcp;
+  if (tcp > 0) out.tcp_speed_limit = tcp;
+  for (motion::PlannedMotion& m : plan.motions) {
+    std::string name = text_of(moves[m.first]);
+    if (m.last > m.first)
+      name = fmt::format("moves {} to {}, {} … {}", m.first + 1, m.last + 1, name, text_of(moves[m.last]));
+    else
+      name = fmt::format("move {}, {}", m.first + 1, name);
+    add_section(out, name, std::make_shared<trajectory::TimedPath>(std::move(m.path)), m.active, m.bounds);
+  }
+  for (Problem& warning : plan.warnings) problems.add(std::move(warning));
+  finish(out, chain);
+  return out;
+}
+
+// --- what comes out -------------------------------------------------------------------------------------
+
+controllers::TrajectoryMessage message_of(const PlannedMotion& motion, const Request& request) {
+  std::vector<std::string> names;
+  for (const PlanJoint& joint : motion.joints) names.push_back(joint.name);
+  controllers::TrajectoryMessage out;
+  for (const auto& timed : motion.timed)
+    cell::append(out, request.rate > 0 ? cell::sampled(*timed, request.rate, names)
+                                       : cell::knots_of(*timed, request.tolerance, names));
+  return out;
+}
+
+void write_files(const PlannedMotion& motion, const Request& request) {
+  if (!request.svg.empty()) write_file_atomically(request.svg, svg_of(motion));
+  if (!request.csv.empty())
+    write_file_atomically(request.csv, csv_of(motion, request.rate > 0 ? request.rate : 250));
+  for (const std::string& path : request.exports) {
+    if (motion.timed.empty())
+      throw Error("bad-value", "--keep-times plans nothing that could be exported", "leave --keep-times out");
+    const std::string ending = lower(fs::path(path).extension().string());
+    if (ending != ".json" && ending != ".yaml" && ending != ".yml")
+      throw Error("bad-value", "'" + path + "' is neither .yaml nor .json", "name the file so");
+    const auto words = request.ros1 ? cell::TimeWords::ros1 : cell::TimeWords::ros2;
+    const auto message = message_of(motion, request);
+    write_file_atomically(path, ending == ".json" ? to_json(message, words) : to_yaml(message, words));
+  }
+}
+
+int show(const PlannedMotion& motion, const Request& request) {
+  write_files(motion, request);
+  if (request.as_json) {
+    fmt::print("{}\n", json_of(motion));
+  } else {
+    fmt::print("{}", report_of(motion));
+    for (const Problem& problem : motion.problems) fmt::print("{}\n", problem.text());
+  }
+  return motion.has_errors() ? kFailed : kOk;
+}
+
+}  // namespace
+
+int run_plan(int argc, char** argv) {
+  CLI::App app("Plans a motion without moving: its duration, what bounds it where, and a plot",
+               "polyarm plan");
+  Request request;
+  request.add_to(app);
+  app.footer(
+      examples(
+          {"polyarm plan --robot universal_robots/ur5e trajectory.yaml --svg plan.svg",
+           "polyarm plan --robot universal_robots/ur5e trajectory.yaml --keep-times",
+           "polyarm plan --robot universal_robots/ur5e trajectory.yaml --blend 20mm --export faster.yaml",
+           "polyarm plan --robot universal_robots/ur5e movej 'joints(0,-90deg,90deg,-90deg,-90deg,0)' "
+           "movel 'by(0,0,-200mm)' movel 'by(200mm,0,0)' --blend 20mm --speed 250mm/s",
+           "polyarm plan examples/pick_and_place movel Pick movel Place --blend 20mm"}) +
+      "\nExit codes: 0 planned and within limits, 1 not, 2 wrong command line\n");
+  if (const auto code = parse(app, argc, argv)) return *code;
+  Problems problems;
+  try {
+    Setting setting = settle(request, problems);
+    if (request.words.empty())
+      throw Error("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
+    const bool file = is_trajectory_file(request.words[0]);
+    PlannedMotion motion =
+        file ? from_file(request, setting, problems) : from_moves(request, setting, problems);
+    motion.problems.insert(motion.problems.begin(), problems.list().begin(), problems.list().end());
+    return show(motion, request);
+  } catch (const Error& e) {
+    if (!request.as_json) {
+      if (!problems.has_errors())  // else they are among what was thrown
+        for (const Problem& warning : problems.list()) fmt::print(stderr, "{}\n", warning.text());
+      throw;
+    }
+    PlannedMotion none;
+    none.problems = e.problems();
+    fmt::print("{}\n", json_of(none));
+    return kFailed;
+  }
+}
+
+}  // namespace polyarm::apps
