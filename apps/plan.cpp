@@ -261,7 +261,11 @@ PlannedMotion from_moves(const Request& request, const Setting& setting, Problem
       name = fmt::format("move {}, {}", m.first + 1, name);
     add_section(out, name, std::make_shared<trajectory::TimedPath>(std::move(m.path)), m.active, m.bounds);
   }
-  for (Problem& warning : plan.warnings) problems.add(std::move(warning));
+  for (motion::MovePlan::Warning& warning : plan.warnings) {
+    warning.problem.what =
+        fmt::format("move {}, {}: {}", warning.move + 1, text_of(moves[warning.move]), warning.problem.what);
+    problems.add(std::move(warning.problem));
+  }
   finish(out, chain);
   return out;
 }

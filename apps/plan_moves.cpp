@@ -130,7 +130,8 @@ class Reader {
       (joint ? m.joint_speed : m.turn_speed) = v.angular;
     } else if (key == "acceleration") {
       const PaceValue v = parse_acceleration(text, key);
-      m.acceleration = v.share, m.tcp_acceleration = v.tcp, m.turn_acceleration = v.angular;
+      m.acceleration = v.share, m.tcp_acceleration = v.tcp;
+      (joint ? m.joint_acceleration : m.turn_acceleration) = v.angular;
     } else if (key == "blend") {
       m.blend = quantity(text, Dimension::length, "blend=" + text);
     } else if (key == "duration") {
