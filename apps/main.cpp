@@ -17,6 +17,7 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table = {
       {"run", "run a cell: simulate, execute its program, report", run_run},
       {"check", "find every error of a cell's files; nothing moves", run_check},
+      {"fmt", "write programs in one form; comments stay", run_fmt},
       {"new", "write a starting point for hardware or a controller of your own", run_new},
       {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
       {"robots", "list the robots of the catalogue", run_robots},

@@ -22,6 +22,7 @@ const std::vector<Verb>& verbs();
 
 int run_run(int argc, char** argv);
 int run_check(int argc, char** argv);
+int run_fmt(int argc, char** argv);
 int run_new(int argc, char** argv);
 int run_plugins(int argc, char** argv);
 int run_robots(int argc, char** argv);

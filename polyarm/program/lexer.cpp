@@ -184,16 +184,6 @@ class LineLexer {
   std::vector<Token> tokens_;
 };
 
-/// `set NAME rest of the line`, without '=': its rest is text, whatever it holds.
-bool takes_rest_as_text(const std::vector<Token>& tokens) {
-  if (tokens.size() < 3 || tokens[0].kind != TokenKind::name || !equal_ignoring_case(tokens[0].text, "set"))
-    return false;
-  const Token& third = tokens[2];
-  const bool target =
-      third.kind == TokenKind::symbol && (third.text == "=" || third.text == "." || third.text == "[");
-  return !target;
-}
-
 int depth_after(const std::vector<Token>& tokens, int depth) {
   for (const Token& token : tokens) {
     if (token.kind != TokenKind::symbol || token.text.size() != 1) continue;
@@ -263,6 +253,21 @@ class SourceReader {
   std::vector<SourceLine> out_;
 };
 }  // namespace
+
+bool takes_rest_as_text(const std::vector<Token>& tokens) {
+  if (tokens.size() < 3 || tokens[0].kind != TokenKind::name || !equal_ignoring_case(tokens[0].text, "set"))
+    return false;
+  const Token& third = tokens[2];
+  const bool target =
+      third.kind == TokenKind::symbol && (third.text == "=" || third.text == "." || third.text == "[");
+  return !target;
+}
+
+std::size_t end_of_code(std::string_view line) {
+  LineLexer lexer(line, {1, 1, 0});
+  lexer.read();
+  return lexer.end_of_code();
+}
 
 std::vector<std::string> split_lines(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);

@@ -18,4 +18,9 @@ std::vector<SourceLine> read_source(const std::vector<std::string>& lines, int f
 /// The tokens of a piece of source that starts at `place`, for expressions inside texts.
 std::vector<Token> read_tokens(std::string_view text, Place place);
 
+/// How many bytes of `line` stand before its comment; all of them where it has none.
+std::size_t end_of_code(std::string_view line);
+/// `set NAME rest of the line`, without '=': its rest is text, whatever it holds.
+bool takes_rest_as_text(const std::vector<Token>& tokens);
+
 }  // namespace polyarm::program

@@ -45,6 +45,25 @@ bool is_move(std::string_view word) {
   return one_of(word, {"moveto", "movej", "movel", "movec"});
 }
 
+/// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.
+bool ends_with_else(const Line& line) {
+  const auto& tokens = line.source.tokens;
+  const auto says = [&](std::string_view word) {
+    return std::any_of(tokens.begin() + 1, tokens.end(), [&](const Token& t) {
+      return t.kind == TokenKind::name && equal_ignoring_case(t.text, word);
+    });
+  };
+  const bool waits = line.word == "wait" || line.word == "meet";
+  if (tokens.size() < 5 || !(waits || (is_move(line.word) && says("until")))) return false;
+  const Token& last = tokens[tokens.size() - 2];
+  return last.kind == TokenKind::name && equal_ignoring_case(last.text, "else");
+}
+
+bool opens_block(const Line& line) {
+  return one_of(line.word, {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on"}) ||
+         ends_with_else(line);
+}
+
 std::string keyword_of(const Token& token, bool& misspelt) {
   misspelt = false;
   if (token.kind != TokenKind::name) return {};
@@ -152,9 +171,7 @@ class Parser {
   void statement(const Line& line, Block& out) {
     Statement made;
     made.place = line.source.place;
-    const bool opens =
-        one_of(line.word, {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on"}) ||
-        ends_with_else(line);
+    const bool opens = opens_block(line);
     try {
       if (line.misspelt || line.word.empty()) {
         refuse_word(line);
@@ -174,27 +191,13 @@ class Parser {
     out.push_back(std::move(made));
   }
 
-  /// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.
-  static bool ends_with_else(const Line& line) {
-    const auto& tokens = line.source.tokens;
-    const auto says = [&](std::string_view word) {
-      return std::any_of(tokens.begin() + 1, tokens.end(), [&](const Token& t) {
-        return t.kind == TokenKind::name && equal_ignoring_case(t.text, word);
-      });
-    };
-    const bool waits = line.word == "wait" || line.word == "meet";
-    if (tokens.size() < 5 || !(waits || (is_move(line.word) && says("until")))) return false;
-    const Token& last = tokens[tokens.size() - 2];
-    return last.kind == TokenKind::name && equal_ignoring_case(last.text, "else");
-  }
-
   /// The functions and names of another file, once however often it is included.
   void include(const Statement& s, Block& out) {
     constexpr std::size_t kMostFiles = 50;
     const std::string by = file_ == 0 ? program_.file : included().file;
-    const std::filesystem::path path = std::filesystem::path(by).parent_path() / s.name;
+    const std::filesystem::path path = (std::filesystem::path(by).parent_path() / s.name).lexically_normal();
     const auto same = [&](const Program::Included& other) { return other.file == path.string(); };
-    if (path.string() == program_.file ||
+    if (path == std::filesystem::path(program_.file).lexically_normal() ||
         std::any_of(program_.included.begin(), program_.included.end(), same))
       return;
     if (program_.included.size() >= kMostFiles)
@@ -378,6 +381,16 @@ class Parser {
   int file_ = 0;
 };
 }  // namespace
+
+BlockRole block_role(const SourceLine& source) {
+  Line line;
+  line.word = keyword_of(source.tokens.front(), line.misspelt);
+  if (line.misspelt) return BlockRole::none;
+  line.source = source;
+  if (is_closer(line.word)) return BlockRole::closes;
+  if (ends_block(line)) return BlockRole::continues;
+  return opens_block(line) ? BlockRole::opens : BlockRole::none;
+}
 
 Program parse(std::string_view text, const std::string& file, Problems& problems) {
   Program program;

@@ -15,6 +15,10 @@ inline constexpr int kDeepestExpression = 300;
 /// The words a statement may begin with, lower case.
 const std::vector<std::string>& statement_words();
 
+/// What a line is to the blocks around it.
+enum class BlockRole { none, opens, continues, closes };
+BlockRole block_role(const SourceLine& line);
+
 /// Parses `text`. Where problems gets errors the program holds only what was understood and must not be run.
 Program parse(std::string_view text, const std::string& file, Problems& problems);
 

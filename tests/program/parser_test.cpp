@@ -8,6 +8,7 @@
 #include "fake_host.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/program/checker.hpp"
+#include "polyarm/program/format.hpp"
 
 namespace polyarm::program {
 namespace {
@@ -130,6 +131,12 @@ TEST(Parser, SurvivesFiveThousandDamagedPrograms) {
     Program program = parse(text, "t", problems);
     for (const Problem& problem : problems.list()) ASSERT_FALSE(problem.what.empty());
     const bool runs = !problems.has_errors();
+    const std::string formatted = format(text);
+    if (runs) {
+      Problems again;
+      parse(formatted, "t", again);
+      ASSERT_FALSE(again.has_errors()) << text << "\n---\n" << formatted << again.list().front().text();
+    }
     check(program, {}, problems);
     if (!runs) continue;
     FakeHost host;

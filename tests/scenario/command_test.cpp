@@ -21,9 +21,9 @@ TEST(Command, AnUnknownVerbIsAnErrorWithTheNearestOne) {
 
 TEST(Command, EveryVerbHasHelpWithExamples) {
   for (const char* verb :
-       {"run",   "check",  "new",     "plugins",  "robots",     "describe", "fk",         "ik",
-        "xacro", "replay", "control", "hardware", "interfaces", "health",   "limits",     "send",
-        "watch", "param",  "setup",   "teleop",   "doctor",     "drivers",  "completion", "workspace"}) {
+       {"run",    "check",   "new",      "plugins",    "robots",     "describe",  "fk",   "ik",    "xacro",
+        "replay", "control", "hardware", "interfaces", "health",     "limits",    "send", "watch", "param",
+        "setup",  "teleop",  "doctor",   "drivers",    "completion", "workspace", "fmt"}) {
     const Finished help = run_command({verb, "--help"});
     EXPECT_EQ(help.exit_code, 0) << verb;
     EXPECT_NE(help.output.find("Examples:"), std::string::npos) << verb;
