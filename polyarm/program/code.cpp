@@ -4,17 +4,16 @@
 #include <set>
 #include <utility>
 
-#include "polyarm/base/text.hpp"
-#include "polyarm/program/functions.hpp"
+#include "polyarm/program/code_writer.hpp"
 
 namespace polyarm::program {
 
 namespace {
 using Kind = Statement::Kind;
 
-class Compiler {
+class Compiler : private CodeWriter {
  public:
-  explicit Compiler(const Program& program) : program_{program} {}
+  explicit Compiler(const Program& program) : CodeWriter{program} {}
 
   Code run() {
     collect(program_.statements);
@@ -33,230 +32,21 @@ class Compiler {
   }
 
  private:
-  struct Loop {
-    Depths body, outside;
-    std::vector<int> breaks, continues;
-  };
-  struct Handler {
-    int count_slot = 0, error_slot = 0, begin = 0;
-    Depths outside;
-  };
-  /// What is known while the code of one function or task is made.
-  struct Scope {
-    std::vector<std::string> locals;
-    Depths depths;  ///< its locals are counted by `locals`
-    std::vector<Loop> loops;
-    std::vector<Handler> handlers;
-    bool counts_passes = true;
-  };
-  struct Resolved {
-    enum class Where { local, global, host } where = Where::host;
-    int slot = -1;
-    std::vector<std::string> fields;
-  };
-
   // What is made first: names that stand for the whole program.
+
+  void add_global(const std::string& name) {
+    if (globals_.try_emplace(name, static_cast<int>(code_.globals.size())).second)
+      code_.globals.push_back(name);
+  }
 
   void collect(const Block& top) {
     for (const Statement& s : top) {
-      if (s.kind == Kind::let && !s.name.empty()) globals_.try_emplace(s.name, code_.globals++);
+      if (s.kind == Kind::let && !s.name.empty()) add_global(s.name);
       if (s.kind == Kind::function) functions_.push_back(&s), code_.functions.push_back({s.name, 0});
       if (s.kind == Kind::task) tasks_.push_back(&s), code_.tasks.push_back({s.name, 0});
       if (s.kind == Kind::when) whens_.push_back(&s), code_.whens.push_back({"when", 0});
       if (s.kind == Kind::on_stop) on_stop_ = &s;
     }
-  }
-
-  // Emission.
-
-  int here() const { return static_cast<int>(code_.steps.size()); }
-
-  int add(Op op, Place place, int a = -1, int b = -1) {
-    Step step{op, a, b, -1, place, line_.line ? line_ : place, statement_, begins_};
-    begins_ = false;
-    code_.steps.push_back(step);
-    return here() - 1;
-  }
-  void land(int step) { code_.steps[static_cast<std::size_t>(step)].c = here(); }
-  void jump_to(int target, Place place) {
-    code_.steps[static_cast<std::size_t>(add(Op::jump, place))].c = target;
-  }
-
-  int constant(const Value& value) {
-    code_.constants.push_back(value);
-    return static_cast<int>(code_.constants.size()) - 1;
-  }
-  int text(const std::string& text) {
-    const auto [at, made] = text_at_.try_emplace(text, static_cast<int>(code_.texts.size()));
-    if (made) code_.texts.push_back(text);
-    return at->second;
-  }
-  int names(std::vector<std::string> names) {
-    code_.name_lists.push_back(std::move(names));
-    return static_cast<int>(code_.name_lists.size()) - 1;
-  }
-  void refuse(Place place, const OperationError& error) {
-    code_.problems.push_back({error.code, program_.at(place), error.what, error.advice});
-    add(Op::refuse, place, static_cast<int>(code_.problems.size()) - 1);
-  }
-
-  // Names.
-
-  Depths depths() const {
-    Depths out = scope_.depths;
-    out.locals = static_cast<int>(scope_.locals.size());
-    return out;
-  }
-  int declare(const std::string& name) {
-    scope_.locals.push_back(name);
-    return static_cast<int>(scope_.locals.size()) - 1;
-  }
-
-  bool find_variable(const std::string& name, Resolved& out) const {
-    const auto& locals = scope_.locals;
-    const auto at = std::find(locals.rbegin(), locals.rend(), name);
-    if (!name.empty() && at != locals.rend()) {
-      out.where = Resolved::Where::local;
-      out.slot = static_cast<int>(locals.rend() - at) - 1;
-      return true;
-    }
-    const auto global = globals_.find(name);
-    if (global == globals_.end()) return false;
-    out.where = Resolved::Where::global;
-    out.slot = global->second;
-    return true;
-  }
-
-  /// A variable, a field of a variable, or something of the host's.
-  Resolved resolve(const std::string& name) const {
-    Resolved out;
-    if (find_variable(name, out)) return out;
-    const auto dot = name.find('.');
-    if (dot != std::string::npos && find_variable(name.substr(0, dot), out))
-      out.fields = split_fields(std::string_view(name).substr(dot + 1), '.');
-    return out;
-  }
-
-  void push_variable(const Resolved& resolved, const std::string& name, Place place) {
-    using Where = Resolved::Where;
-    if (resolved.where == Where::host) {
-      add(Op::host, place, text(name));
-    } else {
-      add(resolved.where == Where::local ? Op::local : Op::global, place, resolved.slot);
-    }
-    for (const std::string& field : resolved.fields) add(Op::field, place, text(field));
-  }
-
-  // Expressions.
-
-  void expression(const Expression& e) {
-    using Kinds = Expression::Kind;
-    switch (e.kind) {
-      case Kinds::literal:
-        add(Op::constant, e.place, constant(e.value));
-        return;
-      case Kinds::name:
-        return push_variable(resolve(e.name), e.name, e.place);
-      case Kinds::binary:
-        return binary(e);
-      case Kinds::call:
-        return call(e);
-      case Kinds::index:
-        return index(e);
-      default:
-        break;
-    }
-    for (const ExpressionPtr& part : e.parts) expression(*part);
-    const int count = static_cast<int>(e.parts.size());
-    if (e.kind == Kinds::unary) add(Op::unary, e.place, static_cast<int>(e.op));
-    if (e.kind == Kinds::list) add(Op::list, e.place, count);
-    if (e.kind == Kinds::joined) add(Op::joined, e.place, count);
-    if (e.kind == Kinds::field) add(Op::field, e.place, text(e.name));
-    if (e.kind == Kinds::record) add(Op::record, e.place, count, names(e.names));
-  }
-
-  void binary(const Expression& e) {
-    const bool may_settle = e.op == Operator::logical_and || e.op == Operator::logical_or;
-    expression(*e.parts[0]);
-    const int settle = may_settle ? add(Op::settle, e.place, static_cast<int>(e.op)) : -1;
-    expression(*e.parts[1]);
-    add(Op::binary, e.place, static_cast<int>(e.op));
-    if (may_settle) land(settle);
-  }
-
-  void index(const Expression& e) {
-    const Expression& list = *e.parts[0];
-    const Resolved resolved = list.kind == Expression::Kind::name ? resolve(list.name) : Resolved{};
-    if (resolved.where == Resolved::Where::host || !resolved.fields.empty()) {
-      expression(list);
-      expression(*e.parts[1]);
-      add(Op::element, e.place);
-      return;
-    }
-    expression(*e.parts[1]);
-    add(resolved.where == Resolved::Where::local ? Op::local_element : Op::global_element, e.place,
-        resolved.slot);
-  }
-
-  void call(const Expression& e) {
-    try {
-      for (std::size_t i = 0; i < functions_.size(); ++i)
-        if (functions_[i]->name == e.name) return call_function(e, i);
-      const Function* function = find_function(e.name);
-      if (!function) throw OperationError{"unknown-function", "there is no function '" + e.name + "'", {}};
-      call_builtin(e, *function);
-    } catch (const OperationError& error) {
-      refuse(e.place, error);
-    }
-  }
-
-  void call_function(const Expression& e, std::size_t which) {
-    const Bound bound = bind_arguments(signature_of(*functions_[which]), e.names);
-    for (const int argument : bound.argument_of) {
-      if (argument < 0) {
-        add(Op::absent, e.place);
-      } else {
-        expression(*e.parts[static_cast<std::size_t>(argument)]);
-      }
-    }
-    add(Op::call, e.place, static_cast<int>(which), static_cast<int>(bound.argument_of.size()));
-  }
-
-  void call_builtin(const Expression& e, const Function& function) {
-    const Bound bound = bind_arguments(signature_of(function), e.names);
-    if (function.name == "here") {
-      add(Op::here, e.place);
-      return;
-    }
-    for (std::size_t i = 0; i < bound.argument_of.size(); ++i) {
-      const int argument = bound.argument_of[i];
-      if (argument >= 0) {
-        expression(*e.parts[static_cast<std::size_t>(argument)]);
-        continue;
-      }
-      const FunctionParameter& parameter = function.parameters[i];
-      const Dimension dimension = parameter.wanted == Wanted::length  ? Dimension::length
-                                  : parameter.wanted == Wanted::angle ? Dimension::angle
-                                                                      : Dimension::none;
-      add(Op::constant, e.place, constant(data::Number{*parameter.otherwise, dimension}));
-    }
-    for (const int argument : bound.further) expression(*e.parts[static_cast<std::size_t>(argument)]);
-    const int step = add(Op::builtin, e.place, static_cast<int>(&function - functions().data()),
-                         static_cast<int>(bound.argument_of.size() + bound.further.size()));
-    code_.steps[static_cast<std::size_t>(step)].c = names(e.names);
-  }
-
-  /// What a condition reads that others change.
-  int reads(const Expression& condition) {
-    ConditionReads out;
-    for (const std::string& name : names_read(condition)) {
-      const Resolved resolved = resolve(name);
-      if (resolved.where == Resolved::Where::host) out.names.push_back(name);
-      if (resolved.where == Resolved::Where::global) out.others = true;
-    }
-    for_each_call(condition, [&](const Expression&) { out.others = true; });
-    code_.reads.push_back(std::move(out));
-    return static_cast<int>(code_.reads.size()) - 1;
   }
 
   // Blocks.
@@ -270,16 +60,26 @@ class Compiler {
     return a.locals == b.locals && a.uses == b.uses && a.locks == b.locks && a.handlers == b.handlers;
   }
 
+  /// A line that the program can begin at: nothing that it needs is made by the blocks around it.
+  int note_start(const Statement& s, bool top) {
+    const Depths now = depths();
+    if (!in_main_ || now.locals > 0 || now.locks > 0 || now.handlers > 0) return -1;
+    code_.starts.push_back({&s, here(), here(), now.uses, top});
+    return static_cast<int>(code_.starts.size()) - 1;
+  }
+
   void compile_block(const Block& statements, bool top = false) {
     const Depths before = depths();
     for (const Statement& s : statements) {
       statement_ = &s;
       line_ = s.place;
       begins_ = true;
+      const int start = note_start(s, top);
       statement(s, top);
+      if (start >= 0) code_.starts[static_cast<std::size_t>(start)].end = here();
     }
     if (top || same(before, depths())) return;
-    scope_.locals.resize(static_cast<std::size_t>(before.locals));
+    forget(before.locals);
     scope_.depths = before;
     leave(before, line_);
   }
@@ -521,7 +321,7 @@ class Compiler {
     for (const int step : scope_.loops.back().continues) land(step);
     jump_to(next, s.place);
     land(next);
-    scope_.locals.resize(static_cast<std::size_t>(outside.locals));
+    forget(outside.locals);
     leave(outside, s.place);
     for (const int step : scope_.loops.back().breaks) land(step);
     scope_.loops.pop_back();
@@ -571,7 +371,7 @@ class Compiler {
     scope_.handlers.push_back(handler);
     compile_block(s.handler);
     scope_.handlers.pop_back();
-    scope_.locals.resize(static_cast<std::size_t>(outside.locals));
+    forget(outside.locals);
     land(skip);
     leave(outside, line_);
   }
@@ -603,14 +403,16 @@ class Compiler {
     const int skip = add(Op::jump, s.place);
     std::vector<int> entries;
     const Scope around = scope_;
+    const bool in_main = std::exchange(in_main_, false);
     for (const Statement& part : s.body) {
-      scope_ = {around.locals, {}, {}, around.handlers, false};
+      scope_ = {around.locals, around.variables, {}, {}, around.handlers, false};
       entries.push_back(here());
       statement_ = &part, line_ = part.place, begins_ = true;
       statement(part, false);
       add(Op::finish, part.place);
     }
     scope_ = around;
+    in_main_ = in_main;
     statement_ = &s, line_ = s.place;
     land(skip);
     code_.entries.push_back(std::move(entries));
@@ -639,6 +441,8 @@ class Compiler {
   // What stands apart from the lines around it.
 
   void begin_apart(const Statement& s, bool counts_passes) {
+    forget(0);
+    in_main_ = false;
     scope_ = {};
     scope_.counts_passes = counts_passes;
     statement_ = &s, line_ = s.place;
@@ -702,16 +506,7 @@ class Compiler {
     }
   }
 
-  const Program& program_;
-  Code code_;
-  Scope scope_;
-  std::map<std::string, int> globals_;
-  std::map<std::string, int> text_at_;
-  std::vector<const Statement*> functions_, tasks_, whens_;
-  const Statement* on_stop_ = nullptr;
-  const Statement* statement_ = nullptr;
-  Place line_;
-  bool begins_ = false;
+  bool in_main_ = true;
 };
 }  // namespace
 

@@ -102,6 +102,20 @@ struct ConditionReads {
   bool others = false;  ///< globals and functions, too: it is looked at in every tick
 };
 
+/// Where the steps are at which a slot has a name.
+struct VariableName {
+  std::string name;
+  int slot = 0, begin = 0, end = -1;
+};
+
+/// A line that a program may be started at.
+struct StartingPoint {
+  const Statement* statement = nullptr;
+  int begin = 0, end = 0;  ///< its steps
+  int uses = 0;            ///< `use` lines that hold there
+  bool top = false;        ///< it stands outside of every block
+};
+
 struct Code {
   std::vector<Step> steps;
   std::vector<Value> constants;
@@ -113,7 +127,9 @@ struct Code {
   std::vector<Problem> problems;
   std::vector<FunctionCode> functions, tasks, whens;
   std::map<std::string, int> meetings;  ///< how many tasks come to each
-  int globals = 0;
+  std::vector<std::string> globals;
+  std::vector<VariableName> variables;
+  std::vector<StartingPoint> starts;
   int on_stop = -1;  ///< entry
 };
 

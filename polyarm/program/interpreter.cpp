@@ -16,7 +16,7 @@ Interpreter::Interpreter(Program program, Host& host)
     : program_{std::move(program)}, code_{compile(program_)}, host_{host} {
   Slot empty;
   empty.set = false;
-  globals_.assign(static_cast<std::size_t>(code_.globals), empty);
+  globals_.assign(code_.globals.size(), empty);
   add_task("main", 0, true);
 }
 
@@ -55,7 +55,7 @@ TaskState Interpreter::state() const {
 TaskStatus Interpreter::status_of(const Task& task) const {
   const Place place = code_.steps[task.pc].line;
   return {task.name,    task.state,  program_.at(place), program_.source(place),
-          task.waiting, task.passes, task.problem};
+          task.waiting, task.passes, task.problem,       paused_ == task.id};
 }
 
 std::vector<TaskStatus> Interpreter::status() const {
@@ -81,13 +81,14 @@ TaskStatus Interpreter::overview() const {
 
 StepResult Interpreter::step(int budget) {
   const int given = budget;
+  if (paused_ && !outcome_) return {state(), 0};
   if (!outcome_ && looked_at_ != host_.now()) {
     looked_at_ = host_.now();
     step_whens();
     look_at_watches();
   }
   std::size_t idle = 0;
-  while (budget > 0 && !outcome_ && idle < tasks_.size()) {
+  while (budget > 0 && !outcome_ && !paused_ && idle < tasks_.size()) {
     if (turn_ >= tasks_.size()) turn_ = 0;
     if (turn_left_ <= 0) turn_left_ = kTurn;
     int turn = std::min(budget, turn_left_);
@@ -110,9 +111,10 @@ bool Interpreter::run_task(Task& task, int& budget) {
   try {
     if (task.state == TaskState::waiting && !poll(task)) return false;
     while (task.state == TaskState::running) {
-      if (code_.steps[task.pc].begins && budget-- <= 0) {
-        budget = 0;
-        return true;
+      if (code_.steps[task.pc].begins) {
+        if (budget <= 0) return true;
+        if (stops_here(task)) return false;
+        --budget;
       }
       execute(task);
     }
@@ -154,6 +156,7 @@ void Interpreter::end_program(TaskState outcome) {
     task->waiting = {};
   }
   watches_.clear();
+  paused_ = 0;
 }
 
 void Interpreter::stop() {

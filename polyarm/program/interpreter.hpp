@@ -23,6 +23,25 @@ struct TaskStatus {
   Waiting waiting;
   std::uint64_t passes = 0;        ///< of outermost while loops, completed
   std::optional<Problem> problem;  ///< why it failed
+  bool paused = false;             ///< it stands in front of `where`, at a breakpoint or after a step
+};
+
+/// How far a paused program goes on: to the next statement; to the next one that is not inside a function
+/// called from here; to the one behind the call of this function.
+enum class StepKind { into, over, out };
+
+/// What a program that starts in the middle takes for given.
+struct StartReport {
+  Location where;
+  std::string robot, tool, frame;  ///< that its moves use there
+  std::string last_point;          ///< where the last move before that line went
+  std::vector<std::string> sets;   ///< data and tags that the lines before it would have set
+  std::vector<std::string> reads;  ///< data and tags that the lines from there on read
+};
+
+struct VariableValue {
+  std::string name;
+  Value value;
 };
 
 struct StepResult {
@@ -56,6 +75,26 @@ class Interpreter {
   /// still stepped.
   void stop();
 
+  // For a person who looks for a mistake: debugging.cpp
+
+  /// Before the first step: the program begins at `line` of its own file. `let`, `use` and `when` outside of
+  /// blocks before it are done, everything else is skipped. Throws Error where no statement begins there, or
+  /// one that needs what the block around it has made.
+  StartReport start_at(int line);
+  /// Pauses in front of these lines; each moves down to the next statement. Returns where they are then.
+  std::vector<Location> set_breakpoints(const std::vector<Location>& places);
+  /// Pauses in front of the next statement; motion that is queued goes on.
+  void pause() { pause_asked_ = true; }
+  bool paused() const { return paused_ != 0; }
+  void resume();
+  /// Goes on by one statement of the task that is paused.
+  void resume_for(StepKind kind);
+  /// The names of the task called `task` that hold where it stands, the innermost last; then those that the
+  /// whole program has.
+  std::vector<VariableValue> variables(const std::string& task) const;
+  /// The functions that the task is in, outermost first, with the line each stands at.
+  std::vector<Location> calls(const std::string& task) const;
+
  private:
   struct Task;
   struct Watch;
@@ -76,6 +115,10 @@ class Interpreter {
   void unwind(Task& task, const Problem& problem);
   void fail(Task& task, Problem problem);
   TaskStatus status_of(const Task& task) const;
+
+  bool stops_here(Task& task);
+  void run_prelude(const StartingPoint& start);
+  void tell_assumptions(const StartingPoint& start, StartReport& out) const;
 
   // Waiting: waiting.cpp
   bool poll(Task& task);
@@ -144,6 +187,15 @@ class Interpreter {
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;
   int turn_left_ = 0;
+  struct Stepping {
+    std::uint64_t task = 0;
+    std::size_t most_frames = 0;
+  };
+  std::vector<Place> breakpoints_;
+  std::uint64_t paused_ = 0;   ///< the task that has stopped, or 0
+  std::uint64_t resumed_ = 0;  ///< the task that goes on from where it had stopped
+  bool pause_asked_ = false;
+  std::optional<Stepping> stepping_;
   std::optional<Nanoseconds> looked_at_;  ///< when whens and watches were last looked at
   std::optional<TaskState> outcome_;      ///< how it ends, once it does
   bool cleaned_up_ = false;

@@ -1,8 +1,6 @@
 #include "polyarm/program/statement_parser.hpp"
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -37,25 +35,6 @@ void parse_load(const Line& line, TokenCursor& cursor, Statement& out) {
   }
 }
 
-/// The name of something that can be changed, with its dots.
-std::string target(TokenCursor& cursor, const char* statement) {
-  const Token& token = cursor.peek();
-  refuse_bad(token);
-  if (token.kind != TokenKind::name && token.kind != TokenKind::quoted)
-    throw SyntaxError{"no-name", token.place,
-                      std::string("a name was expected after '") + statement + "', here is " + shown(token),
-                      ""};
-  if (token.kind == TokenKind::name && is_reserved(token.text))
-    throw SyntaxError{"reserved", token.place, shown(token) + " is a word of the language and no name", ""};
-  std::string name = cursor.take().text;
-  while (cursor.is_symbol(".") &&
-         (cursor.peek(1).kind == TokenKind::name || cursor.peek(1).kind == TokenKind::quoted)) {
-    cursor.take();
-    name += "." + cursor.take().text;
-  }
-  return name;
-}
-
 /// Places in lists and fields behind a name: [1], [i].x
 std::vector<PathPart> path(TokenCursor& cursor) {
   std::vector<PathPart> out;
@@ -77,7 +56,7 @@ Value thesis_literal(const Line& line, const TokenCursor& cursor);
 
 void parse_set(const Line& line, TokenCursor& cursor, Statement& out) {
   out.name_place = cursor.peek().place;
-  out.name = target(cursor, "set");
+  out.name = parse_target(cursor, "set");
   out.path = path(cursor);
   if (cursor.take_symbol("=")) {
     out.kind = Kind::set;
@@ -120,7 +99,7 @@ Value thesis_literal(const Line& line, const TokenCursor& cursor) {
 void parse_let(TokenCursor& cursor, Statement& out) {
   out.kind = Kind::let;
   out.name_place = cursor.peek().place;
-  out.name = target(cursor, "let");
+  out.name = parse_target(cursor, "let");
   if (cursor.position() > 2)
     throw SyntaxError{"bad-target", out.name_place, "a name that `let` makes has no dots", ""};
   if (!cursor.take_symbol("=")) {
@@ -131,138 +110,6 @@ void parse_let(TokenCursor& cursor, Statement& out) {
   }
   out.expression = cursor.expression();
   cursor.expect_end("the value");
-}
-
-constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Clause::Kind::frame,
-                                 Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
-                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
-                                 Clause::Kind::until,    Clause::Kind::at};
-
-std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
-  for (const Clause::Kind kind : kClauses)
-    if (cursor.is_word(spelling(kind), ahead)) return kind;
-  return std::nullopt;
-}
-
-std::vector<std::string> clause_words() {
-  std::vector<std::string> out;
-  for (const Clause::Kind kind : kClauses) out.emplace_back(spelling(kind));
-  return out;
-}
-
-[[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
-  const Token& token = cursor.peek();
-  refuse_bad(token);
-  if (cursor.is_word("near") || cursor.is_word("payload"))
-    throw SyntaxError{"not-yet", token.place, shown(token) + " is not part of this version of the language",
-                      ""};
-  const std::vector<std::string> words = clause_words();
-  const bool word = token.kind == TokenKind::name;
-  std::string advice = "clauses are " + join(words, ", ");
-  if (after_comma && token.kind != TokenKind::end && (!word || !nearest_name(token.text, words)))
-    advice = "a path through several points is a list: [A, B]";
-  throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place,
-                    (after_comma ? "a clause was expected after ',', here is " + shown(token)
-                                 : shown(token) + " is not expected here, after the point") +
-                        (word ? did_you_mean(token.text, words) : ""),
-                    advice};
-}
-
-/// at (start|end) [(+|-) EXPR] set NAME = EXPR
-void parse_at(TokenCursor& cursor, Clause& out) {
-  out.from_end = cursor.is_word("end");
-  if (!out.from_end && !cursor.is_word("start"))
-    throw SyntaxError{"no-place", cursor.peek().place,
-                      "'start' or 'end' was expected after 'at', here is " + shown(cursor.peek()),
-                      "write `at end - 20mm set NAME = VALUE`"};
-  cursor.take();
-  if (cursor.is_symbol("+") || cursor.is_symbol("-")) {
-    const Token& sign = cursor.take();
-    if ((sign.text == "-") != out.from_end)
-      throw SyntaxError{"bad-place", sign.place,
-                        out.from_end ? "what is set after the end stands on the next line"
-                                     : "nothing can be set before the start of a move",
-                        "write `at end - 20mm` or `at start + 20mm`"};
-    out.value = cursor.expression();
-  }
-  if (!cursor.take_word("set"))
-    throw SyntaxError{"no-set", cursor.peek().place, "'set' was expected here, is " + shown(cursor.peek()),
-                      "write `at end - 20mm set NAME = VALUE`"};
-  out.target = target(cursor, "set");
-  if (!cursor.take_symbol("="))
-    throw SyntaxError{"no-equals", cursor.peek().place, "'=' was expected after '" + out.target + "'",
-                      "write `set " + out.target + " = …`"};
-  out.to = cursor.expression();
-}
-
-void parse_clause(TokenCursor& cursor, Statement& out) {
-  Clause clause;
-  clause.kind = *clause_at(cursor, 0);
-  clause.place = cursor.take().place;
-  const bool twice = std::any_of(out.clauses.begin(), out.clauses.end(),
-                                 [&](const Clause& c) { return c.kind == clause.kind; });
-  if (twice && clause.kind != Clause::Kind::at)
-    throw SyntaxError{"twice", clause.place,
-                      std::string("'") + spelling(clause.kind) + "' is said twice here", ""};
-  const bool moves_only = clause.kind == Clause::Kind::until || clause.kind == Clause::Kind::at ||
-                          clause.kind == Clause::Kind::duration;
-  if (moves_only && out.kind == Kind::use)
-    throw SyntaxError{"bad-clause", clause.place,
-                      std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
-  if (clause.kind == Clause::Kind::smooth &&
-      (out.kind != Kind::move || out.motion != Statement::Motion::movel))
-    throw SyntaxError{"bad-clause", clause.place, "'smooth' belongs to a movel through several points",
-                      "write `movel [A, B, C], smooth`"};
-  if (clause.kind == Clause::Kind::at) {
-    parse_at(cursor, clause);
-  } else if (clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth) {
-    clause.value = cursor.expression();
-  }
-  if (clause.kind == Clause::Kind::until) clause.has_else = cursor.take_word("else");
-  out.clauses.push_back(std::move(clause));
-}
-
-/// Clauses to the end of the statement, with or without commas between them.
-void parse_clauses(TokenCursor& cursor, Statement& out) {
-  while (!cursor.at_end()) {
-    const bool comma = !out.clauses.empty() || out.kind == Kind::move ? cursor.take_symbol(",") : false;
-    if (cursor.is_word("until") && cursor.is_word("else", 1)) refuse_clause(cursor, comma);
-    if (!clause_at(cursor, 0)) refuse_clause(cursor, comma);
-    parse_clause(cursor, out);
-    if (!out.clauses.empty() && out.clauses.back().has_else) return cursor.expect_end("'else'");
-  }
-}
-
-void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
-  using Motion = Statement::Motion;
-  out.kind = Kind::move;
-  out.motion = line.word == "movej"   ? Motion::movej
-               : line.word == "movel" ? Motion::movel
-               : line.word == "movec" ? Motion::movec
-                                      : Motion::moveto;
-  out.name_place = cursor.peek().place;
-  if (cursor.at_end())
-    throw SyntaxError{
-        "no-value", cursor.peek().place, "a point was expected after '" + line.word + "'",
-        out.motion == Motion::movec ? "write `movec OnTheWay, End`" : "write `" + line.word + " Home`"};
-  out.arguments.push_back(cursor.expression());
-  if (out.motion == Motion::movec) {
-    if (!cursor.take_symbol(","))
-      throw SyntaxError{"no-value", cursor.peek().place,
-                        "',' and the end of the arc were expected after the point on the way, here is " +
-                            shown(cursor.peek()),
-                        "write `movec OnTheWay, End`"};
-    out.arguments.push_back(cursor.expression());
-  }
-  parse_clauses(cursor, out);
-}
-
-void parse_use(TokenCursor& cursor, Statement& out) {
-  out.kind = Kind::use;
-  if (cursor.at_end())
-    throw SyntaxError{"no-clause", cursor.peek().place, "'use' needs to know what",
-                      "write `use tool NAME, speed 50%`"};
-  parse_clauses(cursor, out);
 }
 
 bool begins_value(const TokenCursor& cursor, std::size_t ahead) {
@@ -340,11 +187,11 @@ void parse_condition(const std::string& word, TokenCursor& cursor, Statement& ou
 void parse_for(TokenCursor& cursor, Statement& out) {
   out.kind = Kind::for_loop;
   out.name_place = cursor.peek().place;
-  out.name = target(cursor, "for");
+  out.name = parse_target(cursor, "for");
   if (cursor.take_symbol(",")) {
     out.second_name = std::exchange(out.name, {});
     out.name_place = cursor.peek().place;
-    out.name = target(cursor, "for");
+    out.name = parse_target(cursor, "for");
   }
   if (!cursor.take_word("in"))
     throw SyntaxError{"no-in", cursor.peek().place,
@@ -404,7 +251,7 @@ void parse_call(const Line& line, Statement& out) {
 /// One plain name, for what a statement makes.
 void parse_name(const Line& line, TokenCursor& cursor, Statement& out) {
   out.name_place = cursor.peek().place;
-  out.name = target(cursor, line.word.c_str());
+  out.name = parse_target(cursor, line.word.c_str());
   if (out.name.find('.') != std::string::npos && cursor.position() > 2)
     throw SyntaxError{"bad-name", out.name_place, "this name has no dots", ""};
 }
@@ -412,7 +259,7 @@ void parse_name(const Line& line, TokenCursor& cursor, Statement& out) {
 void parse_parameter(TokenCursor& cursor, Statement& out) {
   Parameter parameter;
   parameter.place = cursor.peek().place;
-  parameter.name = target(cursor, "(");
+  parameter.name = parse_target(cursor, "(");
   const auto same = [&](const Parameter& p) { return p.name == parameter.name; };
   if (std::any_of(out.parameters.begin(), out.parameters.end(), same))
     throw SyntaxError{"twice", parameter.place, "there are two parameters '" + parameter.name + "'", ""};

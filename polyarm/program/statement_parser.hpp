@@ -26,4 +26,10 @@ using Openers = std::vector<Opener>;
 /// innermost last. Throws SyntaxError.
 void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open);
 
+/// The name of something that can be changed, with its dots; `statement` stands before it.
+std::string parse_target(TokenCursor& cursor, const char* statement);
+/// moveto, movej, movel, movec and use, with their clauses.
+void parse_move(const Line& line, TokenCursor& cursor, Statement& out);
+void parse_use(TokenCursor& cursor, Statement& out);
+
 }  // namespace polyarm::program
