@@ -11,6 +11,13 @@ namespace polyarm::cell {
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what) {
   const std::vector<std::string> names = model.joint_names();
+  if (joints.names.empty() && !joints.positions.empty()) {  // in the robot's own order
+    if (joints.positions.size() == names.size()) return joints.positions;
+    throw Error("missing-joint",
+                fmt::format("{} has {} values, {} has {} joints: {}", what, joints.positions.size(),
+                            model.name, names.size(), join(names, ", ")),
+                "write joints(NAME = 30deg, …)");
+  }
   for (const std::string& joint : joints.names)
     if (std::find(names.begin(), names.end(), joint) == names.end())
       throw Error("unknown-joint",
