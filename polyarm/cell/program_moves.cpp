@@ -159,15 +159,29 @@ program::Handle ProgramMoves::start(const program::Move& move, const Location& w
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
   const auto facts = tool_of(move.tool, arm, where);
   std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  const auto step = step_of(move, index);
   Moves asked{index, arm.robot.motion->last_id() + 1, 0};
   for (motion::Move& one : moves) {
     std::string name = one.end().name;
-    asked.last = arm.robot.motion->queue(std::move(one), facts);
+    asked.last = arm.robot.motion->queue(std::move(one), facts, step);
     arm.open.push_back({asked.last, where, std::move(name)});
   }
   forget_ended();
   asked_[++last_handle_] = {asked};
   return last_handle_;
+}
+
+/// What the moves of a group share; a second move of the same robot comes after, in nobody's step.
+std::shared_ptr<motion::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm) {
+  if (move.step.group == 0 || move.step.members < 2) return nullptr;
+  if (step_.group != move.step.group)
+    step_ = {move.step.group, std::make_shared<motion::InStep>(move.step.members), {}};
+  if (std::find(step_.arms.begin(), step_.arms.end(), arm) != step_.arms.end()) {
+    step_.shared->leave();
+    return nullptr;
+  }
+  step_.arms.push_back(arm);
+  return step_.shared;
 }
 
 /// Of moves that nobody waits for.

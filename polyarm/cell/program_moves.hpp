@@ -74,6 +74,7 @@ class ProgramMoves {
                                      const Location& where) const;
   void pace(const program::Move& from, motion::Move& to) const;
   void forget_ended();
+  std::shared_ptr<motion::InStep> step_of(const program::Move& move, std::size_t arm);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
 
   std::string task_;
@@ -82,6 +83,12 @@ class ProgramMoves {
   const data::DataStore& store_;
   std::map<program::Handle, Asked> asked_;
   program::Handle last_handle_ = 0;
+  struct Step {
+    std::uint64_t group = 0;
+    std::shared_ptr<motion::InStep> shared;
+    std::vector<std::size_t> arms;
+  };
+  Step step_;  ///< the latest
 };
 
 }  // namespace polyarm::cell

@@ -264,6 +264,7 @@ class Planner {
   /// Of the geometry of a run, which knows its moves by their names.
   void take_warnings(std::vector<Problem>& warnings, const Run& run) {
     for (Problem& warning : warnings) {
+      if (warning.code == "waypoint-repeated") continue;  // a move to where it is already is none
       std::size_t move = run.first;
       while (move < run.last && warning.what.find(moves_[move].end().name + " is ") == std::string::npos)
         ++move;

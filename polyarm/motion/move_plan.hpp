@@ -63,7 +63,7 @@ struct MovePlan {
   std::vector<trajectory::MotionLimits> limits;  ///< of the joints, that the paths keep
   struct Warning {
     std::size_t move;
-    Problem problem;  ///< "blend-shrunk", "waypoint-repeated", …
+    Problem problem;  ///< "blend-shrunk"
   };
   std::vector<Warning> warnings;
   double duration() const;

@@ -19,8 +19,8 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (!has_room())
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
-  if (!waiting_.empty() && (step || waiting_.back().with != with)) waiting_.back().move.blend = 0;
-  if (step) move.blend = 0;
+  if (!waiting_.empty() && (step != waiting_.back().step || waiting_.back().with != with))
+    waiting_.back().move.blend = 0;
   waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
 }
@@ -47,8 +47,12 @@ void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
   auto last =
       std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return w.move.blend <= 0; });
-  if (last == waiting_.end() && has_room()) return;
-  if (last != waiting_.end()) ++last;
+  if (const auto& step = waiting_.front().step)  // all of them together, come to rest where they say so
+    last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
+  else if (last == waiting_.end() && has_room())
+    return;
+  else if (last != waiting_.end())
+    ++last;
   job_ = std::make_shared<Job>();
   job_->first_id = waiting_.front().id;
   job_->with = waiting_.front().with;
@@ -96,10 +100,12 @@ void RobotMotion::collect() {
     if (job->plan.motions.empty()) ++job->step->ready_;  // it is there already
     job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
   }
+  const double total = job->plan.duration();
   for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
     PlannedMotion& motion = job->plan.motions[i];
+    const double share = motion.path.duration() / total;
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
-                      std::move(job->followers[i]), job->with, job->step, false});
+                      std::move(job->followers[i]), job->with, job->step, i == 0, false, share});
   }
   // Moves to where the robot is anyway arrive with what is before them.
   if (!ready_.empty())
@@ -120,12 +126,15 @@ bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
     end_badly(first, MoveState::discarded);
     return false;
   }
-  if (!std::exchange(ready.waits_for_others, true)) ++step.ready_;
-  if (step.ready_ < step.members_) return false;
-  if (step.start_ < 0) step.start_ = now + kInStepAhead;
+  if (ready.leads) {
+    if (!std::exchange(ready.waits, true)) ++step.ready_;
+    if (step.ready_ < step.members_) return false;
+    if (step.start_ < 0) step.start_ = now + kInStepAhead;
+  }
   trajectory::SpeedProfile profile = ready.motion.path.profile();
-  if (step.longest_ > profile.duration()) {
-    profile.stretch(step.longest_ / profile.duration());
+  const double wanted = step.longest_ * ready.share;
+  if (wanted > profile.duration() * (1 + 1e-9)) {
+    profile.stretch(wanted / profile.duration());
     ready.motion.path = trajectory::TimedPath(ready.motion.path.shared_path(), std::move(profile));
     const auto limits = ready.follower->limits();
     ready.follower = std::make_unique<trajectory::PathFollower>(
@@ -141,7 +150,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
-  if (ready_.front().step) goal->start = ready_.front().step->start_;
+  if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // in the next tick
     ready_.front().follower = std::move(goal->planned);

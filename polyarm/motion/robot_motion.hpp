@@ -28,10 +28,12 @@ struct Travel {
 };
 
 /// Moves of several robots that begin in the same cycle and end together, at the pace of the slowest. Made
-/// for so many moves, one of each robot, and shared by them. Cell thread only.
+/// for so many robots, and shared by all their moves. Cell thread only.
 class InStep {
  public:
   explicit InStep(std::size_t members) : members_(members) {}
+  /// One robot less.
+  void leave() { --members_; }
 
  private:
   friend class RobotMotion;
@@ -58,7 +60,8 @@ class RobotMotion {
   bool has_room() const { return waiting_.size() < kMostWaiting; }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP, which nothing blends
   /// into that has not the same; null: as it is. Throws Error("busy") when there is no room.
-  /// `step`: it waits for the moves of the others, and blends into nothing.
+  /// `step`: it waits for the moves of the others. What follows each other with the same one is one motion of
+  /// the robot, and blends into nothing else.
   std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
                       std::shared_ptr<InStep> step = nullptr);
   /// Nothing more will come that the last move could blend into.
@@ -124,7 +127,9 @@ class RobotMotion {
     std::unique_ptr<trajectory::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
-    bool waits_for_others = false;
+    bool leads = false;  ///< the first of those in step
+    bool waits = false;  ///< for the others, and is counted
+    double share = 0;    ///< of the duration of those in step
     std::shared_ptr<std::atomic<bool>> ends;
   };
 

@@ -416,7 +416,11 @@ class Compiler : private CodeWriter {
     statement_ = &s, line_ = s.place;
     land(skip);
     code_.entries.push_back(std::move(entries));
-    add(Op::together, s.place, static_cast<int>(code_.entries.size()) - 1);
+    const bool moves = std::all_of(s.body.begin(), s.body.end(), [](const Statement& part) {
+      const auto looks = [](const Clause& clause) { return clause.kind == Clause::Kind::until; };
+      return part.kind == Kind::move && std::none_of(part.clauses.begin(), part.clauses.end(), looks);
+    });
+    add(Op::together, s.place, static_cast<int>(code_.entries.size()) - 1, moves ? 1 : 0);
   }
 
   void meet(const Statement& s) {

@@ -68,7 +68,7 @@ enum class Op {
   raise,
   raise_again,  ///< a: slot of the error
   retry,        ///< takes how often; a: slot of the count, b: try_begin, c: depths there
-  together,     ///< a: entries of its statements
+  together,     ///< a: entries of its statements; b: all are moves
   begin_when,   ///< a: which
   edge,         ///< takes the condition; goes on where it has become true, else rests and returns to a
   rest,         ///< to a, in the next tick

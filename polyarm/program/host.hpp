@@ -47,6 +47,11 @@ struct Move {
   /// The statement ends when the move has arrived (moveto); others only queue it.
   bool waits = false;
   std::string robot, tool, frame;  ///< names; empty: the task's own
+  /// Moves of several robots that begin and end together.
+  struct Step {
+    std::uint64_t group = 0;  ///< counts up from 1; 0: none
+    std::size_t members = 0;
+  } step;
   /// The frame, where the program says it by a value: maps it into the world. Then `frame` is for messages.
   std::optional<Pose> frame_pose;
 };

@@ -182,6 +182,7 @@ class Interpreter {
   std::vector<Slot> globals_;
   std::map<std::string, std::vector<std::uint64_t>> meetings_;  ///< who has come
   std::map<std::string, std::uint64_t> locks_;                  ///< who has it
+  std::uint64_t groups_ = 0;                                    ///< of moves in step, so far
   std::vector<Watch> watches_;
   std::uint64_t last_id_ = 0;
   std::uint64_t pass_limit_ = 0;

@@ -135,6 +135,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     if (takes_value(clause)) take(out, clause, task.stack[first].value);
     first += values_of(clause);
   }
+  out.step = task.step;
   const bool thesis = s.motion == Motion::moveto;
   out.waits = out.waits || thesis;
   const bool said = std::any_of(s.clauses.begin(), s.clauses.end(),
@@ -419,7 +420,9 @@ void Interpreter::together(Task& task, const Step& step) {
     child.stack.assign(task.stack.begin() + static_cast<std::ptrdiff_t>(frame.base), task.stack.end());
     child.uses = task.uses;
     child.frames.front().uses = child.uses.size();
+    if (step.b) child.step = {groups_ + 1, entries.size()};
   }
+  if (step.b) ++groups_;
   ++task.pc;
   wait_for(task, WaitKind::together);
 }

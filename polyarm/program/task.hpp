@@ -19,6 +19,7 @@ struct Interpreter::Task {
   std::vector<Slot> stack;
   std::vector<CallFrame> frames = std::vector<CallFrame>(1);
   std::vector<MoveDefaults> uses;
+  Move::Step step;  ///< of its moves
   std::vector<std::string> locks;
   std::vector<Handler> handlers;
 

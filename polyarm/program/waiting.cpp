@@ -161,7 +161,7 @@ bool Interpreter::poll_lock(Task& task) {
 
 bool Interpreter::poll_together(Task& task) {
   const bool at_work = std::any_of(tasks_.begin(), tasks_.end(), [&](const auto& other) {
-    return other->parent == task.id && !other->over();
+    return other->parent == task.id && (!other->over() || other->state == TaskState::failed);
   });
   if (at_work) return false;
   go_on(task);

@@ -54,13 +54,42 @@ TEST(Moves, TheEllipseIsThatOfItsReference) {
   const std::vector<Vec3> way = drawn(run, 20);
   ASSERT_GT(way.size(), 1000u);
   const Vec3 start = way.back();
-  const double a = 0.3 * 2 * 3 / (2 * M_PI), b = 0.3 * 3 / (2 * M_PI);  // of the generator's velocities over 3 s
+  const double a = 0.3 * 2 * 3 / (2 * M_PI),
+               b = 0.3 * 3 / (2 * M_PI);  // of the generator's velocities over 3 s
   double most = 0;
   for (const Vec3& p : way) {
     const double x = (p.x - start.x) / a, y = (p.y - start.y) / b + 1;
     most = std::max(most, std::abs(std::hypot(x, y) - 1) * b);
   }
   EXPECT_LT(most, 1e-4);  // a curve through 72 points of it
+}
+
+TEST(Moves, TogetherRobotsBeginAndArriveInStep) {
+  const test::Folder folder;
+  const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+  folder.write(
+      "both.script",
+      "together\n"
+      "  movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg), robot left\n"
+      "  movej [joints(0deg, 5deg, 0deg, 0deg, 0deg, 0deg), joints(5deg, 5deg, 0deg, 0deg, 0deg, 0deg)], "
+      "robot right\n"
+      "end\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + urdf +
+                                ", hardware: mock}\n  right: {model: " + urdf +
+                                ", at: [0, 2, 0], hardware: mock}\nprogram: both\n");
+  LockStepCell run(cell::read_cell_file(folder.path()));
+  std::vector<std::vector<Vec3>> ways(2);
+  for (int i = 0; i < 5000 && !run.cell().finished(); ++i) {
+    run.tick();
+    for (std::size_t robot = 0; robot < 2; ++robot) ways[robot].push_back(run.cell().tcp(robot).position);
+  }
+  ASSERT_TRUE(run.cell().finished());
+  const auto first_change = [](auto begin, auto end) {
+    return std::find_if(begin, end, [&](const Vec3& p) { return norm(p - *begin) > 1e-12; }) - begin;
+  };
+  EXPECT_EQ(first_change(ways[0].begin(), ways[0].end()), first_change(ways[1].begin(), ways[1].end()));
+  EXPECT_NEAR(first_change(ways[0].rbegin(), ways[0].rend()), first_change(ways[1].rbegin(), ways[1].rend()),
+              2);
 }
 
 }  // namespace
