@@ -30,14 +30,19 @@ double sign(double x) noexcept {
   return x < 0 ? -1 : 1;
 }
 
-}  // namespace
-
-PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
-    : path_(path), table_(path, kSpacing), period_(period) {
+std::span<const MotionLimits> checked(std::span<const MotionLimits> limits, const TimedPath& path,
+                                      double period) {
   if (limits.size() != path.joints())
     throw Error("wrong-size", "limits for " + std::to_string(limits.size()) + " joints, the path has " +
                                   std::to_string(path.joints()));
   if (!(period > 0)) throw Error("bad-limit", "the control period is " + std::to_string(period) + " s");
+  return limits;
+}
+
+}  // namespace
+
+PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
+    : path_(path), table_(path, checked(limits, path, period), kSpacing), period_(period) {
   for (const MotionLimits& l : limits)
     back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity});
   std::size_t hint = 0;
@@ -52,6 +57,17 @@ PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> 
 PathOverride::State PathOverride::during(const State& s, double bend, double t) const noexcept {
   return {std::clamp(s.time + t * (s.factor + t * (s.rate / 2 + t * bend / 6)), 0.0, path_.duration()),
           s.factor + t * (s.rate + t * bend / 2), s.rate + t * bend};
+}
+
+/// How long after `s` its time is `at`, if it is `end` after `t` s.
+double PathOverride::when(const State& s, double bend, double at, double t, double end) const noexcept {
+  double x = t * (at - s.time) / (end - s.time);
+  for (int newton = 0; newton < 2; ++newton) {
+    const double speed = s.factor + x * (s.rate + x * bend / 2);
+    const double off = s.time + x * (s.factor + x * (s.rate / 2 + x * bend / 6)) - at;
+    if (speed != 0) x = std::clamp(x - off / speed, 0.0, t);
+  }
+  return x;
 }
 
 void PathOverride::look(double time, std::vector<Rows>& out) noexcept {
@@ -139,7 +155,7 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   bool passed = false;
   for (; node < table_.nodes() && table_.time(node) <= high; ++node) {
     passed = true;
-    const double part = high > low ? t * (table_.time(node) - s.time) / (end.time - s.time) : 0;
+    const double part = high > low ? when(s, bend, table_.time(node), t, end.time) : 0;
     const double rate = s.rate + part * bend;
     if (!within(table_.at(node), s.factor + part * (s.rate + part * bend / 2), rate, bend)) return false;
   }

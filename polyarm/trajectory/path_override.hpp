@@ -89,6 +89,7 @@ class PathOverride {
   using Rows = PathRows::Rows;
 
   State during(const State& s, double bend, double t) const noexcept;
+  double when(const State& s, double bend, double at, double t, double end) const noexcept;
   void look(double time, std::vector<Rows>& out) noexcept;
   double most_bend(const Rows* rows, double factor, double rate, double t, double direction) const noexcept;
   double boldest(const State& s, double t, double direction) noexcept;

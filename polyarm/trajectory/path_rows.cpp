@@ -6,7 +6,10 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kSide = 1e-9;         // s; so near to a jump its one side is looked at
+constexpr double kSide = 1e-9;  // s; so near to a jump its one side is looked at
+/// Of a limit: nodes are so close that rows are linear between them to this, or after so many halvings.
+constexpr double kClose = 1e-4;
+constexpr int kMostHalvings = 5;
 constexpr double kNoLimit = 1e300;     // of places without a joint
 constexpr std::size_t kMost = 40'000;  // nodes, but for jumps; of longer plans they are further apart
 
@@ -21,33 +24,92 @@ std::vector<double> jumps_of(const TimedPath& path) {
   return out;
 }
 
+/// Makes the nodes of a table, closer where the rows bend.
+class NodeMaker {
+ public:
+  using Values = std::vector<double>;
+  struct Look {
+    double time;
+    Values velocity, acceleration, jerk;
+  };
+
+  NodeMaker(const TimedPath& path, std::span<const MotionLimits> limits) : path_(path), limits_(limits) {}
+
+  Look look(double time, double at) {
+    Look out{time, Values(limits_.size()), Values(limits_.size()), Values(limits_.size())};
+    q_.resize(limits_.size());
+    path_.sample(at, q_, out.velocity, out.acceleration, out.jerk, hint_);
+    return out;
+  }
+  /// What lies between two nodes, which are nodes already; the second is added behind.
+  void fill(const Look& from, const Look& to, int halvings, std::vector<Look>& out) {
+    const double middle = from.time + (to.time - from.time) / 2;
+    if (halvings > 0) {
+      const Look between = look(middle, middle);
+      if (error(from, to, between) > kClose) {
+        fill(from, between, halvings - 1, out);
+        fill(between, to, halvings - 1, out);
+        return;
+      }
+    }
+    out.push_back(to);
+  }
+
+ private:
+  double error(const Look& from, const Look& to, const Look& between) const {
+    double most = 0;
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      const MotionLimits& l = limits_[i];
+      const auto off = [&](const Values Look::*row) {
+        return std::abs(((from.*row)[i] + (to.*row)[i]) / 2 - (between.*row)[i]);
+      };
+      most = std::max({most, off(&Look::velocity) / std::min(l.max_velocity, -l.min_velocity),
+                       off(&Look::acceleration) / std::min(l.max_acceleration, -l.min_acceleration),
+                       off(&Look::jerk) / l.max_jerk});
+    }
+    return most;
+  }
+
+  const TimedPath& path_;
+  std::span<const MotionLimits> limits_;
+  Values q_;
+  std::size_t hint_ = 0;
+};
+
 }  // namespace
 
-PathRows::PathRows(const TimedPath& path, double spacing) : blocks_((path.joints() + kWidth - 1) / kWidth) {
+void PathRows::add(double time, std::span<const double> v, std::span<const double> a,
+                   std::span<const double> j) {
+  times_.push_back(time);
+  rows_.resize(rows_.size() + blocks_, Rows{});
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    Rows& to = rows_[rows_.size() - blocks_ + i / kWidth];
+    to.velocity[i % kWidth] = v[i], to.acceleration[i % kWidth] = a[i], to.jerk[i % kWidth] = j[i];
+  }
+}
+
+PathRows::PathRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing)
+    : blocks_((path.joints() + kWidth - 1) / kWidth) {
   spacing = std::max(spacing, path.duration() / double(kMost));
-  std::vector<double> q(path.joints()), v(q), a(q), j(q);
-  std::size_t hint = 0;
-  const auto add = [&](double time, double look) {
-    path.sample(look, q, v, a, j, hint);
-    times_.push_back(time);
-    rows_.resize(rows_.size() + blocks_, Rows{});
-    for (std::size_t i = 0; i < q.size(); ++i) {
-      Rows& to = rows_[rows_.size() - blocks_ + i / kWidth];
-      to.velocity[i % kWidth] = v[i], to.acceleration[i % kWidth] = a[i], to.jerk[i % kWidth] = j[i];
-    }
-  };
+  NodeMaker maker(path, limits);
   const std::vector<double> jumps = jumps_of(path);
+  std::vector<NodeMaker::Look> nodes;
   for (std::size_t k = 0; k + 1 < jumps.size(); ++k) {
     const double begin = jumps[k], length = jumps[k + 1] - begin;
     const auto parts = std::max<std::size_t>(1, std::size_t(std::ceil(length / spacing)));
-    add(begin, begin + kSide);
-    for (std::size_t i = 1; i < parts; ++i) {
+    nodes.assign(1, maker.look(begin, begin + kSide));
+    for (std::size_t i = 1; i <= parts; ++i) {
       const double t = begin + length * double(i) / double(parts);
-      add(t, t);
+      const NodeMaker::Look from = nodes.back();
+      maker.fill(from, i < parts ? maker.look(t, t) : maker.look(jumps[k + 1], jumps[k + 1] - kSide),
+                 kMostHalvings, nodes);
     }
-    add(begin + length, begin + length - kSide);
+    for (const NodeMaker::Look& n : nodes) add(n.time, n.velocity, n.acceleration, n.jerk);
   }
-  if (times_.empty()) add(0, 0), add(0, 0);
+  if (times_.empty()) {
+    const NodeMaker::Look only = maker.look(0, 0);
+    for (int k = 0; k < 2; ++k) add(0, only.velocity, only.acceleration, only.jerk);
+  }
 }
 
 std::size_t PathRows::before(double t, std::size_t i) const noexcept {

@@ -23,8 +23,9 @@ class PathRows {
     double high[kWidth], low[kWidth], jerk[kWidth];
   };
 
-  /// `spacing`: at most so far apart, s.
-  PathRows(const TimedPath& path, double spacing);
+  /// `spacing`: nodes are at most so far apart, s, and closer where the rows bend: what lies between is off
+  /// by about 1e-4 of a joint's limits.
+  PathRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing);
 
   std::size_t blocks() const noexcept { return blocks_; }
   std::size_t nodes() const noexcept { return times_.size(); }
@@ -38,6 +39,8 @@ class PathRows {
   static std::vector<Limits> limits_of(std::span<const MotionLimits> limits, double harder);
 
  private:
+  void add(double time, std::span<const double> v, std::span<const double> a, std::span<const double> j);
+
   std::size_t blocks_;
   std::vector<double> times_;
   std::vector<Rows> rows_;
