@@ -1,32 +1,14 @@
 /// A sensor that is read by a process of its own: NAME PORT STATE; tells that state when it is asked.
-#include <poll.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "drivers/sensors/serial_imu.hpp"
 #include "drivers/sensors/ublox_gnss.hpp"
+#include "tests/support/told_driver.hpp"
 
 namespace polyarm::test {
 namespace {
-
-void tell(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
-
-/// Was it asked, within a period of the loop?
-bool asked() {
-  pollfd waiting{STDIN_FILENO, POLLIN, 0};
-  if (poll(&waiting, 1, 10) <= 0) return false;
-  char buffer[64];
-  if (::read(STDIN_FILENO, buffer, sizeof buffer) <= 0) std::_Exit(9);  // the test is gone
-  return true;
-}
 
 int measure(hardware::Component& component, const std::string& port, const std::string& state) {
   hardware::ComponentContext context;
@@ -36,16 +18,11 @@ int measure(hardware::Component& component, const std::string& port, const std::
   robot.name = "cart";
   context.robots = {robot};
   component.on_init(context);
-  if (component.on_configure() != hardware::CallbackReturn::success ||
-      component.on_activate() != hardware::CallbackReturn::success) {
-    tell("refused: " + component.reason());
-    return 1;
-  }
-  tell("measuring");
+  if (!start(component, "measuring")) return 1;
   const auto interfaces = component.state_interfaces();
   std::vector<double> states(interfaces.size());
   for (hardware::Cycle cycle{0, 10'000'000, 0};; ++cycle.index) {
-    const bool wanted = asked();
+    const bool wanted = !heard(10).empty();
     if (component.read(cycle, states) != hardware::ReturnType::ok) tell("error: " + component.reason());
     for (std::size_t k = 0; wanted && k < states.size(); ++k)
       if (interfaces[k].name.ends_with("/" + state)) tell(std::to_string(states[k]));

@@ -1,47 +1,16 @@
 /// A driver of two servos in a process of its own: FAMILY PORT COMMAND [PARAMETER=VALUE …]; it does as it is
 /// told on standard input.
-#include <poll.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "drivers/dynamixel/dynamixel.hpp"
 #include "drivers/feetech/feetech.hpp"
+#include "tests/support/told_driver.hpp"
 
 namespace polyarm::test {
 namespace {
 
-using hardware::CallbackReturn;
 using hardware::ReturnType;
-
-int tell(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-  return 1;
-}
-
-bool start(hardware::Component& component) {
-  if (component.on_configure() == CallbackReturn::success &&
-      component.on_activate() == CallbackReturn::success)
-    return tell("driving") != 0;
-  tell("refused: " + component.reason());
-  return false;
-}
-
-/// A line, if there is one within a period of the loop; the pace of the loop is the wait.
-std::string heard() {
-  pollfd waiting{STDIN_FILENO, POLLIN, 0};
-  if (poll(&waiting, 1, 10) <= 0) return {};
-  char buffer[64];
-  const ssize_t n = ::read(STDIN_FILENO, buffer, sizeof buffer - 1);
-  if (n <= 0) std::_Exit(9);  // the test is gone
-  return {buffer, static_cast<std::size_t>(n)};
-}
 
 hardware::ComponentContext two_joints(int argc, char** argv) {
   hardware::ComponentContext out;
@@ -70,20 +39,14 @@ hardware::ComponentContext two_joints(int argc, char** argv) {
 }
 
 int drive(hardware::Component& component, double command) {
-  if (!start(component)) return 1;
+  if (!start(component, "driving")) return 1;
   const double commands[] = {command, command};
   double states[2];
   bool failed = false;
   for (hardware::Cycle cycle{0, 10'000'000, 0};; ++cycle.index) {
-    const std::string word = heard();
-    if (word == "return\n") return 0;
-    if (word == "exit\n") std::exit(0);  // without the destructor
-    if (word == "abort\n") std::abort();
-    if (word == "throw\n") throw std::runtime_error("nobody catches this");
-    if (word == "spin\n")
-      for (volatile bool for_ever = true; for_ever;) {
-      }
-    if (word == "activate\n") failed = !start(component);
+    const std::string word = heard(10);
+    if (is_to_return(word)) return 0;
+    if (word == "activate") failed = !start(component, "driving");
     if (failed) continue;
     failed =
         component.read(cycle, states) != ReturnType::ok || component.write(cycle, commands) != ReturnType::ok;
