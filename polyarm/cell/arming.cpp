@@ -10,7 +10,11 @@ namespace polyarm::cell {
 namespace {
 // Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
-constexpr double kGovernedTcp = 0.9 * kReducedTcp, kSlowest = 0.01, kRise = 1.005, kFall = 0.9;
+constexpr double kGovernedTcp = 0.8 * kReducedTcp, kSlowest = 0.01;
+constexpr double kRise = 2.5, kFall = 50;  // a second: e-fold up, and down
+/// The TCPs' speeds are means over this long, or over a turn of the slowest robot: between two of its turns
+/// nothing new is measured or commanded, and that is no standstill. Share and speed rise by 13 % in it.
+constexpr Nanoseconds kLook = 50'000'000;
 constexpr double kStandingTcp = 0.01;  // m/s; what measured positions of a standing robot may shake
 }  // namespace
 
@@ -97,6 +101,21 @@ void Arming::set_armed(Nanoseconds now) {
                              : "armed, at full speed");
 }
 
+namespace {
+/// The longest time between two turns of the hardware of a cell.
+Nanoseconds longest_turn(const CellRobots& robots, Nanoseconds loop) {
+  Nanoseconds out = loop;
+  const auto at = [&out](double rate) {
+    if (rate > 0) out = std::max(out, static_cast<Nanoseconds>(1e9 / rate) + 1);
+  };
+  for (const auto& robot : robots) {
+    at(robot->entry.rate);
+    for (const HardwareBlock& block : robot->blocks) at(block.info->rw_rate);
+  }
+  return out;
+}
+}  // namespace
+
 bool Arming::stands(double fastest, std::span<const double> commands) {
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   const bool unchanged =
@@ -114,15 +133,17 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
     observer_.on_note("the program has run through once: full speed from now on");
     return;
   }
+  const Nanoseconds since = now - before_;
+  if (since < std::max(kLook, longest_turn(robots_, loop_.options().period))) return;
   double fastest = 0;
-  for (std::size_t i = 0; i < tcps_before_.size() && now > before_; ++i)
-    fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(now - before_));
+  for (std::size_t i = 0; i < tcps_before_.size(); ++i)
+    fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(since));
   tcps_before_ = tcps;
   before_ = now;
   if (stands(fastest, commands))
-    share_ *= kFall;
+    share_ *= std::exp(-kFall * seconds(since));
   else
-    share_ *= fastest > kGovernedTcp ? kGovernedTcp / fastest : kRise;
+    share_ *= fastest > kGovernedTcp ? kGovernedTcp / fastest : std::exp(kRise * seconds(since));
   share_ = std::clamp(share_, kSlowest, kReducedJoint);
   set_share(share_, kReducedJoint);
 }

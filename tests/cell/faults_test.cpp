@@ -170,18 +170,20 @@ class RealMock : public drivers::MockComponent {
 std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full_speed,
                                       cell::Observer& observer, bool lock_step = false,
                                       const std::string& driver = "real_mock",
-                                      const std::string& urdf = description("")) {
+                                      const std::string& urdf = description(""), int rate = 1000) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
   std::string text = urdf;
   text.replace(text.find("mock_components/GenericSystem"), 29, driver);
+  std::string controllers = kControllers;
+  controllers.replace(controllers.find("1000"), 4, std::to_string(rate));
   cell::CellOptions options;
   options.real = real;
   options.full_speed = full_speed;
   options.lock_step = lock_step;
   auto out = std::make_unique<cell::Cell>(
-      cell::cell_from_description(folder.write("arm.urdf", text), {folder.write("c.yaml", kControllers)}, {}),
+      cell::cell_from_description(folder.write("arm.urdf", text), {folder.write("c.yaml", controllers)}, {}),
       description::Catalogue({}), options, observer);
   out->loop().begin();
   return out;
@@ -303,6 +305,33 @@ TEST(Arming, TheFirstPassIsATenthOfTheSpeed) {
   EXPECT_GT(fastest, 0.05) << "it does move";
   EXPECT_LE(fastest, 0.2 * 1.001) << "a tenth of 2 rad/s";
   cell->loop().end();
+}
+
+/// On the wall clock a slow loop has one cycle in many ticks, and stands still in none of them.
+TEST(Arming, TheFirstPassReachesATenthAtAnyRateOfTheLoop) {
+  for (const int rate : {10, 30, 100, 500}) {
+    const Folder folder;
+    cell::Observer nobody;
+    const auto cell = real_cell(folder, true, false, nobody, false, "real_mock", description(""), rate);
+    control::ControlLoop& loop = cell->loop();
+    const auto cycle = [&] {
+      for (int tick = 0; tick < 500 / rate; ++tick) cell->tick(loop.cycle().time);
+      loop.step_next();
+    };
+    for (int k = 0; k < 3; ++k) cycle();
+    ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
+    ask(*cell, kMove);
+    double fastest = 0, before = position(*cell);
+    for (int k = 0; k < 12 * rate; ++k) {
+      cycle();
+      const double now = position(*cell);
+      fastest = std::max(fastest, std::abs(now - before) * rate);
+      before = now;
+    }
+    EXPECT_GT(fastest, 0.07) << rate << " Hz: a tenth of what was planned, about";
+    EXPECT_LE(fastest, 0.2 * 1.001) << rate << " Hz";
+    cell->loop().end();
+  }
 }
 
 /// A tenth of what these joints may would be 0.6 m/s at the TCP of an arm of 3 m.
