@@ -42,6 +42,8 @@ class TransmittedComponent : public Component {
   std::vector<std::string> world_names() const override { return inside_->world_names(); }
   bool real() const noexcept override { return inside_->real(); }
   bool blocks() const noexcept override { return inside_->blocks(); }
+  bool paces() const noexcept override { return inside_->paces(); }
+  bool await_cycle(Nanoseconds timeout) noexcept override { return inside_->await_cycle(timeout); }
   std::string reason() const override { return inside_->reason(); }
   const DriverFacts* facts() const noexcept override { return inside_->facts(); }
   std::string summary() const override;

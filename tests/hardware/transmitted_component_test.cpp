@@ -46,6 +46,8 @@ class Motors : public Component {
     starting.assign(start.begin(), start.end());
     return ReturnType::ok;
   }
+  bool paces() const noexcept override { return true; }
+  bool await_cycle(Nanoseconds timeout) noexcept override { return timeout == 7; }
   double& state(const std::string& name) { return measured[index(states_, name)]; }
   double& command(const std::string& name) { return commanded[index(commands_, name)]; }
   static std::size_t index(const std::vector<InterfaceDescription>& in, const std::string& name) {
@@ -128,6 +130,13 @@ const std::string kAll = command("position") + command("velocity") + command("ef
 TEST(TransmittedComponent, AComponentWithoutTransmissionsIsLeftAlone) {
   Robot robot(joint("a", kAll));
   EXPECT_EQ(robot.component.get(), robot.motors);
+}
+
+TEST(TransmittedComponent, TheDevicesClockStillPacesTheLoop) {
+  Robot robot(joint("a", kAll) + joint("b", kAll) + kSimple);
+  EXPECT_TRUE(robot.component->paces());
+  EXPECT_TRUE(robot.component->await_cycle(7));
+  EXPECT_FALSE(robot.component->await_cycle(8));
 }
 
 TEST(TransmittedComponent, JointsGoThroughAReductionOfTenWithAnOffset) {

@@ -111,7 +111,7 @@ class LockStepCell {
     FailingMock::fails = false;
     hardware::register_driver("failing",
                               [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
-    const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    const auto urdf = std::filesystem::path(POLYARM_SOURCE_DIR) / "examples/r6bot/r6bot.urdf";
     cell::Overrides overrides;
     overrides.hardware = "failing";
     cell::CellOptions options;
