@@ -17,6 +17,11 @@ void SpeedProfile::append(double duration, double jerk) {
   duration_ += duration;
 }
 
+void SpeedProfile::append(double duration, double jerk, const PathMotion& end) {
+  append(duration, jerk);
+  state_ = {end.s, end.speed, end.acceleration, jerk};
+}
+
 PathMotion SpeedProfile::at(double t, std::size_t& hint) const noexcept {
   if (pieces_.empty()) return state_;
   if (!(t > 0)) t = 0;

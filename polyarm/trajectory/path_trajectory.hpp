@@ -36,6 +36,8 @@ class SpeedProfile {
   /// From `start`; pieces that last no time are left out.
   explicit SpeedProfile(const PathMotion& start) : state_(start) {}
   void append(double duration, double jerk);
+  /// The same, where the end is known: `end` is taken for it, without the rounding of many pieces.
+  void append(double duration, double jerk, const PathMotion& end);
 
   double duration() const noexcept { return duration_; }
   /// Where the profile ends.

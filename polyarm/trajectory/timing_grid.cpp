@@ -191,15 +191,15 @@ std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b,
   for (std::size_t i = 1; i < n; ++i)
     duration += 2 * (rows.s(i) - rows.s(i - 1)) / (std::sqrt(b[i - 1]) + std::sqrt(b[i]));
   const double stretches = double(std::max<std::size_t>(rows.path().breaks().size(), 2) - 1);
-  const double shortest = duration / (40 + 5 * stretches);
+  const double shortest = duration / (30 + 3.75 * stretches);
   std::vector<double> out(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double turn = turning(rows, i);
-    const double time = std::max(0.5 * ramp_at(rows, i).time, shortest);
+    const double time = std::max(0.67 * ramp_at(rows, i).time, shortest);
     const double length = rows.s(n - 1), near = 6 * ramp_step;  // near rest the law below holds alone
     const bool rests = (b.front() <= 0 && rows.s(i) < near) || (b.back() <= 0 && length - rows.s(i) < near);
-    out[i] = rests ? length / 24 : std::min(length / 24, std::sqrt(b[i]) * time);
-    if (turn > 0) out[i] = std::min(out[i], 0.35 / turn);
+    out[i] = rests ? length / 18 : std::min(length / 18, std::sqrt(b[i]) * time);
+    if (turn > 0) out[i] = std::min(out[i], 0.47 / turn);
     out[i] = std::max(out[i], 1e-7 * rows.s(n - 1));
   }
   for (std::size_t i = 1; i < n; ++i)
@@ -254,9 +254,52 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
 
 }  // namespace
 
+namespace {
+
+constexpr double kRounding = 1.5;  // of the time that a ramp of acceleration lasts
+
+/// Takes the corners off b over s where the acceleration would jump: the least, then the mean speed over the
+/// time that a ramp of acceleration lasts. The ends stay.
+void round_corners(const PathRows& rows, std::vector<double>& b) {
+  const std::size_t n = b.size();
+  std::vector<double> time(n), half(n), least(n), area(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0)
+      time[i] = time[i - 1] + 2 * (rows.s(i) - rows.s(i - 1)) / (std::sqrt(b[i - 1]) + std::sqrt(b[i]));
+    const double ramp = ramp_at(rows, i).time;
+    half[i] = std::isfinite(ramp) ? kRounding * ramp / 2 : 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double width = std::min({half[i], 0.25 * time[i], 0.25 * (time[n - 1] - time[i])});
+    least[i] = b[i], half[i] = width;
+    for (std::size_t k = i; k-- > 0 && time[k] > time[i] - width;) least[i] = std::min(least[i], b[k]);
+    for (std::size_t k = i + 1; k < n && time[k] < time[i] + width; ++k) least[i] = std::min(least[i], b[k]);
+  }
+  for (std::size_t i = 0; i < n; ++i) least[i] = std::sqrt(least[i]);
+  for (std::size_t i = 1; i < n; ++i)
+    area[i] = area[i - 1] + (time[i] - time[i - 1]) * (least[i] + least[i - 1]) / 2;
+  const auto area_to = [&](double t, std::size_t k) {  // t within (time[k], time[k + 1])
+    const double x = t - time[k], whole = time[k + 1] - time[k];
+    return area[k] + x * (least[k] + (least[k + 1] - least[k]) * x / whole / 2);
+  };
+  std::size_t from = 0, to = 0;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (!(half[i] > 0)) continue;
+    const double begin = time[i] - half[i], end = time[i] + half[i];
+    while (from > 0 && time[from] > begin) --from;
+    while (time[from + 1] < begin) ++from;
+    while (to > 0 && time[to] > end) --to;
+    while (to + 2 < n && time[to + 1] < end) ++to;
+    const double mean = (area_to(end, to) - area_to(begin, from)) / (end - begin);
+    b[i] = std::min(b[i], mean * mean);
+  }
+}
+
+}  // namespace
+
 TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness) {
   const double length = rows.path().length();
-  rows.look(std::array<double, 2>{0, length});
+  rows.look({0, length});
   const double step = std::min(first_step(rows, 0), first_step(rows, 1));
   const bool rests[2] = {start_speed <= 0, end_speed <= 0};
   rows.look(graded(cells(rows, step, rests[0], rests[1])));
@@ -265,6 +308,7 @@ TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, dou
     for (std::size_t i = 0; i < b.size(); ++i) b[i] = speed_ceiling(rows, i);
     b.front() = start_speed * start_speed, b.back() = end_speed * end_speed;
     limit_accelerations(rows, b);
+    round_corners(rows, b);
     return b;
   };
   const std::vector<double> spacing = spacings(rows, guess(), step, fineness);

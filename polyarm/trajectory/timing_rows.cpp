@@ -1,8 +1,8 @@
 #include "polyarm/trajectory/timing_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
-
-#include "polyarm/trajectory/timing_kernels.hpp"
+#include <utility>
 
 namespace polyarm::trajectory {
 
@@ -16,7 +16,7 @@ PathRows::PathRows(const Path& path, std::span<const MotionLimits> limits, std::
   one_.resize(3 * components_);
 }
 
-void PathRows::look(std::span<const double> s) {
+void PathRows::look(const std::vector<double>& s) {
   s_.assign(s.begin(), s.end());
   const std::size_t n = s_.size();
   for (auto* v : {&first_, &second_, &third_}) v->resize(components_ * n);
@@ -48,53 +48,84 @@ std::string PathRows::name(std::size_t row) const {
   return row < joints() ? "joint " + std::to_string(row + 1) : norms_[row - joints()].name;
 }
 
-void Passings::clear() {
-  for (auto* list : {&s, &speed, &acceleration, &jerk, &square, &cube}) list->clear();
-}
-void Passings::add(const PathMotion& m) {
-  s.push_back(m.s), speed.push_back(m.speed), acceleration.push_back(m.acceleration);
-  jerk.push_back(m.jerk), square.push_back(m.speed * m.speed), cube.push_back(m.speed * m.speed * m.speed);
-}
-
 namespace {
 
-kernels::PathRow joint_row(const PathRows& rows, std::size_t j) {
-  const MotionLimits& l = rows.limits(j);
-  return {rows.places(),      rows.first(j),      rows.second(j),         rows.third(j),
-          1 / l.max_velocity, 1 / l.min_velocity, 1 / l.max_acceleration, 1 / l.min_acceleration,
-          1 / l.max_jerk,     double(j)};
-}
+constexpr std::size_t kBlock = 64;
 
-void norm_uses(const PathRows& rows, const Passings& m, std::size_t n, Uses& out) {
-  const NormLimit& l = rows.norm(n);
-  const double limit[3] = {l.max_velocity, l.max_acceleration, l.max_jerk};
-  for (std::size_t i = 0; i < m.size(); ++i) {
-    double square[3] = {0, 0, 0};
-    for (std::size_t c = rows.first_component(n); c < rows.first_component(n + 1); ++c) {
-      const double x1 = rows.first(c)[i], x2 = rows.second(c)[i], x3 = rows.third(c)[i];
-      const double one = x1 * m.speed[i], two = x1 * m.acceleration[i] + x2 * m.square[i];
-      const double three = x1 * m.jerk[i] + 3 * x2 * m.speed[i] * m.acceleration[i] + x3 * m.cube[i];
-      square[0] += one * one, square[1] += two * two, square[2] += three * three;
-    }
-    for (std::size_t kind = 0; kind < 3; ++kind) {
-      const double use = std::sqrt(square[kind]) / limit[kind];
-      if (use > out.value[kind][i]) out.value[kind][i] = use, out.row[kind][i] = double(rows.joints() + n);
+/// Some places at a time: the motion there, and the highest use of each kind and whose it is.
+struct Block {
+  std::size_t count = 0;
+  double speed[kBlock], square[kBlock], cube[kBlock], acceleration[kBlock], product[kBlock], jerk[kBlock];
+  double value[3][kBlock], row[3][kBlock];
+
+  void begin(std::span<const PathMotion> motion) {
+    count = motion.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const PathMotion& m = motion[i];
+      speed[i] = m.speed, square[i] = m.speed * m.speed, cube[i] = square[i] * m.speed;
+      acceleration[i] = m.acceleration, product[i] = 3 * m.speed * m.acceleration, jerk[i] = m.jerk;
+      for (std::size_t kind = 0; kind < 3; ++kind) value[kind][i] = row[kind][i] = 0;
     }
   }
-}
+  void joint(const PathRows& rows, std::size_t j, std::size_t at) {
+    const MotionLimits& l = rows.limits(j);
+    const double *first = rows.first(j) + at, *second = rows.second(j) + at, *third = rows.third(j) + at;
+    const double v_high = 1 / l.max_velocity, v_low = 1 / l.min_velocity, a_high = 1 / l.max_acceleration;
+    const double a_low = 1 / l.min_acceleration, j_high = 1 / l.max_jerk, j_low = -j_high;
+    const double number = double(j);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double v = first[i] * speed[i];
+      take(0, i, number, v * v_high, v * v_low);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const double a = first[i] * acceleration[i] + second[i] * square[i];
+      take(1, i, number, a * a_high, a * a_low);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = first[i] * jerk[i] + second[i] * product[i] + third[i] * cube[i];
+      take(2, i, number, x * j_high, x * j_low);
+    }
+  }
+  void norm(const PathRows& rows, std::size_t n, std::size_t at) {
+    const NormLimit& l = rows.norm(n);
+    const double number = double(rows.joints() + n);
+    for (std::size_t i = 0; i < count; ++i) {
+      double v = 0, a = 0, x = 0;
+      for (std::size_t c = rows.first_component(n); c < rows.first_component(n + 1); ++c) {
+        const double x1 = rows.first(c)[at + i], x2 = rows.second(c)[at + i], x3 = rows.third(c)[at + i];
+        const double one = x1 * speed[i], two = x1 * acceleration[i] + x2 * square[i];
+        const double three = x1 * jerk[i] + x2 * product[i] + x3 * cube[i];
+        v += one * one, a += two * two, x += three * three;
+      }
+      take(0, i, number, std::sqrt(v) / l.max_velocity, 0);
+      take(1, i, number, std::sqrt(a) / l.max_acceleration, 0);
+      take(2, i, number, std::sqrt(x) / l.max_jerk, 0);
+    }
+  }
+
+ private:
+  void take(std::size_t kind, std::size_t i, double number, double high, double low) {
+    const double ratio = high > low ? high : low, before = value[kind][i];
+    value[kind][i] = ratio > before ? ratio : before;
+    row[kind][i] = ratio > before ? number : row[kind][i];
+  }
+};
 
 }  // namespace
 
-void find_uses(const PathRows& rows, const Passings& m, Uses& out) {
-  kernels::Use use;
-  for (std::size_t kind = 0; kind < 3; ++kind) {
-    out.value[kind].assign(m.size(), 0.0), out.row[kind].assign(m.size(), 0.0);
-    use.value[kind] = out.value[kind].data(), use.row[kind] = out.row[kind].data();
+void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out) {
+  out.resize(motion.size());
+  Block block;
+  for (std::size_t at = 0; at < motion.size(); at += kBlock) {
+    block.begin(motion.subspan(at, std::min(kBlock, motion.size() - at)));
+    for (std::size_t j = 0; j < rows.joints(); ++j) block.joint(rows, j, at);
+    for (std::size_t n = 0; n + rows.joints() < rows.rows(); ++n) block.norm(rows, n, at);
+    for (std::size_t i = 0; i < block.count; ++i)
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        out[at + i].value[kind] = block.value[kind][i];
+        out[at + i].row[kind] = std::size_t(block.row[kind][i]);
+      }
   }
-  const kernels::Passing passing{m.speed.data(), m.acceleration.data(), m.jerk.data(), m.square.data(),
-                                 m.cube.data()};
-  for (std::size_t j = 0; j < rows.joints(); ++j) kernels::best().use(joint_row(rows, j), passing, use);
-  for (std::size_t n = 0; n + rows.joints() < rows.rows(); ++n) norm_uses(rows, m, n, out);
 }
 
 }  // namespace polyarm::trajectory

@@ -18,7 +18,7 @@ class PathRows {
   PathRows(const Path& path, std::span<const MotionLimits> limits, std::span<const NormLimit> norms);
 
   /// Looks at the path at `s`; forgets other places. Throws Error "bad-path".
-  void look(std::span<const double> s);
+  void look(const std::vector<double>& s);
 
   std::size_t places() const { return s_.size(); }
   double s(std::size_t place) const { return s_[place]; }
@@ -44,21 +44,24 @@ class PathRows {
   std::vector<double> s_, first_, second_, third_, one_;
 };
 
-/// How places are passed: lists of one value for each.
-struct Passings {
-  std::vector<double> s, speed, acceleration, jerk, square, cube;  ///< the last two: of the speed
-  std::size_t size() const { return s.size(); }
-  void clear();
-  void add(const PathMotion& m);
+/// Highest use of limits in a piece of a motion, of joints and of norms, by kind.
+struct PieceUse {
+  std::array<std::array<double, 3>, 2> most{};
+  double all() const {
+    double out = 0;
+    for (const auto& kinds : most)
+      for (const double m : kinds) out = m > out ? m : out;
+    return out;
+  }
 };
 
-/// The highest value of any row over its limit at each place, of velocity, acceleration and jerk, and the
-/// number of the row.
-struct Uses {
-  std::array<std::vector<double>, 3> value, row;
+/// The highest value of any row over its limit, for each kind, and which row it is.
+struct Ratios {
+  double value[3] = {0, 0, 0};
+  std::size_t row[3] = {0, 0, 0};
 };
 
-/// At every place of `rows` while it is passed as `passed` says.
-void find_uses(const PathRows& rows, const Passings& passed, Uses& out);
+/// At every place of `rows` while it is passed as `motion` says (one per place).
+void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
 
 }  // namespace polyarm::trajectory

@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <utility>
 
-#include "polyarm/trajectory/timing.hpp"
-#include "polyarm/trajectory/timing_kernels.hpp"
+// Before a loop whose arrays do not overlap.
+#ifdef __clang__
+#define POLYARM_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define POLYARM_INDEPENDENT _Pragma("GCC ivdep")
+#endif
 
 namespace polyarm::trajectory {
 namespace {
+
+constexpr double kCentre = 0.7;         // of the gap asked for, to which products are led
+constexpr double kLeastSlack = 0.001;   // when going on, per the width between the limits
+constexpr double kSlackOfExcess = 0.3;  // with which a row that is above its limit begins
 
 using Basis = std::array<double, 3>;
 /// Values and their derivatives by three neighbouring nodes' b.
@@ -19,84 +25,53 @@ struct Bases {
   std::array<Basis, 3> gradient{};
 };
 
-/// Of one over twice the speed: the derivative of the speed by b. At rest, only at the fixed ends: 0.
-double by_b(double speed) {
-  return speed > 0 ? 0.5 / speed : 0;
+/// How b and a at both ends of a piece change along the three directions that touch it.
+using Moves = std::array<Basis, 4>;
+Moves moves_at(const JerkPieces& p, std::size_t k) {
+  const ByNodes &before = k > 1 ? p.direction(k - 2) : p.direction(0), &own = p.direction(k - 1),
+                &behind = p.direction(k);
+  return {{{before[2], own[0], 0}, {before[3], own[1], 0}, {0, own[2], behind[0]}, {0, own[3], behind[1]}}};
 }
 
-/// What happens on the interval that ends at node k: duration, acceleration, and their derivatives by b.
-struct Interval {
-  double time = 0, acceleration = 0;
-  double time_low = 0, time_high = 0;  // by b of both ends
-  double slope = 0;                    // of the acceleration by b of the end; minus that by b of the begin
-};
-
-/// The speeds as they are now, and what happens on the interval before each node; one of nothing before the
-/// first and after the last.
-struct Speeds {
-  Speeds(const std::vector<double>& s, std::vector<double>& squares)
-      : b(squares), c(s.size()), per_c(s.size()), slope(s.size()), intervals(s.size() + 1) {
-    for (std::size_t k = 1; k < s.size(); ++k) slope[k] = 0.5 / (s[k] - s[k - 1]);
-  }
-  void evaluate() {
-    for (std::size_t k = 0; k < b.size(); ++k) c[k] = std::sqrt(b[k]), per_c[k] = by_b(c[k]);
-    for (std::size_t k = 1; k < b.size(); ++k) {
-      const double sum = c[k - 1] + c[k], time = 1 / (slope[k] * sum), less = -time / sum;
-      intervals[k] = {time, (b[k] - b[k - 1]) * slope[k], less * per_c[k - 1], less * per_c[k], slope[k]};
-    }
-  }
-  double duration() const {
-    double sum = 0;
-    for (const Interval& i : intervals) sum += i.time;
-    return sum;
-  }
-  std::vector<double>& b;
-  std::vector<double> c, per_c, slope;
-  std::vector<Interval> intervals;
-};
-
-/// s⃛, ṡ·s̈ and ṡ³ at a node. Before the first and after the last interval one of equal time and no
-/// acceleration is thought, for the profile begins and ends without acceleration.
-Bases jerk_bases_at(const Speeds& now, std::size_t k) {
-  const std::size_t last = now.c.size() - 1;
-  const Interval& before = now.intervals[k];
-  const Interval& behind = now.intervals[k + 1];
-  const std::vector<double>&b = now.b, &c = now.c;
-  const double share_before = k == last ? 1 : k == 0 ? 0 : 0.5, share_behind = 1 - share_before;
-  const double time = share_before * before.time + share_behind * behind.time;
-  const double jerk = (behind.acceleration - before.acceleration) / time;
-  const double mean = (behind.acceleration + before.acceleration) / 2;
+/// s⃛, ṡ·s̈ and ṡ³ at an end of piece k.
+Bases jerk_bases_at(const NodeMotion& m, const JerkPieces& p, std::size_t k, bool end, const Moves& moves) {
+  const std::size_t node = end ? k : k - 1, at = end ? 2 : 0;
+  const double v = p.speed(node), a = m.a[node], by = p.speed_by(node);
+  const JerkPiece& piece = p.piece(k);
   Bases out;
-  out.value = {jerk, c[k] * mean, c[k] * b[k]};
-  const Basis up{before.slope, -before.slope - behind.slope, behind.slope};
-  const Basis total{-before.slope, before.slope - behind.slope, behind.slope};
-  const Basis longer{share_before * before.time_low,
-                     share_before * before.time_high + share_behind * behind.time_low,
-                     share_behind * behind.time_high};
+  out.value = {piece.jerk, v * a, v * m.b[node]};
   for (std::size_t i = 0; i < 3; ++i) {
-    out.gradient[0][i] = (up[i] - jerk * longer[i]) / time;
-    out.gradient[1][i] = c[k] * total[i] / 2;
+    const double db = moves[at][i], da = moves[at + 1][i];
+    out.gradient[0][i] = piece.jerk_by[0] * moves[0][i] + piece.jerk_by[1] * moves[1][i] +
+                         piece.jerk_by[2] * moves[2][i] + piece.jerk_by[3] * moves[3][i];
+    out.gradient[1][i] = v * da + a * by * db;
+    out.gradient[2][i] = 1.5 * v * db;
   }
-  out.gradient[1][1] += now.per_c[k] * mean;
-  out.gradient[2][1] = 1.5 * c[k];
   return out;
 }
 
-/// The same where s⃛ of node k ends, midway to the node before or behind.
-Bases edge_bases_at(const Speeds& now, std::size_t k, int side) {
-  Bases out = jerk_bases_at(now, k);
-  const std::size_t other = side < 0 ? k - 1 : k + 1;
-  const Interval& i = now.intervals[side < 0 ? k : k + 1];
-  const double speed = (now.c[k] + now.c[other]) / 2, a = i.acceleration;
-  const std::size_t at = side < 0 ? 0 : 2;
-  const double by_own = now.per_c[k] / 2, by_other = now.per_c[other] / 2;
-  const double slope_own = side < 0 ? i.slope : -i.slope;
-  out.value[1] = speed * a, out.value[2] = speed * speed * speed;
-  out.gradient[1] = out.gradient[2] = {};
-  out.gradient[1][1] = by_own * a + speed * slope_own, out.gradient[1][at] = by_other * a - speed * slope_own;
-  out.gradient[2][1] = 3 * speed * speed * by_own, out.gradient[2][at] = 3 * speed * speed * by_other;
-  return out;
+/// b at a node, and before it s̈ if that is asked for.
+Bases node_bases_at(const NodeMotion& m, const JerkPieces& p, std::size_t node, bool acceleration) {
+  const ByNodes &before = node > 0 ? p.direction(node - 1) : p.direction(0), &behind = p.direction(node);
+  const Basis b{before[2], behind[0], 0};
+  if (!acceleration) return {{m.b[node], 0, 0}, {b, {}, {}}};
+  return {{m.a[node], m.b[node], 0}, {{{before[3], behind[1], 0}, b, {}}}};
 }
+
+/// The same where half of piece k's way is done: of the cubic b(s) through both ends.
+Bases middle_bases_at(const NodeMotion& m, std::size_t k, bool acceleration, const Moves& moves) {
+  const double way = m.s[k] - m.s[k - 1], per = 0.75 / way, share = way / 4;
+  const double b = (m.b[k] + m.b[k - 1]) / 2 + share * (m.a[k - 1] - m.a[k]);
+  Basis by_b, by_a;
+  for (std::size_t i = 0; i < 3; ++i) {
+    by_b[i] = (moves[0][i] + moves[2][i]) / 2 + share * (moves[1][i] - moves[3][i]);
+    by_a[i] = per * (moves[2][i] - moves[0][i]) - (moves[1][i] + moves[3][i]) / 4;
+  }
+  if (!acceleration) return {{b, 0, 0}, {by_b, {}, {}}};
+  return {{per * (m.b[k] - m.b[k - 1]) - (m.a[k] + m.a[k - 1]) / 4, b, 0}, {by_a, by_b, {}}};
+}
+
+enum class RowKind { velocity, acceleration, jerk };
 
 /// A symmetric system with five diagonals.
 class FiveDiagonals {
@@ -111,13 +86,7 @@ class FiveDiagonals {
     d0_[at + 1] += m[3], d1_[at + 1] += m[4], d0_[at + 2] += m[5];
     for (std::size_t i = 0; i < 3; ++i) right_[at + i] += right[i];
   }
-  void add_one(std::size_t at, double m, double right) { d0_[at] += m, right_[at] += right; }
-  /// `at`: the first of two neighbours, counted likewise.
-  void add_two(std::size_t at, double m00, double m01, double m11, double right0, double right1) {
-    d0_[at] += m00, d1_[at] += m01, d0_[at + 1] += m11;
-    right_[at] += right0, right_[at + 1] += right1;
-  }
-  /// Solves for nodes 1..last-1 (at 2..last); the others are 0.
+  /// Solves for 2..last; the others are 0.
   void solve(std::size_t last, std::vector<double>& x) {
     for (std::size_t i = 2; i <= last; ++i) {
       const double pivot = d0_[i] *= 1 + 1e-13;
@@ -141,145 +110,212 @@ class FiveDiagonals {
   std::vector<double> d0_, d1_, d2_, right_;
 };
 
+/// Of rows: steps need not be exact, and twice as many numbers go into a register.
+using Real = float;
+
 /// One kind of rows during the iterations: slacks and multipliers of both sides.
+class Side {
+ public:
+  std::vector<Real> slack, multiplier, slack_step, multiplier_step;
+  void resize(std::size_t n) {
+    slack.resize(n), multiplier.resize(n), slack_step.resize(n), multiplier_step.resize(n);
+  }
+};
+
+struct Steps {
+  double primal = 0, dual = 0;  // the reciprocals of the longest steps
+};
+
 class Rows {
  public:
-  Rows(const LimitRows& limits, LimitKind kind) : limits_(limits), kind_(kind) { fit(); }
-  /// To as many points as there are now; true if they have changed.
-  bool fit() {
-    if (room_ && points_ == limits_.points) return false;
-    points_ = limits_.points;
-    const std::size_t n = limits_.rows * points_;
-    room_ = std::make_unique_for_overwrite<double[]>(5 * n);
-    double* list = room_.get();
-    for (double** to : {&value_, &high_slack_, &high_multiplier_, &low_slack_, &low_multiplier_})
-      *to = std::exchange(list, list + n);
-    if (!limits_.component_end.empty()) aimed_ = limits_.coefficient;
-    if (kind_ == LimitKind::jerk) bases_.resize(points_);
-    basis_.assign(3 * points_, 0.0);
-    sums_.resize(9 * points_);
-    return true;
+  Rows(const LimitRows& limits, RowKind kind) : limits_(limits), kind_(kind) {
+    const std::size_t n = limits_.rows * limits_.points;
+    high_.resize(n), low_.resize(n), value_.resize(n);
+    for (std::size_t i = 0; i < 3; ++i)
+      coefficient_[i].assign(limits_.coefficient[i].begin(), limits_.coefficient[i].end());
+    bases_.resize(limits_.points), at_.resize(limits_.points);
+    for (auto* set : {&m_, &step_}) set->assign(9 * limits_.points, Real(0));
+    for (std::size_t i = 0; i < at_.size(); ++i)
+      at_[i] = kind == RowKind::jerk     ? i % (limits_.points / 2)
+               : i < limits_.node.size() ? limits_.node[i]
+                                         : i - limits_.node.size();
   }
   std::size_t sides() const { return 2 * limits_.rows * limits_.points; }
   bool empty() const { return sides() == 0; }
 
-  /// The rows at the speeds c = √b.
-  void evaluate(const Speeds& now) {
-    const std::size_t n = points_;
-    double *v0 = basis_.data(), *v1 = v0 + n, *v2 = v1 + n;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t k = limits_.at[i];
-      if (kind_ == LimitKind::velocity) {
-        v0[i] = now.b[k];
-      } else if (kind_ == LimitKind::acceleration) {
-        v0[i] = now.intervals[k + 1].acceleration, v1[i] = (now.b[k + 1] + now.b[k]) / 2;
-      } else {
-        bases_[i] = limits_.side.empty() ? jerk_bases_at(now, k) : edge_bases_at(now, k, limits_.side[i]);
-        v0[i] = bases_[i].value[0], v1[i] = bases_[i].value[1], v2[i] = bases_[i].value[2];
+  /// The rows at the motion as it is now.
+  void evaluate(const NodeMotion& m, const JerkPieces& p) {
+    if (empty()) return;
+    const std::size_t pieces = p.count();
+    if (kind_ == RowKind::jerk) {
+      for (std::size_t k = 1; k <= pieces; ++k) {
+        const Moves moves = moves_at(p, k);
+        bases_[k - 1] = jerk_bases_at(m, p, k, false, moves);
+        bases_[pieces + k - 1] = jerk_bases_at(m, p, k, true, moves);
       }
+    } else {
+      const bool acceleration = kind_ == RowKind::acceleration;
+      const std::size_t nodes = limits_.node.size();
+      for (std::size_t i = 0; i < nodes; ++i) bases_[i] = node_bases_at(m, p, limits_.node[i], acceleration);
+      for (std::size_t k = 1; k <= limits_.points - nodes; ++k)
+        bases_[nodes + k - 1] = middle_bases_at(m, k, acceleration, moves_at(p, k));
     }
     aim_norms();
-    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.evaluate(row(r), v0, v1, v2);
+    const std::size_t n = limits_.points;
+    Real *v0 = step_.data(), *v1 = v0 + n, *v2 = v1 + n;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Basis& v = bases_[i].value;
+      v0[i] = Real(v[0]), v1[i] = Real(v[1]), v2[i] = Real(v[2]);
+    }
+    for_rows([&](std::size_t, std::size_t begin) {
+      const Real *q0 = &coefficient_[0][begin], *q1 = &coefficient_[1][begin], *q2 = &coefficient_[2][begin];
+      Real* value = &value_[begin];
+      POLYARM_INDEPENDENT
+      for (std::size_t i = 0; i < n; ++i) value[i] = q0[i] * v0[i] + q1[i] * v1[i] + q2[i] * v2[i];
+    });
   }
   /// Slacks and multipliers that belong to the values; again: those there are, moved off zero.
   void begin(double complementarity, double least, bool again) {
-    const auto fresh = [&](double& multiplier, double slack) {
-      const double value = complementarity / slack;
-      multiplier = again ? std::max(multiplier, value) : value;
-    };
-    for (std::size_t r = 0; r < limits_.rows; ++r)
-      for (std::size_t k = 0, i = r * limits_.points; k < limits_.points; ++i, ++k) {
+    scale_.assign(limits_.scale.begin(), limits_.scale.end());
+    for_rows([&](std::size_t r, std::size_t begin) {
+      for (std::size_t i = begin, k = 0; k < limits_.points; ++i, ++k) {
         const double floor = least * limits_.scale[k] * (1 - limits_.low[r]);
-        high_slack_[i] = std::max(limits_.scale[k] - value_[i], floor);
-        low_slack_[i] = std::max(value_[i] - limits_.scale[k] * limits_.low[r], floor);
-        fresh(high_multiplier_[i], high_slack_[i]), fresh(low_multiplier_[i], low_slack_[i]);
+        const double up = limits_.scale[k] - value_[i], down = value_[i] - limits_.scale[k] * limits_.low[r];
+        high_.slack[i] = Real(std::max(up, up > 0 ? floor : floor - kSlackOfExcess * up));
+        low_.slack[i] = Real(std::max(down, down > 0 ? floor : floor - kSlackOfExcess * down));
+        for (Side* side : {&high_, &low_}) {
+          const double fresh = complementarity / side->slack[i];
+          side->multiplier[i] = Real(again ? std::max(double(side->multiplier[i]), fresh) : fresh);
+        }
       }
+    });
   }
-  /// Adds to the sum of slacks times multipliers; raises `residual` to the largest excess of any value.
-  void measure(double& complementarity, double& residual) {
-    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.measure(row(r), complementarity, residual);
+  void inherit(const Rows& before, const std::vector<std::size_t>& origins) {
+    const std::size_t points = before.at_.size();
+    for_rows([&](std::size_t r, std::size_t begin) {
+      for (std::size_t i = 0; i < limits_.points; ++i) {
+        if (origins[i] == PointOrigins::kNew) continue;
+        const std::size_t from = r * points + origins[i];
+        high_.multiplier[begin + i] = before.high_.multiplier[from];
+        low_.multiplier[begin + i] = before.low_.multiplier[from];
+      }
+    });
   }
-  void assemble(double centre, const Speeds& now, FiveDiagonals& system) {
+  double complementarity() const {
+    Real sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+    const Real *sh = high_.slack.data(), *lh = high_.multiplier.data();
+    const Real *sl = low_.slack.data(), *ll = low_.multiplier.data();
+    std::size_t i = 0;
+    for (; i + 8 <= value_.size(); i += 8)
+      for (std::size_t k = 0; k < 8; ++k) sum[k] += sh[i + k] * lh[i + k] + sl[i + k] * ll[i + k];
+    for (; i < value_.size(); ++i) sum[0] += sh[i] * lh[i] + sl[i] * ll[i];
+    double all = 0;
+    for (const Real x : sum) all += x;
+    return all;
+  }
+  double worst_residual() const {
+    Real most = 0;
+    for_rows([&](std::size_t r, std::size_t begin) {
+      const Real low = Real(limits_.low[r]), *value = &value_[begin], *scale = scale_.data();
+      for (std::size_t i = 0; i < limits_.points; ++i) {
+        const Real up = value[i] / scale[i] - 1, down = low - value[i] / scale[i];
+        const Real over = up > down ? up : down;
+        most = most > over ? most : over;
+      }
+    });
+    return most;
+  }
+  void assemble(double complementarity, FiveDiagonals& system) {
     if (empty()) return;
-    const std::size_t n = points_;
-    std::fill(sums_.begin(), sums_.end(), 0.0);
-    double* sums[9];
-    for (std::size_t k = 0; k < 9; ++k) sums[k] = sums_.data() + k * n;
-    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.assemble(row(r), centre, sums);
-    bend_norms();
-    if (kind_ == LimitKind::velocity)
-      for (std::size_t i = 0; i < n; ++i) system.add_one(limits_.at[i] + 1, sums[0][i], -sums[6][i]);
-    else if (kind_ == LimitKind::acceleration)
-      add_accelerations(now, sums, system);
-    else
-      add_jerks(sums, system);
-  }
-  /// Along `db`, which counts from one before the first node: the bases' changes, and how far rows let it go.
-  void direction(double centre, const std::vector<double>& db, const Speeds& now, kernels::Decrease& most) {
-    const std::size_t n = points_;
-    double *d0 = basis_.data(), *d1 = d0 + n, *d2 = d1 + n;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double* x = &db[limits_.at[i]];
-      if (kind_ == LimitKind::velocity) {
-        d0[i] = x[1];
-        continue;
-      }
-      if (kind_ == LimitKind::acceleration) {
-        d0[i] = now.slope[limits_.at[i] + 1] * (x[2] - x[1]), d1[i] = (x[1] + x[2]) / 2;
-        continue;
-      }
-      const auto& J = bases_[i].gradient;
-      d0[i] = J[0][0] * x[0] + J[0][1] * x[1] + J[0][2] * x[2];
-      d1[i] = J[1][0] * x[0] + J[1][1] * x[1] + J[1][2] * x[2];
-      d2[i] = J[2][0] * x[0] + J[2][1] * x[1] + J[2][2] * x[2];
-    }
-    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.decrease(row(r), centre, d0, d1, d2, most);
-  }
-  /// After direction().
-  void go(double centre, double primal, double dual) {
     const std::size_t n = limits_.points;
-    const double *d0 = basis_.data(), *d1 = d0 + n, *d2 = d1 + n;
-    for (std::size_t r = 0; r < limits_.rows; ++r) loops_.step(row(r), centre, d0, d1, d2, primal, dual);
-  }
-
- private:
-  void add_accelerations(const Speeds& now, double* const* sums, FiveDiagonals& system) const {
-    for (std::size_t i = 0; i < points_; ++i) {
-      const double slope = now.slope[limits_.at[i] + 1];
-      const double own = slope * slope * sums[0][i], half = slope * sums[1][i], mean = sums[3][i] / 4;
-      const double change = slope * sums[6][i], middle = sums[7][i] / 2;
-      system.add_two(limits_.at[i] + 1, own - half + mean, mean - own, own + half + mean, change - middle,
-                     -change - middle);
-    }
-  }
-  void add_jerks(double* const* sums, FiveDiagonals& system) const {
-    const double *m0 = sums[0], *m1 = sums[1], *m2 = sums[2], *m3 = sums[3], *m4 = sums[4], *m5 = sums[5];
-    const double *v0 = sums[6], *v1 = sums[7], *v2 = sums[8];
-    for (std::size_t i = 0; i < points_; ++i) {
+    const Real centre = Real(complementarity);
+    std::fill(m_.begin(), m_.end(), Real(0));
+    Real *m0 = m_.data(), *m1 = m0 + n, *m2 = m1 + n, *m3 = m2 + n, *m4 = m3 + n, *m5 = m4 + n;
+    Real *v0 = m5 + n, *v1 = v0 + n, *v2 = v1 + n;
+    for_rows([&](std::size_t r, std::size_t begin) {
+      const Real *q0 = &coefficient_[0][begin], *q1 = &coefficient_[1][begin], *q2 = &coefficient_[2][begin];
+      const Real *value = &value_[begin], *sh = &high_.slack[begin], *lh = &high_.multiplier[begin];
+      const Real *sl = &low_.slack[begin], *ll = &low_.multiplier[begin], *scale = scale_.data();
+      const Real low = Real(limits_.low[r]);
+      POLYARM_INDEPENDENT
+      for (std::size_t i = 0; i < n; ++i) {
+        const Real wh = 1 / sh[i], wl = 1 / sl[i];
+        const Real up = wh * (centre + lh[i] * (value[i] + sh[i] - scale[i]));
+        const Real down = wl * (centre + ll[i] * (sl[i] + low * scale[i] - value[i]));
+        const Real w = lh[i] * wh + ll[i] * wl, g = up - down;
+        m0[i] += w * q0[i] * q0[i], m1[i] += w * q0[i] * q1[i], m2[i] += w * q0[i] * q2[i];
+        m3[i] += w * q1[i] * q1[i], m4[i] += w * q1[i] * q2[i], m5[i] += w * q2[i] * q2[i];
+        v0[i] += g * q0[i], v1[i] += g * q1[i], v2[i] += g * q2[i];
+      }
+    });
+    bend_norms();
+    for (std::size_t i = 0; i < n; ++i) {
       const auto& J = bases_[i].gradient;
       const double M[3][3] = {{m0[i], m1[i], m2[i]}, {m1[i], m3[i], m4[i]}, {m2[i], m4[i], m5[i]}};
       double MJ[3][3];
-      for (std::size_t a = 0; a < 3; ++a)
-        for (std::size_t k = 0; k < 3; ++k)
-          MJ[a][k] = M[a][0] * J[0][k] + M[a][1] * J[1][k] + M[a][2] * J[2][k];
-      const auto entry = [&](std::size_t a, std::size_t k) {
+      for (int a = 0; a < 3; ++a)
+        for (int k = 0; k < 3; ++k)
+          MJ[a][k] = M[a][0] * J[0][std::size_t(k)] + M[a][1] * J[1][std::size_t(k)] +
+                     M[a][2] * J[2][std::size_t(k)];
+      const auto entry = [&](std::size_t a, int k) {
         return J[0][a] * MJ[0][k] + J[1][a] * MJ[1][k] + J[2][a] * MJ[2][k];
       };
       Basis right;
       for (std::size_t a = 0; a < 3; ++a) right[a] = -(J[0][a] * v0[i] + J[1][a] * v1[i] + J[2][a] * v2[i]);
-      system.add(limits_.at[i],
-                 {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)}, right);
+      system.add(at_[i], {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)},
+                 right);
     }
   }
-  const std::array<std::vector<double>, 3>& coefficients() const {
-    return limits_.component_end.empty() ? limits_.coefficient : aimed_;
+  void direction(double complementarity, const std::vector<double>& db, Steps& steps) {
+    if (empty()) return;
+    const std::size_t n = limits_.points;
+    const Real centre = Real(complementarity);
+    Real *d0 = step_.data(), *d1 = d0 + n, *d2 = d1 + n;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double* x = &db[at_[i]];
+      const auto& J = bases_[i].gradient;
+      d0[i] = Real(J[0][0] * x[0] + J[0][1] * x[1] + J[0][2] * x[2]);
+      d1[i] = Real(J[1][0] * x[0] + J[1][1] * x[1] + J[1][2] * x[2]);
+      d2[i] = Real(J[2][0] * x[0] + J[2][1] * x[1] + J[2][2] * x[2]);
+    }
+    Real primal = Real(steps.primal), dual = Real(steps.dual);
+    for_rows([&](std::size_t r, std::size_t begin) {
+      const Real *q0 = &coefficient_[0][begin], *q1 = &coefficient_[1][begin], *q2 = &coefficient_[2][begin];
+      const Real *value = &value_[begin], *sh = &high_.slack[begin], *lh = &high_.multiplier[begin];
+      const Real *sl = &low_.slack[begin], *ll = &low_.multiplier[begin], *scale = scale_.data();
+      Real *dsh = &high_.slack_step[begin], *dlh = &high_.multiplier_step[begin];
+      Real *dsl = &low_.slack_step[begin], *dll = &low_.multiplier_step[begin];
+      const Real low = Real(limits_.low[r]);
+      POLYARM_INDEPENDENT
+      for (std::size_t i = 0; i < n; ++i) {
+        const Real change = q0[i] * d0[i] + q1[i] * d1[i] + q2[i] * d2[i];
+        dsh[i] = scale[i] - value[i] - sh[i] - change;
+        dsl[i] = value[i] - low * scale[i] - sl[i] + change;
+        dlh[i] = (centre - lh[i] * dsh[i]) / sh[i] - lh[i];
+        dll[i] = (centre - ll[i] * dsl[i]) / sl[i] - ll[i];
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        const Real a = -dsh[i] / sh[i], b = -dsl[i] / sl[i], c = -dlh[i] / lh[i], d = -dll[i] / ll[i];
+        primal = primal > a ? primal : a;
+        primal = primal > b ? primal : b;
+        dual = dual > c ? dual : c;
+        dual = dual > d ? dual : d;
+      }
+    });
+    steps = {primal, dual};
   }
-  kernels::Row row(std::size_t r) {
-    const std::size_t begin = r * limits_.points;
-    const auto& q = coefficients();
-    return {limits_.points,       q[0].data() + begin,     q[1].data() + begin, q[2].data() + begin,
-            limits_.scale.data(), value_ + begin,          high_slack_ + begin, high_multiplier_ + begin,
-            low_slack_ + begin,   low_multiplier_ + begin, limits_.low[r]};
+  void go(double primal, double dual) {
+    for (Side* side : {&high_, &low_})
+      for (std::size_t i = 0; i < value_.size(); ++i) {
+        side->slack[i] += Real(primal) * side->slack_step[i];
+        side->multiplier[i] += Real(dual) * side->multiplier_step[i];
+      }
+  }
+
+ private:
+  template <typename Each>
+  void for_rows(Each each) const {
+    for (std::size_t r = 0; r < limits_.rows; ++r) each(r, r * limits_.points);
   }
   /// A norm's row: the components along where their vector points now.
   void aim_norms() {
@@ -291,13 +327,13 @@ class Rows {
         for (std::size_t c = from; c < limits_.component_end[r]; ++c) {
           const std::size_t at = c * limits_.points + i;
           double y = 0;
-          for (std::size_t a = 0; a < 3; ++a) y += limits_.component[a][at] * basis_[a * points_ + i];
+          for (std::size_t a = 0; a < 3; ++a) y += limits_.component[a][at] * bases_[i].value[a];
           square += y * y;
           for (std::size_t a = 0; a < 3; ++a) along[a] += y * limits_.component[a][at];
         }
         const double norm = std::sqrt(square);
         for (std::size_t a = 0; a < 3; ++a)
-          aimed_[a][r * limits_.points + i] = norm > 0 ? along[a] / norm : 0;
+          coefficient_[a][r * limits_.points + i] = Real(norm > 0 ? along[a] / norm : 0);
       }
   }
   /// A norm's curvature: |y| curves by (1 - n nᵀ)/|y|.
@@ -306,110 +342,158 @@ class Rows {
     std::size_t from = 0;
     for (std::size_t r = 0; r < limits_.component_end.size(); from = limits_.component_end[r++])
       for (std::size_t i = 0; i < n; ++i) {
-        const double w = high_multiplier_[r * n + i] / std::max(value_[r * n + i], 0.1 * limits_.scale[i]);
+        const double w =
+            high_.multiplier[r * n + i] / std::max(double(value_[r * n + i]), 0.1 * limits_.scale[i]);
         std::size_t at = 0;
         for (std::size_t a = 0; a < 3; ++a)
           for (std::size_t b = a; b < 3; ++b, ++at) {
-            double sum = -aimed_[a][r * n + i] * aimed_[b][r * n + i];
+            double sum = -double(coefficient_[a][r * n + i]) * double(coefficient_[b][r * n + i]);
             for (std::size_t c = from; c < limits_.component_end[r]; ++c)
               sum += limits_.component[a][c * n + i] * limits_.component[b][c * n + i];
-            sums_[at * n + i] += w * sum;
+            m_[at * n + i] += Real(w * sum);
           }
       }
   }
 
   const LimitRows& limits_;
-  LimitKind kind_;
-  const kernels::Set& loops_ = kernels::best();
-  std::size_t points_ = 0;
-  std::unique_ptr<double[]> room_;  // of the five lists
-  double *value_ = nullptr, *high_slack_ = nullptr, *high_multiplier_ = nullptr, *low_slack_ = nullptr,
-         *low_multiplier_ = nullptr;
-  std::vector<double> basis_, sums_;          // per point: three bases or their changes; nine sums
-  std::array<std::vector<double>, 3> aimed_;  // of norms
-  std::vector<Bases> bases_;                  // of jerks
+  RowKind kind_;
+  Side high_, low_;
+  std::vector<Real> value_, scale_, m_, step_;
+  std::array<std::vector<Real>, 3> coefficient_;
+  std::vector<Bases> bases_;
+  std::vector<std::size_t> at_;  // the place in the system of the first direction
 };
 
 }  // namespace
 
 class SpeedSolver::Solver {
  public:
-  Solver(const SpeedProblem& problem, std::vector<double>& b)
-      : p_(problem), b_(b), now_(problem.s, b), db_(b.size() + 4), system_(b.size()) {
-    rows_.emplace_back(p_.velocity, LimitKind::velocity);
-    for (const LimitRows* rows : {&p_.acceleration, &p_.norm_acceleration})
-      rows_.emplace_back(*rows, LimitKind::acceleration);
-    for (const LimitRows* rows : {&p_.jerk, &p_.norm_jerk, &p_.edge_jerk, &p_.norm_edge_jerk})
-      rows_.emplace_back(*rows, LimitKind::jerk);
+  Solver(const SpeedProblem& problem, NodeMotion& motion)
+      : motion_(motion), pieces_(motion), step_(motion.s.size() + 4), system_(motion.s.size()) {
+    rows_.emplace_back(problem.velocity, RowKind::velocity);
+    for (const LimitRows* rows : {&problem.acceleration, &problem.norm_acceleration})
+      rows_.emplace_back(*rows, RowKind::acceleration);
+    for (const LimitRows* rows : {&problem.jerk, &problem.norm_jerk})
+      rows_.emplace_back(*rows, RowKind::jerk);
+    pieces_.evaluate();
   }
 
-  SpeedSolution run(double precision, int most) {
+  void inherit(const Solver& before, const PointOrigins& origins) {
+    rows_[0].inherit(before.rows_[0], origins.velocity);
+    for (const std::size_t i : {1, 2}) rows_[i].inherit(before.rows_[i], origins.acceleration);
+    for (const std::size_t i : {3, 4}) rows_[i].inherit(before.rows_[i], origins.jerk);
+    again_ = true;
+  }
+  SpeedSolution run(double precision, double allowed, int most) {
     SpeedSolution out;
     std::size_t sides = 0;
-    std::vector<char> fresh;
-    for (Rows& r : rows_) fresh.push_back(!again_ | r.fit()), sides += r.sides();
-    if (sides == 0 || b_.size() < 3) return {0, true};
+    for (Rows& r : rows_) sides += r.sides();
+    for (int i = 0; i < 9 && pieces_.worst_gap() > 1e-6; ++i) pieces_.close();
     evaluate();
-    for (std::size_t i = 0; i < rows_.size(); ++i)
-      rows_[i].begin((again_ ? 0.01 : 0.3) * duration() / double(sides), again_ ? 0.005 : 0.05, !fresh[i]);
+    for (Rows& r : rows_)
+      r.begin((again_ ? kCentre * precision : 0.3) * pieces_.duration() / double(sides),
+              again_ ? kLeastSlack : 0.05, again_);
     again_ = true;
-    double keep = 0.2;
+    double keep = 0.2, last_residual = 1e9;
+    damping_ = 1, stuck_ = 0;
     for (; out.iterations < most; ++out.iterations) {
       double gap = 0, residual = 0;
-      for (Rows& r : rows_) r.measure(gap, residual);
-      out.converged = gap < precision * duration() && residual < 0.006;
+      for (const Rows& r : rows_)
+        gap += r.complementarity(), residual = std::max(residual, r.worst_residual());
+      out.converged = gap < precision * pieces_.duration() && residual < allowed;
       if (out.converged) break;
-      const double centre = keep * gap / double(sides);
+      // Steps that overshoot time and again: the rows' own curvature, which is left out.
+      if (residual > 2 * last_residual && residual > 0.1 * allowed)
+        damping_ = std::max(0.25, damping_ / 2);
+      else
+        damping_ = std::min(1.0, 1.3 * damping_);
+      last_residual = residual;
+      // Never nearer to the limits than asked for: what is best within that moves little with the scales.
+      const double centre = std::max(keep * gap, kCentre * precision * pieces_.duration()) / double(sides);
       system_.clear();
       add_duration();
-      for (Rows& r : rows_) r.assemble(centre, now_, system_);
-      system_.solve(b_.size() - 1, db_);
+      for (Rows& r : rows_) r.assemble(centre, system_);
+      system_.solve(pieces_.count() - 1, step_);
       keep = go(centre);
+      if (stuck_ > 2) break;
     }
+    for (int i = 0; i < 6 && pieces_.worst_gap() > 1e-13; ++i) pieces_.close();
     return out;
   }
+  const JerkPieces& pieces() const { return pieces_; }
 
  private:
   void evaluate() {
-    now_.evaluate();
-    for (Rows& r : rows_) r.evaluate(now_);
+    pieces_.find_directions();
+    for (Rows& r : rows_) r.evaluate(motion_, pieces_);
   }
-  double duration() const { return now_.duration(); }
   void add_duration() {
-    for (std::size_t k = 1; k < b_.size(); ++k) {
-      const double sum = now_.c[k - 1] + now_.c[k], bend = now_.intervals[k].time / sum;
-      const double low = now_.per_c[k - 1], high = now_.per_c[k];
-      const auto own = [&](double by) { return bend * 2 * by * by * by; };
-      system_.add(k,
-                  {2 * bend / sum * low * low + own(low), 2 * bend / sum * low * high, 0,
-                   2 * bend / sum * high * high + own(high), 0, 0},
-                  {bend * low, bend * high, 0});
+    for (std::size_t k = 1; k <= pieces_.count(); ++k) {
+      const JerkPiece& p = pieces_.piece(k);
+      const Moves moves = moves_at(pieces_, k);
+      const double low = pieces_.speed_by(k - 1), high = pieces_.speed_by(k);
+      const double sum = pieces_.speed(k - 1) + pieces_.speed(k), bend = p.time / sum;
+      // The curvature by b of 2Δs/(v₀ + v₁), which is that of the time but for what changes along a piece.
+      const double c00 = bend * (2 * low * low / sum + 2 * low * low * low),
+                   c01 = bend * 2 * low * high / sum;
+      const double c11 = bend * (2 * high * high / sum + 2 * high * high * high);
+      Basis right{}, one{}, two{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        one[i] = c00 * moves[0][i] + c01 * moves[2][i], two[i] = c01 * moves[0][i] + c11 * moves[2][i];
+        for (std::size_t n = 0; n < 4; ++n) right[i] -= p.time_by[n] * moves[n][i];
+      }
+      const auto entry = [&](std::size_t i, std::size_t j) {
+        return moves[0][i] * one[j] + moves[2][i] * two[j];
+      };
+      system_.add(k - 1, {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)},
+                  right);
     }
   }
   /// Takes the step; returns how much of the complementarity to keep next.
   double go(double centre) {
-    kernels::Decrease longest;
-    for (Rows& r : rows_) r.direction(centre, db_, now_, longest);
+    Steps longest;
+    for (Rows& r : rows_) r.direction(centre, step_, longest);
     double primal = longest.primal > 0.98 ? 0.98 / longest.primal : 1;
     const double dual = longest.dual > 0.98 ? 0.98 / longest.dual : 1;
-    for (std::size_t k = 1; k + 1 < b_.size(); ++k) {
-      const double change = db_[k + 1] / b_[k];
+    const std::size_t last = pieces_.count();
+    for (std::size_t k = 1; k < last; ++k) {
+      const double change = pieces_.change_of_b(k, &step_[1]) / motion_.b[k];
       if (change * primal < -0.7) primal = -0.7 / change;
       if (change * primal > 3) primal = 3 / change;
     }
-    for (std::size_t k = 1; k + 1 < b_.size(); ++k) b_[k] += primal * db_[k + 1];
-    for (Rows& r : rows_) r.go(centre, primal, dual);
+    primal *= damping_;
+    before_ = motion_;
+    for (int tries = 0;; ++tries, primal *= 0.3) {
+      for (std::size_t k = 1; k < last; ++k) {
+        motion_.b[k] = before_.b[k] + primal * pieces_.change_of_b(k, &step_[1]);
+        motion_.a[k] = before_.a[k] + primal * pieces_.change_of_a(k, &step_[1]);
+      }
+      pieces_.evaluate();
+      for (int i = 0; i < 3 && pieces_.worst_gap() > 1e-6; ++i) pieces_.close();
+      if (pieces_.sound()) {
+        stuck_ = 0;
+        break;
+      }
+      if (tries < 4) continue;
+      ++stuck_;
+      motion_ = before_, primal = 0;
+      pieces_.evaluate();
+      break;
+    }
+    for (Rows& r : rows_) r.go(primal, dual);
     evaluate();
     const double least = std::min(primal, dual);
     return least > 0.9 ? 0.05 : least > 0.6 ? 0.15 : least > 0.3 ? 0.3 : 0.6;
   }
 
-  const SpeedProblem& p_;
-  std::vector<double>& b_;
-  Speeds now_;
-  std::vector<double> db_;
+  NodeMotion& motion_;
+  NodeMotion before_;
+  JerkPieces pieces_;
+  std::vector<double> step_;
   FiveDiagonals system_;
   std::vector<Rows> rows_;
+  double damping_ = 1;  // of steps
+  int stuck_ = 0;       // steps that led nowhere
   bool again_ = false;
 };
 
@@ -417,16 +501,23 @@ void LimitRows::resize(std::size_t new_rows, std::size_t new_points) {
   rows = new_rows, points = new_points;
   for (auto& c : coefficient) c.assign(rows * points, 0.0);
   low.assign(rows, -1.0);
-  at.assign(points, 0);
   scale.assign(points, 1.0);
 }
 
-SpeedSolver::SpeedSolver(const SpeedProblem& problem, std::vector<double>& b)
-    : solver_(std::make_unique<Solver>(problem, b)) {}
+SpeedSolver::SpeedSolver(const SpeedProblem& problem, NodeMotion& motion)
+    : solver_(std::make_unique<Solver>(problem, motion)) {}
+SpeedSolver::SpeedSolver(const SpeedProblem& problem, NodeMotion& motion, const SpeedSolver& before,
+                         const PointOrigins& origins)
+    : SpeedSolver(problem, motion) {
+  solver_->inherit(*before.solver_, origins);
+}
 SpeedSolver::~SpeedSolver() = default;
 
-SpeedSolution SpeedSolver::improve(double precision, int most_iterations) {
-  return solver_->run(precision, most_iterations);
+SpeedSolution SpeedSolver::improve(double precision, double residual, int most_iterations) {
+  return solver_->run(precision, residual, most_iterations);
+}
+const JerkPieces& SpeedSolver::pieces() const {
+  return solver_->pieces();
 }
 
 }  // namespace polyarm::trajectory
