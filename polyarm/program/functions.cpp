@@ -263,6 +263,11 @@ std::vector<Function> all_functions() {
   return out;
 }
 
+/// Nothing is nothing in any unit.
+bool is_bare_zero(const Number& n) {
+  return n.dimension == Dimension::none && n.value == 0;
+}
+
 bool fits(Wanted wanted, const Value& value) {
   const Number* n = value.as_number();
   switch (wanted) {
@@ -271,9 +276,9 @@ bool fits(Wanted wanted, const Value& value) {
     case Wanted::number:
       return n != nullptr;
     case Wanted::length:
-      return n && n->dimension == Dimension::length;
+      return n && (n->dimension == Dimension::length || is_bare_zero(*n));
     case Wanted::angle:
-      return n && n->dimension == Dimension::angle;
+      return n && (n->dimension == Dimension::angle || is_bare_zero(*n));
     case Wanted::scalar:
       return n && n->dimension == Dimension::none;
     case Wanted::text:

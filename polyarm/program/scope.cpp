@@ -264,6 +264,10 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
     const auto& wanted = function.parameters[parameter];
     const Type& type = arguments[static_cast<std::size_t>(argument)];
     if (!surely_not(wanted.wanted, type)) return;
+    const Expression& given = *e.parts[static_cast<std::size_t>(argument)];
+    const data::Number* literal = given.kind == Expression::Kind::literal ? given.value.as_number() : nullptr;
+    if (literal && literal->value == 0 && (wanted.wanted == Wanted::length || wanted.wanted == Wanted::angle))
+      return;
     const bool bare = type.dimension == Dimension::none;
     error("bad-type", e.parts[static_cast<std::size_t>(argument)]->place,
           "'" + std::string(wanted.name) + "' of " + std::string(function.name) + "() is " +

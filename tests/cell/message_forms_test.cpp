@@ -165,7 +165,7 @@ TEST(MessageForms, RefusalsSayWhichKeyAndWhere) {
   says("joint_names: [a]\npoints:\n - position: [1]\n   time_from_start: 1", kTrajectory, "m.yaml:3");
   says("joint_names: [a]\npoints:\n - positions: [1]", kTrajectory, "no time_from_start");
   says("joint_names: [a]\npoints:\n - positions: [one]\n   time_from_start: 1", kTrajectory,
-       "m.yaml:3:16: error: 'one'");
+       "m.yaml:3:16: error: positions of point 1, a: 'one'");
   says("{joint_names: [a], points: [{positions: [1], time_from_start: {seconds: 1}}]}", kTrajectory,
        "'seconds' is not known");
   says("{joint_names: [a]}", kTrajectory, "no points");
