@@ -166,7 +166,7 @@ void Interpreter::stop() {
 /// The block `on stop`, once and for whatever reason the program has ended, when its robots stand.
 void Interpreter::step_clean_up(int& budget) {
   if (ended() || !host_.standing()) return;
-  Task* task = tasks_.back()->name == "on stop" ? tasks_.back().get() : nullptr;
+  Task* task = tasks_.back()->apart && tasks_.back()->shown ? tasks_.back().get() : nullptr;
   if (!task) task = &add_task("on stop", code_.on_stop, true);
   task->apart = true;
   run_task(*task, budget);

@@ -264,8 +264,8 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::load: {
       if (!arrived(task)) return;
       const LoadForm form = s.kind == Statement::Kind::import ? LoadForm::import : LoadForm::load;
-      task.handles = {host_.start_load(s.name, form, program_.at(s.place))};
       wait_for(task, WaitKind::load, s.name);
+      task.handles = {host_.start_load(s.name, form, program_.at(s.place))};
       break;
     }
     case Op::move:
@@ -298,6 +298,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       break;
     }
     case Op::hold: {
+      if (task.apart) wait_for(task, WaitKind::user);
       if (!arrived(task)) return;
       const std::string reason = step.a > 0 ? pop(task, step.place).text() : "the program holds";
       ++task.pc;
@@ -364,8 +365,8 @@ void Interpreter::ask(Task& task, const Step& step) {
   }
   if (!arrived(task)) return;
   const std::string text = pop(task, step.place).text();
-  task.handles = {host_.start_ask(text, program_.at(s.place))};
   wait_for(task, WaitKind::user, text);
+  task.handles = {host_.start_ask(text, program_.at(s.place))};
   ++task.pc;
 }
 

@@ -296,20 +296,27 @@ void parse_function(const Line& line, TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the parameters");
 }
 
-bool stands_in(const Openers& open, std::string_view word) {
-  return std::any_of(open.begin(), open.end(), [&](const Opener& o) { return o.word == word; });
+/// Whether one of the blocks around it, up to a `together`, is what `fits` says.
+template <typename Fits>
+bool stands_in(const Openers& open, Fits fits) {
+  for (auto opener = open.rbegin(); opener != open.rend(); ++opener) {
+    if (fits(*opener)) return true;
+    if (opener->word == "together") return false;
+  }
+  return false;
 }
 
 void parse_return(TokenCursor& cursor, Statement& out, const Openers& open) {
   out.kind = Kind::return_value;
-  if (!stands_in(open, "func"))
-    throw SyntaxError{"no-function", out.place, "'return' stands in no function", "write `stop` to end"};
+  if (!stands_in(open, [](const Opener& o) { return o.word == "func"; }))
+    throw SyntaxError{"no-function", out.place, "'return' stands in no function",
+                      "write `stop` to end; the statements of a 'together' are tasks of their own"};
   if (!cursor.at_end()) out.expression = cursor.expression();
   cursor.expect_end("the value");
 }
 
 bool in_handler(const Openers& open) {
-  return std::any_of(open.begin(), open.end(), [](const Opener& o) { return o.handles; });
+  return stands_in(open, [](const Opener& o) { return o.handles; });
 }
 
 void parse_raise(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
