@@ -41,11 +41,27 @@ std::string times(const Json& histogram) {
          microseconds(histogram["max_ns"]);
 }
 
+/// Of a component or a controller.
+std::string name_of(const Json& entry) {
+  return shown(entry.contains("component") ? entry["component"] : entry["controller"]);
+}
+
+void print_parts(const Json& parts) {
+  if (parts.empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& p : parts)
+    rows.push_back({name_of(p), p.contains("component") ? "component" : "controller",
+                    fmt::format("{:g} Hz", p["rate_hz"].get<double>()), shown(p["turns"]), times(p["cost"]),
+                    times(p["period"])});
+  fmt::print("\n");
+  print_table({"IN THE LOOP", "", "RATE", "TURNS", "COST p50, p99, max", "PERIOD"}, rows);
+}
+
 void print_threads(const Json& threads) {
   if (threads.empty()) return;
   std::vector<std::vector<std::string>> rows;
   for (const Json& t : threads)
-    rows.push_back({shown(t["component"]),
+    rows.push_back({name_of(t),
                     fmt::format("{:g} Hz{}", t["rate_hz"].get<double>(),
                                 t["own_clock"].get<bool>() ? "" : ", by the loop"),
                     shown(t["runs"]), shown(t["late"]), shown(t["missed"]), times(t["cost"]),
@@ -59,12 +75,14 @@ void print_health(const Json& h) {
   fmt::print("state     {}{}\n", shown(h["state"]), h["state"] == "running" ? "" : ": " + shown(h["cause"]));
   fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(),
              shown(h["cycles"]), shown(h["late"]), h["time_s"].get<double>());
-  for (const auto& [key, name] : {std::pair{"cost", "cost    "}, {"wake_up", "wake-up "}})
+  for (const auto& [key, name] :
+       {std::pair{"cost", "cost    "}, {"wake_up", "wake-up "}, {"period", "period  "}})
     fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]),
                microseconds(h[key]["p99_ns"]), microseconds(h[key]["max_ns"]));
   fmt::print("clamps    {}\n", shown(h["clamps"]));
   for (const Json& f : h["fallen"])
     fmt::print("fallen    {}: {}\n", shown(f["component"]), shown(f["cause"]));
+  print_parts(h["parts"]);
   print_threads(h["threads"]);
 }
 

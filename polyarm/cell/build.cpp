@@ -74,14 +74,14 @@ class Planner {
     planned.controller = controllers::make_controller(type, planned.context.parameters);
     planned.options.lock_step = lock_step_;
     planned.options.budget = file_.budget;
-    planned.options.divisor = robots_divisor(planned.context);
+    if (const double rate = robots_rate(planned.context); rate > 0) pace(planned.options, rate);
     plan_.controllers.push_back(std::move(planned));
     return plan_.controllers.back();
   }
 
-  /// Every how many cycles the robot runs whose joints the controller names first, else the one it belongs
-  /// to.
-  unsigned robots_divisor(const controllers::ControllerContext& context) const {
+  /// The rate, Hz, of the robot whose joints the controller names first, else of the one it belongs to; 0:
+  /// that of the loop.
+  double robots_rate(const controllers::ControllerContext& context) const {
     std::string owner = context.robot;
     bool names_any = false;
     for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names"}) {
@@ -95,10 +95,9 @@ class Planner {
       } catch (const Error&) {  // told when it is configured
       }
     }
-    Problems told;  // with the hardware
     for (const auto& robot : robots_)
-      if (names_any && robot->entry.name == owner) return divisor_of(*robot, loop_.options().period, told);
-    return 1;
+      if (names_any && robot->entry.name == owner) return robot->entry.rate;
+    return 0;
   }
 
   void from_files() {
@@ -121,16 +120,21 @@ class Planner {
     return entry.name;
   }
 
-  unsigned divisor(double rate, const ControllerEntry& entry) {
+  /// Every so many cycles, or where that is no whole number at times of its own.
+  void pace(control::LoadOptions& options, double rate) const {
+    const double exact = 1 / seconds(loop_.options().period) / rate;
+    options.divisor = static_cast<unsigned>(std::clamp(std::round(exact), 1.0, 1e6));
+    const bool whole = std::abs(exact - options.divisor) <= 1e-6 * exact;
+    options.period = whole || exact < 1 ? 0 : static_cast<Nanoseconds>(std::llround(1e9 / rate));
+  }
+
+  void pace(control::LoadOptions& options, double rate, const ControllerEntry& entry) {
     const double loop_rate = 1 / seconds(loop_.options().period);
-    if (rate <= 0) return 1;
-    const double exact = loop_rate / rate;
-    const auto out = static_cast<unsigned>(std::clamp(std::round(exact), 1.0, 1e6));
-    if (std::abs(exact - out) > 1e-6 * exact)
+    if (rate > loop_rate * (1 + 1e-6))
       observer_.on_note(
-          fmt::format("{}: {} Hz is no part of the {} Hz of the control loop; it is updated at {:.4g} Hz",
-                      entry.name, format_number(rate), format_number(loop_rate), loop_rate / out));
-    return out;
+          fmt::format("{}: {} Hz is more than the {} Hz of the control loop; it is updated at {} Hz",
+                      entry.name, format_number(rate), format_number(loop_rate), format_number(loop_rate)));
+    pace(options, rate);
   }
 
   void from_entry(const ControllerEntry& entry) {
@@ -152,7 +156,7 @@ class Planner {
     if (entry.type.find("JointTrajectoryController") != std::string::npos)
       keep_what_is_offered(entry, parameters);
     PlannedController& planned = add(entry.type, name_of(entry), robot_of(entry), std::move(parameters));
-    if (rate > 0) planned.options.divisor = divisor(rate, entry);
+    if (rate > 0) pace(planned.options, rate, entry);
     planned.options.async = entry.is_async;
     planned.options.fallback = entry.fallback_controllers;
     planned.options.thread.priority = 0;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "polyarm/base/file.hpp"
@@ -15,6 +14,7 @@
 #include "polyarm/cell/build.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
+#include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
 
@@ -55,6 +55,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   control::LoopOptions loop;
   loop.period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
   loop.limits = manager.enforce_command_limits;
+  loop.measure_parts = !options_.lock_step;
   loop.overrun = file_.loop.overrun;
   loop.overrun_after = file_.loop.overrun_after;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
@@ -271,7 +272,6 @@ void Cell::tell_overruns() {
 
 /// What the machine refused a component's thread, and that it is late: once.
 void Cell::tell_threads() {
-  using realtime::Refusal;
   hardware::Hardware& hardware = loop_->hardware();
   told_threads_.resize(hardware.size());
   for (std::int32_t who = 0; hardware.take_late(who);) {
@@ -288,17 +288,9 @@ void Cell::tell_threads() {
     const realtime::ThreadHealth* health = hardware.thread_health(i);
     const unsigned refused = health ? health->refused.load(std::memory_order_acquire) : 0;
     if (refused == 0 || std::exchange(told_threads_[i], 1)) continue;
-    const realtime::ThreadOptions& asked = hardware.thread_options(i);
-    if (refused & static_cast<unsigned>(Refusal::cpu))
-      observer_.on_note(
-          fmt::format("the thread of {} could not be pinned to processor {}: it runs on any; "
-                      "this machine has {}",
-                      hardware.component_name(i), asked.cpu, std::thread::hardware_concurrency()));
-    if (refused & static_cast<unsigned>(Refusal::priority))
-      observer_.on_note(
-          fmt::format("the thread of {} was refused real-time priority {}: it runs at ordinary "
-                      "priority; polyarm doctor names the command that permits it",
-                      hardware.component_name(i), asked.priority));
+    for (const std::string& text : realtime::refusals(refused, hardware.thread_options(i),
+                                                      "the thread of " + hardware.component_name(i)))
+      observer_.on_note(text);
   }
 }
 

@@ -128,9 +128,9 @@ const std::vector<Row>& rows() {
        interfaces_list},
       {{"health",
         {},
-        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, clamps, threads: "
-        "[{component, rate_hz, "
-        "own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause}]}",
+        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, period, clamps, parts: "
+        "[{component or controller, rate_hz, turns, cost, period}], threads: [{component or controller, "
+        "rate_hz, own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause}]}",
         "how the control loop is doing",
         false},
        health},

@@ -185,9 +185,20 @@ Json inputs_of(Cell& cell, const std::string& name) {
 }
 }  // namespace
 
+namespace {
+/// How often a second the component is read and written, and the controller updated.
+double rate_of(Cell& cell, const hardware::HostedInfo& info) {
+  return info.period > 0 ? 1 / seconds(info.period)
+                         : 1 / seconds(cell.loop().options().period) / info.divisor;
+}
+double rate_of(Cell& cell, const control::ListedController& controller) {
+  return controller.period > 0 ? 1 / seconds(controller.period)
+                               : 1 / seconds(cell.loop().options().period) / controller.divisor;
+}
+}  // namespace
+
 Poll control_list(Cell& cell, const Json&) {
   Json out = Json::array();
-  const double rate = 1 / seconds(cell.loop().options().period);
   for (const control::ListedController& c : cell.loop().controllers().list())
     out.push_back({{"name", c.name},
                    {"type", c.type},
@@ -195,7 +206,7 @@ Poll control_list(Cell& cell, const Json&) {
                    {"chained", c.chained},
                    {"async", c.async},
                    {"stale", c.stale},
-                   {"rate", rate / c.divisor},
+                   {"rate", rate_of(cell, c)},
                    {"updates", c.updates},
                    {"missed", c.missed},
                    {"claimed", c.claimed},
@@ -320,14 +331,6 @@ Poll control_recover(Cell& cell, const Json&) {
   request(cell, control::Request::recover);
   return at_once({{"asked", "recover"}});
 }
-
-namespace {
-/// How often a second the component is read and written.
-double rate_of(Cell& cell, const hardware::HostedInfo& info) {
-  return info.period > 0 ? 1 / seconds(info.period)
-                         : 1 / seconds(cell.loop().options().period) / info.divisor;
-}
-}  // namespace
 
 Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
@@ -481,42 +484,69 @@ Poll interfaces_list(Cell& cell, const Json&) {
   return at_once({{"states", states}, {"commands", commands}});
 }
 
+namespace {
+Json times(const realtime::Histogram& values) {
+  return {{"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
+}
+
+Json thread_of(const char* what, const std::string& name, double rate, bool own_clock,
+               const realtime::ThreadHealth& thread) {
+  return {{what, name},
+          {"rate_hz", rate},
+          {"own_clock", own_clock},
+          {"runs", std::uint64_t{thread.runs}},
+          {"late", std::uint64_t{thread.late}},
+          {"missed", std::uint64_t{thread.missed}},
+          {"cost", times(thread.cost)},
+          {"wake_up", times(thread.wake_up)},
+          {"period", times(thread.period)}};
+}
+
+/// What has its turns in the loop, as far as it has had any that were timed.
+void add_part(Json& parts, const char* what, const std::string& name, double rate,
+              const realtime::PartHealth& part) {
+  if (part.cost.count() == 0) return;
+  parts.push_back({{what, name},
+                   {"rate_hz", rate},
+                   {"turns", part.cost.count()},
+                   {"cost", times(part.cost)},
+                   {"period", times(part.period)}});
+}
+}  // namespace
+
 Poll health(Cell& cell, const Json&) {
   const control::Health& h = cell.loop().health();
   const control::Snapshot& seen = cell.snapshot();
-  const auto histogram = [](const realtime::Histogram& values) {
-    return Json{
-        {"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
-  };
-  Json threads = Json::array(), fallen = Json::array();
+  Json threads = Json::array(), parts = Json::array(), fallen = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
+    const std::string& name = hardware.component_name(i);
     if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
-      fallen.push_back({{"component", hardware.component_name(i)}, {"cause", control::name(seen.fallen[i])}});
-    const realtime::ThreadHealth* thread = hardware.thread_health(i);
-    if (!thread) continue;
+      fallen.push_back({{"component", name}, {"cause", control::name(seen.fallen[i])}});
     const hardware::HostedInfo info = hardware.info(i);
-    threads.push_back({{"component", info.name},
-                       {"rate_hz", rate_of(cell, info)},
-                       {"own_clock", info.period > 0},
-                       {"runs", std::uint64_t{thread->runs}},
-                       {"late", std::uint64_t{thread->late}},
-                       {"missed", std::uint64_t{thread->missed}},
-                       {"cost", histogram(thread->cost)},
-                       {"wake_up", histogram(thread->wake_up)},
-                       {"period", histogram(thread->period)}});
+    if (const realtime::ThreadHealth* thread = hardware.thread_health(i))
+      threads.push_back(thread_of("component", name, rate_of(cell, info), info.period > 0, *thread));
+    else
+      add_part(parts, "component", name, rate_of(cell, info), hardware.part_health(i));
   }
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    if (c.thread)
+      threads.push_back(thread_of("controller", c.name, rate_of(cell, c), false, *c.thread));
+    else
+      add_part(parts, "controller", c.name, rate_of(cell, c), *c.part);
   return at_once({{"state", control::name(seen.state)},
                   {"cause", control::name(seen.cause)},
                   {"standing", seen.standing},
+                  {"parts", parts},
                   {"threads", threads},
                   {"fallen", fallen},
                   {"time_s", seconds(seen.cycle.time)},
                   {"rate_hz", 1 / seconds(cell.loop().options().period)},
                   {"cycles", std::uint64_t{h.cycles}},
                   {"late", std::uint64_t{h.late}},
-                  {"cost", histogram(h.cost)},
-                  {"wake_up", histogram(h.wake_up)},
+                  {"cost", times(h.cost)},
+                  {"wake_up", times(h.wake_up)},
+                  {"period", times(h.period)},
                   {"clamps", cell.loop().limits().clamps()}});
 }
 

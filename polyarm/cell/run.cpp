@@ -11,6 +11,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
 
@@ -24,11 +25,13 @@ constexpr Nanoseconds kLoopSilence = 200'000'000;
 /// A stopped robot must stand within this time, or the run ends all the same.
 constexpr double kStopPatience = 6;
 
-/// A loop that does nothing, beside the real one: what the machine itself is late.
+/// A loop that does nothing, beside the real one and under its conditions (but for the processor, which two
+/// would share): what the machine itself is late.
 class EmptyLoop {
  public:
-  explicit EmptyLoop(Nanoseconds period)
-      : thread_([this, period] {
+  EmptyLoop(Nanoseconds period, realtime::ThreadOptions thread)
+      : thread_([this, period, thread] {
+          realtime::apply({thread.priority, -1, false});
           realtime::Periodic clock(period);
           for (clock.start(); !done_.load(std::memory_order_relaxed);) {
             const realtime::WakeUp wake = clock.wait();
@@ -115,7 +118,7 @@ class Runner {
     const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
     cell_.arming().announce();
     std::atomic<bool> done{false};
-    EmptyLoop empty(cell_.loop().options().period);
+    EmptyLoop empty(cell_.loop().options().period, thread_options());
     std::thread control([&] { control_thread(done); });
     realtime::Periodic clock(Cell::kTick);
     for (clock.start(); !over_;) {
@@ -124,13 +127,13 @@ class Runner {
       const hardware::Cycle seen = cell_.snapshot().cycle;
       if (door) door->serve(cell_.requests());
       watch_loop();
+      tell_refused();
       after_tick(seen.time + seen.period);
       while (const auto line = console_.line()) typed(*line);
     }
     done = true;
     control.join();
     late_empty_ = empty.finish();
-    if (*refused_) observer_.on_note(refused_);
   }
 
   std::unique_ptr<SocketDoor> open_door() {
@@ -145,13 +148,15 @@ class Runner {
     }
   }
 
-  void control_thread(const std::atomic<bool>& done) {
+  realtime::ThreadOptions thread_options() const {
     const LoopEntry& stated = cell_.file().loop;
-    const realtime::ThreadOptions thread{
-        options_.priority > 0 ? options_.priority : stated.priority,
-        options_.cpu >= 0 ? options_.cpu : stated.cpu,
-        stated.lock_memory.value_or(options_.priority + stated.priority > 0)};
-    refused_ = realtime::apply(thread);
+    return {options_.priority > 0 ? options_.priority : stated.priority,
+            options_.cpu >= 0 ? options_.cpu : stated.cpu,
+            stated.lock_memory.value_or(options_.priority + stated.priority > 0)};
+  }
+
+  void control_thread(const std::atomic<bool>& done) {
+    refused_.store(realtime::apply_each(thread_options()), std::memory_order_release);
     control::ControlLoop& loop = cell_.loop();
     realtime::Periodic clock(loop.options().period);
     for (clock.start(); !done.load(std::memory_order_relaxed);) {
@@ -159,6 +164,13 @@ class Runner {
       const realtime::WakeUp wake = paced ? clock.woken() : clock.wait();
       loop.step_next(loop.woke(wake.latency, wake.skipped));
     }
+  }
+
+  /// What the machine did not permit the control thread: at once, and once.
+  void tell_refused() {
+    for (const std::string& text : realtime::refusals(refused_.exchange(0, std::memory_order_acquire),
+                                                      thread_options(), "the control thread"))
+      observer_.on_note(text);
   }
 
   /// The loop watches the cell thread; here the cell thread watches the loop, and can only tell.
@@ -312,7 +324,7 @@ class Runner {
   control::RunState told_state_ = control::RunState::running;
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
-  const char* refused_ = "";
+  std::atomic<unsigned> refused_{0};
   std::uint64_t seen_cycles_ = 0;
   Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
   bool loop_silent_ = false;

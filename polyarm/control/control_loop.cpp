@@ -48,6 +48,8 @@ std::shared_ptr<ControlLoop::TakeBlackBox> ControlLoop::take_black_box() {
 ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
   cycle_.period = options.period;
   controllers_.set_cycle(cycle_);
+  controllers_.measure(options.measure_parts);
+  hardware_.measure(options.measure_parts);
 }
 
 void ControlLoop::start_hardware() {
@@ -98,15 +100,28 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
     if (hardware_.take_restarted(i))
       limits_.forget(hardware_.commands_of(i).first, hardware_.commands_of(i).second);
   if (options_.limits) {
-    limits_.restrict(table_.commands(), table_.states(), cycle.index);  // the last word before the wire
-    if (limits_.fault() >= 0) supervisor_.raise(StopCause::limits, limits_.fault());
+    const RunState now = supervisor_.state();  // held is held, whatever is commanded
+    const bool still = now == RunState::held || (now == RunState::fault && controllers_.standing());
+    limits_.restrict(table_.commands(), table_.states(), cycle.index,
+                     still);  // the last word before the wire
+    for (const std::int32_t command : limits_.faults())
+      if (!fell_alone(hardware_.component_of_command(static_cast<std::size_t>(command)),
+                      hardware::FaultKind::outside, command))
+        supervisor_.raise(StopCause::limits, command);
   }
-  if (const hardware::Fault failed = hardware_.write(cycle)) {
-    if (take_off_failed(cycle)) supervisor_.raise(cause_of(failed), failed.component);
-  }
-  if (controllers_.failed() >= 0) supervisor_.raise(StopCause::controller, controllers_.failed());
+  for (const ControllerManager::Failure& failure : controllers_.failures())
+    if (!fell_alone(failure.component, hardware::FaultKind::controller, -1))
+      supervisor_.raise(StopCause::controller, failure.controller);
+  const hardware::Fault failed = hardware_.write(cycle);
+  if (take_off_failed(cycle) && failed) supervisor_.raise(cause_of(failed), failed.component);
   if (options_.publish) publish(cycle, request);  // snapshot, and the ring of cycle records
   return verdict;
+}
+
+bool ControlLoop::fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept {
+  if (component < 0 || !controllers_.contains(static_cast<std::size_t>(component))) return false;
+  hardware_.fail_for(static_cast<std::size_t>(component), kind, what);
+  return true;
 }
 
 bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
@@ -122,6 +137,7 @@ bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
 
 bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
   const bool late = latency > options_.period / 2 || skipped > 0;
+  paced_ = true;
   health_.wake_up.add(latency);
   health_.late += (latency > options_.period / 2 ? 1 : 0) + skipped;
   late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
@@ -137,6 +153,8 @@ bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
 
 controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
   const Nanoseconds before = options_.measure ? realtime::monotonic_now() : 0;
+  if (paced_ && began_ > 0) health_.period.add(before - began_);
+  began_ = before;
   const controllers::Verdict verdict = step(cycle_, gap);
   if (options_.measure) health_.cost.add(realtime::monotonic_now() - before);
   ++health_.cycles;

@@ -71,6 +71,7 @@ struct Health {
   realtime::Counter late;       ///< cycles that woke more than half a period late or were skipped whole
   realtime::Histogram cost;     ///< of step(), ns
   realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
+  realtime::Histogram period;   ///< between the beginnings of two cycles, ns; empty in lock-step
 };
 
 /// What follows when cycles are late one after the other: it is counted; the robot stops on its path and is
@@ -80,8 +81,9 @@ enum class Overrun : std::uint8_t { report, hold, fault };
 struct LoopOptions {
   Nanoseconds period = 1'000'000;
   std::size_t black_box_rows = 10'000;
-  bool measure = true;  ///< measure the cost of each cycle
-  bool limits = true;   ///< restrict commands; off only to measure what that costs
+  bool measure = true;         ///< measure the cost of each cycle
+  bool measure_parts = false;  ///< and of each component and controller in it
+  bool limits = true;          ///< restrict commands; off only to measure what that costs
   Overrun overrun = Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row
   bool publish = true;          ///< snapshot and cycle records; off only to measure what that costs
@@ -142,6 +144,8 @@ class ControlLoop {
 
  private:
   void publish(const hardware::Cycle& cycle, Request request) noexcept;
+  /// Takes the group of the component off where its fault concerns no other; false where it concerns all.
+  bool fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept;
   /// Stops the controllers of what has failed. Returns whether the fault concerns the whole loop.
   bool take_off_failed(const hardware::Cycle& cycle) noexcept;
 
@@ -160,6 +164,8 @@ class ControlLoop {
   realtime::Latest<Snapshot> outbox_;
   hardware::Cycle cycle_;
   unsigned late_in_a_row_ = 0;
+  bool paced_ = false;
+  Nanoseconds began_ = 0;  // the last cycle, on the wall clock
 };
 
 /// The box is empty before the job is done, and then what the loop had recorded.

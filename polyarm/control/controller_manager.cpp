@@ -95,7 +95,8 @@ void ControllerManager::load(std::unique_ptr<controllers::Controller> controller
   slot->options = std::move(options);
   slot->options.divisor = std::max(1u, slot->options.divisor);
   context.loop_period = context.period;
-  context.period *= slot->options.divisor;
+  if (slot->options.period <= context.period) slot->options.period = 0;
+  context.period = slot->options.period > 0 ? slot->options.period : context.period * slot->options.divisor;
   slot->context = std::move(context);
   slots_.push_back(std::move(slot));
 }
@@ -157,6 +158,18 @@ void ControllerManager::withdraw(Slot& s) {
   for (const std::string& state : s.controller->exported_states()) table_.remove_state(state);
 }
 
+namespace {
+/// Does the command move its joint until it is taken back?
+bool pushes(const std::string& command, const controllers::ControllerContext& context) {
+  const auto slash = command.rfind('/');
+  if (slash == std::string::npos || !context.find_joint(std::string_view(command).substr(0, slash)))
+    return false;
+  const std::string_view kind = std::string_view(command).substr(slash + 1);
+  return kind == "velocity" || kind == "acceleration" || kind == "effort" || kind == "force" ||
+         kind == "torque";
+}
+}  // namespace
+
 void ControllerManager::bind(Slot& s) {
   controllers::Controller& c = *s.controller;
   const auto commands = [&](const std::vector<std::string>& names) {
@@ -177,6 +190,9 @@ void ControllerManager::bind(Slot& s) {
   s.commands = bindings.command;
   s.exported = bindings.exported;
   s.references = bindings.reference;
+  s.pushes.clear();
+  for (std::size_t k = 0; k < s.commands.size(); ++k)
+    if (pushes(c.command_interfaces()[k], s.context)) s.pushes.push_back(s.commands[k]);
   if (s.options.async) {  // it works on copies
     s.own_states.assign(table_.states().begin(), table_.states().end());
     s.own_commands.assign(table_.commands().begin(), table_.commands().end());
@@ -199,7 +215,7 @@ void ControllerManager::make_runner(Slot& s) {
                               std::memory_order_release);
         if (own->own_stop.exchange(false)) own->controller->on_deactivate(own->own_cycle);
       },
-      s.options.lock_step, s.options.thread);
+      s.options.lock_step, s.options.thread, s.context.period);
 }
 
 void ControllerManager::add(std::unique_ptr<controllers::Controller> controller,
@@ -392,6 +408,14 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::commit_of(const Sw
   for (const std::string& name : plan.start) commit->start.push_back(&slot(name));
   for (const std::string& name : plan.chained) commit->chains.emplace_back(&slot(name), true);
   for (const std::string& name : plan.unchained) commit->chains.emplace_back(&slot(name), false);
+  const auto taken_over = [&](std::size_t command) {
+    return std::any_of(commit->start.begin(), commit->start.end(), [&](const Slot* s) {
+      return std::find(s->commands.begin(), s->commands.end(), command) != s->commands.end();
+    });
+  };
+  for (const Slot* s : commit->stop)
+    for (const std::size_t command : s->pushes)
+      if (!taken_over(command)) commit->left.push_back(command);
   commit->start_interfaces = plan.start_interfaces;
   commit->stop_interfaces = plan.stop_interfaces;
   return commit;
@@ -422,6 +446,29 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std:
   return commit_of(plan);
 }
 
+/// A component of the only group that these command, or where they command none, that they read; -1: there is
+/// none, or there are several.
+int ControllerManager::home_of(std::span<const ControllerView> chain) const {
+  int home = -1;
+  for (const bool commands : {true, false}) {
+    for (const ControllerView& view : chain)
+      for (const std::string& claim : commands ? view.commands : view.states) {
+        const auto index = commands ? table_.find_command(claim) : table_.find_state(claim);
+        const int component = !index     ? -1
+                              : commands ? hardware_.component_of_command(*index)
+                                         : hardware_.component_of_state(*index);
+        if (component < 0) continue;  // of another controller
+        if (home < 0) home = component;
+        const std::string& group = hardware_.group(static_cast<std::size_t>(home));
+        if (component != home &&
+            (group.empty() || hardware_.group(static_cast<std::size_t>(component)) != group))
+          return -1;
+      }
+    if (home >= 0) break;
+  }
+  return home;
+}
+
 /// Does the controller command a component that does not fail together with this one?
 bool ControllerManager::commands_beyond(const ControllerView& view, std::size_t component) const {
   return std::any_of(view.commands.begin(), view.commands.end(), [&](const std::string& claim) {
@@ -448,9 +495,14 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     all[i].state = active[i] ? LifecycleState::active : LifecycleState::inactive;
   }
   auto out = std::make_unique<Schedule>();
-  for (const std::size_t i : update_order(all))
+  for (const std::size_t i : update_order(all)) {
+    std::vector<ControllerView> chain;
+    for (const std::size_t k : chain_of(all, i, active)) chain.push_back(all[k]);
     out->entries.push_back({slots[i], slots[i]->controller.get(), slots[i]->options.divisor,
-                            active[i] ? fall_of(slots, all, active, i) : nullptr});
+                            slots[i]->options.period, active[i] ? fall_of(slots, all, active, i) : nullptr,
+                            active[i] ? home_of(chain) : -1});
+  }
+  out->failures.reserve(out->entries.size());
   for (std::size_t c = 0; c < hardware_.size(); ++c) {
     SwitchRequest request;
     std::vector<bool> falls(slots.size(), false);
@@ -514,8 +566,11 @@ std::vector<ListedController> ControllerManager::list() const {
     listed.async = s->options.async;
     listed.stale = listed.state == LifecycleState::active && c.command_watch().stale();
     listed.divisor = s->options.divisor;
+    listed.period = s->options.period;
     listed.updates = s->updates.load();
     listed.missed = s->runner ? s->runner->missed() : 0;
+    listed.thread = s->runner ? &s->runner->health() : nullptr;
+    listed.part = &s->part;
     listed.required_commands = c.command_interfaces();
     listed.required_states = c.state_interfaces();
     if (listed.state == LifecycleState::active) listed.claimed = listed.required_commands;

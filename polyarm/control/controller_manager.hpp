@@ -1,6 +1,7 @@
 #pragma once
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,10 @@ namespace polyarm::control {
 
 /// How a controller is kept.
 struct LoadOptions {
-  unsigned divisor = 1;    ///< it is updated every so many cycles
+  unsigned divisor = 1;  ///< it is updated every so many cycles
+  /// Where its rate is no part of the loop's, ns: it is updated in the first cycle that does not begin before
+  /// a whole multiple of this, so that rounding up to a cycle does not add up; 0: by the divisor.
+  Nanoseconds period = 0;
   bool async = false;      ///< on a thread of its own
   bool lock_step = false;  ///< async work is done inline, its result one period later
   realtime::ThreadOptions thread = {};
@@ -45,7 +49,10 @@ struct ListedController {
   bool chained = false, async = false;
   bool stale = false;  ///< its last command has grown old
   unsigned divisor = 1;
+  Nanoseconds period = 0;  ///< where its rate is no part of the loop's
   std::uint64_t updates = 0, missed = 0;
+  const realtime::ThreadHealth* thread = nullptr;  ///< of one that has a thread
+  const realtime::PartHealth* part = nullptr;      ///< what its updates in the loop cost; where measured
   std::vector<std::string> claimed, required_commands, required_states, references, exported, fallback;
 };
 
@@ -107,6 +114,8 @@ class ControllerManager {
 
   /// Before the loop runs: the cycle at which controllers that start at once do so.
   void set_cycle(const hardware::Cycle& cycle) { now_ = cycle; }
+  /// Before the loop runs: whether each controller is timed in each cycle.
+  void measure(bool on) noexcept { measuring_ = on; }
 
   // --- control thread ---
   void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
@@ -116,8 +125,14 @@ class ControllerManager {
   bool contains(std::size_t component) const noexcept;
   /// True when no active controller asks for motion.
   bool standing() const noexcept;
-  /// Id of the controller whose update failed in this cycle with nobody to take its place, else -1.
-  int failed() const noexcept { return failed_; }
+  /// A controller whose update failed with nobody to take its place.
+  struct Failure {
+    int controller = -1;  ///< its id
+    int component =
+        -1;  ///< one of the only group of components that it works on; -1: there are several, or none
+  };
+  /// Those of this cycle.
+  std::span<const Failure> failures() const noexcept;
 
  private:
   struct Slot;
@@ -138,6 +153,7 @@ class ControllerManager {
   std::unique_ptr<Commit> fall_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
                                   const std::vector<bool>& active, std::size_t who) const;
   std::vector<std::string> active_names() const;
+  int home_of(std::span<const ControllerView> chain) const;
   bool commands_beyond(const ControllerView& view, std::size_t component) const;
   void post_schedule();
 
@@ -149,6 +165,7 @@ class ControllerManager {
   void start(Slot& slot, const hardware::Cycle& cycle, Commit& commit) noexcept;
   void stop(Slot& slot, const hardware::Cycle& cycle) noexcept;
   void execute(Commit& commit, const hardware::Cycle& cycle) noexcept;
+  void let_go(const Commit& commit) noexcept;
   void fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept;
 
   hardware::InterfaceTable& table_;
@@ -165,7 +182,7 @@ class ControllerManager {
   std::unique_ptr<Schedule> schedule_;
   hardware::Cycle now_;
   std::uint64_t epoch_ = 0;  // counts what the loop did by itself
-  int failed_ = -1;
+  bool measuring_ = false;
 };
 
 /// A switch on its way.

@@ -33,6 +33,15 @@ controllers::LimiterSettings settings_of(const controllers::JointFacts& joint) {
   if (joint.soft) out.soft_limits = *joint.soft;
   return out;
 }
+/// How far a velocity may take a joint that stands still, rad or m: what a controller needs that corrects.
+constexpr double kStillBand = 0.02;
+
+/// Does the velocity take a joint that stands still, and is `off` from where it stood, out of its band?
+/// Without a measured position (NaN) any velocity does.
+bool leads_away(double velocity, double off) noexcept {
+  if (velocity == 0) return false;
+  return !(std::abs(off) <= kStillBand) && !(velocity * off < 0);
+}
 }  // namespace
 
 void CommandLimits::add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint,
@@ -49,7 +58,7 @@ void CommandLimits::add(const hardware::InterfaceTable& table, const controllers
     plain_.push_back({index, position, settings.lower, settings.upper, settings.velocity * dt_, kNone});
   else
     full_.push_back(
-        {index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone});
+        {index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone, kNone});
 }
 
 void CommandLimits::build(const hardware::InterfaceTable& table,
@@ -58,7 +67,7 @@ void CommandLimits::build(const hardware::InterfaceTable& table,
   full_.clear();
   names_.clear();
   place_.assign(table.commands().size(), -1);
-  fault_ = -1;
+  still_ = false;
   dt_ = seconds(period);
   for (const controllers::JointFacts& joint : joints) {
     add(table, joint, "position", Quantity::position);
@@ -66,6 +75,8 @@ void CommandLimits::build(const hardware::InterfaceTable& table,
     add(table, joint, "acceleration", Quantity::acceleration);
     add(table, joint, "effort", Quantity::effort);
   }
+  faults_.clear();
+  faults_.reserve(names_.size());
   records_ = std::make_unique<Record[]>(names_.size() * controllers::kLimits);
 }
 
@@ -81,7 +92,7 @@ void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit
 }
 
 void CommandLimits::one(Full& f, double share, std::span<double> commands, std::span<const double> states,
-                        std::uint64_t cycle) noexcept {
+                        std::uint64_t cycle, bool still) noexcept {
   const double asked = commands[f.command];
   if (std::isnan(asked) && std::isnan(f.given)) return;  // never commanded
   const auto state = [&](std::int32_t place) {
@@ -99,11 +110,14 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
       }
       const double speed = (f.given - f.before) / dt_;
       allowed = controllers::allow_position(settings, now, asked, f.given, speed, dt_);
+      if (still && allowed.value != f.given) allowed = {f.given, Limit::held, allowed.fault};
       break;
     }
     case Quantity::velocity:
       if (std::isnan(f.given)) f.given = std::isfinite(now.velocity) ? now.velocity : 0;
       allowed = controllers::allow_velocity(settings, now, asked, f.given, dt_);
+      if (still && leads_away(allowed.value, now.position - f.stood))
+        allowed = {0, Limit::held, allowed.fault};
       break;
     case Quantity::acceleration:
       allowed = controllers::allow_acceleration(settings, now, asked, f.given, dt_);
@@ -125,29 +139,36 @@ void CommandLimits::forget(std::size_t first, std::size_t count) noexcept {
     if (f.command >= first && f.command < first + count) f.given = f.before = kNone;
 }
 
-void CommandLimits::restrict(std::span<double> commands, std::span<const double> states,
-                             std::uint64_t cycle) noexcept {
+void CommandLimits::one(Plain& p, double share, std::span<double> commands, std::span<const double> states,
+                        std::uint64_t cycle, bool still) noexcept {
+  const double asked = commands[p.command];
+  if (std::isnan(asked) && std::isnan(p.given)) return;  // never commanded
+  const double at = p.state >= 0 ? states[static_cast<std::size_t>(p.state)] : kNone;
+  if (std::isnan(p.given)) p.given = std::isfinite(at) ? at : asked;
+  judge(p.command, at > p.upper + controllers::kFaultBeyond || at < p.lower - controllers::kFaultBeyond,
+        p.outside);
+  double given = std::isfinite(asked) ? asked : p.given;
+  const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
+  given = still ? p.given : std::clamp(inside, p.given - p.step * share, p.given + p.step * share);
+  if (given != asked)
+    note(cycle, p.command,
+         !std::isfinite(asked) ? Limit::not_a_number
+         : still               ? Limit::held
+         : given != inside     ? Limit::velocity
+                               : Limit::position,
+         asked, given);
+  commands[p.command] = p.given = given;
+}
+
+void CommandLimits::restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle,
+                             bool still) noexcept {
   const double share = share_.load(std::memory_order_relaxed);
-  fault_ = -1;
-  for (Plain& p : plain_) {
-    const double asked = commands[p.command];
-    if (std::isnan(asked) && std::isnan(p.given)) continue;  // never commanded
-    const double at = p.state >= 0 ? states[static_cast<std::size_t>(p.state)] : kNone;
-    if (std::isnan(p.given)) p.given = std::isfinite(at) ? at : asked;
-    judge(p.command, at > p.upper + controllers::kFaultBeyond || at < p.lower - controllers::kFaultBeyond,
-          p.outside);
-    double given = std::isfinite(asked) ? asked : p.given;
-    const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
-    given = std::clamp(inside, p.given - p.step * share, p.given + p.step * share);
-    if (given != asked)
-      note(cycle, p.command,
-           !std::isfinite(asked) ? Limit::not_a_number
-           : given != inside     ? Limit::velocity
-                                 : Limit::position,
-           asked, given);
-    commands[p.command] = p.given = given;
-  }
-  for (Full& f : full_) one(f, share, commands, states, cycle);
+  faults_.clear();
+  if (still && !still_)
+    for (Full& f : full_) f.stood = f.position < 0 ? kNone : states[static_cast<std::size_t>(f.position)];
+  still_ = still;
+  for (Plain& p : plain_) one(p, share, commands, states, cycle, still);
+  for (Full& f : full_) one(f, share, commands, states, cycle, still);
 }
 
 std::vector<Clamp> CommandLimits::report() const {

@@ -23,20 +23,24 @@ struct Clamp {
 /// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is
 /// no number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can
 /// be read while the loop runs. A joint that is commanded a position or a velocity and is measured far
-/// outside its limits is a fault; it is told when it gets there, so that it can be brought back. restrict():
-/// control thread; build(): before the loop runs; report(): any thread.
+/// outside its limits is a fault; it is told when it gets there, so that it can be brought back. While the
+/// loop stands still, positions stay where they were commanded last, and velocities may only lead back to
+/// where a joint stood when that began: what a controller that follows no stop commands, does not arrive.
+/// restrict(): control thread; build(): before the loop runs; report(): any thread.
 class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
-  void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle) noexcept;
+  /// `still`: the loop is held, or at fault and no controller says that it still slows down.
+  void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle,
+                bool still = false) noexcept;
   /// What was commanded on these interfaces so far says nothing about where their joints are. Control thread.
   void forget(std::size_t first, std::size_t count) noexcept;
   /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
-  /// The command whose joint was found far outside its limits in the last restrict(), and not in the one
-  /// before; -1: none. Control thread.
-  std::int32_t fault() const noexcept { return fault_; }
+  /// The commands whose joints were found far outside their limits in the last restrict(), and not in the one
+  /// before. Control thread.
+  std::span<const std::int32_t> faults() const noexcept { return faults_; }
   /// All clamps so far.
   std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
   /// Those that happened, newest first.
@@ -58,6 +62,7 @@ class CommandLimits {
     Quantity quantity;
     controllers::LimiterSettings settings;
     double given, before;
+    double stood;  // where it was measured when the loop came to stand still
     bool outside = false;
   };
   struct Record {
@@ -66,13 +71,15 @@ class CommandLimits {
   };
   void add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint, const char* quantity,
            Quantity kind);
+  void one(Plain& p, double share, std::span<double> commands, std::span<const double> states,
+           std::uint64_t cycle, bool still) noexcept;
   void one(Full& f, double share, std::span<double> commands, std::span<const double> states,
-           std::uint64_t cycle) noexcept;
+           std::uint64_t cycle, bool still) noexcept;
   void note(std::uint64_t cycle, std::uint32_t command, controllers::Limit limit, double asked,
             double given) noexcept;
   /// Tells of a joint that was not far outside before.
   void judge(std::uint32_t command, bool far_outside, bool& outside) noexcept {
-    if (far_outside && !outside) fault_ = static_cast<std::int32_t>(command);
+    if (far_outside && !outside) faults_.push_back(static_cast<std::int32_t>(command));  // room is reserved
     outside = far_outside;
   }
 
@@ -80,7 +87,8 @@ class CommandLimits {
   std::vector<Full> full_;
   double dt_ = 1e-3;
   std::atomic<double> share_{1};
-  std::int32_t fault_ = -1;
+  bool still_ = false;
+  std::vector<std::int32_t> faults_;
   std::vector<std::string> names_;     // of the limited commands
   std::vector<std::int32_t> place_;    // of each command in names_
   std::unique_ptr<Record[]> records_;  // kLimits for each name

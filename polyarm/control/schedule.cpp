@@ -1,5 +1,8 @@
 #include "polyarm/control/schedule.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace polyarm::control {
 
 using controllers::CallbackReturn;
@@ -9,6 +12,18 @@ using hardware::LifecycleState;
 namespace {
 void copy_some(const std::vector<std::size_t>& which, std::span<const double> from, std::span<double> to) {
   for (const std::size_t i : which) to[i] = from[i];
+}
+
+/// Is it the turn of what has a rate of its own?
+bool is_due(unsigned divisor, Nanoseconds period, const hardware::Cycle& cycle) noexcept {
+  if (period == 0) return cycle.index % divisor == 0;
+  const Nanoseconds last = cycle.time - cycle.period;
+  return last < 0 || cycle.time / period != last / period;
+}
+/// The cycle as what has a rate of its own sees it.
+hardware::Cycle longer(hardware::Cycle cycle, unsigned divisor, Nanoseconds period) noexcept {
+  cycle.period = period > 0 ? period : cycle.period * divisor;
+  return cycle;
 }
 }  // namespace
 
@@ -38,9 +53,10 @@ ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
 }
 
 void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
-  failed_ = -1;
   now_ = cycle;
   jobs_.run_one();
+  schedule_->failures.clear();
+  realtime::Laps laps(measuring_);
   for (Schedule::Entry& entry : schedule_->entries) {
     Slot& s = *entry.slot;
     if (!s.active) {
@@ -48,21 +64,21 @@ void ControllerManager::update(const hardware::Cycle& cycle, const controllers::
       continue;
     }
     ReturnType result;
-    if (entry.divisor == 1) {
+    if (entry.divisor == 1 && entry.period == 0) {
       result = run(s, cycle, verdict);
     } else {
-      if (cycle.index % entry.divisor != 0) continue;
-      hardware::Cycle longer = cycle;
-      longer.period *= entry.divisor;
-      result = run(s, longer, verdict);
+      if (!is_due(entry.divisor, entry.period, cycle)) continue;
+      result = run(s, longer(cycle, entry.divisor, entry.period), verdict);
     }
+    const Nanoseconds began = laps.began(), took = laps.next();
+    if (laps.on() && !s.runner) s.part.note(began, took);
     s.updates.store(s.updates.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
     if (s.controller->command_watch().take_news())
       events_.push({LoopEvent::Kind::commands_stale, s.id, cycle.index});
     if (result == ReturnType::ok || !entry.fall) continue;
     const bool somebody_takes_over = !entry.fall->start.empty();
     fall(*entry.fall, &s, cycle);
-    if (!somebody_takes_over || entry.fall->refused) failed_ = s.id;
+    if (!somebody_takes_over || entry.fall->refused) schedule_->failures.push_back({s.id, entry.home});
   }
 }
 
@@ -77,10 +93,10 @@ void ControllerManager::start(Slot& s, const hardware::Cycle& cycle, Commit& com
     std::copy(table_.commands().begin(), table_.commands().end(), s.own_commands.begin());
     s.own_result.store(ReturnType::ok);
     s.own_stop.store(false);
+    s.runner->forgive();
   }
-  hardware::Cycle longer = cycle;
-  longer.period *= s.options.divisor;
-  if (s.controller->on_activate(longer) != CallbackReturn::success) {
+  if (s.controller->on_activate(longer(cycle, s.options.divisor, s.options.period)) !=
+      CallbackReturn::success) {
     if (!commit.refused) commit.refused = &s;
     return;
   }
@@ -92,6 +108,7 @@ void ControllerManager::start(Slot& s, const hardware::Cycle& cycle, Commit& com
 void ControllerManager::stop(Slot& s, const hardware::Cycle& cycle) noexcept {
   if (!s.active) return;
   s.active = false;
+  s.part.pause();
   if (s.runner && !s.runner->idle()) {
     s.own_stop.store(true);  // its thread says good-bye when it is through
   } else {
@@ -112,6 +129,23 @@ void ControllerManager::execute(Commit& commit, const hardware::Cycle& cycle) no
     hardware_.perform_mode_switch(commit.start_interfaces, commit.stop_interfaces);
   for (Slot* s : commit.start)
     if (!commit.refused) start(*s, cycle, commit);
+  let_go(commit);
+}
+
+/// A velocity or an effort that nobody commands any more ends: a joint would go on with it for ever.
+void ControllerManager::let_go(const Commit& commit) noexcept {
+  const std::span<double> commands = table_.commands();
+  const auto end = [&](std::size_t i) {
+    if (std::isfinite(commands[i])) commands[i] = 0;
+  };
+  for (const std::size_t i : commit.left) end(i);
+  if (!commit.refused) return;
+  for (const Slot* s : commit.start)  // what was to take over did not
+    if (!s->active) std::for_each(s->pushes.begin(), s->pushes.end(), end);
+}
+
+std::span<const ControllerManager::Failure> ControllerManager::failures() const noexcept {
+  return schedule_->failures;
 }
 
 void ControllerManager::fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept {

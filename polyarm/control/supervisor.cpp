@@ -41,6 +41,10 @@ StopCause cause_of(const hardware::Fault& fault) noexcept {
       return StopCause::not_following;
     case FaultKind::late:
       return StopCause::late;
+    case FaultKind::outside:
+      return StopCause::limits;
+    case FaultKind::controller:
+      return StopCause::controller;
     default:
       return StopCause::component;
   }

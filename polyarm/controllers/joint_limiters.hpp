@@ -23,8 +23,9 @@ enum class Limit : std::uint8_t {
   effort,
   soft_position,
   out_of_range,  ///< the joint stands outside its limits and may only come back
+  held,          ///< the loop is held or at fault: nothing moves, whatever is commanded
 };
-inline constexpr int kLimits = 10;
+inline constexpr int kLimits = 11;
 const char* name(Limit limit);
 
 /// A limit that is infinite does not exist; none is ever 0 by default, so nothing freezes a joint unasked.

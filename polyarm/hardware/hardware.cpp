@@ -114,6 +114,13 @@ Fault Hardware::fail(std::size_t i, ReturnType result, FaultKind kind) noexcept 
   return {kind, static_cast<std::int32_t>(i)};
 }
 
+void Hardware::fail_for(std::size_t i, FaultKind kind, std::int32_t what) noexcept {
+  if (!hosted_[i]->reading) return;
+  hosted_[i]->bad_state.store(what, std::memory_order_relaxed);
+  hosted_[i]->bad_kind.store(kind, std::memory_order_release);
+  fail(i, ReturnType::error, kind);
+}
+
 ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> states) noexcept {
   if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
   std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
@@ -221,6 +228,7 @@ bool Hardware::newly_late(Hosted& hosted, std::size_t i) noexcept {
 Fault Hardware::read(const Cycle& cycle) noexcept {
   Fault fault;
   const std::span<double> states = table_.states();
+  realtime::Laps laps(measuring_);
   for (std::size_t i = 0; i < hosted_.size(); ++i) {
     Hosted& hosted = *hosted_[i];
     if (!hosted.reading || !due(hosted, cycle)) continue;
@@ -238,6 +246,8 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
                                [&] { return hosted.component->read(longer, own); });
     }
     FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
+    hosted.read_at = laps.began();
+    hosted.read_took = laps.next();
     if (newly_late(hosted, i)) {
       hold_ = hold_ || hosted.options.when_late == WhenLate::hold;
       if (hosted.options.when_late == WhenLate::fault && impossible == FaultKind::none) {
@@ -261,6 +271,7 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
   const std::span<double> commands = table_.commands();
   for (const ForcedValue& forced : forced_)
     if (!forced.state) commands[forced.index] = forced.value;
+  realtime::Laps laps(measuring_);
   for (std::size_t i = 0; i < hosted_.size(); ++i) {
     Hosted& hosted = *hosted_[i];
     if (!hosted.reading || !due(hosted, cycle)) continue;
@@ -276,6 +287,8 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
                                [&] { return hosted.component->write(cycle, own); });
     const bool behind = result == ReturnType::ok && hosted.writing &&
                         std::isfinite(hosted.options.following_error) && !follows(hosted);
+    const Nanoseconds took = hosted.read_took + laps.next();
+    if (laps.on() && !hosted.own_clock && !hosted.runner) hosted.part.note(hosted.read_at, took);
     if (result == ReturnType::ok && !behind) continue;
     const Fault failed = behind ? fail(i, ReturnType::error, FaultKind::not_following)
                                 : fail(i, result, FaultKind::component_write);
@@ -293,7 +306,11 @@ std::string Hardware::reason(std::size_t i) const {
   if (hosted.bad_kind.load(std::memory_order_acquire) == FaultKind::late)
     return "its thread was late, or missed its turn, " + std::to_string(hosted.options.late_after) +
            " times in a row" + (own.empty() ? "" : " (" + own + ")");
+  if (hosted.bad_kind.load(std::memory_order_relaxed) == FaultKind::controller)
+    return "a controller that works on it failed";
   if (state < 0) return own;
+  if (hosted.bad_kind.load(std::memory_order_relaxed) == FaultKind::outside)
+    return table_.command_names()[static_cast<std::size_t>(state)] + " is of a joint far outside its limits";
   const std::string& name = table_.state_names()[static_cast<std::size_t>(state)];
   const FaultKind kind = hosted.bad_kind.load(std::memory_order_relaxed);
   std::string seen = kind == FaultKind::not_a_number ? name + " was measured and is no number any more"

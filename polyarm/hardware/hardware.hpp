@@ -29,6 +29,8 @@ enum class FaultKind : std::uint8_t {
   jump,           ///< a joint's measured position changed by more than it can have moved
   not_following,  ///< a joint is far from where it is commanded to be, for too long
   late,           ///< its thread was late for too long
+  outside,        ///< a joint is far outside its limits
+  controller,     ///< a controller that works on it alone failed
 };
 
 /// What went wrong in a cycle, as numbers; texts are made outside the loop.
@@ -156,6 +158,9 @@ class Hardware {
   Fall newly_failed(std::size_t i) noexcept { return std::exchange(hosted_[i]->newly_failed, Fall::none); }
   /// With what the component, or another of its group, has fallen; none: it is active since. Control thread.
   FaultKind fallen(std::size_t i) const noexcept { return hosted_[i]->fallen; }
+  /// Takes the component off, with its group, for a reason that others found: `what` is the command whose
+  /// joint is outside its limits. Control thread; newly_failed() tells it.
+  void fail_for(std::size_t i, FaultKind kind, std::int32_t what) noexcept;
   bool contained(std::size_t i) const { return hosted_[i]->options.contained; }
   /// The component's commands begin anew, as measured: it was let in since it was asked last. Control thread.
   bool take_restarted(std::size_t i) noexcept { return std::exchange(hosted_[i]->restarted, false); }
@@ -176,6 +181,10 @@ class Hardware {
   HostedInfo info(std::size_t i) const;
   /// How the component's thread is doing; null where it has none. Any thread.
   const realtime::ThreadHealth* thread_health(std::size_t i) const noexcept;
+  /// What its read and write in the loop cost together; empty for one with a thread, and unless measured.
+  const realtime::PartHealth& part_health(std::size_t i) const noexcept { return hosted_[i]->part; }
+  /// Before the loop runs: whether each component is timed in each cycle.
+  void measure(bool on) noexcept { measuring_ = on; }
   WhenLate when_late(std::size_t i) const { return hosted_[i]->options.when_late; }
   const realtime::ThreadOptions& thread_options(std::size_t i) const { return hosted_[i]->options.thread; }
   /// The component that offers the interface; -1: none.
@@ -226,12 +235,14 @@ class Hardware {
     Cycle own_cycle;
     std::atomic<ReturnType> own_result{ReturnType::ok};
     std::atomic<bool> ran{false};    // an async component has read since it was let in
-    std::atomic<int> bad_state{-1};  // what was watched and found impossible
+    std::atomic<int> bad_state{-1};  // what was watched and found impossible; of `outside`, the command
     std::atomic<FaultKind> bad_kind{FaultKind::none};
     // the control thread's
     std::vector<Watch> watched;
     std::vector<Following> following;  // of the same joints
     bool reading = false, writing = false, restarted = false;
+    realtime::PartHealth part;
+    Nanoseconds read_at = 0, read_took = 0;
     bool late_told = false;
     unsigned missed_in_a_row = 0;  // of one that the loop triggers
     Fall newly_failed = Fall::none;
@@ -268,6 +279,7 @@ class Hardware {
   realtime::OverrunWatch overruns_;
   realtime::Queue<std::int32_t> late_{64};
   bool hold_ = false;
+  bool measuring_ = false;
   std::atomic<int> in_call_{-1};
   int pacer_ = -1;  ///< component that paces the loop
   std::uint32_t following_cycles_ = 250;

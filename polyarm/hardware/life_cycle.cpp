@@ -22,6 +22,7 @@ class Hardware::Letting : public realtime::Job {
       std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
       hosted_.restarted = true;
       hosted_.late_told = false;
+      hosted_.part.pause();
       hosted_.missed_in_a_row = 0;
       if (hosted_.runner) hosted_.runner->forgive();
       if (hosted_.own_clock) hosted_.own_clock->open();

@@ -26,6 +26,7 @@ class AsyncRunner {
         health_.refused.store(apply_each(options), std::memory_order_release);
         for (go_.acquire(); !ending_.load(std::memory_order_acquire); go_.acquire()) {
           const Nanoseconds due = triggered_at_, began = monotonic_now();
+          if (rested_.exchange(false, std::memory_order_relaxed)) health_.pause();
           work_();
           health_.note(due, began, monotonic_now(), period_);
           busy_.store(false, std::memory_order_release);
@@ -53,8 +54,11 @@ class AsyncRunner {
     busy_.store(true, std::memory_order_release);
     go_.release();
   }
-  /// Real-time thread: what was late before counts no more.
-  void forgive() noexcept { health_.late_in_a_row.store(0, std::memory_order_relaxed); }
+  /// Real-time thread: what was late before counts no more, and the time until the next run is no period.
+  void forgive() noexcept {
+    health_.late_in_a_row.store(0, std::memory_order_relaxed);
+    rested_.store(true, std::memory_order_relaxed);
+  }
   void note_missed() noexcept { ++health_.missed; }
   std::uint64_t missed() const noexcept { return health_.missed; }
   std::uint64_t runs() const noexcept { return health_.runs; }
@@ -66,7 +70,7 @@ class AsyncRunner {
   bool lock_step_;
   Nanoseconds period_;
   Nanoseconds triggered_at_ = 0;  // handed over with the trigger
-  std::atomic<bool> busy_{false}, ending_{false};
+  std::atomic<bool> busy_{false}, ending_{false}, rested_{false};
   ThreadHealth health_;
   std::counting_semaphore<8> go_{0};
   std::thread thread_;

@@ -43,7 +43,8 @@ struct ThreadOptions {
 };
 /// What the machine did not permit.
 enum class Refusal : unsigned { cpu = 1, priority = 2, memory = 4 };
-/// Applies to the calling thread what the machine permits; returns the bits of what it refused.
+/// Applies to the calling thread what the machine permits; returns the bits of what it refused. Its timers
+/// are made as exact as the kernel can in any case.
 unsigned apply_each(const ThreadOptions& options) noexcept;
 /// The same; returns a sentence for what it refused of the control thread, else "".
 const char* apply(const ThreadOptions& options) noexcept;

@@ -1,8 +1,10 @@
 #pragma once
 #include <atomic>
+#include <utility>
 
 #include "polyarm/base/time.hpp"
 #include "polyarm/realtime/histogram.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::realtime {
 
@@ -39,6 +41,44 @@ struct ThreadHealth {
 
  private:
   Nanoseconds last_ = 0;
+};
+
+/// What one part of a cycle costs, and how far apart its turns are. Raised by the thread of the cycle, read
+/// by any at any time, without a lock.
+class PartHealth {
+ public:
+  Histogram cost;    ///< of a turn, ns
+  Histogram period;  ///< between the beginnings of two turns, ns
+
+  void note(Nanoseconds began, Nanoseconds took) noexcept {
+    if (last_ > 0) period.add(began - last_);
+    last_ = began;
+    cost.add(took);
+  }
+  /// The next turn begins a new row: the time before it is no period.
+  void pause() noexcept { last_ = 0; }
+
+ private:
+  Nanoseconds last_ = 0;
+};
+
+/// Times the parts of a cycle one after the other with one look at the clock each; off, with none.
+class Laps {
+ public:
+  explicit Laps(bool on) noexcept : on_(on), began_(on ? monotonic_now() : 0) {}
+  /// When the part that is under way began.
+  Nanoseconds began() const noexcept { return began_; }
+  /// The part under way is over, the next begins; what it took, ns.
+  Nanoseconds next() noexcept {
+    if (!on_) return 0;
+    const Nanoseconds before = std::exchange(began_, monotonic_now());
+    return began_ - before;
+  }
+  bool on() const noexcept { return on_; }
+
+ private:
+  bool on_;
+  Nanoseconds began_;
 };
 
 }  // namespace polyarm::realtime

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "polyarm/controllers/types.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -46,12 +47,12 @@ struct TwoGroups {
                                       (controllers.empty() ? "" : "controllers: controllers.yaml\n"));
     cell = std::make_unique<LockStepCell>(cell::read_cell_file(file));
   }
-  Json move(const std::string& robot, double to) {
+  Json move(const std::string& robot, double to, double duration = 2) {
     return cell->ask({{"request", "send"},
                       {"to", robot + "_joint_trajectory_controller"},
                       {"message",
                        {{"joint_names", {"a", "b"}},
-                        {"points", {{{"positions", {to, -to}}, {"time_from_start", 2.0}}}}}}});
+                        {"points", {{{"positions", {to, -to}}, {"time_from_start", duration}}}}}}});
   }
   Json health() { return cell->result({{"request", "health"}}); }
   double at(const std::string& joint) { return cell->value_of("states", joint + "/position"); }
@@ -135,6 +136,91 @@ INSTANTIATE_TEST_SUITE_P(All, GroupFaultTable,
                                          Row{"freeze", "freeze@500", ", following_error: 0.05",
                                              "a joint does not follow its command"}),
                          [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
+
+TEST(GroupFaults, AJointOutsideItsLimitsStopsItsRobotAlone) {
+  for (const bool alone : {true, false}) {
+    TwoGroups two(
+        std::string(", parameters: {inject: \"jump@4500=0.025\"}") + (alone ? ", on_fault: group" : ""),
+        alone ? "" : ", on_fault: group");
+    ASSERT_TRUE(two.move("base", 2.995, 4)["ok"].get<bool>());
+    two.cell->run(4.2);
+    ASSERT_TRUE(two.move("arm", 1.5)["ok"].get<bool>());
+    two.cell->run(1);
+    const Json health = two.health();
+    EXPECT_EQ(health["state"], alone ? "running" : "fault") << health;
+    EXPECT_EQ(two.state_of("arm"), "active");
+    if (!alone) continue;
+    EXPECT_EQ(two.state_of("base"), "inactive");
+    ASSERT_EQ(health["fallen"].size(), 2u) << health;
+    EXPECT_EQ(health["fallen"][0]["cause"], "a joint is far outside its limits");
+    const std::string reason = two.cell->cell().group_faults().front().what;
+    EXPECT_NE(reason.find("far outside its limits"), std::string::npos) << reason;
+    two.cell->run(1.5);
+    EXPECT_NEAR(two.at("arm/a"), 1.5, 1e-6) << "the other has gone on to its end";
+  }
+}
+
+/// Holds joints where they are, and fails when it is told to.
+class Failing : public controllers::Controller {
+ public:
+  static inline bool fails = false;
+  controllers::CallbackReturn on_configure(controllers::ControllerContext& context) override {
+    for (const std::string& joint : context.parameters.list("joints")) {
+      claim_command(context.whole_joint(joint) + "/position");
+      claim_state(context.whole_joint(joint) + "/position");
+    }
+    return controllers::CallbackReturn::success;
+  }
+  controllers::ReturnType update(const hardware::Cycle&, const controllers::Verdict&) noexcept override {
+    for (std::size_t i = 0; i < command_interfaces().size(); ++i) set_command(i, state(i));
+    return fails ? controllers::ReturnType::error : controllers::ReturnType::ok;
+  }
+};
+
+TEST(GroupFaults, AControllerThatFailsStopsTheRobotAloneThatItWorksOn) {
+  if (!controllers::find_controller_type("test/Failing"))
+    controllers::register_controller_type(
+        {"test/Failing", [] { return std::make_unique<Failing>(); }, "fails when it is told to"});
+  const std::string controllers = R"(
+controller_manager:
+  ros__parameters:
+    arm_joint_trajectory_controller: {type: joint_trajectory_controller/JointTrajectoryController}
+    fails: {type: test/Failing}
+arm_joint_trajectory_controller: {ros__parameters: {joints: [arm/a, arm/b]}}
+fails: {ros__parameters: {joints: [base/a, base/b]}}
+)";
+  for (const bool alone : {true, false}) {
+    Failing::fails = false;
+    TwoGroups two(alone ? ", on_fault: group" : "", "", controllers);
+    const Json sent =
+        two.cell->ask({{"request", "send"},
+                       {"to", "arm_joint_trajectory_controller"},
+                       {"message",
+                        {{"joint_names", {"arm/a", "arm/b"}},
+                         {"points", {{{"positions", {1.5, -1.5}}, {"time_from_start", 2.0}}}}}}});
+    ASSERT_TRUE(sent["ok"].get<bool>()) << sent;
+    two.cell->run(0.5);
+    Failing::fails = true;
+    two.cell->run(0.2);
+    Failing::fails = false;
+    const Json health = two.health();
+    EXPECT_EQ(health["state"], alone ? "running" : "fault") << health;
+    EXPECT_EQ(two.cell->state_of("fails"), "inactive");
+    EXPECT_EQ(two.state_of("arm"), "active");
+    if (!alone) continue;
+    ASSERT_EQ(health["fallen"].size(), 2u) << health;
+    EXPECT_EQ(health["fallen"][0]["cause"], "a controller failed");
+    two.cell->run(2);
+    EXPECT_NEAR(two.at("arm/a"), 1.5, 1e-6) << "the other has gone on to its end";
+    for (const Json& fallen : health["fallen"])
+      EXPECT_EQ(two.cell->result({{"request", "hardware.recover"}, {"name", fallen["component"]}})["state"],
+                "active");
+    two.cell->result({{"request", "control.switch"}, {"activate", {"fails"}}});
+    two.cell->run(0.1);
+    EXPECT_EQ(two.cell->state_of("fails"), "active");
+    EXPECT_TRUE(two.health()["fallen"].empty());
+  }
+}
 
 TEST(GroupFaults, AStopOfAPersonStopsEveryGroup) {
   for (const char* how : {"control.hold", "control.stop"}) {

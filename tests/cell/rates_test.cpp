@@ -21,13 +21,15 @@ struct TwoRobots {
   } observer;
   std::unique_ptr<Cell> made;
 
-  explicit TwoRobots(const std::string& base, bool lock_step = true) {
+  explicit TwoRobots(const std::string& base, bool lock_step = true, const std::string& controllers = "") {
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     const std::string model = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     const std::string file = folder.write(
         "cell.yaml", "polyarm: cell/1\nrate: 1000\nrobots:\n  arm: {model: " + model +
-                         ", hardware: mock}\n  base: {model: " + model + ", hardware: mock" + base + "}\n");
+                         ", hardware: mock}\n  base: {model: " + model + ", hardware: mock" + base + "}\n" +
+                         (controllers.empty() ? "" : "controllers: controllers.yaml\n"));
+    if (!controllers.empty()) folder.write("controllers.yaml", controllers);
     cell::CellOptions options;
     options.lock_step = lock_step;
     made = std::make_unique<Cell>(cell::read_cell_file(file), description::Catalogue({}), options, observer);
@@ -68,7 +70,7 @@ TEST(Rates, AThreadOfItsOwnIsAWord) {
   EXPECT_EQ(own, 1);
 }
 
-TEST(Rates, OnAThreadItIsAnyRateAndTheControllersRunAtTheNextThatTheLoopHas) {
+TEST(Rates, OnAThreadItIsAnyRateAndTheControllersKeepItAsFarAsTheLoopGoes) {
   for (const auto& [rate, period, updates] :
        {std::tuple{"30", 33'333'333, 60u}, {"333", 3'003'003, 666u}, {"2500", 400'000, 2000u}}) {
     TwoRobots cell(std::string(", thread: true, rate: ") + rate);
@@ -76,8 +78,25 @@ TEST(Rates, OnAThreadItIsAnyRateAndTheControllersRunAtTheNextThatTheLoopHas) {
     EXPECT_FALSE(cell.component("arm").async);
     for (int k = 0; k < 2000; ++k) cell.made->loop().step_next();
     EXPECT_EQ(cell.updates_of("arm_joint_trajectory_controller"), 2000u);
-    EXPECT_NEAR(static_cast<double>(cell.updates_of("base_joint_trajectory_controller")), updates, 1) << rate;
+    EXPECT_EQ(cell.updates_of("base_joint_trajectory_controller"), updates) << rate;
   }
+}
+
+TEST(Rates, AControllerOfAnyRateKeepsItAndKnowsIt) {
+  TwoRobots cell(", rate: 50", true, R"(
+controller_manager:
+  ros__parameters:
+    slow: {type: joint_trajectory_controller/JointTrajectoryController}
+    fast: {type: joint_trajectory_controller/JointTrajectoryController}
+slow: {ros__parameters: {update_rate: 30, joints: [base/joint_1]}}
+fast: {ros__parameters: {update_rate: 5000, joints: [arm/joint_1]}}
+)");
+  for (int k = 0; k < 10'000; ++k) cell.made->loop().step_next();
+  EXPECT_EQ(cell.updates_of("slow"), 300u) << "rounding up to a cycle does not add up";
+  EXPECT_EQ(cell.made->loop().controllers().context("slow")->period, 33'333'333);
+  EXPECT_EQ(cell.updates_of("fast"), 10'000u);
+  EXPECT_NE(cell.observer.all.find("fast: 5000 Hz is more than the 1000 Hz"), std::string::npos)
+      << cell.observer.all;
 }
 
 TEST(Rates, InLockStepAThreadOfAnyRateIsTheSameEachTime) {
@@ -108,6 +127,52 @@ bool tells(TwoRobots& cell, const std::string& part) {
     for (int k = 0; k < 2; ++k) cell.made->loop().step_next();
   }
   return cell.observer.all.find(part) != std::string::npos;
+}
+
+TEST(Rates, HealthTellsWhatEachPartOfTheCycleCostsAndEachThread) {
+  TwoRobots cell("", false, R"(
+controller_manager:
+  ros__parameters:
+    beside: {type: joint_trajectory_controller/JointTrajectoryController}
+    inside: {type: joint_trajectory_controller/JointTrajectoryController}
+beside: {ros__parameters: {is_async: true, joints: [base/joint_1]}}
+inside: {ros__parameters: {update_rate: 100, joints: [arm/joint_1]}}
+)");
+  control::ControlLoop& loop = cell.made->loop();
+  const auto cycles = [&loop](int count) {
+    for (int k = 0; k < count; ++k) {
+      loop.woke(0, 0);
+      loop.step_next();
+    }
+  };
+  const auto beside_runs = [&loop] {
+    for (const control::ListedController& c : loop.controllers().list())
+      if (c.thread) return std::uint64_t{c.thread->runs};
+    return std::uint64_t{0};
+  };
+  cycles(500);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (beside_runs() == 0 && std::chrono::steady_clock::now() < patience) cycles(10);
+  cell.made->tick(loop.cycle().time);
+  std::string line;
+  cell.made->requests().handle(R"({"request": "health"})", [&](const std::string& text) {
+    line = text;
+    return true;
+  });
+  const test::Json health = test::Json::parse(line)["result"];
+  const auto find = [&](const char* list, const char* what, const std::string& name) -> test::Json {
+    for (const test::Json& entry : health[list])
+      if (entry.value(what, "") == name) return entry;
+    ADD_FAILURE() << name << " is not among the " << list << ": " << line;
+    return {};
+  };
+  EXPECT_EQ(find("parts", "controller", "inside")["turns"], (health["cycles"].get<int>() + 9) / 10);
+  EXPECT_EQ(find("parts", "controller", "inside")["rate_hz"], 100);
+  EXPECT_EQ(find("parts", "component", "R6Bot")["turns"], health["cycles"]);
+  EXPECT_GT(find("parts", "component", "R6Bot")["cost"]["max_ns"], 0);
+  EXPECT_GT(find("parts", "component", "R6Bot")["period"]["max_ns"], 0);
+  EXPECT_GT(find("threads", "controller", "beside")["runs"], 0);
+  EXPECT_GT(health["period"]["max_ns"], 0) << "of the loop";
 }
 
 TEST(Rates, HealthTellsEachThreadFromTheOthers) {

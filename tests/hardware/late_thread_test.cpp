@@ -1,6 +1,7 @@
 /// A component whose thread does not keep up is told once, and what its options say follows.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <semaphore>
@@ -24,10 +25,15 @@ class Gated : public Component {
   std::vector<InterfaceDescription> state_interfaces() const override { return {{"a/j/position", 0.0}}; }
   std::vector<InterfaceDescription> command_interfaces() const override { return {{"a/j/position"}}; }
   ReturnType read(const Cycle&, std::span<double>) noexcept override {
+    began.store(realtime::monotonic_now());
+    ++entered;
+    entered.notify_all();
     gate_.acquire();
     return ReturnType::ok;
   }
   ReturnType write(const Cycle&, std::span<const double>) noexcept override { return ReturnType::ok; }
+  static inline std::atomic<int> entered{0};
+  static inline std::atomic<Nanoseconds> began{0};
 
  private:
   Gate& gate_;
@@ -101,6 +107,25 @@ TEST_P(LateThread, IsAFaultOfItsComponentThatSaysWhy) {
 
 INSTANTIATE_TEST_SUITE_P(OfItsOwnPeriodAndTriggered, LateThread,
                          testing::Values(Nanoseconds{1'000'000}, Nanoseconds{0}));
+
+TEST(LateThreads, OneThatWakesLateByTheClockIsLateThoughNoneOfItsTurnsWasMissedByTheLoop) {
+  constexpr Nanoseconds kPeriod = 2'000'000;
+  Late late(kPeriod, WhenLate::fault);
+  int before = Gated::entered;
+  late.run(1);  // lets it in; from here on the loop stands still, so that it misses nothing
+  for (int k = 0; k < 8; ++k) {
+    Gated::entered.wait(before);
+    before = Gated::entered;
+    while (realtime::monotonic_now() < Gated::began + 2 * kPeriod) {  // its next turn is past
+    }
+    late.gate.release();
+  }
+  Gated::entered.wait(before);
+  EXPECT_GE(std::uint64_t{late.hardware.thread_health(0)->late}, 7u);
+  const Fault fault = late.run(1);
+  EXPECT_EQ(fault.kind, FaultKind::late);
+  EXPECT_EQ(late.told(), 1);
+}
 
 TEST(ThreadHealth, CountsWhatItsThreadTellsIt) {
   realtime::ThreadHealth health;
