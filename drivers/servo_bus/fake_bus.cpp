@@ -221,9 +221,9 @@ std::vector<std::vector<std::uint8_t>> FakeBus::heard() {
   return {heard_.begin(), heard_.end()};
 }
 
-void FakeBus::cut_off() {
+void FakeBus::cut_off(bool cut) {
   const std::lock_guard lock(mutex_);
-  cut_off_ = true;
+  cut_off_ = cut;
 }
 
 /// Until the first servo's own watchdog bites; -1: none is set.

@@ -74,8 +74,10 @@ class FakeBus {
   Traffic traffic() const { return {bytes_in_, bytes_out_}; }
   /// The last instructions, whole frames; at most 4096.
   std::vector<std::vector<std::uint8_t>> heard();
-  /// The wires between adapter and servos are cut: the port stays, and neither side hears the other.
-  void cut_off();
+  void forget_heard();
+  /// The wires between adapter and servos are cut, or joined again: the port stays, and while they are cut
+  /// neither side hears the other.
+  void cut_off(bool cut = true);
   /// The adapter is pulled.
   void hang_up();
   std::uint64_t instructions() const { return instructions_; }

@@ -3,13 +3,17 @@
 /// wire.
 #include <memory>
 
+#include "drivers/dynamixel/family.hpp"
+#include "drivers/feetech/family.hpp"
 #include "drivers/servo_bus/component.hpp"
 #include "drivers/servo_bus/fake_bus.hpp"
+#include "drivers/servo_bus/fake_faults.hpp"
 
 namespace polyarm::servo_bus {
 
 /// `Real` is the component of a driver. Its parameters hold, but `port` and `calibration`: the servos are
-/// here, their zero is in the middle, and they stand where the robot starts.
+/// here, their zero is in the middle, and they stand where the robot starts. `wire_faults` says what goes
+/// wrong on the wire, see FakeFaults.
 template <typename Real, Wire wire>
 class FakeServos : public Real {
  public:
@@ -17,6 +21,7 @@ class FakeServos : public Real {
     hardware::ComponentContext own = context;
     own.parameters["port"] = "fake";
     own.parameters.erase("calibration");
+    own.parameters.erase("wire_faults");
     own.parameters.try_emplace("watchdog", "off");           // the servos end with the process
     own.parameters.try_emplace("answer_timeout_ms", "200");  // a thread answers, not a chip
     const hardware::CallbackReturn done = Real::on_init(own);
@@ -25,7 +30,18 @@ class FakeServos : public Real {
     fake_ = std::make_unique<FakeBus>(wire, ids);
     this->setup().port = fake_->path();
     for (const hardware::RobotInstance& robot : context.robots) place(robot);
+    if (const auto faults = context.parameters.find("wire_faults"); faults != context.parameters.end())
+      faults_.parse(faults->second, this->setup().joints);
     return done;
+  }
+  hardware::CallbackReturn on_activate() override {
+    faults_.begin();
+    return Real::on_activate();
+  }
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
+    faults_.next(*fake_, wire == Wire::feetech ? feetech::sts_family().present_position
+                                               : dynamixel::x_family().present_position);
+    return Real::read(cycle, states);
   }
   bool real() const noexcept override { return false; }
 
@@ -41,6 +57,7 @@ class FakeServos : public Real {
                                                             (robot.initial_positions[j] - joint.offset)));
   }
   std::unique_ptr<FakeBus> fake_;
+  FakeFaults faults_;
 };
 
 }  // namespace polyarm::servo_bus
