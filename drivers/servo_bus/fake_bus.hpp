@@ -74,7 +74,6 @@ class FakeBus {
   Traffic traffic() const { return {bytes_in_, bytes_out_}; }
   /// The last instructions, whole frames; at most 4096.
   std::vector<std::vector<std::uint8_t>> heard();
-  void forget_heard();
   /// The wires between adapter and servos are cut, or joined again: the port stays, and while they are cut
   /// neither side hears the other.
   void cut_off(bool cut = true);
