@@ -2,7 +2,12 @@
 # uses: -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without them.
 set(POLYARM_PRECOMPILED <algorithm> <array> <atomic> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <limits>
     <map> <memory> <mutex> <numbers> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <string_view> <thread>
-    <unordered_map> <utility> <variant> <vector> <fmt/format.h>)
+    <unordered_map> <utility> <variant> <vector>)
+# Where nothing optimizes, fmt asks GCC to do so by a pragma, which outlives its end when it is precompiled.
+set(POLYARM_PRECOMPILED_FORMAT <fmt/format.h>)
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  set(POLYARM_PRECOMPILED_FORMAT "")
+endif()
 
 # polyarm_headers(NAME LIBRARIES [HEADERS...]): what polyarm_precompiled(TARGET NAME) then uses.
 function(polyarm_headers name libraries)
@@ -18,7 +23,7 @@ function(polyarm_program_headers name libraries)
   target_compile_options(${name} PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
 endfunction()
 
-# Where its library switches these warnings off, GCC forgets in a header that was compiled before (its bug 64117).
+# Where its library switches these warnings off, GCC 12 forgets in a header that was compiled before.
 set(POLYARM_PRECOMPILED_OPTIONS "")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(POLYARM_PRECOMPILED_OPTIONS -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
@@ -29,5 +34,6 @@ function(polyarm_precompiled target headers)
   target_compile_options(${target} PRIVATE ${POLYARM_PRECOMPILED_OPTIONS})
 endfunction()
 
-polyarm_headers(polyarm_library_headers fmt::fmt)
-polyarm_headers(polyarm_json_headers "fmt::fmt;nlohmann_json::nlohmann_json" <nlohmann/json.hpp>)
+polyarm_headers(polyarm_library_headers fmt::fmt ${POLYARM_PRECOMPILED_FORMAT})
+polyarm_headers(polyarm_json_headers "fmt::fmt;nlohmann_json::nlohmann_json" ${POLYARM_PRECOMPILED_FORMAT}
+                <nlohmann/json.hpp>)
