@@ -174,6 +174,7 @@ void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcep
   draft.cause = supervisor_.cause();
   draft.culprit = supervisor_.culprit();
   draft.standing = controllers_.standing();
+  draft.stop = supervisor_.stop_times();
   for (std::size_t i = 0; i < draft.threads.size(); ++i) {
     const hardware::FaultKind fallen = hardware_.fallen(i);
     draft.fallen[i] = fallen == hardware::FaultKind::none ? StopCause::none : cause_of({fallen, -1});

@@ -28,6 +28,7 @@ struct Snapshot {
   StopCause cause = StopCause::none;
   std::int32_t culprit = -1;
   bool standing = true;
+  StopTimes stop;
   std::vector<double> states, commands;
   hardware::WorldState world;
   std::vector<ThreadCounts> threads;  ///< by component; zeros where it has none

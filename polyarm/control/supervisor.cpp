@@ -1,14 +1,17 @@
 #include "polyarm/control/supervisor.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace polyarm::control {
 
 const char* name(RunState state) {
-  constexpr const char* kNames[] = {"running", "stopping", "held", "fault"};
+  constexpr const char* kNames[] = {"running", "stopping", "held", "fault", "backing"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
 const char* name(Event event) {
-  constexpr const char* kNames[] = {"stop", "standing", "resume", "discard", "fault", "recover"};
+  constexpr const char* kNames[] = {"stop", "standing", "resume", "discard", "fault", "recover", "back"};
   return kNames[static_cast<std::size_t>(event)];
 }
 
@@ -66,6 +69,13 @@ void Supervisor::raise(StopCause cause, std::int32_t who) noexcept {
   enter(Event::fault, cause);
 }
 
+void Supervisor::note_times(Nanoseconds now, bool standing) noexcept {
+  const bool stops = state() == RunState::stopping || state() == RunState::fault;
+  if (stops && !std::exchange(stops_, stops)) times_ = {now, -1};
+  if (times_.begun >= 0 && times_.ended < 0 && times_.begun < now && standing) times_.ended = now;
+  stops_ = stops;
+}
+
 controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
                                        bool standing, Request request) noexcept {
   controllers::Verdict verdict;
@@ -75,11 +85,20 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
   if (gap) enter(Event::stop, StopCause::gap);
   if (watch_cell && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
     enter(Event::stop, StopCause::cell_silent);
-  if (state() == RunState::stopping && standing) enter(Event::standing, StopCause::none);
+  if ((state() == RunState::stopping || state() == RunState::backing) && standing)
+    enter(Event::standing, StopCause::none);
   if (request == Request::resume && stop == realtime::StopKind::none) enter(Event::resume, StopCause::none);
   if (request == Request::recover) enter(Event::recover, StopCause::none);
+  if (request == Request::back && stop == realtime::StopKind::none) enter(Event::back, StopCause::none);
+  note_times(cycle.time, standing);
   verdict.discard = request == Request::discard && state() == RunState::held;
-  verdict.speed = state() == RunState::running ? share() : 0;
+  const double most = share() * override_share();
+  verdict.speed = state() == RunState::running ? most : 0;
+  if (state() == RunState::backing) {
+    verdict.back = std::min(kBackShare, most);
+    verdict.back_time = back_time_.load(std::memory_order_relaxed);
+    verdict.back_way = back_way_.load(std::memory_order_relaxed);
+  }
   verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault;
   return verdict;
 }

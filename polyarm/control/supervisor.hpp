@@ -11,22 +11,28 @@
 
 namespace polyarm::control {
 
-/// running → stopping (on the path, within limits) → held → resume | discard; any → fault → recover → held.
-enum class RunState : std::uint8_t { running, stopping, held, fault };
-enum class Event : std::uint8_t { stop, standing, resume, discard, fault, recover };
-constexpr int kRunStates = 4, kEvents = 6;
+/// running → stopping (on the path, within limits) → held → resume | discard | backing → held; any → fault →
+/// recover → held.
+enum class RunState : std::uint8_t { running, stopping, held, fault, backing };
+enum class Event : std::uint8_t { stop, standing, resume, discard, fault, recover, back };
+constexpr int kRunStates = 5, kEvents = 7;
 const char* name(RunState state);
 const char* name(Event event);
 
 /// The state table: what each event leads to in each state.
 constexpr std::array<std::array<RunState, kEvents>, kRunStates> kNextState = {{
     // stop               standing            resume              discard             fault            recover
+    // back
     {{RunState::stopping, RunState::running, RunState::running, RunState::running, RunState::fault,
-      RunState::running}},
+      RunState::running, RunState::running}},
     {{RunState::stopping, RunState::held, RunState::stopping, RunState::stopping, RunState::fault,
-      RunState::stopping}},
-    {{RunState::held, RunState::held, RunState::running, RunState::held, RunState::fault, RunState::held}},
-    {{RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::held}},
+      RunState::stopping, RunState::stopping}},
+    {{RunState::held, RunState::held, RunState::running, RunState::held, RunState::fault, RunState::held,
+      RunState::backing}},
+    {{RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::fault, RunState::held,
+      RunState::fault}},
+    {{RunState::stopping, RunState::held, RunState::backing, RunState::backing, RunState::fault,
+      RunState::backing, RunState::backing}},
 }};
 constexpr RunState next(RunState state, Event event) {
   return kNextState[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
@@ -53,13 +59,20 @@ const char* name(StopCause cause);
 StopCause cause_of(const hardware::Fault& fault) noexcept;
 
 /// What a person or the cell asks of the supervisor; taken once each cycle.
-enum class Request : std::uint8_t { none, resume, discard, recover };
+enum class Request : std::uint8_t { none, resume, discard, recover, back };
+
+/// When the newest stop began and when all stood, cell time; -1: not yet.
+struct StopTimes {
+  Nanoseconds begun = -1, ended = -1;
+};
 
 /// judge(): the control thread. The latch and the heartbeat: any thread.
 class Supervisor {
  public:
   /// The loop stops by itself when the cell thread is silent for this long while something moves.
   static constexpr Nanoseconds kSilence = 500'000'000;
+  /// Stepping back goes at most at this share of the planned speed.
+  static constexpr double kBackShare = 0.1;
 
   realtime::StopLatch& latch() noexcept { return latch_; }
   /// The cell thread's sign of life; `now` is the cell's time.
@@ -82,17 +95,31 @@ class Supervisor {
   /// How much of the planned speed may be used while running, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   double share() const noexcept { return share_.load(std::memory_order_relaxed); }
+  /// What people ask for beside it, [0, 1]; both multiply. At 0 all stands, and goes on by itself at more.
+  /// Any thread.
+  void set_override(double share) noexcept { override_.store(share, std::memory_order_relaxed); }
+  double override_share() const noexcept { return override_.load(std::memory_order_relaxed); }
+  /// How far the next Request::back goes: s of the plan, and along the path. Before that is posted.
+  void set_back(double time, double way) noexcept {
+    back_time_.store(time, std::memory_order_relaxed);
+    back_way_.store(way, std::memory_order_relaxed);
+  }
+  /// Control thread.
+  const StopTimes& stop_times() const noexcept { return times_; }
   bool watch_cell = true;  ///< off in lock-step, where the cell cannot fall silent
 
  private:
   void enter(Event event, StopCause cause) noexcept;
+  void note_times(Nanoseconds now, bool standing) noexcept;
 
   realtime::StopLatch latch_;
   std::atomic<Nanoseconds> heartbeat_{0};
   std::atomic<RunState> state_{RunState::running};
   std::atomic<StopCause> cause_{StopCause::none};
   std::atomic<std::int32_t> culprit_{-1};
-  std::atomic<double> share_{1};
+  std::atomic<double> share_{1}, override_{1}, back_time_{0}, back_way_{0};
+  StopTimes times_;
+  bool stops_ = false;  // in the cycle before
 };
 
 }  // namespace polyarm::control

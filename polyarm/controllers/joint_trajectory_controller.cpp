@@ -413,9 +413,16 @@ void JointTrajectoryController::end_track(std::size_t i) noexcept {
 /// A path keeps its own limits on the way to the speed that the verdict asks for.
 void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
   const double target = verdict.speed > 0 ? verdict.speed * factor_ : 0;
-  for (const Track& track : tracks_)
-    if (track.goal && track.goal->planned)
-      track.goal->planned->advance(is_ended(*track.goal) ? 0 : target, verdict.immediate);
+  const bool back = verdict.back > 0 && !verdict.immediate, begins = back && !backing_;
+  backing_ = back;
+  for (const Track& track : tracks_) {
+    trajectory::PathFollower* path = track.goal ? track.goal->planned.get() : nullptr;
+    if (path && begins) path->step_back(verdict.back_time, verdict.back_way);
+    if (path && back)
+      path->advance_back(verdict.back);
+    else if (path)
+      path->advance(is_ended(*track.goal) ? 0 : target, verdict.immediate);
+  }
 }
 
 void JointTrajectoryController::advance(double dt) noexcept {

@@ -142,6 +142,7 @@ class JointTrajectoryController : public Controller {
   Judged judged_;
   bool checks_ = false;  // some tolerance is not 0
   bool any_braking_ = false;
+  bool backing_ = false;    // in the cycle before
   double over_since_ = -1;  // s since every trajectory has ended; < 0: not yet
   bool timed_out_ = false;
   double period_s_ = 1e-3;

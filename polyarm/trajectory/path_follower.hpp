@@ -30,7 +30,15 @@ class PathFollower {
   /// One control cycle on the way to `target` in [-1, 1]: 1 as planned, 0 held, below zero back. No joint
   /// exceeds its limits. `immediate`: to a standstill as fast as kHarder times the acceleration (and its
   /// square times the jerk) allow, on the path as well; once begun, that goes on until it stands.
-  void advance(double target, bool immediate = false) noexcept { override_.advance(target, immediate); }
+  void advance(double target, bool immediate = false) noexcept {
+    stepping_back_ = false;
+    override_.advance(target, immediate);
+  }
+  /// Begins to step back from where it is: by `time` s of the plan or by `way` along the path (in its
+  /// parameter), the shorter of both, and no further than to the start. For when it stands.
+  void step_back(double time, double way) noexcept;
+  /// One control cycle of that, at `share` of the planned speed.
+  void advance_back(double share) noexcept;
   /// What the joints do now; joints() values each.
   void sample(std::span<double> position, std::span<double> velocity,
               std::span<double> acceleration) noexcept {
@@ -42,7 +50,8 @@ class PathFollower {
   double factor() const noexcept { return override_.factor(); }
   /// The end of the path is reached.
   bool finished() const noexcept { return override_.finished(); }
-  bool stands() const noexcept { return override_.stands(); }
+  /// It rests, and has no step back to do.
+  bool stands() const noexcept { return override_.stands() && !stepping_back_; }
   /// If the target became 0 now.
   StoppingWay stopping() noexcept { return override_.stopping(); }
 
@@ -51,6 +60,8 @@ class PathFollower {
   std::vector<MotionLimits> limits_;
   double period_;
   PathOverride override_;
+  bool stepping_back_ = false;
+  double back_to_ = 0;
 };
 
 }  // namespace polyarm::trajectory

@@ -32,13 +32,67 @@ INSTANTIATE_TEST_SUITE_P(
                     Row{S::held, E::fault, S::fault}, Row{S::held, E::recover, S::held},
                     Row{S::fault, E::stop, S::fault}, Row{S::fault, E::standing, S::fault},
                     Row{S::fault, E::resume, S::fault}, Row{S::fault, E::discard, S::fault},
-                    Row{S::fault, E::fault, S::fault}, Row{S::fault, E::recover, S::held}),
+                    Row{S::fault, E::fault, S::fault}, Row{S::fault, E::recover, S::held},
+                    Row{S::running, E::back, S::running}, Row{S::stopping, E::back, S::stopping},
+                    Row{S::held, E::back, S::backing}, Row{S::fault, E::back, S::fault},
+                    Row{S::backing, E::stop, S::stopping}, Row{S::backing, E::standing, S::held},
+                    Row{S::backing, E::resume, S::backing}, Row{S::backing, E::discard, S::backing},
+                    Row{S::backing, E::fault, S::fault}, Row{S::backing, E::recover, S::backing},
+                    Row{S::backing, E::back, S::backing}),
     [](const testing::TestParamInfo<Row>& row) {
       return std::string(name(row.param.from)) + "_" + name(row.param.event);
     });
 
 hardware::Cycle at_ms(int ms) {
   return {ms * 1'000'000LL, 1'000'000, static_cast<std::uint64_t>(ms)};
+}
+
+TEST(Supervisor, OverrideAndShareMultiply) {
+  Supervisor supervisor;
+  supervisor.watch_cell = false;
+  supervisor.set_share(0.5);
+  supervisor.set_override(0.4);
+  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(0), {}, false, false, Request::none).speed, 0.2);
+  supervisor.set_override(0);
+  EXPECT_EQ(supervisor.judge(at_ms(1), {}, false, false, Request::none).speed, 0);
+  EXPECT_EQ(supervisor.state(), RunState::running) << "it goes on when more is allowed";
+}
+
+TEST(Supervisor, StepsBackOnlyFromAHoldSlowlyAndIsHeldAgain) {
+  Supervisor supervisor;
+  supervisor.watch_cell = false;
+  supervisor.set_back(0.5, 0.1);
+  EXPECT_EQ(supervisor.judge(at_ms(0), {}, false, true, Request::back).back, 0) << "it runs";
+  supervisor.latch().request(realtime::StopKind::controlled);
+  supervisor.judge(at_ms(1), {}, false, true, Request::none);
+  supervisor.judge(at_ms(2), {}, false, true, Request::back);
+  EXPECT_EQ(supervisor.state(), RunState::held) << "the latch is still set";
+  supervisor.latch().clear();
+  const controllers::Verdict back = supervisor.judge(at_ms(3), {}, false, true, Request::back);
+  EXPECT_EQ(back.speed, 0);
+  EXPECT_DOUBLE_EQ(back.back, Supervisor::kBackShare);
+  EXPECT_EQ(back.back_time, 0.5);
+  EXPECT_EQ(back.back_way, 0.1);
+  supervisor.set_override(0.03);
+  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(4), {}, false, false, Request::none).back, 0.03);
+  EXPECT_EQ(supervisor.judge(at_ms(5), {}, false, false, Request::resume).speed, 0) << "it is under way";
+  EXPECT_EQ(supervisor.judge(at_ms(6), {}, false, true, Request::none).back, 0);
+  EXPECT_EQ(supervisor.state(), RunState::held);
+}
+
+TEST(Supervisor, SaysWhenAStopBeganAndWhenAllStood) {
+  Supervisor supervisor;
+  supervisor.watch_cell = false;
+  supervisor.judge(at_ms(0), {}, false, false, Request::none);
+  EXPECT_EQ(supervisor.stop_times().begun, -1);
+  supervisor.latch().request(realtime::StopKind::controlled);
+  for (int ms = 1; ms < 8; ++ms) supervisor.judge(at_ms(ms), {}, false, false, Request::none);
+  EXPECT_EQ(supervisor.stop_times().begun, at_ms(1).time);
+  EXPECT_EQ(supervisor.stop_times().ended, -1);
+  for (int ms = 8; ms < 12; ++ms) supervisor.judge(at_ms(ms), {}, false, true, Request::none);
+  EXPECT_EQ(supervisor.stop_times().ended, at_ms(8).time);
+  supervisor.judge(at_ms(12), {hardware::FaultKind::jump, 0}, false, true, Request::none);
+  EXPECT_EQ(supervisor.stop_times().begun, at_ms(12).time);
 }
 
 TEST(Supervisor, NothingButResumeLeavesAHold) {
