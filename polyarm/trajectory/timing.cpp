@@ -20,7 +20,8 @@ namespace {
 constexpr double kEnough = 2e-5;  // excess that is left to a stretch of time
 constexpr double kHalve = 0.03;   // excess from which a piece is halved rather than made slower
 constexpr std::size_t kFinalSamples = 8, kCloseSamples = 60;  // of each piece
-constexpr int kRounds = 12;                                   // of solving and tightening
+constexpr double kFailed = 1.05;     // stretch with which another first guess is worth its time
+constexpr int kRounds = 12;          // of solving and tightening
 constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
 constexpr double kMargin = 3e-7;     // to limits at the end, for rounding and peaks between samples
 
@@ -69,11 +70,14 @@ class Timer {
       checker_.look(timing_.profile, kFinalSamples, check_);
       return finish(1);
     }
-    first_guess();
+    first_guess(true, o_.fineness);
     double factor = 1;
     for (int tries = 0;; ++tries) {
       solve(factor);
-      if (o_.start_speed <= 0 && o_.end_speed <= 0) return finish(check_.stretch * (1 + kMargin));
+      if (o_.start_speed <= 0 && o_.end_speed <= 0) {
+        if (check_.stretch > kFailed) guess_again();
+        return finish(check_.stretch * (1 + kMargin));
+      }
       if (check_.stretch <= factor * (1 + 0.9 * kMargin)) return finish(factor);
       if (tries == 6 || check_.stretch > 3 * factor) too_fast(rows_, check_, o_);
       factor = std::max(factor, check_.stretch) * (1 + 1e-4 * (1 << tries));
@@ -81,8 +85,18 @@ class Timer {
   }
 
  private:
-  void first_guess() {
-    TimingGrid grid = timing_grid(rows_, o_.start_speed, o_.end_speed, o_.fineness);
+  /// From another guess, if that is better.
+  void guess_again() {
+    const Check check = check_;
+    Timing timing = timing_;
+    first_guess(false, o_.fineness);
+    solve(1);
+    timing.iterations = timing_.iterations;
+    if (timing_.profile.duration() * check_.stretch < timing.profile.duration() * check.stretch) return;
+    timing_ = std::move(timing), check_ = check;
+  }
+  void first_guess(bool rounded, double fineness) {
+    TimingGrid grid = timing_grid(rows_, o_.start_speed, o_.end_speed, fineness, rounded);
     motion_.s = std::move(grid.s), motion_.b = std::move(grid.b);
     motion_.a.assign(motion_.s.size(), 0.0);
     for (std::size_t k = 1; k + 1 < motion_.s.size(); ++k)
@@ -100,7 +114,7 @@ class Timer {
     const std::size_t most_nodes = 2 * motion_.s.size();
     for (int round = 0; round < kRounds; ++round) {
       const SpeedSolution solution = solver->improve(std::min(kPrecision, kPrecision / o_.fineness),
-                                                     round > 0 ? 2e-5 : 2e-3, round > 0 ? 25 : 60);
+                                                     round > 0 ? 2e-5 : 2e-3, round > 0 ? 25 : 150);
       timing_.iterations += solution.iterations;
       problem.look(motion_, solver->pieces(), use_);
       double most = 0;

@@ -297,7 +297,7 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
 
 }  // namespace
 
-TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness) {
+TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness, bool rounded) {
   const double length = rows.path().length();
   rows.look({0, length});
   const double step = std::min(first_step(rows, 0), first_step(rows, 1));
@@ -308,7 +308,7 @@ TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, dou
     for (std::size_t i = 0; i < b.size(); ++i) b[i] = speed_ceiling(rows, i);
     b.front() = start_speed * start_speed, b.back() = end_speed * end_speed;
     limit_accelerations(rows, b);
-    round_corners(rows, b);
+    if (rounded) round_corners(rows, b);
     return b;
   };
   const std::vector<double> spacing = spacings(rows, guess(), step, fineness);

@@ -14,7 +14,9 @@ struct TimingGrid {
 
 /// The grid is fine where the path turns, where it is slow, and towards an end at rest (there equal steps of
 /// time at constant jerk: s ~ k³). Neighbouring intervals are alike to a factor of about 1.5.
-TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness);
+/// `rounded`: the guess has no corners, from which the solver is quick; not so where speeds differ by
+/// hundreds.
+TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness, bool rounded);
 
 /// The highest ṡ² that velocity limits allow at a place of `rows`.
 double velocity_ceiling(const PathRows& rows, std::size_t place);

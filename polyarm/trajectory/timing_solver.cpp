@@ -14,8 +14,10 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kCentre = 0.7;         // of the gap asked for, to which products are led
-constexpr double kLeastSlack = 0.001;   // when going on, per the width between the limits
+constexpr double kCentre = 0.7;        // of the gap asked for, to which products are led
+constexpr double kLeastSlack = 0.001;  // when going on, per the width between the limits
+// Of the products of other rows that those of velocity keep, so that a stated speed is met closely.
+constexpr double kVelocityShare = 0.3;
 constexpr double kSlackOfExcess = 0.3;  // with which a row that is above its limit begins
 
 using Basis = std::array<double, 3>;
@@ -129,6 +131,7 @@ struct Steps {
 class Rows {
  public:
   Rows(const LimitRows& limits, RowKind kind) : limits_(limits), kind_(kind) {
+    if (kind == RowKind::velocity) weight_ = kVelocityShare;
     const std::size_t n = limits_.rows * limits_.points;
     high_.resize(n), low_.resize(n), value_.resize(n);
     for (std::size_t i = 0; i < 3; ++i)
@@ -179,12 +182,12 @@ class Rows {
     scale_.assign(limits_.scale.begin(), limits_.scale.end());
     for_rows([&](std::size_t r, std::size_t begin) {
       for (std::size_t i = begin, k = 0; k < limits_.points; ++i, ++k) {
-        const double floor = least * limits_.scale[k] * (1 - limits_.low[r]);
+        const double floor = least * weight_ * limits_.scale[k] * (1 - limits_.low[r]);
         const double up = limits_.scale[k] - value_[i], down = value_[i] - limits_.scale[k] * limits_.low[r];
         high_.slack[i] = Real(std::max(up, up > 0 ? floor : floor - kSlackOfExcess * up));
         low_.slack[i] = Real(std::max(down, down > 0 ? floor : floor - kSlackOfExcess * down));
         for (Side* side : {&high_, &low_}) {
-          const double fresh = complementarity / side->slack[i];
+          const double fresh = complementarity * weight_ / side->slack[i];
           side->multiplier[i] = Real(again ? std::max(double(side->multiplier[i]), fresh) : fresh);
         }
       }
@@ -228,7 +231,7 @@ class Rows {
   void assemble(double complementarity, FiveDiagonals& system) {
     if (empty()) return;
     const std::size_t n = limits_.points;
-    const Real centre = Real(complementarity);
+    const Real centre = Real(complementarity * weight_);
     std::fill(m_.begin(), m_.end(), Real(0));
     Real *m0 = m_.data(), *m1 = m0 + n, *m2 = m1 + n, *m3 = m2 + n, *m4 = m3 + n, *m5 = m4 + n;
     Real *v0 = m5 + n, *v1 = v0 + n, *v2 = v1 + n;
@@ -269,7 +272,7 @@ class Rows {
   void direction(double complementarity, const std::vector<double>& db, Steps& steps) {
     if (empty()) return;
     const std::size_t n = limits_.points;
-    const Real centre = Real(complementarity);
+    const Real centre = Real(complementarity * weight_);
     Real *d0 = step_.data(), *d1 = d0 + n, *d2 = d1 + n;
     for (std::size_t i = 0; i < n; ++i) {
       const double* x = &db[at_[i]];
@@ -357,6 +360,7 @@ class Rows {
 
   const LimitRows& limits_;
   RowKind kind_;
+  double weight_ = 1;  // of the product of slack and multiplier
   Side high_, low_;
   std::vector<Real> value_, scale_, m_, step_;
   std::array<std::vector<Real>, 3> coefficient_;
@@ -474,7 +478,7 @@ class SpeedSolver::Solver {
         stuck_ = 0;
         break;
       }
-      if (tries < 4) continue;
+      if (tries < 9) continue;
       ++stuck_;
       motion_ = before_, primal = 0;
       pieces_.evaluate();

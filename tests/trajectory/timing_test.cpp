@@ -272,6 +272,123 @@ TEST(Timing, KeepsBoundsOnNorms) {
   }
 }
 
+/// The highest and the lowest path speed between two places.
+struct Speeds {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+};
+Speeds speeds_between(const SpeedProfile& profile, double from, double to) {
+  Speeds out;
+  std::size_t hint = 0;
+  for (int i = 0; i <= 20000; ++i) {
+    const PathMotion m = profile.at(profile.duration() * i / 20000, hint);
+    if (m.s < from || m.s > to) continue;
+    out.low = std::min(out.low, m.speed), out.high = std::max(out.high, m.speed);
+  }
+  return out;
+}
+
+/// The way on a path as a row of its own, `factor` times as long before a place as behind it.
+class WayOf final : public Path {
+ public:
+  WayOf(const Path& path, double place, double factor) : path_(path), place_(place), factor_(factor) {
+    breaks_ = {0, place, path.length()};
+  }
+  std::size_t joints() const noexcept override { return 1; }
+  double length() const noexcept override { return path_.length(); }
+  std::span<const double> breaks() const noexcept override { return breaks_; }
+  void at(double s, const PathDerivatives& out) const noexcept override {
+    if (!out.first.empty()) out.first[0] = s < place_ ? factor_ : 1;
+    for (const auto& list : {out.second, out.third})
+      if (!list.empty()) list[0] = 0;
+  }
+
+ private:
+  const Path& path_;
+  double place_, factor_;
+  std::vector<double> breaks_;
+};
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+TEST(Timing, HoldsAStatedSpeedToATenthOfAPerMille) {
+  Draw draw(7);
+  for (int c = 0; c < 10; ++c) {
+    std::vector<std::vector<double>> points(6, std::vector<double>(3));
+    for (auto& p : points)
+      for (double& x : p) x = draw.even(-1, 1);
+    const auto path = blended_lines(points, 0.02);
+    const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+    const WayOf way(*path, 0, 1);
+    const NormLimit norm{&way, 0.1, kInfinite, kInfinite, "tool speed"};
+    TimingOptions options;
+    options.norms = {&norm, 1};
+    const Timing timing = time_path(*path, limits, options);
+    const Speeds speed = speeds_between(timing.profile, 0.05, path->length() - 0.05);
+    EXPECT_LE(speed.high, 0.1 * (1 + 1e-6));
+    EXPECT_GE(speeds_between(timing.profile, 0.05, path->breaks()[1] - 0.05).high, 0.1 * (1 - 1e-4)) << c;
+    EXPECT_LE(timing.profile.duration(), path->length() / 0.1 * 1.01) << c;
+  }
+}
+
+TEST(Timing, ReachesBothSpeedsWhereABoundJumps) {
+  const auto path = blended_lines({{0, 0, 0}, {1, 0.2, 0}, {1, 1, 0.5}, {0, 1, 1}}, 0.02);
+  const double place = path->breaks()[3];
+  const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+  for (const bool slow_first : {true, false}) {
+    const WayOf way(*path, place, slow_first ? 8.0 : 1.0 / 8);
+    const NormLimit norm{&way, slow_first ? 0.4 : 0.05, kInfinite, kInfinite, "tool speed"};
+    TimingOptions options;
+    options.norms = {&norm, 1};
+    const Timing timing = time_path(*path, limits, options);
+    const Speeds before = speeds_between(timing.profile, 0.1, place - 0.1),
+                 behind = speeds_between(timing.profile, place + 0.1, path->length() - 0.1);
+    const Speeds &slow = slow_first ? before : behind, &fast = slow_first ? behind : before;
+    EXPECT_LE(slow.high, 0.05 * (1 + 1e-6));
+    EXPECT_GE(slow.low, 0.05 * (1 - 2e-3));
+    EXPECT_LE(fast.high, 0.4 * (1 + 1e-6));
+    EXPECT_GE(fast.high, 0.4 * (1 - 1e-3));
+  }
+}
+
+/// Corners of a zigzag at which blends are wide; in the middle one may be tight.
+std::shared_ptr<const Path> zigzag(double tight) {
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i <= 8; ++i) points.push_back({0.25 * i, i % 2 ? 0.5 : 0.0, 0.05 * i * i});
+  if (tight <= 0) return blended_lines(points, 0.05);
+  // The tight corner is a small jog in the middle of the fifth line.
+  std::vector<double> middle(3), aside(3);
+  for (std::size_t j = 0; j < 3; ++j) middle[j] = (points[4][j] + points[5][j]) / 2;
+  aside = middle, aside[2] += tight;
+  points.insert(points.begin() + 5, aside);
+  return blended_lines(points, 0.05);
+}
+
+TEST(Timing, OneTightPlaceDoesNotSlowTheOthers) {
+  const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+  const auto plain = zigzag(0), tight = zigzag(0.12);
+  const Timing without = time_path(*plain, limits), with = time_path(*tight, limits);
+  // The first three corners are the same on both paths, up to the middle of the line behind them.
+  const double to = (plain->breaks()[6] + plain->breaks()[7]) / 2;
+  ASSERT_DOUBLE_EQ(plain->breaks()[6], tight->breaks()[6]);
+  EXPECT_NEAR(with.profile.time_at(to), without.profile.time_at(to), 2e-3 * without.profile.time_at(to));
+  EXPECT_LE(most_used(*tight, with.profile, limits), 1 + 1e-6);
+}
+
+TEST(Timing, NodesDoNotMultiplyWithTightCorners) {
+  Draw draw(8);
+  for (const std::size_t corners : {10, 30}) {
+    std::vector<std::vector<double>> points(corners + 2, std::vector<double>(6));
+    for (auto& p : points)
+      for (double& x : p) x = draw.even(-1, 1);
+    const auto path = blended_lines(points, 2e-3);
+    const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(3, 12, 120));
+    const Timing timing = time_path(*path, limits);
+    EXPECT_LE(timing.grid.size(), 50 * corners);
+    EXPECT_LE(timing.iterations, 150);
+    EXPECT_LE(most_used(*path, timing.profile, limits), 1 + 1e-6);
+  }
+}
+
 TEST(Timing, NamesTheActiveLimitsAlongTheWholePath) {
   const auto path = random_spline(6, 10, 8);
   std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
