@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "apps/client.hpp"
+#include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
 
@@ -14,7 +16,9 @@ struct Arguments {
   ClientOptions client;
   std::vector<std::string> activate, deactivate, parameters;
   std::string strictness = "strict", name, type, file, state;
-  bool dry = false;
+  std::string percent;
+  double category = 0, seconds = 0, distance = 0;
+  bool dry = false, anyway = false;
 };
 
 void list(const Json& controllers) {
@@ -59,6 +63,28 @@ Json parameters_of(const std::vector<std::string>& words) {
   return out;
 }
 
+/// "50%" and "50" are the same.
+double percent_of(const std::string& text) {
+  const std::optional<double> percent =
+      parse_number(text.ends_with('%') ? text.substr(0, text.size() - 1) : text);
+  if (!percent) throw Error("bad-value", "'" + text + "' is no share of the speed", "for example 50%");
+  return *percent;
+}
+
+/// What became of a request that moves or stops.
+void tell_motion(const std::string& action, const Json& result) {
+  if (action == "override") {
+    fmt::print("override {:g} %\n", result["percent"].get<double>());
+  } else if (action == "back") {
+    fmt::print("stepped back, {} again\n", shown(result["state"]));
+    for (const auto& [joint, way] : result["joints"].items())
+      fmt::print("  {} {:+.4f}\n", joint, way.get<double>());
+  } else {
+    fmt::print("asked to {}\n", shown(result["asked"]));
+    if (result.contains("inactive")) fmt::print("switched off {}\n", shown(result["inactive"]));
+  }
+}
+
 int act(const CLI::App& app, const Arguments& a) {
   const std::string action = app.get_subcommands().front()->get_name();
   Client client(a.client.cell);
@@ -68,6 +94,11 @@ int act(const CLI::App& app, const Arguments& a) {
                     {"deactivate", a.deactivate},
                     {"strictness", a.strictness},
                     {"dry", a.dry}});
+  if (!a.percent.empty()) request["percent"] = percent_of(a.percent);
+  if (a.category != 0) request["category"] = a.category;
+  if (a.seconds != 0) request["time"] = a.seconds;
+  if (a.distance != 0) request["distance"] = a.distance;
+  if (a.anyway) request["anyway"] = true;
   if (!a.name.empty()) request["name"] = a.name;
   if (!a.state.empty()) request["state"] = a.state;
   if (action == "load" && !a.type.empty()) request["type"] = a.type;
@@ -91,7 +122,7 @@ int act(const CLI::App& app, const Arguments& a) {
     fmt::print("{} is {}\n", a.name, action == "unload" ? "gone" : shown(result["state"]));
     for (const Json& warning : result.value("warnings", Json::array())) fmt::print("{}\n", shown(warning));
   } else {
-    fmt::print("asked to {}\n", shown(result["asked"]));
+    tell_motion(action, result);
   }
   return a.dry && !result.value("ok", true) ? kFailed : kOk;
 }
@@ -154,8 +185,16 @@ int run_control(int argc, char** argv) {
   state->add_option("state", a.state, "unconfigured, inactive or active")->required();
   add("arm", "let real hardware move: shows where it is measured and expected, and asks you");
   add("hold", "stop on the path; resume goes on");
-  add("stop", "stop at once");
-  add("resume", "go on after a hold");
+  add("stop", "stop at once, on the path")
+      ->add_option("--category", a.category, "1: then switch the drives off; 2 (otherwise): hold");
+  add("resume", "go on after a hold")
+      ->add_flag("--anyway", a.anyway, "also where the robot was moved while it was held");
+  CLI::App* back = add("back", "from a hold slowly back along the planned path, and held again");
+  back->add_option("--time", a.seconds, "by so many seconds of the plan (1)");
+  back->add_option("--distance", a.distance,
+                   "by so much along the path: metres of the TCP's paths, of moves of joints radians");
+  add("override", "how much of the planned speed is used")
+      ->add_option("percent", a.percent, "0% to 100%; without it: what it is now");
   add("discard", "forget what is left of a held motion");
   add("recover", "leave the fault state; nothing moves yet");
   app.footer(
@@ -163,7 +202,8 @@ int run_control(int argc, char** argv) {
                 "polyarm control switch -a new --strictness force --dry",
                 "polyarm control load forward --type forward_command_controller/ForwardCommandController "
                 "-p joints=[joint_1] -p interface_name=position",
-                "polyarm control state forward active"}));
+                "polyarm control state forward active", "polyarm control override 50%",
+                "polyarm control back --time 0.5"}));
   return run_actions(app, argc, argv, [&] {
     return app.get_subcommands().front()->get_name() == "arm" ? arm(a) : act(app, a);
   });

@@ -32,7 +32,10 @@ class TextObserver : public cell::Observer {
   }
   void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
     line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
-                     state == "held" ? "  (type resume, discard or stop)" : ""));
+                     state == "held" ? "  (type resume, back, discard or stop)" : ""));
+  }
+  void on_stop(Nanoseconds time, const cell::StopReport& stop) override {
+    line(fmt::format("{:8.3f}  {}", seconds(time), stop.sentence()));
   }
   void on_question(const std::string& text) override { line("?        " + text); }
   void on_problem(Nanoseconds, const Problem& problem) override { line(problem.text()); }
@@ -79,6 +82,11 @@ class JsonObserver : public cell::Observer {
   }
   void on_state(Nanoseconds t, const std::string& state, const std::string& cause) override {
     put({{"event", "state"}, {"time_s", seconds(t)}, {"state", state}, {"cause", cause}});
+  }
+  void on_stop(Nanoseconds t, const cell::StopReport& stop) override {
+    json event = cell::json_of(stop);
+    event["event"] = "stop";
+    put(event);
   }
   void on_question(const std::string& text) override { put({{"event", "question"}, {"text", text}}); }
   void on_problem(Nanoseconds t, const Problem& p) override {
@@ -138,6 +146,8 @@ std::string result_json(const cell::RunResult& r, const std::string& failure_fol
                         {"where", problem.where.text()},
                         {"text", problem.what},
                         {"advice", problem.advice}});
+  json stops = json::array();
+  for (const cell::StopReport& stop : r.stops) stops.push_back(cell::json_of(stop));
   const json out = {
       {"result", cell::name(r.outcome)},
       {"error", r.problems.empty() ? json() : json(r.problems.front().text())},
@@ -156,6 +166,7 @@ std::string result_json(const cell::RunResult& r, const std::string& failure_fol
       {"tracking_error_max", r.tracking_error_max},
       {"clamps", r.clamps},
       {"parts", parts},
+      {"stops", stops},
       {"repeatable", r.repeatable},
       {"trace_hash", r.trace_hash},
       {"failure_folder", failure_folder.empty() ? json() : json(failure_folder)},
@@ -173,6 +184,8 @@ void print_result(const cell::RunResult& r, const std::string& failure_folder) {
     fmt::print("part            {}{}{}\n", part.sentence(),
                part.error_m ? fmt::format(", {:.2f} mm from its goal", 1e3 * *part.error_m) : "",
                part.bin.empty() ? "" : ", in " + part.bin);
+  for (const cell::StopReport& stop : r.stops)
+    fmt::print("stop            at {:.3f} s {}\n", seconds(stop.begun), stop.sentence());
   const cell::LoopHealth& h = r.health;
   fmt::print("control loop    {} cycles, {} late (an empty loop beside it: {})\n", h.cycles, h.late,
              h.late_empty);

@@ -73,6 +73,13 @@ void print_threads(const Json& threads) {
 
 void print_health(const Json& h) {
   fmt::print("state     {}{}\n", shown(h["state"]), h["state"] == "running" ? "" : ": " + shown(h["cause"]));
+  fmt::print("override  {:g} %", h["override_percent"].get<double>());
+  if (h["allowed_percent"] != 100.0)
+    fmt::print(" of the {:g} % that are allowed now", h["allowed_percent"].get<double>());
+  fmt::print("\n");
+  if (const Json& stop = h["last_stop"]; !stop.is_null())
+    fmt::print("last stop {:.3f} s at {:.3f} s, category {}: {}\n", stop["time_s"].get<double>(),
+               stop["at_s"].get<double>(), shown(stop["category"]), shown(stop["cause"]));
   fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(),
              shown(h["cycles"]), shown(h["late"]), h["time_s"].get<double>());
   for (const auto& [key, name] :

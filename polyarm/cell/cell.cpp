@@ -404,6 +404,7 @@ void Cell::tick(Nanoseconds now) {
   tell_overruns();
   tell_threads();
   if (!started_ && arming_->armed()) send_start_messages();
+  watch_stops(now, snapshot);
   requests_->tick();
   follow_strangers(snapshot);
   update_states(snapshot);
@@ -554,6 +555,18 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
     group_faults_.push_back(problem);
     if (waits_for_others()) recorder_.begin(begin_record(*this, problem), now);
   }
+}
+
+void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
+  constexpr std::size_t kKept = 1000;
+  if (joint_places_.all().empty()) joint_places_ = JointPlaces(robots_, loop_->table());
+  held_place_.tick(snapshot, joint_places_);
+  const auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
+  if (!stop) return;
+  if (stops_.size() >= kKept) stops_.erase(stops_.begin());
+  stops_.push_back(*stop);
+  observer_.on_stop(now, *stop);
+  recorder_.note_stop(stop->sentence());
 }
 
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {

@@ -20,6 +20,7 @@
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
 #include "polyarm/cell/robots.hpp"
+#include "polyarm/cell/stops.hpp"
 #include "polyarm/cell/tag_binding.hpp"
 #include "polyarm/cell/task.hpp"
 #include "polyarm/control/control_loop.hpp"
@@ -102,7 +103,14 @@ class Cell {
   /// After a reload, which may have made a component real.
   void look_for_real_hardware() { arming_->look_again(); }
 
+  /// What the stops of this run took, oldest first; at most the newest thousand.
+  const std::vector<StopReport>& stops() const { return stops_; }
+
   // For requests; cell thread.
+  StopWatch& stop_watch() { return stop_watch_; }
+  const HeldPlace& held_place() const { return held_place_; }
+  const JointPlaces& joint_places() const { return joint_places_; }
+  void tell(const std::string& note) { observer_.on_note(note); }
   Requests& requests() { return *requests_; }
   /// For what takes longer than a tick may; in lock-step it is done at once.
   Worker& worker() { return *worker_; }
@@ -144,6 +152,7 @@ class Cell {
   bool waits_for_others() const { return !options_.lock_step && !program_ && file_.send.empty(); }
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
+  void watch_stops(Nanoseconds now, const control::Snapshot& snapshot);
   void fail(Nanoseconds now, Problem problem);
 
   CellFile file_;
@@ -177,6 +186,10 @@ class Cell {
   std::unique_ptr<Arming> arming_;
   std::vector<std::string> wanted_controllers_;
   FaultRecorder recorder_;
+  JointPlaces joint_places_;
+  StopWatch stop_watch_;
+  HeldPlace held_place_;
+  std::vector<StopReport> stops_;
   std::vector<control::StopCause> fallen_seen_;  ///< by component
   std::vector<Problem> group_faults_;
   bool started_ = false, in_fault_ = false;

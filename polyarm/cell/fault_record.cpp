@@ -27,8 +27,8 @@ constexpr Nanoseconds kAftermath = 200'000'000;
 constexpr std::size_t kKeptRecords = 50;             // of each kind
 constexpr std::uintmax_t kLargestKept = 10'000'000;  // bytes of one file of the cell
 const std::vector<std::string> kHead = {"cycle", "state", "cause", "request"};
-constexpr const char* kStates[] = {"running", "stopping", "held", "fault"};
-constexpr const char* kRequests[] = {"none", "resume", "discard", "recover"};
+constexpr const char* kStates[] = {"running", "stopping", "held", "fault", "backing"};
+constexpr const char* kRequests[] = {"none", "resume", "discard", "recover", "back"};
 
 std::vector<std::string> first(const std::vector<std::string>& names, std::size_t count) {
   return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
@@ -89,6 +89,8 @@ FaultRecord begin_record(Cell& cell, Problem problem) {
   out.period_s = seconds(loop.options().period);
   out.states = first(loop.table().state_names(), loop.table().built_states());
   out.commands = first(loop.table().command_names(), loop.table().built_commands());
+  if (!cell.stops().empty() && cell.stops().back().begun == cell.snapshot().stop.begun)
+    out.stop = cell.stops().back().sentence();
   for (const auto& robot : cell.robots())
     out.files[robot->entry.name + ".urdf"] = description::write_urdf(robot->model);
   return out;
@@ -104,7 +106,8 @@ fs::path write_record(const FaultRecord& record, const char* kind) noexcept {
         fs::copy_file(entry.path(), folder / entry.path().filename());
     for (const auto& [name, text] : record.files) write_file_atomically(folder / name, text);
     write_file_atomically(folder / "fault.txt", "polyarm: fault/1\nperiod: " + number(record.period_s) +
-                                                    "\n" + record.problem.text() + "\n");
+                                                    "\n" + record.problem.text() + "\n" +
+                                                    (record.stop.empty() ? "" : record.stop + "\n"));
     std::ofstream cycles(folder / "cycles.csv");
     write_cycles(cycles, record, record.box ? record.box->box : *record.stopped);
     cycles.close();

@@ -21,6 +21,7 @@ class Cell;
 struct FaultRecord {
   std::filesystem::path cell_folder;
   Problem problem;
+  std::string stop;  ///< what the stop took, in one line; empty: it has not ended
   double period_s = 1e-3;
   std::vector<std::string> states, commands;                ///< names of the columns
   std::map<std::string, std::string> files;                 ///< name → text, written beside the cycles
@@ -31,7 +32,8 @@ struct FaultRecord {
 FaultRecord begin_record(Cell& cell, Problem problem);
 
 /// Writes into the next free `<cell>/.state/KIND/NNNN/`: the cell's files, each robot's URDF, `cycles.csv`
-/// with cycle, state, cause, request, all states and all commands, and `fault.txt`. Returns the folder; empty
+/// with cycle, state, cause, request, all states and all commands, and `fault.txt`, which begins with what
+/// happened and what the stop took. Returns the folder; empty
 /// where it could not be written, since the run's result stands without it.
 std::filesystem::path write_record(const FaultRecord& record, const char* kind) noexcept;
 
@@ -39,6 +41,10 @@ std::filesystem::path write_record(const FaultRecord& record, const char* kind) 
 class FaultRecorder {
  public:
   void begin(FaultRecord record, Nanoseconds now);
+  /// What the stop took, for a record that is not written yet.
+  void note_stop(const std::string& sentence) {
+    if (record_) record_->stop = sentence;
+  }
   /// Takes the box out of the loop when it is time, and lets the worker write it. A sentence when that is
   /// done.
   std::optional<std::string> tick(Nanoseconds now, control::ControlLoop& loop, Worker& worker);

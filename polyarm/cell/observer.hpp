@@ -7,6 +7,8 @@
 
 namespace polyarm::cell {
 
+struct StopReport;
+
 /// Told what happens in a running cell, in order, on the cell thread.
 class Observer {
  public:
@@ -19,6 +21,8 @@ class Observer {
   virtual void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {}
   virtual void on_log(Nanoseconds time, const std::string& task, const std::string& text) {}
   virtual void on_state(Nanoseconds time, const std::string& state, const std::string& cause) {}
+  /// A stop has ended.
+  virtual void on_stop(Nanoseconds time, const StopReport& stop) {}
   virtual void on_question(const std::string& text) {}
   virtual void on_problem(Nanoseconds time, const Problem& problem) {}
 };

@@ -152,10 +152,6 @@ void flatten(const Json& map, const std::string& prefix, controllers::Parameters
   }
 }
 
-void request(Cell& cell, control::Request what) {
-  if (!cell.loop().post(what)) throw Error("busy", "the control loop has not taken the last requests yet");
-}
-
 }  // namespace
 
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer) {
@@ -306,31 +302,6 @@ Poll control_state(Cell& cell, const Json& arguments) {
   return switch_controllers(cell, {{name}, {}}, answer);
 }
 
-Poll control_hold(Cell& cell, const Json&) {
-  cell.loop().supervisor().latch().request(realtime::StopKind::controlled);
-  return at_once({{"asked", "hold"}});
-}
-
-Poll control_stop(Cell& cell, const Json&) {
-  cell.loop().supervisor().latch().request(realtime::StopKind::immediate);
-  return at_once({{"asked", "stop"}});
-}
-
-Poll control_resume(Cell& cell, const Json&) {
-  cell.loop().supervisor().latch().clear();
-  request(cell, control::Request::resume);
-  return at_once({{"asked", "resume"}});
-}
-
-Poll control_discard(Cell& cell, const Json&) {
-  request(cell, control::Request::discard);
-  return at_once({{"asked", "discard"}});
-}
-
-Poll control_recover(Cell& cell, const Json&) {
-  request(cell, control::Request::recover);
-  return at_once({{"asked", "recover"}});
-}
 
 Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
@@ -356,8 +327,6 @@ Poll hardware_list(Cell& cell, const Json&) {
   return at_once(std::move(out));
 }
 
-namespace {
-/// Stops who uses the component, then walks.
 Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
   cell.loop().hardware().require_idle(i);
   const LifecycleState now = cell.loop().hardware().state_of(i);
@@ -373,6 +342,7 @@ Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
               [i, wanted, answer](Cell& c) { return walk(c, i, wanted, answer); });
 }
 
+namespace {
 /// After the reload: back to where the component was.
 Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
   const std::string name = answer["name"];
@@ -538,6 +508,9 @@ Poll health(Cell& cell, const Json&) {
                   {"cause", control::name(seen.cause)},
                   {"standing", seen.standing},
                   {"parts", parts},
+                  {"override_percent", 100 * cell.loop().supervisor().override_share()},
+                  {"allowed_percent", 100 * cell.loop().supervisor().share()},
+                  {"last_stop", cell.stops().empty() ? Json() : json_of(cell.stops().back())},
                   {"threads", threads},
                   {"fallen", fallen},
                   {"time_s", seconds(seen.cycle.time)},

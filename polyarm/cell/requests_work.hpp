@@ -39,6 +39,8 @@ double number_argument(const Json& arguments, const char* name, double fallback)
 
 /// A switch that is begun again when the loop changed something by itself meanwhile.
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
+/// Stops who uses the component, then takes it there.
+Poll take_to(Cell& cell, std::size_t component, hardware::LifecycleState wanted);
 /// Two steps one after the other; the second may be told what the first answered.
 Poll then(Poll first, std::function<Poll(Cell&)> second);
 Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second);
@@ -58,6 +60,8 @@ Poll control_stop(Cell&, const Json&);
 Poll control_resume(Cell&, const Json&);
 Poll control_discard(Cell&, const Json&);
 Poll control_recover(Cell&, const Json&);
+Poll control_back(Cell&, const Json&);
+Poll control_override(Cell&, const Json&);
 Poll hardware_list(Cell&, const Json&);
 Poll hardware_state(Cell&, const Json&);
 Poll hardware_recover(Cell&, const Json&);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "polyarm/base/text.hpp"
@@ -197,9 +198,12 @@ class Runner {
 
   void typed(const std::string& line) {
     if (line == "resume") {
-      cell_.loop().supervisor().latch().clear();
       stops_asked = 0;
-      cell_.loop().post(control::Request::resume);
+      ask("control.resume");
+    } else if (line == "back") {
+      ask("control.back");
+    } else if (line.starts_with("override ") && parse_number(percent_of(line))) {
+      ask("control.override", {{"percent", *parse_number(percent_of(line))}});
     } else if (line == "discard") {
       cell_.loop().post(control::Request::discard);
     } else if (line == "recover") {
@@ -221,6 +225,25 @@ class Runner {
       cell_.answers().give(line);
       return;
     }
+  }
+
+  /// "override 50%" → "50"
+  static std::string percent_of(const std::string& line) {
+    std::string out = line.substr(line.find(' ') + 1);
+    if (out.ends_with('%')) out.pop_back();
+    return out;
+  }
+
+  /// What is typed is asked as any program asks it; a refusal is told.
+  void ask(const char* request, nlohmann::json arguments = nlohmann::json::object()) {
+    arguments["request"] = request;
+    cell_.requests().handle(arguments.dump(), [this](const std::string& text) {
+      const auto answer = nlohmann::json::parse(text, nullptr, false);
+      if (!answer.value("ok", false))
+        observer_.on_note(answer["error"].value("what", text) + " (" + answer["error"].value("advice", "") +
+                          ")");
+      return true;
+    });
   }
 
   void after_tick(Nanoseconds now) {
@@ -273,6 +296,7 @@ class Runner {
     out.tracking_error_max = cell_.tracking_error_max();
     out.clamps = loop.limits().clamps();
     out.parts = cell_.parts().report();
+    out.stops = cell_.stops();
     out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers();
     out.trace_hash = loop.trace().text();
     out.first_motion_s = first_motion_;

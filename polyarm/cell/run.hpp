@@ -39,6 +39,7 @@ struct RunResult {
   double tracking_error_max = 0;  ///< rad or m
   std::uint64_t clamps = 0;
   std::vector<PartReport> parts;
+  std::vector<StopReport> stops;  ///< what each took, oldest first
   bool repeatable = false;
   std::string trace_hash;
   std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time

@@ -84,6 +84,7 @@ class Gate {
 class FailingMock : public drivers::MockComponent {
  public:
   static inline std::atomic<bool> fails{false};
+  static inline std::atomic<double> pushed{0};  ///< what is measured of the first joint is off by this, rad
   static inline Gate configuring, initialising, erring;
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override {
     initialising.pass();
@@ -98,7 +99,10 @@ class FailingMock : public drivers::MockComponent {
     return drivers::MockComponent::on_error();
   }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
-    return fails ? hardware::ReturnType::error : drivers::MockComponent::read(cycle, states);
+    const hardware::ReturnType out =
+        fails ? hardware::ReturnType::error : drivers::MockComponent::read(cycle, states);
+    if (!states.empty()) states[0] += pushed;
+    return out;
   }
 };
 
@@ -109,6 +113,7 @@ class LockStepCell {
   explicit LockStepCell(const std::string& controllers, bool worked_from_outside = false,
                         Nanoseconds patience = 60'000'000'000) {
     FailingMock::fails = false;
+    FailingMock::pushed = 0;
     hardware::register_driver("failing",
                               [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
     const auto urdf = std::filesystem::path(POLYARM_SOURCE_DIR) / "examples/r6bot/r6bot.urdf";

@@ -1,0 +1,125 @@
+#include "polyarm/cell/stops.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
+
+namespace polyarm::cell {
+
+namespace {
+constexpr double kNoWay = 1e-9;                // rad or m; less is no motion
+constexpr Nanoseconds kSettles = 300'000'000;  // after which what stands has come to rest
+constexpr double kPushed = 0.01;               // rad or m; less is noise, or a servo that gives way
+}  // namespace
+
+std::string StopReport::sentence() const {
+  std::string out = fmt::format("stopped in {:.3f} s (category {})", time_s, category);
+  for (const Way& tcp : tcps) out += fmt::format(", TCP of {} {:.1f} mm", tcp.name, 1e3 * tcp.way);
+  const auto most = std::max_element(joints.begin(), joints.end(),
+                                     [](const Way& a, const Way& b) { return a.way < b.way; });
+  if (most != joints.end()) out += fmt::format(", {} {:.4f} rad or m", most->name, most->way);
+  return out + ": " + cause;
+}
+
+nlohmann::json json_of(const StopReport& stop) {
+  nlohmann::json tcps = nlohmann::json::object(), joints = nlohmann::json::object();
+  for (const StopReport::Way& tcp : stop.tcps) tcps[tcp.name] = tcp.way;
+  for (const StopReport::Way& joint : stop.joints) joints[joint.name] = joint.way;
+  return {{"at_s", seconds(stop.begun)}, {"time_s", stop.time_s}, {"category", stop.category},
+          {"cause", stop.cause},         {"tcp_m", tcps},         {"joints", joints}};
+}
+
+JointPlaces::JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table) {
+  const auto index = [](const auto& found) { return found ? static_cast<int>(*found) : -1; };
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    for (const controllers::JointFacts& joint : robots[r]->joints)
+      places_.push_back({joint.name, r, index(table.find_state(joint.name + "/position")),
+                         index(table.find_command(joint.name + "/position"))});
+}
+
+std::vector<double> JointPlaces::commanded(const control::Snapshot& snapshot) const {
+  std::vector<double> out;
+  for (const Place& p : places_) {
+    double q = p.command >= 0 ? snapshot.commands[static_cast<std::size_t>(p.command)]
+                              : std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(q) && p.state >= 0) q = snapshot.states[static_cast<std::size_t>(p.state)];
+    out.push_back(std::isfinite(q) ? q : 0);
+  }
+  return out;
+}
+
+void StopWatch::add(const CellRobots& robots, const JointPlaces& places, const std::vector<double>& now) {
+  const auto& all = places.all();
+  for (std::size_t j = 0; j < now.size(); ++j) joint_way_[j] += std::abs(now[j] - before_[j]);
+  for (std::size_t j = 0; j < now.size();) {
+    const std::size_t robot = all[j].robot, first = j;
+    while (j < now.size() && all[j].robot == robot) ++j;
+    const std::span<const double> a(before_), b(now);
+    const kinematics::Chain& chain = robots[robot]->facts->chain;
+    tcp_way_[robot] += norm(chain.forward(b.subspan(first, j - first)).position -
+                            chain.forward(a.subspan(first, j - first)).position);
+  }
+}
+
+std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, const CellRobots& robots,
+                                          const JointPlaces& places) {
+  std::vector<double> now = places.commanded(snapshot);
+  if (before_.size() != now.size()) before_ = now;
+  if (snapshot.stop.begun >= 0 && snapshot.stop.begun != seen_) {
+    seen_ = snapshot.stop.begun;
+    under_way_ = true;
+    joint_way_.assign(now.size(), 0.0);
+    tcp_way_.assign(robots.size(), 0.0);
+  }
+  if (under_way_) add(robots, places, now);
+  before_ = std::move(now);
+  if (!under_way_ || snapshot.stop.ended < 0) return std::nullopt;
+  under_way_ = false;
+  StopReport out{seen_, seconds(snapshot.stop.ended - seen_), category_, control::name(snapshot.cause), {},
+                 {}};
+  category_ = 2;
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    if (tcp_way_[r] > kNoWay) out.tcps.push_back({robots[r]->entry.name, tcp_way_[r]});
+  for (std::size_t j = 0; j < joint_way_.size(); ++j)
+    if (joint_way_[j] > kNoWay) out.joints.push_back({places.all()[j].name, joint_way_[j]});
+  return out.joints.empty() ? std::nullopt : std::optional(std::move(out));
+}
+
+void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& places) {
+  if (snapshot.state != control::RunState::held) {
+    since_ = -1;
+    settled_.clear();
+    most_ = 0;
+    return;
+  }
+  if (since_ < 0) since_ = snapshot.cycle.time;
+  if (snapshot.cycle.time - since_ < kSettles) return;
+  std::vector<double> off;
+  for (const JointPlaces::Place& p : places.all())
+    off.push_back(p.state >= 0 && p.command >= 0 ? snapshot.states[static_cast<std::size_t>(p.state)] -
+                                                       snapshot.commands[static_cast<std::size_t>(p.command)]
+                                                 : std::numeric_limits<double>::quiet_NaN());
+  if (settled_.size() != off.size()) settled_ = off;
+  most_ = 0;
+  for (std::size_t j = 0; j < off.size(); ++j)
+    if (const double moved = off[j] - settled_[j]; std::abs(moved) > std::abs(most_)) {
+      most_ = moved;
+      joint_ = places.all()[j].name;
+    }
+}
+
+std::optional<Problem> HeldPlace::pushed() const {
+  if (std::abs(most_) <= kPushed) return std::nullopt;
+  return Problem{
+      "moved-while-held",
+      {},
+      fmt::format("{} was moved by {:+.4f} rad or m since it is held, off where it is to go on from", joint_,
+                  most_),
+      "let it go back; or discard the motion; or resume with --anyway"};
+}
+
+}  // namespace polyarm::cell

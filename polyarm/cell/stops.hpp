@@ -1,0 +1,84 @@
+#pragma once
+/// What a stop took, and whether somebody has moved the robot since it stands.
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/time.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/control/control_loop.hpp"
+
+namespace polyarm::cell {
+
+/// A stop that has ended: from the first cycle that was to slow down until nothing was commanded to move.
+struct StopReport {
+  struct Way {
+    std::string name;
+    double way = 0;
+  };
+  Nanoseconds begun = 0;  ///< cell time
+  double time_s = 0;
+  int category = 2;  ///< IEC 60204-1: 1: the drives are then switched off, 2: they hold
+  std::string cause;
+  std::vector<Way> tcps;    ///< of each robot that moved, m along its path
+  std::vector<Way> joints;  ///< of each joint that moved, rad or m
+  /// In one line.
+  std::string sentence() const;
+};
+
+/// {at_s, time_s, category, cause, tcp_m: {robot: m}, joints: {joint: rad or m}}
+nlohmann::json json_of(const StopReport& stop);
+
+/// The joints of all robots in a snapshot.
+class JointPlaces {
+ public:
+  struct Place {
+    std::string name;
+    std::size_t robot;
+    int state, command;  ///< index of its position, -1: none
+  };
+  JointPlaces() = default;
+  JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table);
+  const std::vector<Place>& all() const { return places_; }
+  /// The commanded position of each where there is one, else the measured one, else 0; rad or m.
+  std::vector<double> commanded(const control::Snapshot& snapshot) const;
+
+ private:
+  std::vector<Place> places_;
+};
+
+/// Adds up the ways of a stop from tick to tick, so to one tick exactly. Cell thread.
+class StopWatch {
+ public:
+  /// The report once a stop in which something moved has ended.
+  std::optional<StopReport> tick(const control::Snapshot& snapshot, const CellRobots& robots,
+                                 const JointPlaces& places);
+  /// Of the stop under way, or of the next one.
+  void set_category(int category) { category_ = category; }
+
+ private:
+  void add(const CellRobots& robots, const JointPlaces& places, const std::vector<double>& now);
+
+  Nanoseconds seen_ = -1;  // the stop that was told last, or is under way
+  bool under_way_ = false;
+  int category_ = 2;
+  std::vector<double> before_, joint_way_, tcp_way_;
+};
+
+/// Where the joints are beside their commands while the cell is held. Cell thread.
+class HeldPlace {
+ public:
+  void tick(const control::Snapshot& snapshot, const JointPlaces& places);
+  /// The joint that was moved furthest since the hold had settled, if it was moved at all.
+  std::optional<Problem> pushed() const;
+
+ private:
+  Nanoseconds since_ = -1;
+  std::vector<double> settled_;  // measured less commanded; empty: not yet
+  std::string joint_;
+  double most_ = 0;
+};
+
+}  // namespace polyarm::cell
