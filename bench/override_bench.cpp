@@ -1,0 +1,192 @@
+// What a control cycle costs while a robot on a planned path changes its speed, and how near the time of a
+// stop is to the shortest there is: on lines and arcs of the TCP, six and seven joints, and on random splines
+// of six joints. Of each cycle the cheapest of some repetitions counts, since a machine that does other
+// things interrupts some of them; so it cannot show what an interrupted cycle takes. Takes minutes with
+// `ratio`: the shortest stop is searched for (tests/support/slow_stop.hpp).
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/motion/cartesian_joints.hpp"
+#include "polyarm/trajectory/path_follower.hpp"
+#include "polyarm/trajectory/timing.hpp"
+#include "tests/support/slow_stop.hpp"
+#include "tests/support/test_paths.hpp"
+
+namespace polyarm {
+namespace {
+
+using namespace trajectory;
+constexpr double kPeriod = 1e-3;
+
+struct Case {
+  std::string name;
+  std::vector<MotionLimits> limits;
+  TimedPath path;
+};
+
+kinematics::Chain arm(const std::string& name) {
+  const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name);
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (model.links[i].name == "tool0") return kinematics::Chain(model, static_cast<int>(i));
+  return kinematics::Chain(model, static_cast<int>(model.links.size()) - 1);
+}
+
+/// Five lines and arcs with corners of 2 cm; the joints' limits are those of a UR5e's size.
+Case lines_and_arcs(const std::string& robot, const std::vector<double>& q) {
+  const kinematics::Chain chain = arm(robot);
+  Pose at = chain.forward(q);
+  CartesianPathBuilder builder(at);
+  for (int i = 0; i < 5; ++i) {
+    Pose to = at;
+    to.position = to.position + (i % 2 ? Vec3{0, -0.12, 0.03} : Vec3{i % 4 ? -0.12 : 0.12, 0, -0.03});
+    if (i % 3 == 2)
+      builder.arc(0.5 * (at.position + to.position) + Vec3{0, 0, 0.03}, to, ArcOrientation::interpolated,
+                  {0.02, ""});
+    else
+      builder.line(to, {0.02, ""});
+    at = to;
+  }
+  std::vector<MotionLimits> limits(q.size(), MotionLimits::symmetric(3.14, 12.6, 126));
+  std::shared_ptr<const Path> path = motion::joints_along(chain, builder.build().sections[0], q);
+  return {robot, limits, timed(path, limits)};
+}
+
+Case spline(std::uint64_t seed) {
+  std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
+  return {"spline " + std::to_string(seed), limits, timed(test::random_spline(6, 8, seed), limits)};
+}
+
+/// Of every cycle in which the factor is not steady, µs.
+std::vector<double> cycles(const Case& c, std::uint64_t seed) {
+  using Clock = std::chrono::steady_clock;
+  constexpr int kRepetitions = 9;
+  std::vector<double> least;
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    std::mt19937_64 engine(seed);
+    std::uniform_real_distribution<double> draw(0, 1);
+    PathOverride o(c.path, c.limits, kPeriod);
+    o.begin(0, 1);
+    double target = 1;
+    std::size_t n = 0;
+    for (int cycle = 0; cycle < 20'000 && !o.finished(); ++cycle) {
+      if (cycle % 150 == 0) target = cycle / 150 % 2 ? 0 : draw(engine);
+      const bool steady = o.factor() == target && o.rate() == 0;
+      const auto before = Clock::now();
+      o.advance(target);
+      const double took = std::chrono::duration<double, std::micro>(Clock::now() - before).count();
+      if (steady) continue;
+      if (repetition == 0)
+        least.push_back(took);
+      else
+        least[n] = std::min(least[n], took);
+      ++n;
+    }
+  }
+  return least;
+}
+
+double at(const std::vector<double>& sorted, double share) {
+  return sorted[std::min(sorted.size() - 1, std::size_t(share * double(sorted.size())))];
+}
+
+void cost(const Case& c) {
+  std::vector<double> all;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed)
+    for (const double us : cycles(c, seed)) all.push_back(us);
+  std::sort(all.begin(), all.end());
+  std::printf("%-28s %6zu cycles  p50 %5.1f us  p99 %5.1f us  worst %5.1f us\n", c.name.c_str(), all.size(),
+              at(all, 0.5), at(all, 0.99), all.back());
+}
+
+/// Stops from random moments at random factors, every other one at full speed.
+void ratio(std::size_t stops) {
+  std::mt19937_64 engine(5);
+  std::uniform_real_distribution<double> draw(0, 1);
+  std::vector<double> all;
+  for (std::size_t k = 0; all.size() < stops; ++k) {
+    const Case c = spline(100 + k);
+    const double from = (0.03 + 0.9 * draw(engine)) * c.path.duration(),
+                 factor = k % 2 ? 1 : 0.1 + 0.9 * draw(engine);
+    PathOverride o(c.path, c.limits, kPeriod);
+    o.begin(from, factor);
+    const StoppingWay stop = o.stopping();
+    if (o.finished() || !stop.known) continue;
+    all.push_back(stop.time / test::SlowStop(c.path, c.limits).search(from, factor));
+  }
+  std::sort(all.begin(), all.end());
+  std::printf("stop over the shortest found: %zu stops  p10 %.3f  p50 %.3f  p90 %.3f  worst %.3f\n",
+              all.size(), at(all, 0.1), at(all, 0.5), at(all, 0.9), all.back());
+}
+
+/// docs/stop.svg: the speed of the TCP along its path while it is overridden, held, stepped back and resumed.
+void plot(const Case& c) {
+  struct Phase {
+    double until;
+    const char* name;
+    double target;  // below zero: back, by 0.1 s of the plan
+  };
+  const std::vector<Phase> phases{{0.45, "100 %", 1}, {0.95, "override 40 %", 0.4}, {1.35, "100 %", 1},
+                                  {1.85, "hold", 0},  {3.0, "back 0.1 s", -0.1},    {3.3, "held", 0},
+                                  {4.2, "resume", 1}};
+  PathFollower follower(c.path, c.limits, kPeriod);
+  follower.begin(1);
+  constexpr double kWidth = 170, kHeight = 220, kLeft = 50, kTop = 30;  // per s, per m/s; margins
+  constexpr double kZero = kTop + kHeight;
+  std::printf(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"800\" height=\"330\" "
+      "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"800\" height=\"330\" "
+      "fill=\"white\"/>\n<path d=\"M%g %gH780M%g %gV%g\" stroke=\"#888\" fill=\"none\"/>\n",
+      kLeft, kZero, kLeft, kTop - 10, kZero + 40);
+  double begin = 0, time = 0;
+  std::string line;
+  std::size_t hint = 0;
+  for (const Phase& phase : phases) {
+    std::printf(
+        "<path d=\"M%.1f %gV%g\" stroke=\"#ccc\"/>\n<text x=\"%.1f\" y=\"20\" fill=\"#444\">%s</text>\n",
+        kLeft + kWidth * begin, kTop - 5, kZero + 30, kLeft + kWidth * begin + 3, phase.name);
+    if (phase.target < 0) follower.step_back(0.1, 1e9);
+    for (; time < phase.until && !follower.finished(); time += kPeriod) {
+      if (phase.target < 0)
+        follower.advance_back(-phase.target);
+      else
+        follower.advance(phase.target);
+      const double speed = c.path.profile().at(follower.time(), hint).speed * follower.factor();
+      char point[64];
+      if (std::lround(time / kPeriod) % 5 == 0) {
+        std::snprintf(point, sizeof point, "%s%.1f %.1f", line.empty() ? "M" : "L", kLeft + kWidth * time,
+                      kZero - kHeight * speed);
+        line += point;
+      }
+    }
+    begin = phase.until;
+  }
+  std::printf("<path d=\"%s\" stroke=\"#06c\" stroke-width=\"1.5\" fill=\"none\"/>\n", line.c_str());
+  for (int k = 0; k <= 4; ++k)
+    std::printf("<text x=\"%.1f\" y=\"%g\">%d s</text>\n", kLeft + kWidth * k - 6, kZero + 55, k);
+  for (const double v : {0.0, 0.5, 1.0})
+    std::printf("<text x=\"10\" y=\"%.1f\">%.1f m/s</text>\n", kZero - kHeight * v + 4, v);
+  std::printf("</svg>\n");
+}
+
+}  // namespace
+}  // namespace polyarm
+
+int main(int argc, char** argv) {
+  using namespace polyarm;
+  if (argc > 1 && std::string(argv[1]) == "plot") {
+    plot(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));
+    return 0;
+  }
+  cost(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));
+  cost(lines_and_arcs("kuka/lbr_iiwa_7_r800", {0.2, 0.5, -0.1, -1.4, 0.2, 0.9, 0}));
+  for (const std::uint64_t seed : {1, 2, 3}) cost(spline(seed));
+  if (argc > 1 && std::string(argv[1]) == "ratio") ratio(argc > 2 ? std::size_t(std::atoi(argv[2])) : 60);
+}
