@@ -54,6 +54,7 @@ StopCause cause_of(const hardware::Fault& fault) noexcept {
 }
 
 void Supervisor::enter(Event event, StopCause cause) noexcept {
+  if (event == Event::stop && cause != StopCause::asked) ++other_stops_;
   const RunState now = state();
   const RunState then = next(now, event);
   if (then == now) return;
@@ -99,6 +100,9 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
     verdict.back_time = back_time_.load(std::memory_order_relaxed);
     verdict.back_way = back_way_.load(std::memory_order_relaxed);
   }
+  verdict.held = state() == RunState::held;
+  verdict.stops_asked = latch_.count();
+  verdict.stops = verdict.stops_asked + other_stops_;
   verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault;
   return verdict;
 }

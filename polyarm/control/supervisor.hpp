@@ -112,6 +112,7 @@ class Supervisor {
   void enter(Event event, StopCause cause) noexcept;
   void note_times(Nanoseconds now, bool standing) noexcept;
 
+  std::uint32_t other_stops_ = 0;  // control thread
   realtime::StopLatch latch_;
   std::atomic<Nanoseconds> heartbeat_{0};
   std::atomic<RunState> state_{RunState::running};

@@ -33,6 +33,10 @@ struct Verdict {
   /// Above 0: go back along the path at this share of the planned speed, by `back_time` s of the plan or
   /// `back_way` along the path (in its parameter), the shorter of both, and stand there. `speed` is 0 then.
   double back = 0, back_time = 0, back_way = 0;
+  bool held = false;       ///< everything stands after a stop: only what a person moves by hand may move
+  /// Stops so far: of anybody who asked (StopLatch::count), and with all other causes. Who moves by hand
+  /// ends when they change, in `held` too, where a stop changes nothing else.
+  std::uint32_t stops_asked = 0, stops = 0;
 };
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
