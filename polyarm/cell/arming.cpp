@@ -10,7 +10,7 @@ namespace polyarm::cell {
 namespace {
 // Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
-constexpr double kGovernedTcp = 0.8 * kReducedTcp, kSlowest = 0.01;
+constexpr double kGoverned = 0.8, kSlowest = 0.01;
 constexpr double kRise = 2.5, kFall = 50;  // a second: e-fold up, and down
 /// The TCPs' speeds are means over this long, or over a turn of the slowest robot: between two of its turns
 /// nothing new is measured or commanded, and that is no standstill. Share and speed rise by 13 % in it.
@@ -126,10 +126,10 @@ bool Arming::stands(double fastest, std::span<const double> commands) {
 
 void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands,
                     bool passed) {
-  if (!reduced_) return;
-  if (passed) {
+  if (!reduced()) return;
+  if (passed && reduced_) {
     reduced_ = false;
-    set_share(1, 1);
+    if (!profile_reduced_) set_share(1, 1);
     observer_.on_note("the program has run through once: full speed from now on");
     return;
   }
@@ -140,12 +140,26 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
     fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(since));
   tcps_before_ = tcps;
   before_ = now;
+  const bool both = reduced_ && profile_reduced_;
+  const double tcp = both ? std::min(kReducedTcp, profile_tcp_) : reduced_ ? kReducedTcp : profile_tcp_;
+  const double joints =
+      both ? std::min(kReducedJoint, profile_joint_) : reduced_ ? kReducedJoint : profile_joint_;
   if (stands(fastest, commands))
     share_ *= std::exp(-kFall * seconds(since));
   else
-    share_ *= fastest > kGovernedTcp ? kGovernedTcp / fastest : std::exp(kRise * seconds(since));
-  share_ = std::clamp(share_, kSlowest, kReducedJoint);
-  set_share(share_, kReducedJoint);
+    share_ *= fastest > kGoverned * tcp ? kGoverned * tcp / fastest : std::exp(kRise * seconds(since));
+  share_ = std::clamp(share_, std::min(kSlowest, joints), joints);
+  set_share(share_, joints);
+}
+
+void Arming::set_profile(bool reduced, double tcp_speed, double joint_share) {
+  profile_reduced_ = reduced;
+  profile_tcp_ = tcp_speed;
+  profile_joint_ = joint_share;
+  if (reduced)
+    set_share(share_ = kSlowest, joint_share);
+  else if (!reduced_)
+    set_share(share_ = 1, 1);
 }
 
 }  // namespace polyarm::cell

@@ -49,6 +49,12 @@ class Arming {
   /// slowly while something moves, and waits low while all stands, so that no motion begins too fast. `tcps`:
   /// places of the TCPs in the world, m. `commands`: of a snapshot. `passed`: the program has run through
   /// once, which ends it.
+  /// The limits profile of the cell: at reduced speed until it is another, real hardware or not.
+  void set_profile(bool reduced, double tcp_speed, double joint_share);
+  /// At reduced speed: by the profile, or real hardware before its program has run through once.
+  bool reduced() const { return reduced_ || profile_reduced_; }
+  /// Real hardware before its program has run through once.
+  bool first_pass() const { return reduced_; }
   void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed);
 
  private:
@@ -62,7 +68,8 @@ class Arming {
   Observer& observer_;
   std::vector<std::size_t> components_;
   bool full_speed_;
-  bool armed_ = false, reduced_ = false;
+  bool armed_ = false, reduced_ = false, profile_reduced_ = false;
+  double profile_tcp_ = 0.25, profile_joint_ = 0.1;
   double share_ = 1;  ///< of the planned speed, at reduced speed
   std::vector<Vec3> tcps_before_;
   std::vector<double> commands_before_;

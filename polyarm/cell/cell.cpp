@@ -66,6 +66,8 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop_->start_hardware(calls_);
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
   arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
+  jogging_ = std::make_unique<Jogging>(*this);
+  set_profile(file_.profiles.name);
 
   requests_ = std::make_unique<Requests>(*this);
   worker_ = std::make_unique<Worker>(options_.lock_step);
@@ -410,7 +412,8 @@ void Cell::tick(Nanoseconds now) {
   update_states(snapshot);
   tags_->read(snapshot.states, states_);
   for (Camera& camera : cameras_) camera.tick(snapshot.world, store_);
-  if (arming_->needed()) {
+  jogging_->tick(now);
+  if (arming_->needed() || arming_->reduced()) {
     std::vector<Vec3> tcps;
     for (std::size_t i = 0; i < robots_.size(); ++i) tcps.push_back(tcp(i).position);
     arming_->govern(now, tcps, snapshot.commands,
@@ -419,7 +422,8 @@ void Cell::tick(Nanoseconds now) {
   const bool may_run = !failure_ && arming_->armed();
   tick_motions(now);
   if (may_run && plc_) plc_->tick();
-  if (may_run && program_ && snapshot.state == control::RunState::running) program_->tick();
+  if (may_run && program_ && snapshot.state == control::RunState::running && !jogging_->engaged())
+    program_->tick();
   tick_motions(now);
   tags_->write();
   files_->exchange(now);
@@ -445,6 +449,32 @@ void Cell::tick_motions(Nanoseconds now) {
       if (told_warnings_.insert(warning.problem.text()).second) observer_.on_problem(now, warning.problem);
     }
   }
+}
+
+void Cell::set_profile(const std::string& name) {
+  const std::vector<std::string> known = {"reduced", "full"};
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error("unknown-profile", "there is no limits profile '" + name + "'" + did_you_mean(name, known),
+                "reduced or full");
+  const ProfileEntry& profile = name == "reduced" ? file_.profiles.reduced : file_.profiles.full;
+  profile_ = name;
+  const bool slower = profile.tcp_speed < 1e6 || profile.joint_speed < 1;
+  arming_->set_profile(slower, profile.tcp_speed, profile.joint_speed);
+}
+
+motion::JogLimits Cell::jog_limits() const {
+  const ProfileEntry& profile = profile_ == "reduced" ? file_.profiles.reduced : file_.profiles.full;
+  motion::JogLimits out{profile.joint_speed, profile.tcp_speed, profile.tcp_turning};
+  if (!arming_->first_pass()) return out;
+  out.joint_share = std::min(out.joint_share, kReducedProfile.joint_speed);
+  out.tcp_speed = std::min(out.tcp_speed, kReducedProfile.tcp_speed);
+  out.tcp_turning = std::min(out.tcp_turning, kReducedProfile.tcp_turning);
+  return out;
+}
+
+const char* Cell::control_holder() const {
+  if (jogging_->engaged()) return "jog";
+  return program_ && !program_->ended() ? "program" : "nobody";
 }
 
 void Cell::tell_changes(Nanoseconds now) {

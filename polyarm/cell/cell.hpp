@@ -16,6 +16,7 @@
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/fault_record.hpp"
 #include "polyarm/cell/hardware_calls.hpp"
+#include "polyarm/cell/jogging.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
@@ -105,11 +106,23 @@ class Cell {
 
   /// What the stops of this run took, oldest first; at most the newest thousand.
   const std::vector<StopReport>& stops() const { return stops_; }
+  /// Motion by hand; cell thread.
+  Jogging& jogging() { return *jogging_; }
+  /// The limits profile, "reduced" or "full". Throws Error("unknown-profile").
+  const std::string& profile() const { return profile_; }
+  void set_profile(const std::string& name);
+  /// What motion by hand keeps to now: the profile's, and reduced speed where arming says so.
+  motion::JogLimits jog_limits() const;
+  /// Has the robot no move of a program's queued, planned or under way?
+  bool idle(std::size_t robot) const { return !motions_[robot] || motions_[robot]->idle(); }
+  /// Who holds control: "program", "jog" or "nobody".
+  const char* control_holder() const;
 
   // For requests; cell thread.
   StopWatch& stop_watch() { return stop_watch_; }
   const HeldPlace& held_place() const { return held_place_; }
   const JointPlaces& joint_places() const { return joint_places_; }
+  /// Tells a person.
   void tell(const std::string& note) { observer_.on_note(note); }
   Requests& requests() { return *requests_; }
   /// For what takes longer than a tick may; in lock-step it is done at once.
@@ -184,6 +197,8 @@ class Cell {
   std::string falling_;                                     // component whose fall is being told
   std::unique_ptr<Requests> requests_;
   std::unique_ptr<Arming> arming_;
+  std::unique_ptr<Jogging> jogging_;
+  std::string profile_ = "full";
   std::vector<std::string> wanted_controllers_;
   FaultRecorder recorder_;
   JointPlaces joint_places_;

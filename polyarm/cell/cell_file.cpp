@@ -69,8 +69,10 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   robot.name = name;
   robot.where = yaml.where();
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget", "rate", "thread", "on_fault"},
+                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges"},
                   problems);
+  robot.workspace = read_workspace(yaml["workspace"], problems);
+  robot.ranges = read_ranges(yaml["joint_ranges"], problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
   collect(problems, [&] { robot.model = yaml.required("model").text(); });
@@ -207,8 +209,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins",
-                   "budget", "signals", "program", "plc", "motion", "loop"},
+                   "budget", "signals", "program", "plc", "motion", "loop", "profile", "profiles", "workspace"},
                   problems);
+  cell.profiles = read_profiles(yaml, problems);
+  cell.workspace = read_workspace(yaml["workspace"], problems);
   cell.rate_stated = yaml.has("rate");
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))

@@ -10,6 +10,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
+#include "polyarm/cell/safety_entries.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/motion/robot_facts.hpp"
 
@@ -40,6 +41,8 @@ struct RobotEntry {
   bool fault_of_group = false;  ///< `on_fault: group`: a fault of its hardware stops this robot alone
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
+  std::vector<motion::WorkspaceZone> workspace;  ///< of this robot alone
+  std::vector<RangeEntry> ranges;                ///< of joints, narrower than the robot's
   std::string text;                ///< the description itself, where `model` names the file that it stands in
   Location where;
 };
@@ -81,6 +84,8 @@ struct CellFile {
   std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
   LoopEntry loop;
+  ProfileEntries profiles;
+  std::vector<motion::WorkspaceZone> workspace;  ///< of all robots
 };
 
 /// What the command line puts over the file.

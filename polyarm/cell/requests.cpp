@@ -39,6 +39,10 @@ constexpr auto kMap = ArgumentType::map;
 
 const std::vector<RequestArgument> kName = {{"name", kText, true}};
 
+const char* const kJogState =
+    "{session, robot, names, slides, joints, position, rpy, orientation, speed, moving, held_back, reason, profile, control}; "
+    "of a step also {done}";
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> table = {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
@@ -199,6 +203,44 @@ const std::vector<Row>& rows() {
         "tell what a controller puts out, `rate` times a second (10)",
         false},
        watch_output},
+      {{"jog",
+        {{"robot", kText},
+         {"joints", kMap},
+         {"tcp", kMap},
+         {"frame", kText},
+         {"by", kFlag},
+         {"speed", kNumber},
+         {"hold", kNumber},
+         {"session", kNumber},
+         {"end", kFlag}},
+        kJogState,
+        "move joints or the TCP by hand: with velocities {elbow_joint: 0.1} or {z: 0.02} in `frame` (base, "
+        "world, tool or a point's name) for `hold` seconds (0.25) unless it comes again with the `session` of "
+        "the answer; with `by` by so much, answered until it is done; with `end` no more",
+        true},
+       jog},
+      {{"jog.state", {{"robot", kText}}, kJogState, "where a robot is, and what holds it back", false},
+       jog_state},
+      {{"target",
+        {{"robot", kText},
+         {"joints", kMap},
+         {"pose", kMap},
+         {"frame", kText},
+         {"speed", kNumber},
+         {"hold", kNumber},
+         {"session", kNumber}},
+        kJogState,
+        "go to joints or a pose {position, orientation or rpy}, again and again with the `session` of the "
+        "answer: what a sensor or a hand streams becomes smooth motion, which ends `hold` seconds (0.25) "
+        "after the last one",
+        true},
+       target},
+      {{"profile",
+        {{"name", kText}},
+        "{profile, joint_speed, tcp_speed}",
+        "the limits profile of the cell, or another: reduced (teaching) or full",
+        true},
+       profile},
   };
   return table;
 }

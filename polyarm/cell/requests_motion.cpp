@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "polyarm/cell/jogging.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
 namespace polyarm::cell {
@@ -86,6 +87,7 @@ Poll control_stop(Cell& cell, const Json& arguments) {
 Poll control_resume(Cell& cell, const Json& arguments) {
   const auto pushed = cell.held_place().pushed();
   if (pushed && !flag_argument(arguments, "anyway")) throw Error(*pushed);
+  cell.jogging().end_all();
   cell.loop().supervisor().latch().clear();
   request(cell, control::Request::resume);
   return at_once({{"asked", "resume"}});

@@ -75,5 +75,9 @@ Poll param_set(Cell&, const Json&);
 Poll send_message(Cell&, const Json&);
 Poll goal_cancel(Cell&, const Json&);
 Poll watch_output(Cell&, const Json&);
+Poll jog(Cell&, const Json&);
+Poll jog_state(Cell&, const Json&);
+Poll target(Cell&, const Json&);
+Poll profile(Cell&, const Json&);
 
 }  // namespace polyarm::cell

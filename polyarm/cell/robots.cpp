@@ -147,6 +147,18 @@ void read_joints(CellRobot& robot, const std::vector<JointLimitsSource>& files, 
                            robot.joints[j]);
 }
 
+/// A range that leaves the start out is a mistake in the file, not a fault in the first cycle.
+void check_start(const CellRobot& robot, Problems& problems) {
+  const std::vector<std::string> names = robot.model.joint_names();
+  for (const RangeEntry& range : robot.entry.ranges)
+    for (std::size_t j = 0; j < robot.start.size(); ++j)
+      if (names[j] == range.joint && (robot.start[j] < range.lower || robot.start[j] > range.upper))
+        problems.error("bad-range", range.where,
+                       "'" + robot.entry.name + "' starts with " + range.joint + " at " +
+                           format_number(robot.start[j]) + ", outside of its range",
+                       "widen the range so that the start is inside");
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
                                    bool real, Problems& problems, std::vector<std::string>& notes) {
@@ -157,9 +169,14 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
                                                               catalogue, problems, entry.arguments)
                                     : description::read_urdf(entry.text, entry.model, problems);
+  narrow_ranges(entry.ranges, robot->model, problems);
+  std::vector<motion::WorkspaceZone> zones = file.workspace;
+  zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
+  robot->workspace = motion::Workspace(std::move(zones));
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
+  check_start(*robot, problems);
   choose_drivers(*robot, real, notes);
   robot->facts = motion_facts(*robot, file.motion.tcp);
   return robot;

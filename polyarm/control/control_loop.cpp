@@ -101,7 +101,8 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
       limits_.forget(hardware_.commands_of(i).first, hardware_.commands_of(i).second);
   if (options_.limits) {
     const RunState now = supervisor_.state();  // held is held, whatever is commanded
-    const bool still = now == RunState::held || (now == RunState::fault && controllers_.standing());
+    // A controller that moves by hand what is held says that it does not stand.
+    const bool still = (now == RunState::held || now == RunState::fault) && controllers_.standing();
     limits_.restrict(table_.commands(), table_.states(), cycle.index,
                      still);  // the last word before the wire
     for (const std::int32_t command : limits_.faults())

@@ -1,0 +1,295 @@
+#include "polyarm/cell/jogging.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+using hardware::LifecycleState;
+
+struct Jogging::Robot {
+  std::size_t index = 0;
+  std::string name;                             // of the controller
+  motion::JogController* controller = nullptr;  // the manager's
+  std::vector<std::string> displaced;           // who has the joints otherwise
+  Poll switching;                               // to the controller, or back
+  bool engaged = false, returning = false;
+  std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest that was ended
+  Nanoseconds renewed = 0, hold = 0;
+  motion::JogWish target;  // streamed last
+  std::uint32_t target_session = 0;
+  Nanoseconds targeted = 0;
+};
+
+namespace {
+/// Targets further apart than this, s, say nothing about a velocity; and how much the newest says.
+constexpr double kTogether = 0.1, kNewest = 0.3;
+}  // namespace
+
+Jogging::Jogging(Cell& cell) : cell_(cell) {
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    robots_.push_back(std::make_unique<Robot>());
+    robots_.back()->index = i;
+  }
+}
+Jogging::~Jogging() = default;
+
+void Jogging::require_allowed(std::size_t i) const {
+  const std::string& name = cell_.robots()[i]->entry.name;
+  if (!cell_.arming().armed())
+    throw Error("disarmed", "'" + name + "' is not jogged: real hardware that nobody has armed",
+                "polyarm control arm");
+  const control::Snapshot& snapshot = cell_.snapshot();
+  if (snapshot.state == control::RunState::fault)
+    throw Error("fault", "'" + name + "' is not jogged: the cell is in a fault", "polyarm control recover");
+  if (snapshot.state == control::RunState::stopping)
+    throw Error("stopping", "'" + name + "' is not jogged: the cell is stopping", "ask again when it stands");
+  const bool running = snapshot.state == control::RunState::running;
+  if (running && cell_.program() && !cell_.program()->ended())
+    throw Error("program-runs", "'" + name + "' is not jogged: the program is running and holds control",
+                "hold it first: polyarm control hold");
+  if (!running && !robot(i).engaged && !cell_.idle(i))
+    throw Error("motion-held", "'" + name + "' is not jogged: a motion is held half way along its path",
+                "go on: polyarm control resume; or forget it: polyarm control discard");
+  if (running && !robot(i).engaged && !snapshot.standing)
+    for (const controllers::JointFacts& joint : cell_.robots()[i]->joints) {
+      const std::string holder = cell_.loop().controllers().holder_of(joint.name + "/position");
+      const controllers::Controller* mover =
+          holder.empty() ? nullptr : cell_.loop().controllers().find(holder);
+      if (mover && holder != robot(i).name &&
+          dynamic_cast<const controllers::JointTrajectoryController*>(mover))
+        throw Error("moving", "'" + name + "' is not jogged: " + holder + " is moving it",
+                    "wait until it has arrived, or hold it: polyarm control hold");
+    }
+}
+
+void Jogging::load(std::size_t i) {
+  Robot& robot = *robots_[i];
+  control::ControllerManager& manager = cell_.loop().controllers();
+  if (controller(robot)) return;
+  robot.controller = nullptr;
+  const CellRobot& of = *cell_.robots()[i];
+  robot.name = cell_.robots().size() == 1 ? "jog" : of.entry.name + "_jog";
+  while (manager.find(robot.name)) robot.name = "polyarm_" + robot.name;
+  auto made = std::make_unique<motion::JogController>(of.facts->chain, of.joints, of.workspace);
+  motion::JogController* const jog = made.get();
+  controllers::ControllerContext context;
+  context.name = robot.name;
+  context.type = motion::JogController::kType;
+  context.robot = of.entry.name;
+  context.joints = of.joints;
+  context.period = cell_.loop().options().period;
+  control::LoadOptions options;
+  options.budget = cell_.file().budget;
+  Problems told;  // with the hardware
+  options.divisor = divisor_of(of, context.period, told);
+  manager.load(std::move(made), std::move(context), std::move(options));
+  try {
+    manager.configure(robot.name);
+  } catch (const Error&) {
+    manager.unload(robot.name);
+    throw;
+  }
+  robot.controller = jog;
+  jog->set_limits(cell_.jog_limits());
+}
+
+bool Jogging::engage(std::size_t i) {
+  Robot& robot = *robots_[i];
+  if (robot.returning) return false;  // tick() goes on with that
+  if (robot.switching) {
+    const Progress progress = [&] {
+      try {
+        return robot.switching(cell_);
+      } catch (...) {
+        robot.switching = nullptr;
+        throw;
+      }
+    }();
+    if (!progress.over) return false;
+    robot.switching = nullptr;
+    robot.engaged = true;
+    return true;
+  }
+  if (robot.engaged) return true;
+  require_allowed(i);
+  load(i);
+  control::ControllerManager& manager = cell_.loop().controllers();
+  robot.displaced.clear();
+  for (const std::string& command : robot.controller->command_interfaces()) {
+    const std::string holder = manager.holder_of(command);
+    if (!holder.empty() &&
+        std::find(robot.displaced.begin(), robot.displaced.end(), holder) == robot.displaced.end())
+      robot.displaced.push_back(holder);
+  }
+  robot.renewed = cell_.now();
+  robot.switching = switch_controllers(cell_, {{robot.name}, robot.displaced, control::Strictness::automatic},
+                                       Json::object());
+  return engage(i);
+}
+
+bool Jogging::alive(const Robot& robot) const {
+  if (robot.session <= robot.over || cell_.now() - robot.renewed > robot.hold + kLinger) return false;
+  motion::JogController* const jog = controller(robot);
+  return jog && jog->status().ended < robot.session;
+}
+
+std::uint32_t Jogging::session(std::size_t i, std::uint32_t wanted) {
+  Robot& robot = *robots_[i];
+  if (wanted != 0) {
+    if (wanted == robot.session && wanted > robot.over && status(i).ended < wanted) return wanted;
+    throw Error("session-over",
+                "jogging as session " + std::to_string(wanted) + " is over: something stopped it",
+                "let the key go and press it again");
+  }
+  if (alive(robot))
+    throw Error("jogged", "somebody else jogs '" + cell_.robots()[i]->entry.name + "' now",
+                "one at a time: wait until they let go, or stop them: polyarm control hold");
+  // Numbers only rise, for any robot.
+  std::uint32_t next = 0;
+  for (const auto& each : robots_) next = std::max(next, each->session);
+  robot.session = next + 1;
+  robot.stops = cell_.loop().supervisor().latch().count();
+  robot.renewed = cell_.now();
+  robot.hold = 0;
+  return robot.session;
+}
+
+void Jogging::send(std::size_t i, std::uint32_t session, motion::JogCommand command) {
+  Robot& robot = *robots_[i];
+  command.session = session;
+  command.stops = robot.stops;
+  robot.renewed = cell_.now();
+  robot.hold = command.hold;
+  if (motion::JogController* const jog = controller(robot)) jog->send(command);
+}
+
+void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wish) {
+  Robot& robot = *robots_[i];
+  const double dt = seconds(cell_.now() - robot.targeted);
+  const bool goes_on = session != 0 && session == robot.session && robot.target.kind == wish.kind &&
+                       robot.target_session != 0 && dt < kTogether;
+  if (goes_on && dt < 1e-3) {  // with the one before, as far as anybody knows
+    wish.joint_speed = robot.target.joint_speed;
+    wish.twist = robot.target.twist;
+    robot.target = wish;
+    return;
+  }
+  const auto blend = [&](double old, double change) { return old + kNewest * (change / dt - old); };
+  for (std::size_t j = 0; goes_on && j < wish.joints.size(); ++j) {
+    const double v = blend(robot.target.joint_speed[j], wish.joints[j] - robot.target.joints[j]);
+    wish.joint_speed[j] = std::isfinite(v) ? v : 0;
+  }
+  if (goes_on && wish.kind == motion::JogWish::Kind::tcp_target) {
+    const Pose &now = wish.target, &before = robot.target.target;
+    const Vec3 d = now.position - before.position,
+               r = to_rotation_vector(now.rotation * inverse(before.rotation));
+    const double change[6] = {d.x, d.y, d.z, r.x, r.y, r.z};
+    for (std::size_t k = 0; k < 6; ++k) wish.twist[k] = blend(robot.target.twist[k], change[k]);
+  }
+  robot.target = wish;
+  robot.target_session = goes_on ? session : 1;
+  robot.targeted = cell_.now();
+}
+
+Pose Jogging::last_target(std::size_t i, std::uint32_t session) const {
+  const Robot& r = robot(i);
+  if (session != 0 && session == r.session && r.target.kind == motion::JogWish::Kind::tcp_target)
+    return r.target.target;
+  return r.engaged ? status(i).tcp : cell_.tcp(i);
+}
+
+void Jogging::end(std::size_t i, std::uint32_t session) {
+  Robot& robot = *robots_[i];
+  if (session != 0 && session != robot.session) return;
+  if (motion::JogController* const jog = controller(robot)) jog->let_go(robot.session);
+  robot.over = robot.session;
+  robot.hold = 0;
+  robot.renewed = cell_.now() - kLinger;
+}
+
+void Jogging::end_all() {
+  for (std::size_t i = 0; i < robots_.size(); ++i) end(i);
+}
+
+motion::JogStatus Jogging::status(std::size_t i) const {
+  motion::JogController* const jog = controller(robot(i));
+  return jog ? jog->status() : motion::JogStatus{};
+}
+
+/// Null before it is loaded, and when somebody has unloaded it.
+motion::JogController* Jogging::controller(const Robot& robot) const {
+  if (!robot.controller || cell_.loop().controllers().find(robot.name) != robot.controller) return nullptr;
+  return robot.controller;
+}
+
+bool Jogging::engaged(std::size_t i) const {
+  return robots_[i]->engaged || robots_[i]->switching;
+}
+
+bool Jogging::engaged() const {
+  return std::any_of(robots_.begin(), robots_.end(),
+                     [](const auto& robot) { return robot->engaged || robot->switching; });
+}
+
+/// Goes back, a step each tick. What cannot be started again is told; the robot is free then.
+void Jogging::give_back(Robot& robot) {
+  try {
+    if (!robot.returning) {
+      robot.returning = true;
+      std::vector<std::string> back;
+      for (const std::string& name : robot.displaced)
+        if (cell_.loop().controllers().find(name)) back.push_back(name);
+      robot.switching =
+          switch_controllers(cell_, {back, {robot.name}, control::Strictness::automatic}, Json::object());
+    }
+    if (!robot.switching(cell_).over) return;
+  } catch (const Error& e) {
+    cell_.tell("after jogging " + join(robot.displaced, ", ") + " could not be started again: " + e.what());
+  }
+  robot.switching = nullptr;
+  robot.engaged = robot.returning = false;
+}
+
+void Jogging::tick(Nanoseconds now) {
+  const control::RunState state = cell_.snapshot().state;
+  // Who resumes what is held takes the robots back from who jogs meanwhile.
+  if (std::exchange(was_held_, state == control::RunState::held) && state == control::RunState::running)
+    end_all();
+  const motion::JogLimits limits = cell_.jog_limits();
+  for (const auto& each : robots_) {
+    Robot& robot = *each;
+    motion::JogController* const jog = controller(robot);
+    if (!jog) robot.engaged = false;
+    if (!jog) continue;
+    jog->set_limits(limits);
+    if (robot.switching && !robot.returning) {  // whoever asked for it may be gone
+      try {
+        engage(robot.index);
+      } catch (const Error&) {  // told to who asked, when asked again
+      }
+      continue;
+    }
+    if (robot.returning) {
+      give_back(robot);
+      continue;
+    }
+    if (!robot.engaged) continue;
+    bool active = false;
+    for (const control::ListedController& c : cell_.loop().controllers().list())
+      active = active || (c.name == robot.name && c.state == LifecycleState::active);
+    if (!active) {  // somebody else switched it off, or its hardware failed
+      robot.engaged = false;
+      continue;
+    }
+    if (jog->status().standing && now - robot.renewed >= robot.hold + kLinger) give_back(robot);
+  }
+}
+
+}  // namespace polyarm::cell

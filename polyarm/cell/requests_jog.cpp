@@ -1,0 +1,350 @@
+/// Requests about motion by hand: jog, targets that are streamed, and the limits profile.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/quantity.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+using motion::JogCommand;
+using motion::JogHold;
+using Kind = motion::JogWish::Kind;
+
+constexpr Nanoseconds kRenewEvery = 50'000'000, kTellEvery = 100'000'000;
+constexpr double kMostHold = 10;
+
+std::size_t robot_argument(Cell& cell, const Json& arguments) {
+  const std::string wanted = text_argument(arguments, "robot", "");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    names.push_back(cell.robots()[i]->entry.name);
+    if (names.back() == wanted) return i;
+  }
+  if (wanted.empty() && names.size() == 1) return 0;
+  if (wanted.empty())
+    throw Error("which-robot", "the cell has " + std::to_string(names.size()) + " robots",
+                "say which: " + join(names, ", "));
+  throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, names),
+              "there are: " + join(names, ", "));
+}
+
+std::string short_name(const controllers::JointFacts& joint) {
+  return joint.name.substr(joint.name.find('/') + 1);
+}
+
+/// A number in SI, or a text with its unit.
+double quantity(const Json& value, const std::string& of, Dimension dimension) {
+  if (value.is_number()) {
+    const double number = value.get<double>();
+    if (std::isfinite(number)) return number;
+  }
+  if (value.is_string())
+    if (const auto number = parse_quantity(value.get<std::string>(), dimension)) return *number;
+  throw Error("bad-argument",
+              "'" + of + "' is " + (value.is_string() ? value.get<std::string>() : value.dump()) + ", not " +
+                  name(dimension),
+              "a bare number is in rad or m (and s)");
+}
+
+/// {elbow_joint: 0.2} → the value of each joint; `absent` where it says nothing.
+motion::JogValues joint_values(const CellRobot& robot, const Json& map, bool rates, double absent) {
+  motion::JogValues out;
+  out.fill(absent);
+  std::vector<std::string> names;
+  for (const controllers::JointFacts& joint : robot.joints) names.push_back(short_name(joint));
+  for (const auto& [key, value] : map.items()) {
+    auto found = std::find(names.begin(), names.end(), key);
+    if (found == names.end() && key.starts_with(robot.entry.name + "/"))
+      found = std::find(names.begin(), names.end(), key.substr(robot.entry.name.size() + 1));
+    if (found == names.end())
+      throw Error("unknown-joint",
+                  "'" + robot.entry.name + "' has no joint '" + key + "'" + did_you_mean(key, names),
+                  "it has: " + join(names, ", "));
+    const auto j = static_cast<std::size_t>(found - names.begin());
+    const bool slides = robot.facts->chain.slides(j);
+    const Dimension dimension = rates ? (slides ? Dimension::speed : Dimension::angular_speed)
+                                      : (slides ? Dimension::length : Dimension::angle);
+    out[j] = quantity(value, key, dimension);
+  }
+  return out;
+}
+
+/// {z: 0.02, rx: 0.1} → a twist, or a way and a rotation vector.
+motion::Twist twist_values(const Json& map, bool rates) {
+  const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
+  motion::Twist out{};
+  for (const auto& [key, value] : map.items()) {
+    const auto found = std::find(names.begin(), names.end(), key);
+    if (found == names.end())
+      throw Error("bad-argument", "the TCP does not move along '" + key + "'" + did_you_mean(key, names),
+                  "x, y, z (m) and rx, ry, rz (rad)");
+    const auto k = static_cast<std::size_t>(found - names.begin());
+    const Dimension dimension = k < 3 ? (rates ? Dimension::speed : Dimension::length)
+                                      : (rates ? Dimension::angular_speed : Dimension::angle);
+    out[k] = quantity(value, key, dimension);
+  }
+  return out;
+}
+
+/// Where the axes of a frame point, in the world. A frame of the user's is a point of the cell's data.
+Pose frame_of(Cell& cell, const CellRobot& robot, const std::string& frame) {
+  if (frame == "world") return {};
+  if (frame == "base") return robot.entry.base;
+  if (const data::Value* value = cell.store().find(frame))
+    if (const data::Point* point = value->as_point()) return point->pose;
+  std::vector<std::string> names = {"base", "world", "tool"};
+  for (const std::string& known : cell.store().names())
+    if (cell.store().find(known)->as_point()) names.push_back(known);
+  throw Error("unknown-frame", "there is no frame '" + frame + "'" + did_you_mean(frame, names),
+              "there are: " + join(names, ", "));
+}
+
+motion::Twist turned(const Quaternion& r, const motion::Twist& t) {
+  const Vec3 v = r * Vec3{t[0], t[1], t[2]}, w = r * Vec3{t[3], t[4], t[5]};
+  return {v.x, v.y, v.z, w.x, w.y, w.z};
+}
+
+Nanoseconds hold_argument(const Json& arguments) {
+  const double hold = number_argument(arguments, "hold", 0.25);
+  if (!(hold >= 0.02 && hold <= kMostHold))
+    throw Error("bad-argument", "'hold' is " + format_number(hold) + " s",
+                "a command is good for 0.02 to 10 s without another one");
+  return nanoseconds(hold);
+}
+
+double speed_argument(const Json& arguments) {
+  const double speed = number_argument(arguments, "speed", 1);
+  if (!(speed > 0 && speed <= 1))
+    throw Error("bad-argument", "'speed' is " + format_number(speed), "a share of the greatest: 0.01 to 1");
+  return speed;
+}
+
+/// What holds it back, for a person.
+std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+  const auto i = static_cast<std::size_t>(std::max(which, 0));
+  if (hold == JogHold::none) return "";
+  if (hold == JogHold::joint_limit && i < robot.joints.size())
+    return "joint limit " + short_name(robot.joints[i]);
+  if (hold == JogHold::workspace && i < robot.workspace.zones().size())
+    return "workspace " + robot.workspace.zones()[i].name;
+  if (hold == JogHold::direction) return "direction: the arm has too few joints for it";
+  return name(hold);
+}
+
+Json json_of(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Json state_of(Cell& cell, std::size_t i) {
+  const CellRobot& robot = *cell.robots()[i];
+  const motion::JogStatus status = cell.jogging().status(i);
+  Json joints = Json::object(), names = Json::array(), slides = Json::array();
+  std::vector<double> q;
+  const bool ours = cell.jogging().engaged(i);
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const auto index = cell.loop().table().find_state(robot.joints[j].name + "/position");
+    q.push_back(ours ? status.joints[j] : index ? cell.snapshot().states[*index] : 0.0);
+    joints[short_name(robot.joints[j])] = q.back();
+    names.push_back(short_name(robot.joints[j]));
+    slides.push_back(robot.facts->chain.slides(j));
+  }
+  const Pose tcp = robot.facts->chain.forward(q);
+  const Quaternion& r = tcp.rotation;
+  const bool going = ours && status.session != 0 && !status.standing;
+  return {{"robot", robot.entry.name},
+          {"names", names},
+          {"slides", slides},
+          {"joints", joints},
+          {"position", json_of(tcp.position)},
+          {"rpy", json_of(to_rpy(r))},
+          {"orientation", {r.x, r.y, r.z, r.w}},
+          {"speed", ours ? status.tcp_speed : 0.0},
+          {"moving", ours && !status.standing},
+          {"held_back", going ? name(status.hold) : "none"},
+          {"reason", going ? reason_text(robot, status.hold, status.which) : ""},
+          {"profile", cell.profile()},
+          {"control", cell.control_holder()}};
+}
+
+/// What to do, from the arguments of `jog`.
+JogCommand read_jog(Cell& cell, const CellRobot& robot, const Json& arguments) {
+  JogCommand out;
+  out.hold = hold_argument(arguments);
+  out.by = flag_argument(arguments, "by");
+  out.wish.speed = speed_argument(arguments);
+  const bool joints = arguments.contains("joints"), tcp = arguments.contains("tcp");
+  if (joints == tcp)
+    throw Error(
+        "bad-argument", joints ? "jog moves joints or the TCP, not both" : "jog what?",
+        "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad or m (and s); with 'by' by so much");
+  if (joints) {
+    out.wish.kind = out.by ? Kind::joint_target : Kind::joint_velocity;
+    out.wish.joints = joint_values(robot, arguments["joints"], !out.by, 0);
+    return out;
+  }
+  out.wish.kind = out.by ? Kind::tcp_target : Kind::tcp_velocity;
+  const std::string frame = text_argument(arguments, "frame", "base");
+  out.wish.twist = twist_values(arguments["tcp"], !out.by);
+  out.wish.tool_frame = frame == "tool";
+  if (!out.wish.tool_frame) out.wish.twist = turned(frame_of(cell, robot, frame).rotation, out.wish.twist);
+  return out;
+}
+
+std::uint32_t session_argument(const Json& arguments) {
+  const double number = number_argument(arguments, "session", 0);
+  if (!(number >= 0 && number < 4e9 && number == std::floor(number)))
+    throw Error("bad-argument", "'session' is " + format_number(number),
+                "it is the number that an answer had");
+  return static_cast<std::uint32_t>(number);
+}
+
+/// Hands the command on once the robot's joints are there for it, and tells how it is.
+Poll follow_command(std::size_t i, std::uint32_t session, JogCommand command) {
+  return [i, session, command, sent = false](Cell& cell) mutable {
+    Jogging& jogging = cell.jogging();
+    if (!jogging.engage(i)) return Progress{};
+    if (!sent) {
+      session = jogging.session(i, session);
+      jogging.send(i, session, command);
+      sent = true;
+    }
+    Json out = state_of(cell, i);
+    out["session"] = session;
+    return Progress::done(std::move(out));
+  };
+}
+
+/// A step: the cell renews it as long as whoever asked is there, and tells how far it is.
+Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
+  return [i, session, command, own = session == 0, begun = false, renewed = Nanoseconds{0},
+          told = Nanoseconds{0}](Cell& cell) mutable {
+    Jogging& jogging = cell.jogging();
+    if (!begun) {
+      if (!jogging.engage(i)) return Progress{};
+      session = jogging.session(i, session);
+      command.step = jogging.new_step();
+      jogging.send(i, session, command);
+      begun = true;
+      renewed = told = cell.now();
+      return Progress{};
+    }
+    const motion::JogStatus status = jogging.status(i);
+    const bool over = status.step >= command.step;
+    if (status.ended >= session || (!over && !jogging.engaged(i)))
+      throw Error("stopped", "something stopped the step before it was done", "polyarm control list, health");
+    Json out = state_of(cell, i);
+    out["session"] = session;
+    if (over && status.standing) {
+      if (own) jogging.end(i, session);
+      const bool done = status.step_hold == JogHold::none;
+      out["done"] = done;
+      out["held_back"] = name(status.step_hold);
+      out["reason"] = reason_text(*cell.robots()[i], status.step_hold, status.step_which);
+      return Progress::done(std::move(out));
+    }
+    if (cell.now() - renewed >= kRenewEvery) {
+      renewed = cell.now();
+      jogging.send(i, session, command);
+    }
+    if (cell.now() - told < kTellEvery) return Progress{};
+    told = cell.now();
+    return Progress::more(std::move(out));
+  };
+}
+
+Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
+  const Json& map = arguments["pose"];
+  const std::vector<std::string> known = {"position", "orientation", "rpy"};
+  for (const auto& [key, value] : map.items())
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw Error("bad-argument", "a pose has no '" + key + "'" + did_you_mean(key, known));
+  const auto numbers = [&](const char* key, std::size_t count) {
+    const Json& list = map[key];
+    std::vector<double> out;
+    if (list.is_array())
+      for (const Json& item : list)
+        if (item.is_number() && std::isfinite(item.get<double>())) out.push_back(item.get<double>());
+    if (out.size() != count)
+      throw Error("bad-argument",
+                  std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
+    return out;
+  };
+  const std::size_t i = robot_argument(cell, arguments);
+  Pose out = cell.jogging().last_target(i, session_argument(arguments));
+  const Pose frame = frame_of(cell, robot, text_argument(arguments, "frame", "world"));
+  out = inverse(frame) * out;  // what is not said stays
+  if (map.contains("position")) {
+    const auto p = numbers("position", 3);
+    out.position = {p[0], p[1], p[2]};
+  }
+  if (map.contains("orientation")) {
+    const auto q = numbers("orientation", 4);
+    if (std::abs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) > 1e-3)
+      throw Error("bad-argument", "'orientation' of the pose is no unit quaternion x y z w");
+    out.rotation = normalized(Quaternion{q[0], q[1], q[2], q[3]});
+  } else if (map.contains("rpy")) {
+    const auto r = numbers("rpy", 3);
+    out.rotation = from_rpy(r[0], r[1], r[2]);
+  }
+  return frame * out;
+}
+
+}  // namespace
+
+Poll jog(Cell& cell, const Json& arguments) {
+  const std::size_t i = robot_argument(cell, arguments);
+  if (flag_argument(arguments, "end")) {
+    cell.jogging().end(i, session_argument(arguments));
+    return at_once(state_of(cell, i));
+  }
+  JogCommand command = read_jog(cell, *cell.robots()[i], arguments);
+  const std::uint32_t session = session_argument(arguments);
+  cell.jogging().require_allowed(i);
+  if (session != 0) cell.jogging().session(i, session);  // refused at once where it is over
+  return command.by ? follow_step(i, session, command) : follow_command(i, session, command);
+}
+
+Poll jog_state(Cell& cell, const Json& arguments) {
+  return at_once(state_of(cell, robot_argument(cell, arguments)));
+}
+
+Poll target(Cell& cell, const Json& arguments) {
+  const std::size_t i = robot_argument(cell, arguments);
+  const CellRobot& robot = *cell.robots()[i];
+  JogCommand command;
+  command.hold = hold_argument(arguments);
+  command.wish.speed = speed_argument(arguments);
+  const bool joints = arguments.contains("joints"), pose = arguments.contains("pose");
+  if (joints == pose)
+    throw Error("bad-argument", joints ? "a target is joints or a pose, not both" : "the target of what?",
+                "'joints': {elbow_joint: 1.2}, or 'pose': {position: [x, y, z], orientation: [x, y, z, w]}");
+  if (joints) {
+    command.wish.kind = Kind::joint_target;
+    command.wish.joints = joint_values(robot, arguments["joints"], false, NAN);
+  } else {
+    command.wish.kind = Kind::tcp_target;
+    command.wish.target = pose_argument(cell, robot, arguments);
+  }
+  const std::uint32_t session = session_argument(arguments);
+  cell.jogging().require_allowed(i);
+  if (session != 0) cell.jogging().session(i, session);
+  cell.jogging().estimate(i, session, command.wish);
+  return follow_command(i, session, command);
+}
+
+Poll profile(Cell& cell, const Json& arguments) {
+  if (arguments.contains("name") && !arguments["name"].is_null())
+    cell.set_profile(text_argument(arguments, "name"));
+  const motion::JogLimits limits = cell.jog_limits();
+  return at_once({{"profile", cell.profile()},
+                  {"joint_speed", limits.joint_share},
+                  {"tcp_speed", limits.tcp_speed < 1e6 ? Json(limits.tcp_speed) : Json()}});
+}
+
+}  // namespace polyarm::cell

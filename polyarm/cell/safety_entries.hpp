@@ -1,0 +1,46 @@
+#pragma once
+/// What a cell file says about how far and how fast its robots may go: profile, workspace, joint ranges.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/controllers/controller.hpp"
+#include "polyarm/description/robot_model.hpp"
+#include "polyarm/motion/workspace.hpp"
+
+namespace polyarm::cell {
+
+/// How fast robots may move: `reduced` for teaching, `full` for automatic operation.
+struct ProfileEntry {
+  double tcp_speed = 1e9;   ///< m/s; 1e9: no limit but the joints'
+  double tcp_turning = 3;   ///< rad/s, of what is asked of the TCP by hand
+  double joint_speed = 1;   ///< share of the joints' velocity limits, (0, 1]
+  bool operator==(const ProfileEntry&) const = default;
+};
+/// 250 mm/s at the TCP (ISO 10218-1, reduced speed), joints at a tenth of their limits.
+inline constexpr ProfileEntry kReducedProfile{0.25, 0.6, 0.1};
+
+struct ProfileEntries {
+  std::string name = "full";  ///< that the cell begins with
+  ProfileEntry reduced = kReducedProfile, full;
+};
+
+/// A joint range narrower than the robot's.
+struct RangeEntry {
+  std::string joint;
+  double lower = 0, upper = 0;  ///< rad or m
+  Location where;
+};
+
+/// `profile` and `profiles` of the cell file.
+ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
+/// `workspace` of a cell or a robot.
+std::vector<motion::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems);
+/// `joint_ranges` of a robot.
+std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems);
+/// Narrows the model's limits, for everything that is built from it. A joint that is not there, or a range
+/// that is none or wider than the robot's, is a problem with its place.
+void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model, Problems& problems);
+
+}  // namespace polyarm::cell
