@@ -33,7 +33,7 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 /// Of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
-constexpr double kKeepFree = 1e-3, kKeepFreeAtLeast = 6e-4;
+constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 /// Places looked at while everything brakes.
 constexpr std::size_t kPlaces = 8;
 constexpr double kMoment = 1e-5;  // s, to tell a speed
@@ -495,14 +495,19 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   if (workspace_.empty() && !any_speed) return;
   Ahead now, then;  // of braking from now on, which is what cannot be helped
   look_ahead(braked, now);
+  std::array<double, kMostJogJoints> q{};
+  for (std::size_t j = 0; j < n; ++j) q[j] = state_[j].position;
+  const Vec3 here = chain_.forward({q.data(), n}).position;
   std::size_t worst = 0;
   const auto safe = [&](const States& states) {
     look_ahead(states, then);
-    for (std::size_t i = 0; i < workspace_.boundaries(); ++i)
-      if (then.distance[i] < std::min(kKeepFreeAtLeast, now.distance[i]) - 1e-12) {
-        worst = i;
-        return false;
-      }
+    for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
+      // Who comes too near even braking brakes, or moves away.
+      const bool near = now.distance[i] < kKeepFreeAtLeast;
+      const double least = near ? workspace_.distance(i, here).distance : kKeepFreeAtLeast;
+      worst = i;
+      if (then.distance[i] < std::min(kKeepFreeAtLeast, least) - 1e-12) return false;
+    }
     worst = workspace_.boundaries();
     // Who would be too fast even braking brakes; a little more each time would add up.
     return !any_speed || (std::max(then.speed, now.speed) <= kAtMost * limits.tcp_speed &&
