@@ -17,7 +17,9 @@ constexpr const char* kOptions =
     "--no-socket "
     "--cell --activate --deactivate --strictness --type --file --param --rate --once --goal --count "
     "--maker --axes --reach --payload --mass --sort --names --plugins --vendor --folder --budget --move "
-    "--report --real --full-speed --svg --csv --export --keep-times --blend --speed";
+    "--report --real --full-speed --svg --csv --export --keep-times --blend --speed --program --joint --by "
+    "--frame "
+    "--for --step";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc

@@ -35,6 +35,7 @@ const std::vector<Verb>& verbs() {
       {"limits", "which limits took hold of commands in a running cell", run_limits},
       {"send", "give a message to a controller of a running cell", run_send},
       {"watch", "show what a controller of a running cell puts out", run_watch},
+      {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by so much", run_jog},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
       {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},

@@ -1,16 +1,12 @@
 /// Driving a base from the keyboard, with the keys of ROS's teleop_twist_keyboard.
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <termios.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 
 #include "apps/client.hpp"
+#include "apps/keyboard.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -55,59 +51,6 @@ Direction direction_of(char key) {
       return {};
   }
 }
-
-// --- the terminal
-// ---------------------------------------------------------------------------------------------
-
-std::atomic<bool> ended{false};
-std::atomic<bool> changed{false};  // the terminal is not as it was
-termios as_it_was;
-
-void give_back() {
-  if (changed.exchange(false)) tcsetattr(STDIN_FILENO, TCSANOW, &as_it_was);
-}
-
-/// Keys one by one, unseen, Ctrl-C among them; as it was again on every way out that leaves a moment for it.
-class Keyboard {
- public:
-  Keyboard() {
-    if (!isatty(STDIN_FILENO) || tcgetattr(STDIN_FILENO, &as_it_was) != 0)
-      throw Error("no-terminal", "teleop reads keys from a terminal, and standard input is none",
-                  "to send a twist from a script: polyarm send CONTROLLER '{linear: {x: 0.1}}' --rate 10");
-    struct sigaction action {};
-    action.sa_handler = [](int) { ended = true; };
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) sigaction(signal, &action, nullptr);
-    action.sa_handler = [](int signal) {
-      give_back();
-      raise(signal);
-    };
-    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-    for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) sigaction(signal, &action, nullptr);
-    std::atexit(give_back);
-    termios raw = as_it_was;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG | IEXTEN);
-    raw.c_iflag &= ~static_cast<tcflag_t>(IXON);
-    raw.c_cc[VMIN] = 0;
-    raw.c_cc[VTIME] = 0;
-    changed = true;
-    if (tcsetattr(STDIN_FILENO, TCSANOW, &raw) != 0)
-      throw Error("no-terminal", "the terminal cannot be set to read single keys");
-  }
-  ~Keyboard() { give_back(); }
-  Keyboard(const Keyboard&) = delete;
-  Keyboard& operator=(const Keyboard&) = delete;
-
-  /// What was typed within the time; ends where the terminal is gone.
-  static std::string wait(std::chrono::milliseconds time) {
-    pollfd waiting{STDIN_FILENO, POLLIN, 0};
-    const int ready = poll(&waiting, 1, static_cast<int>(std::max<std::int64_t>(time.count(), 0)));
-    if (ready <= 0) return {};
-    char keys[256];
-    const ssize_t n = read(STDIN_FILENO, keys, sizeof keys);
-    if (n <= 0 && (waiting.revents & (POLLHUP | POLLERR)) != 0) ended = true;
-    return n > 0 ? std::string(keys, static_cast<std::size_t>(n)) : std::string();
-  }
-};
 
 // --- the base
 // -------------------------------------------------------------------------------------------------
@@ -198,7 +141,7 @@ class Teleop {
     fmt::print("driving {}\n\n{}\n", base_.controller, kKeys);
     show();
     Clock::time_point due = Clock::now();
-    while (!ended) {
+    while (!Keyboard::ended()) {
       const auto wait = std::chrono::ceil<std::chrono::milliseconds>(due - Clock::now());
       for (const char key : Keyboard::wait(wait)) take(key);
       if (!direction_.stands() && Clock::now() >= until_) stand();
@@ -212,7 +155,7 @@ class Teleop {
 
  private:
   void take(char key) {
-    if (key == '\x03' || key == '\x04' || key == '\x1c') ended = true;
+    if (key == '\x03' || key == '\x04' || key == '\x1c') Keyboard::end();
     if (pace(key)) return show();
     const Direction wanted = direction_of(key);
     if (wanted.stands()) return stand();
@@ -312,7 +255,8 @@ int run_teleop(int argc, char** argv) {
   const Base base = choose_base(bases_of(client), a.name);
   Teleop teleop(client, base, a);
   {
-    const Keyboard keyboard;
+    const Keyboard keyboard(
+        "teleop", "to send a twist from a script: polyarm send CONTROLLER '{linear: {x: 0.1}}' --rate 10");
     try {
       teleop.run();
     } catch (const Error&) {

@@ -40,6 +40,7 @@ int run_limits(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);
 int run_teleop(int argc, char** argv);
+int run_jog(int argc, char** argv);
 int run_param(int argc, char** argv);
 int run_setup(int argc, char** argv);
 int run_doctor(int argc, char** argv);

@@ -142,8 +142,9 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
   before_ = now;
   const bool both = reduced_ && profile_reduced_;
   const double tcp = both ? std::min(kReducedTcp, profile_tcp_) : reduced_ ? kReducedTcp : profile_tcp_;
-  const double joints =
-      both ? std::min(kReducedJoint, profile_joint_) : reduced_ ? kReducedJoint : profile_joint_;
+  const double joints = both       ? std::min(kReducedJoint, profile_joint_)
+                        : reduced_ ? kReducedJoint
+                                   : profile_joint_;
   if (stands(fastest, commands))
     share_ *= std::exp(-kFall * seconds(since));
   else

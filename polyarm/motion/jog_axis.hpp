@@ -1,6 +1,6 @@
 #pragma once
-/// One joint that is moved by hand: what it does in a cycle so that it can always still stop in time. Units of
-/// the joint (rad or m), seconds. For the control cycle: no allocation, no exceptions, no clock, some ten
+/// One joint that is moved by hand: what it does in a cycle so that it can always still stop in time. Units
+/// of the joint (rad or m), seconds. For the control cycle: no allocation, no exceptions, no clock, some ten
 /// operations each.
 #include <array>
 #include <cstddef>
@@ -62,8 +62,8 @@ class AxisGuard {
   AxisState braked_;
 };
 
-/// How fast one may go who has to stop within `distance`, braking with `acceleration` and `jerk` from a steady
-/// motion; infinite where the distance is.
+/// How fast one may go who has to stop within `distance`, braking with `acceleration` and `jerk` from a
+/// steady motion; infinite where the distance is.
 double stopping_speed(double distance, double acceleration, double jerk) noexcept;
 
 }  // namespace polyarm::motion

@@ -30,9 +30,9 @@ struct JogCommand {
 /// What became of it.
 struct JogStatus {
   Nanoseconds time = 0;
-  std::uint32_t session = 0;  ///< that is followed now; 0: none
-  std::uint32_t ended = 0;    ///< the newest that a stop has ended, or that is not good any more
-  std::uint32_t step = 0;     ///< the newest step that is over
+  std::uint32_t session = 0;          ///< that is followed now; 0: none
+  std::uint32_t ended = 0;            ///< the newest that a stop has ended, or that is not good any more
+  std::uint32_t step = 0;             ///< the newest step that is over
   JogHold step_hold = JogHold::none;  ///< what ended it before it was done
   std::int32_t step_which = -1;
   bool standing = true;
@@ -86,8 +86,8 @@ class JogController : public controllers::Controller {
 
  private:
   struct Joint {
-    int position = -1, velocity = -1;    // commands
-    int measured = -1;                   // state
+    int position = -1, velocity = -1;  // commands
+    int measured = -1;                 // state
   };
   bool holds(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
   void begin_step() noexcept;

@@ -1,6 +1,6 @@
 #pragma once
-/// Motion by hand: joints or the tool centre point (TCP) go where they are pushed, at any moment, within every
-/// limit, and can always still stop in time. Metres, radians, seconds, poses and twists in the world.
+/// Motion by hand: joints or the tool centre point (TCP) go where they are pushed, at any moment, within
+/// every limit, and can always still stop in time. Metres, radians, seconds, poses and twists in the world.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -47,9 +47,9 @@ const char* name(JogHold hold);
 
 /// What the generator keeps to. Shares and speeds may be changed at any time; who is faster then slows down.
 struct JogLimits {
-  double joint_share = 1;     ///< of the joints' velocities, (0, 1]
-  double tcp_speed = 1e9;     ///< m/s
-  double tcp_turning = 1e9;   ///< rad/s, of what is asked of the TCP
+  double joint_share = 1;    ///< of the joints' velocities, (0, 1]
+  double tcp_speed = 1e9;    ///< m/s
+  double tcp_turning = 1e9;  ///< rad/s, of what is asked of the TCP
 };
 
 /// Once each cycle: step(), and then where every joint has to be. One thread; no allocation, no locks, no

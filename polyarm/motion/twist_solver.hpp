@@ -52,34 +52,35 @@ class TwistSolver {
   Twist twist_of(std::span<const double> rates) const noexcept;
 
   struct Solution {
-    JogValues rates{};      ///< of all joints of the chain
-    double share = 1;       ///< of the speed asked for along the direction
+    JogValues rates{};  ///< of all joints of the chain
+    double share = 1;   ///< of the speed asked for along the direction
     TwistOutcome outcome = TwistOutcome::exact;
   };
   /// Joints to spare beyond those that are locked.
-  std::size_t spare() const noexcept {
-    return columns_ > locked_ + kRows ? columns_ - locked_ - kRows : 0;
-  }
+  std::size_t spare() const noexcept { return columns_ > locked_ + kRows ? columns_ - locked_ - kRows : 0; }
   /// Solves without this joint until the next at().
   void lock(std::size_t joint) noexcept;
   void solve(const Twist& twist, const Abilities& abilities, Solution& out) noexcept;
   std::size_t columns() const noexcept { return columns_; }
-  /// Joint velocities that the twist asks for where nothing is in the way, to judge how quickly it may change;
-  /// singular directions are left out.
+  /// Joint velocities that the twist asks for where nothing is in the way, to judge how quickly it may
+  /// change; singular directions are left out.
   void reach(const Twist& twist, JogValues& out) const noexcept;
   /// A new wish: what was decided in a singularity is forgotten.
-  void forget() noexcept { escaping_ = false; patience_ = 0; }
+  void forget() noexcept {
+    escaping_ = false;
+    patience_ = 0;
+  }
 
  private:
   static constexpr std::size_t kRows = 6;
   /// A task of `rows` rows and its singular directions.
   struct Level {
     std::size_t first = 0, rows = 0;
-    std::array<double, kRows * kMostJogJoints> A{};             // row after row
-    std::array<std::array<double, kRows>, kRows> u{};           // singular vectors of the TCP
+    std::array<double, kRows * kMostJogJoints> A{};    // row after row
+    std::array<std::array<double, kRows>, kRows> u{};  // singular vectors of the TCP
     std::array<double, kRows> sigma{};
-    std::array<JogValues, kRows> v{};                           // of the joints, length 1; 0 where singular
-    std::size_t rank = kRows;                                   // that the arm has somewhere
+    std::array<JogValues, kRows> v{};  // of the joints, length 1; 0 where singular
+    std::size_t rank = kRows;          // that the arm has somewhere
   };
   void fill(Level& level, std::span<const double> J) const noexcept;
   void prepare() noexcept;
