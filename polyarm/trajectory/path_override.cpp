@@ -20,7 +20,8 @@ struct Room {
 };
 constexpr Room kChosen{0.9965, 0.9996}, kAccepted{0.9985, 0.9998};
 // Of the factor, where the joints hardly move and leave any room: 0 to 1 in some 20 ms.
-constexpr double kMostRate = 50, kMostBend = 20000;
+constexpr double kMostRate = 50, kMostBend = 20000, kMuchBend = 3000;
+constexpr int kLooks = 10;
 constexpr double kSpacing = 1e-3;      // s of the plan between two rows
 constexpr double kSame = 1e-12;        // of factors
 constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
@@ -149,6 +150,9 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
     return within(inside_.data(), inside.factor, inside.rate, bend);
   };
   if (!kept(0) || !kept(1)) return false;
+  // Where joints hardly move the factor changes much in one cycle, and the rows bend with it.
+  for (int k = 1; std::abs(bend) > kMuchBend && k < kLooks; ++k)
+    if (!kept(double(k) / kLooks)) return false;
   const double low = std::min(s.time, end.time), high = std::max(s.time, end.time);
   std::size_t node = table_.before(low, node_);
   if (table_.time(node) < low) ++node;
