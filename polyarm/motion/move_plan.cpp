@@ -34,7 +34,8 @@ constexpr int kBisections = 30;  // for the place on a path that is a radius awa
 constexpr int kSamples = 32;     // of a join, whose distances at the TCP are looked at
 constexpr double kLess = 0.8;    // a join that is too wide is tried again with this share
 constexpr int kTries = 40;
-constexpr double kJerkOf = 10;  // per s: of an acceleration that is stated without its jerk
+constexpr double kStandsStill = 0.03;  // of the derivative where a join begins: one that turns straight back
+constexpr double kJerkOf = 10;         // per s: of an acceleration that is stated without its jerk
 
 Values at(const Path& path, double s) {
   Values q(path.joints());
@@ -339,8 +340,12 @@ class Planner {
   }
 
   bool stays(const Path& path, const Values& corner, double radius) const {
+    Values q(path.joints()), first(path.joints());
+    path.at(0, {q, first, {}, {}});
+    const double least = kStandsStill * norm_of(first);
     for (int k = 0; k <= kSamples; ++k) {
-      const Values q = at(path, path.length() * k / kSamples);
+      path.at(path.length() * k / kSamples, {q, first, {}, {}});
+      if (!(norm_of(first) > least)) return false;
       if (!(distance_(q, corner) <= radius)) return false;
       for (std::size_t j = 0; j < q.size(); ++j)
         if (q[j] < robot_.chain.lower()[j] || q[j] > robot_.chain.upper()[j]) return false;

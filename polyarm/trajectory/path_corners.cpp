@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRounding = 1e-13;  // of a segment, left between two corners that meet
 constexpr double kEqual = 1e-9;      // of derivatives that are equal, relative
+constexpr double kBack = 1e-3;       // sum of derivatives that are nearly opposite
 constexpr double kMostTurn = 2.5;    // rad, between a corner's middle and its ends
 constexpr double kLess = 0.8;        // a corner that is too wide is tried again with this share
 constexpr int kTries = 60;
@@ -56,11 +57,21 @@ class CartesianPathBuilder::Assembly {
                          segments_[i].end.rotation, 2 * d);
   }
 
+  /// Straight back, and without a turn of the TCP: the corner's curve would stand still in its middle.
+  bool turns_back(std::size_t i) const {
+    const PoseDerivatives a = segments_[i].at(segments_[i].length), b = segments_[i + 1].at(0);
+    return norm(a.linear[0] + b.linear[0]) <= kBack && norm(a.angular[0] + b.angular[0]) <= kBack;
+  }
+
   /// How far before and after the end of segment `i` the path leaves it.
   double trim(std::size_t i) {
     const Segment &before = segments_[i], &after = segments_[i + 1];
     const double radius = before.corner.radius;
     if (radius <= 0 || passes(i)) return 0;
+    if (turns_back(i)) {
+      warn(i, 0, "the way turns straight back there");
+      return 0;
+    }
     const double half = std::min(before.length, after.length) / 2;
     const double curve = std::min(before.curve_radius, after.curve_radius);
     double d = std::min({radius, half, curve});

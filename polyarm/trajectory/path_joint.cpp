@@ -13,6 +13,7 @@ namespace polyarm::trajectory {
 namespace {
 
 constexpr double kSame = 1e-9;       // of the joint norm, between waypoints that are one
+constexpr double kBack = 1e-3;       // length of the sum of directions that are nearly opposite
 constexpr double kStraight = 1e-12;  // difference of directions that are one
 constexpr double kRounding = 1e-13;  // of a line, left between two corners that meet
 constexpr int kBisections = 16;      // while a radius at the TCP is turned into one of joints
@@ -135,6 +136,22 @@ class Lines {
     return norm_of(difference(lines_[i - 1].direction, lines_[i].direction)) <= kStraight;
   }
 
+  /// A corner that leads straight back has to be a stop: its curve would stand still in the middle.
+  bool turns_back(std::size_t i) const {
+    std::vector<double> sum(joints_);
+    for (std::size_t j = 0; j < joints_; ++j) sum[j] = lines_[i - 1].direction[j] + lines_[i].direction[j];
+    return norm_of(sum) <= kBack;
+  }
+  void warn_of_turning_back(std::size_t i, double radius) {
+    out_.warnings.push_back(
+        {"blend-shrunk",
+         {},
+         fmt::format("the radius {:.6g} at {} is shrunk to 0: the way turns straight back there", radius,
+                     points_[i].name),
+         "move to the point exactly, or a little aside of the way back",
+         Severity::warning});
+  }
+
   std::vector<double> on_line(std::size_t i, double s) const {
     std::vector<double> out(points_[i].q);
     for (std::size_t j = 0; j < joints_; ++j) out[j] += s * lines_[i].direction[j];
@@ -164,6 +181,10 @@ class Lines {
   double trim(std::size_t i) {
     const double radius = points_[i].radius;
     if (radius <= 0 || straight_at(i)) return 0;
+    if (turns_back(i)) {
+      warn_of_turning_back(i, radius);
+      return 0;
+    }
     const double before = lines_[i - 1].length, after = lines_[i].length, half = std::min(before, after) / 2;
     if (!options_.tcp_distance) {
       if (radius > half * (1 + 1e-9)) warn(i, radius, half, "");

@@ -43,7 +43,7 @@ struct PathSections {
 /// derivative turns from one direction u to the other v as u + (v - u) (3 t² - 2 t³), t being the share of
 /// its length 2 d: the polynomial of fifth degree (here of fourth) through both ends that is continuous to
 /// the second derivative. It passes the waypoint at 3/8 d |sin(turn / 2)| and stays within the ball of radius
-/// d. d is the radius, shrunk to half of the shorter neighbour where it is larger, with a warning. Waypoints
+/// d. d is the radius, shrunk to half of the shorter neighbour where it is larger, with a warning; where the way turns straight back it is 0, and a stop. Waypoints
 /// equal to the one before (to 1e-9 of the norm) count once, with the smaller radius; the path ends exactly at the last. Throws Error with
 /// everything found: "no-waypoints", "wrong-size", "bad-number", "bad-radius", "bad-weight".
 PathSections joint_lines(std::span<const JointWaypoint> waypoints, const JointPathOptions& options = {});

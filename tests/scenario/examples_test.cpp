@@ -58,6 +58,32 @@ INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(kCases), [](const auto
   return name;
 });
 
+class Flowing : public testing::TestWithParam<const char*> {};
+
+TEST_P(Flowing, PicksAndPlacesWithoutStoppingAtEveryPoint) {
+  const ExampleCopy copy("pick_and_place");
+  const std::vector<std::string> line{"run",    copy.path(), "--robot",   GetParam(),
+                                      "--fast", "--json",    "--program", "flowing"};
+  const Finished run = run_command(line);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const nlohmann::json result = run.result();
+  EXPECT_LT(result["sim_time_s"].get<double>(), 10)
+      << "of cell time; with a stop at every point it takes longer";
+  ASSERT_EQ(result["parts"].size(), 3u);
+  for (const auto& part : result["parts"]) EXPECT_EQ(part["state"], "placed") << part;
+  EXPECT_EQ(result["clamps"], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Flowing,
+                         testing::Values("universal_robots/ur3", "universal_robots/ur5e",
+                                         "fanuc/lr_mate_200id", "abb/irb_120"),
+                         [](const auto& named) {
+                           std::string name = named.param;
+                           for (char& c : name)
+                             if (c == '/') c = '_';
+                           return name;
+                         });
+
 TEST(Sorting, SendsEachKindToItsOwnBin) {
   const ExampleCopy copy("sorting");
   const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json"}).result();
@@ -98,8 +124,7 @@ TEST(PickAndPlace, WithoutVacuumFailsAndSaysWhoWaitsForWhat) {
   EXPECT_NE(result["error"].get<std::string>().find("GripperActive"), std::string::npos);
   EXPECT_NE(result["error"].get<std::string>().find("PartHeld"), std::string::npos);
   const std::filesystem::path folder = result["failure_folder"].get<std::string>();
-  for (const char* file :
-       {"cell.yaml", "plc.script", "command.txt", "result.json", "cycles.csv", "arm.urdf"})
+  for (const char* file : {"cell.yaml", "plc.script", "command.txt", "result.json", "cycles.csv", "arm.urdf"})
     EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
 }
 
