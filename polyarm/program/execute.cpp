@@ -23,6 +23,7 @@ void Interpreter::fail_at(Place place, std::string code, std::string what, std::
 /// Takes one step. A step that cannot be taken yet leaves the task waiting in front of it.
 void Interpreter::execute(Task& task) {
   const Step& step = code_.steps[task.pc];
+  task.line = step.line;
   try {
     if (step.op <= Op::here) return execute_value(task, step);
     if (step.op <= Op::fill) return execute_name(task, step);

@@ -53,7 +53,7 @@ TaskState Interpreter::state() const {
 }
 
 TaskStatus Interpreter::status_of(const Task& task) const {
-  const Place place = code_.steps[task.pc].line;
+  const Place place = task.handles.empty() ? code_.steps[task.pc].line : task.line;
   return {task.name,    task.state,  program_.at(place), program_.source(place),
           task.waiting, task.passes, task.problem,       paused_ == task.id};
 }

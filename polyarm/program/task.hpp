@@ -16,6 +16,7 @@ struct Interpreter::Task {
   bool apart = false;  ///< a `when` or `on stop`: without motion or waiting
   TaskState state = TaskState::running;
   std::size_t pc = 0;
+  Place line;  ///< of the step that was executed last, which is what it waits in
   std::vector<Slot> stack;
   std::vector<CallFrame> frames = std::vector<CallFrame>(1);
   std::vector<MoveDefaults> uses;

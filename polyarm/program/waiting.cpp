@@ -77,9 +77,9 @@ bool Interpreter::poll_handles(Task& task) {
     if (progress.state == Progress::State::running) return false;
     task.handles.pop_back();
     if (progress.state == Progress::State::done) continue;
-    const Place line = code_.steps[task.pc].line;
-    Problem problem = progress.problem.value_or(
-        Problem{"failed", program_.at(line), "'" + program_.source(line) + "' failed", {}});
+    Problem problem =
+        progress.problem.value_or(Problem{"failed", {}, "'" + program_.source(task.line) + "' failed", {}});
+    if (problem.where.file.empty() && problem.where.line == 0) problem.where = program_.at(task.line);
     if (progress.state == Progress::State::ended) throw Ended{std::move(problem)};
     throw Error(std::move(problem));
   }
