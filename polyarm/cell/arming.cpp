@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace polyarm::cell {
 
 namespace {
 // Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
+constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kGoverned = 0.8, kSlowest = 0.01;
 constexpr double kRise = 2.5, kFall = 50;  // a second: e-fold up, and down
 /// The TCPs' speeds are means over this long, or over a turn of the slowest robot: between two of its turns
@@ -140,11 +142,8 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
     fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(since));
   tcps_before_ = tcps;
   before_ = now;
-  const bool both = reduced_ && profile_reduced_;
-  const double tcp = both ? std::min(kReducedTcp, profile_tcp_) : reduced_ ? kReducedTcp : profile_tcp_;
-  const double joints = both       ? std::min(kReducedJoint, profile_joint_)
-                        : reduced_ ? kReducedJoint
-                                   : profile_joint_;
+  const double tcp = std::min(reduced_ ? kReducedTcp : kNone, profile_reduced_ ? profile_tcp_ : kNone);
+  const double joints = std::min(reduced_ ? kReducedJoint : 1, profile_reduced_ ? profile_joint_ : 1);
   if (stands(fastest, commands))
     share_ *= std::exp(-kFall * seconds(since));
   else

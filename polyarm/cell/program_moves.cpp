@@ -18,8 +18,6 @@ ProgramMoves::ProgramMoves(std::string task, std::vector<Robot> robots, const Mo
     : task_(std::move(task)), pace_(pace), store_(store) {
   for (const Robot& robot : robots) arms_.push_back({robot, {}, {}});
 }
-ProgramMoves::~ProgramMoves() = default;
-ProgramMoves::ProgramMoves(ProgramMoves&&) noexcept = default;
 
 std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where) const {
   if (arms_.empty())
@@ -73,14 +71,14 @@ std::shared_ptr<const motion::RobotFacts> ProgramMoves::tool_of(const std::strin
                                                                 const Location& where) {
   const Pose tcp = tcp_of_tool(name, arm, where);
   if (tcp == arm.robot.robot->tool.tcp) return nullptr;
-  std::shared_ptr<const motion::RobotFacts>& facts = arm.tools[name];
-  const description::RobotModel& model = arm.robot.robot->model;
-  kinematics::Chain chain(model, model.tool_link(), arm.robot.robot->entry.base, tcp);
-  // Points may change while a program runs.
-  const std::vector<double> still(chain.joints(), 0.0);
-  if (!facts || facts->chain.forward(still) != chain.forward(still))
-    facts = motion::with_chain(arm.robot.motion->robot(), std::move(chain));
-  return facts;
+  MadeTool& made = arm.tools[name];
+  if (!made.facts || made.tcp != tcp) {
+    const description::RobotModel& model = arm.robot.robot->model;
+    made = {tcp, motion::with_chain(
+                     arm.robot.motion->robot(),
+                     kinematics::Chain(model, model.tool_link(), arm.robot.robot->entry.base, tcp))};
+  }
+  return made.facts;
 }
 
 motion::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const Pose& frame,

@@ -26,8 +26,6 @@ class ProgramMoves {
   /// frames and tools; it outlives this.
   ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
                const data::DataStore& store);
-  ~ProgramMoves();
-  ProgramMoves(ProgramMoves&&) noexcept;
 
   // As of program::Host.
   program::Handle start(const program::Move& move, const Location& where);
@@ -52,10 +50,15 @@ class ProgramMoves {
     Location where;
     std::string name;
   };
+  /// The robot with another TCP, and which; points may change while a program runs.
+  struct MadeTool {
+    Pose tcp;
+    std::shared_ptr<const motion::RobotFacts> facts;
+  };
   struct Arm {
     Robot robot;
     std::deque<Open> open;
-    std::map<std::string, std::shared_ptr<const motion::RobotFacts>> tools;
+    std::map<std::string, MadeTool> tools;
   };
   struct Moves {
     std::size_t arm = 0;

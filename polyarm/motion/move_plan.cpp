@@ -409,50 +409,6 @@ class Planner {
 
   // --- time -----------------------------------------------------------------------------------------------
 
-  /// A bound of one kind along the whole of a motion.
-  struct Bounds {
-    std::vector<Zone> speed, acceleration;
-    double jerk = kInfinite;  ///< per unit of acceleration
-    void add(double from, double to, double most_speed, double most_acceleration, double most_jerk) {
-      speed.push_back({from, to, 1 / most_speed});
-      acceleration.push_back({from, to, 1 / most_acceleration});
-      jerk = std::min(jerk, most_jerk / most_acceleration);
-    }
-  };
-  static bool bounded(const std::vector<Zone>& zones) {
-    return std::any_of(zones.begin(), zones.end(), [](const Zone& zone) { return zone.weight > 0; });
-  }
-  static bool uniform(const std::vector<Zone>& zones) {
-    return std::all_of(zones.begin(), zones.end(),
-                       [&](const Zone& zone) { return zone.weight == zones.front().weight; });
-  }
-
-  class Norms {
-   public:
-    void add(const PathPtr& path, const Bounds& bounds, const std::string& name) {
-      if (bounds.speed.empty()) return;
-      const double jerk = std::isfinite(bounds.jerk) ? bounds.jerk : kInfinite;
-      if (uniform(bounds.speed) && uniform(bounds.acceleration)) {
-        const double v = bounds.speed.front().weight, a = bounds.acceleration.front().weight;
-        if (v > 0 || a > 0) put(path, 1 / v, 1 / a, a > 0 ? jerk / a : kInfinite, name);
-        return;
-      }
-      if (bounded(bounds.speed))
-        put(std::make_shared<WeightedPath>(path, bounds.speed), 1, kInfinite, kInfinite, name);
-      if (bounded(bounds.acceleration))
-        put(std::make_shared<WeightedPath>(path, bounds.acceleration), kInfinite, 1, jerk, name);
-    }
-    std::span<const NormLimit> list() const { return norms_; }
-
-   private:
-    void put(PathPtr path, double v, double a, double j, const std::string& name) {
-      norms_.push_back({path.get(), v, a, j, name});
-      paths_.push_back(std::move(path));
-    }
-    std::vector<PathPtr> paths_;
-    std::vector<NormLimit> norms_;
-  };
-
   /// What the joint limits allow the parameter of a straight joint move, and what is asked of it beyond.
   struct Pace {
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite;
@@ -499,7 +455,7 @@ class Planner {
     const bool says = is_cartesian(moves_[move]) || needs_tcp(move, move);
     return says || (!part.joins && part.translation != part.rotation);
   }
-  void bound(std::size_t move, double from, double to, Bounds& translation, Bounds& rotation) const {
+  void bound(std::size_t move, double from, double to, ZoneLimits& translation, ZoneLimits& rotation) const {
     const Move& m = moves_[move];
     const bool own = is_cartesian(m);
     const auto of = [&](double stated, double limit, double share) {
@@ -540,7 +496,7 @@ class Planner {
     const std::size_t n = robot_.chain.joints();
     auto joints = std::make_shared<JoinedPath>(n);
     auto translation = std::make_shared<JoinedPath>(3), rotation = std::make_shared<JoinedPath>(3);
-    Bounds on_translation, on_rotation, on_parameter;
+    ZoneLimits on_translation, on_rotation, on_parameter;
     PlannedMotion motion;
     motion.first = draft_.front().moves.front().move;
     motion.last = draft_.back().moves.back().move;
@@ -564,7 +520,7 @@ class Planner {
         motion.ends[span.move - motion.first] = to;
       }
     }
-    Norms norms;
+    ZoneNorms norms;
     norms.add(translation, on_translation, "the TCP's way");
     norms.add(rotation, on_rotation, "the TCP's turn");
     norms.add(std::make_shared<ParameterPath>(joints), on_parameter, "what the move says");
@@ -572,7 +528,7 @@ class Planner {
     draft_.clear();
   }
 
-  void time(PathPtr joints, const Norms& norms, PlannedMotion& motion) {
+  void time(PathPtr joints, const ZoneNorms& norms, PlannedMotion& motion) {
     trajectory::TimingOptions options;
     options.norms = norms.list();
     trajectory::Timing timing;

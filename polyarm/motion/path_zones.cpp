@@ -47,4 +47,41 @@ void PosePath::at(double s, const PathDerivatives& out) const noexcept {
   put(out.third, rates[2]);
 }
 
+void ZoneLimits::add(double from, double to, double most_speed, double most_acceleration, double most_jerk) {
+  speed.push_back({from, to, 1 / most_speed});
+  acceleration.push_back({from, to, 1 / most_acceleration});
+  jerk = std::min(jerk, most_jerk / most_acceleration);
+}
+
+namespace {
+bool bounded(const std::vector<Zone>& zones) {
+  return std::any_of(zones.begin(), zones.end(), [](const Zone& zone) { return zone.weight > 0; });
+}
+bool uniform(const std::vector<Zone>& zones) {
+  return std::all_of(zones.begin(), zones.end(),
+                     [&](const Zone& zone) { return zone.weight == zones.front().weight; });
+}
+}  // namespace
+
+void ZoneNorms::add(const std::shared_ptr<const trajectory::Path>& path, const ZoneLimits& limits,
+                    const std::string& name) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  if (limits.speed.empty()) return;
+  if (uniform(limits.speed) && uniform(limits.acceleration)) {
+    const double v = limits.speed.front().weight, a = limits.acceleration.front().weight;
+    if (v > 0 || a > 0) put(path, 1 / v, 1 / a, a > 0 ? limits.jerk / a : kInfinite, name);
+    return;
+  }
+  if (bounded(limits.speed))
+    put(std::make_shared<WeightedPath>(path, limits.speed), 1, kInfinite, kInfinite, name);
+  if (bounded(limits.acceleration))
+    put(std::make_shared<WeightedPath>(path, limits.acceleration), kInfinite, 1, limits.jerk, name);
+}
+
+void ZoneNorms::put(std::shared_ptr<const trajectory::Path> path, double speed, double acceleration,
+                    double jerk, const std::string& name) {
+  norms_.push_back({path.get(), speed, acceleration, jerk, name});
+  paths_.push_back(std::move(path));
+}
+
 }  // namespace polyarm::motion

@@ -3,13 +3,16 @@
 /// timing of a path is told by trajectory::NormLimit. Const after construction: any thread; at() allocates
 /// nothing.
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "polyarm/motion/tcp_rates.hpp"
 #include "polyarm/trajectory/path.hpp"
 #include "polyarm/trajectory/path_cartesian.hpp"
+#include "polyarm/trajectory/timing.hpp"
 
 namespace polyarm::motion {
 
@@ -63,6 +66,29 @@ class PosePath final : public trajectory::Path {
  private:
   std::shared_ptr<const trajectory::CartesianPath> path_;
   TcpPart part_;
+};
+
+/// What bounds one quantity along the whole of a path, zone by zone.
+struct ZoneLimits {
+  std::vector<Zone> speed, acceleration;
+  double jerk = std::numeric_limits<double>::infinity();  ///< per unit of acceleration
+  /// Infinite: no bound. Zones ascend.
+  void add(double from, double to, double most_speed, double most_acceleration, double most_jerk);
+};
+
+/// Zone limits as the timing is told of them; keeps the paths that the norms refer to.
+class ZoneNorms {
+ public:
+  void add(const std::shared_ptr<const trajectory::Path>& path, const ZoneLimits& limits,
+           const std::string& name);
+  std::span<const trajectory::NormLimit> list() const { return norms_; }
+
+ private:
+  void put(std::shared_ptr<const trajectory::Path> path, double speed, double acceleration, double jerk,
+           const std::string& name);
+
+  std::vector<std::shared_ptr<const trajectory::Path>> paths_;
+  std::vector<trajectory::NormLimit> norms_;
 };
 
 }  // namespace polyarm::motion

@@ -80,8 +80,7 @@ class Checker {
     const double inside = 1e-9 * (to_s - from_s);
     for (std::size_t k = 0; k < samples; ++k) {
       const double x = t.from + (t.to - t.from) * double(k) / double(samples - 1);
-      PathMotion at{m.s + x * (m.speed + x * (m.acceleration / 2 + x * m.jerk / 6)),
-                    m.speed + x * (m.acceleration + x * m.jerk / 2), m.acceleration + x * m.jerk, m.jerk};
+      PathMotion at = after(m, x);
       at.s = k == 0 ? from_s : k + 1 == samples ? to_s - inside : std::clamp(at.s, from_s, to_s - inside);
       motion_.push_back(at), s_.push_back(at.s);
     }
