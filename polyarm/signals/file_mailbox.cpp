@@ -1,10 +1,12 @@
 #include "polyarm/signals/file_mailbox.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -63,7 +65,7 @@ std::optional<Identity> identity_of(int fd) {
   return identity(s);
 }
 
-std::optional<std::string> content_of(int fd) {
+std::optional<std::string> read_through(int fd) {
   std::string out;
   char buffer[16384];
   for (off_t at = 0;;) {
@@ -74,6 +76,37 @@ std::optional<std::string> content_of(int fd) {
     if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // one reading: it cannot mix two versions
     at += n;
   }
+}
+
+/// Copies `size` bytes of a mapping that another process may cut short at any time: the system copies it, and
+/// where there is no file any more the copy ends instead of the process.
+std::string copied(const char* mapping, std::size_t size) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) return {};
+  const Descriptor out(pipe[0]), in(pipe[1]);
+  std::string content(size, '\0');
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t n = ::write(in.get(), mapping + done, std::min<std::size_t>(size - done, 65536));
+    if (n <= 0 || ::read(out.get(), content.data() + done, static_cast<std::size_t>(n)) != n) break;
+    done += static_cast<std::size_t>(n);
+  }
+  content.resize(done);
+  return content;
+}
+
+/// What stands in a file. It is mapped: unlike a reading this makes no news, so that every reading that the
+/// watch hears of is somebody else's.
+std::optional<std::string> content_of(int fd) {
+  const auto found = identity_of(fd);
+  if (!found) return std::nullopt;
+  if (found->size == 0) return std::string{};
+  const auto size = static_cast<std::size_t>(found->size);
+  void* const mapping = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
+  if (mapping == MAP_FAILED) return read_through(fd);
+  std::string content = copied(static_cast<const char*>(mapping), size);
+  ::munmap(mapping, size);
+  return content;
 }
 
 Values values_of(const data::ImportFile& file) {
@@ -242,11 +275,11 @@ class FileMailbox::Io {
   std::optional<std::string> read_path(const Identity& found) {
     const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
     const bool same = held && held->inode == found.inode && held->device == found.device;
-    watch_.expect_own_read(!same);
+    watch_.expect_own_open(!same);
     if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
     auto content = standing_ ? content_of(standing_.get()) : std::nullopt;
     watch_.collect();
-    watch_.expect_no_own_read();
+    watch_.expect_own_open(false);
     return content;
   }
 
@@ -348,8 +381,8 @@ class FileMailbox::Io {
       return complain(problem);
     }
     file_version_ = merge_.wrote();
-    const FileWatch::Label displaced =
-        watch_.collect_replaced(file_version_, fs::path(temporary).filename().string());
+    const FileWatch::Label displaced = watch_.collect_replaced(
+        file_version_, fs::path(temporary).filename().string(), std::exchange(opened_displaced_, false));
     const auto base = watch_.take_base(displaced);
     needs_write_ = false;
     all_is_well();
@@ -402,6 +435,7 @@ class FileMailbox::Io {
       const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
       const bool same = there && held && held->inode == displaced.st_ino && held->device == displaced.st_dev;
       if (!same) standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+      opened_displaced_ = !same;
       ::unlink(temporary.c_str());
       return true;
     }
@@ -426,6 +460,7 @@ class FileMailbox::Io {
   std::set<std::string> names_in_file_;
   Identity known_;
   Descriptor standing_;  ///< the file itself, to read it again
+  bool opened_displaced_ = false;
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
   std::string last_seen_;  ///< of a file that may be half written

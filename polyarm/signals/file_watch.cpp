@@ -60,20 +60,12 @@ void FileWatch::lose_track() {
 }
 
 void FileWatch::take(std::uint32_t mask) {
-  if ((mask & IN_OPEN) && own_opens_ > 0) {
-    --own_opens_;
-  } else if (mask & IN_OPEN) {
-    take_open(standing_);
-  }
-  if ((mask & IN_ACCESS) && own_accesses_ > 0) {
-    --own_accesses_;
-  } else if (mask & IN_ACCESS) {
-    accessed_ = true;
-  }
+  if ((mask & IN_OPEN) && !std::exchange(own_open_, false)) take_open(standing_);
+  if (mask & IN_ACCESS) accessed_ = true;
   if (mask & (kRewrites | kReplaces)) take_rewrite();
 }
 
-void FileWatch::take_open(Label label) {
+void FileWatch::take_open(std::optional<Label> label) {
   read_before_ = std::exchange(last_read_, label);
   opened_ = true;
   accessed_ = false;
@@ -81,7 +73,8 @@ void FileWatch::take_open(Label label) {
 
 /// News about the file that we have just displaced.
 void FileWatch::take_late(std::uint32_t mask) {
-  if (mask & IN_OPEN) take_open(displaced_);
+  if ((mask & IN_OPEN) && !std::exchange(own_late_open_, false)) take_open(displaced_);
+  if ((mask & IN_ACCESS) && last_read_ == displaced_) accessed_ = true;
   if (!(mask & kRewrites) || !opened_ || accessed_) return;
   last_read_ = read_before_;  // it was opened to be written
   opened_ = false;
@@ -100,24 +93,26 @@ void FileWatch::collect() {
   drain([&](std::uint32_t mask, bool displaced) { displaced ? take_late(mask) : take(mask); });
 }
 
-FileWatch::Label FileWatch::collect_replaced(std::uint64_t version, const std::string& displaced_name) {
+FileWatch::Label FileWatch::collect_replaced(std::uint64_t version, const std::string& displaced_name,
+                                             bool own_open) {
   displaced_name_ = displaced_name;
+  displaced_ = standing_;
+  own_late_open_ = own_open;
   bool replaced = false;
   const auto replace = [&] {
     replaced = true;
     displaced_ = std::exchange(standing_, version);
   };
   drain([&](std::uint32_t mask, bool displaced) {
-    if (displaced) return replaced ? take_late(mask) : void();  // before that we made it
-    !replaced && (mask & IN_MOVED_TO) ? replace() : take(mask);
+    if (displaced) return take_late(mask);
+    if (!replaced && (mask & IN_MOVED_TO)) return replace();
+    take(mask);
+    // The news of the exchange comes after the exchange: who opened the file just before it in the news may
+    // have opened either.
+    if (!replaced && (mask & IN_OPEN)) last_read_ = std::nullopt;
   });
   if (!replaced) replace();
   return displaced_;
-}
-
-void FileWatch::expect_own_read(bool opens) {
-  own_opens_ = opens ? 1 : 0;
-  own_accesses_ = 1;
 }
 
 void FileWatch::resolve(Label label, std::uint64_t version) {

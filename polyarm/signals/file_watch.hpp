@@ -27,10 +27,10 @@ class FileWatch {
   Label standing() const { return standing_; }
   /// Takes the news right after we have replaced the file by `version`. Gives the label of what was displaced
   /// and has the name `displaced_name` since: who was just opening it is reported under that name.
-  Label collect_replaced(std::uint64_t version, const std::string& displaced_name);
-  /// What comes next is a reading of our own, of a file that we open for it or hold open.
-  void expect_own_read(bool opens);
-  void expect_no_own_read() { own_opens_ = own_accesses_ = 0; }
+  /// `own_open`: we opened it ourselves under that name.
+  Label collect_replaced(std::uint64_t version, const std::string& displaced_name, bool own_open);
+  /// Whether the next opening in the news is our own. Our readings make no news.
+  void expect_own_open(bool opens) { own_open_ = opens; }
 
   /// The version from which the rewrites up to `label` were made, as far as it is known; forgotten with this
   /// call.
@@ -48,7 +48,7 @@ class FileWatch {
   };
   void take(std::uint32_t mask);
   void take_late(std::uint32_t mask);
-  void take_open(Label label);
+  void take_open(std::optional<Label> label);
   void take_rewrite();
   void lose_track();
   /// Gives each piece of news to `each`, and whether it is about the displaced file.
@@ -61,10 +61,10 @@ class FileWatch {
   int fd_ = -1;
   Label standing_;
   Label next_label_;
-  std::optional<Label> last_read_, read_before_;
+  std::optional<Label> last_read_, read_before_;  ///< none: not known
   std::vector<Rewrite> rewrites_;
   bool opened_ = false, accessed_ = false;  ///< the latest opening may turn out to be for writing
-  int own_opens_ = 0, own_accesses_ = 0;
+  bool own_open_ = false, own_late_open_ = false;
   bool rewritten_ = false;
 };
 

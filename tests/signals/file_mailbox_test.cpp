@@ -278,10 +278,10 @@ struct Runtime {
   }
   template <class Until>
   bool wait(Until until) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
     while (std::chrono::steady_clock::now() < end) {
       if (until()) return true;
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::microseconds(100));  // the two others need the processors
       take();
     }
     return false;
