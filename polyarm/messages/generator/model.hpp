@@ -1,0 +1,45 @@
+#pragma once
+/// The list of interfaces as it stands in interfaces.list, and what ROS 2 makes of it.
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace polyarm::messages::generator {
+
+enum class Shape { single, array, bounded, sequence };
+
+struct Field {
+  std::string type;  ///< "float64", or the full name of a message ("std_msgs/msg/Header")
+  std::string name;
+  Shape shape = Shape::single;
+  std::uint32_t capacity = 0;
+  std::string initial;  ///< value of a new message; empty: zero
+};
+struct Constant {
+  std::string type, name, value;
+};
+
+/// A struct on the wire: a message, or a part of a service or action.
+struct Type {
+  std::string name;  ///< "sensor_msgs/msg/JointState", "std_srvs/srv/Trigger_Request"
+  std::vector<Constant> constants;
+  std::vector<Field> fields;
+};
+
+/// Types in the order of their use. Throws std::runtime_error with line and reason.
+std::vector<Type> read_interfaces(const std::string& file);
+
+bool is_primitive(const std::string& type);
+/// The fewest bytes that a value of this type has on the wire.
+std::size_t least_bytes(const Type& type, const std::map<std::string, const Type*>& all);
+
+/// As MCAP and Foxglove call "ros2msg".
+std::string schema(const Type& type, const std::map<std::string, const Type*>& all);
+/// "RIHS01_…": SHA-256 of the type's description as JSON (REP 2016).
+std::string type_hash(const Type& type, const std::map<std::string, const Type*>& all);
+/// As FieldKind of type_info.hpp.
+int field_kind(const Field& field);
+
+}  // namespace polyarm::messages::generator

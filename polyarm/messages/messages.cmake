@@ -1,0 +1,19 @@
+# The room of messages: most of it is made by a program of ours from interfaces.list, which the build runs first.
+find_package(OpenSSL REQUIRED)
+set(messages ${PROJECT_SOURCE_DIR}/polyarm/messages)
+set(made ${PROJECT_BINARY_DIR}/generated/polyarm/messages)
+file(MAKE_DIRECTORY ${made})
+
+add_library(polyarm_message_model STATIC ${messages}/generator/model.cpp)
+target_include_directories(polyarm_message_model PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(polyarm_message_model PRIVATE OpenSSL::Crypto)
+add_executable(polyarm_message_generator ${messages}/generator/main.cpp)
+target_link_libraries(polyarm_message_generator PRIVATE polyarm_message_model)
+add_custom_command(OUTPUT ${made}/types.hpp ${made}/types.cpp
+  COMMAND polyarm_message_generator ${messages}/interfaces.list ${made}
+  DEPENDS polyarm_message_generator ${messages}/interfaces.list COMMENT "Making the messages of interfaces.list")
+
+polyarm_room(messages USES base)  # for its precompiled headers alone
+target_sources(polyarm_messages PRIVATE ${made}/types.cpp)
+target_include_directories(polyarm_messages PUBLIC ${PROJECT_BINARY_DIR}/generated)
+set_source_files_properties(${made}/types.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

@@ -1,0 +1,56 @@
+#pragma once
+/// What is known of a message type besides its C++ struct.
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace polyarm::messages {
+
+/// As the type descriptions of ROS 2 number them (type_description_interfaces/FieldType).
+enum class FieldKind : std::uint8_t {
+  nested = 1,
+  int8,
+  uint8,
+  int16,
+  uint16,
+  int32,
+  uint32,
+  int64,
+  uint64,
+  float32,
+  float64,
+  boolean = 15,
+  byte,
+  string,
+};
+enum class FieldShape : std::uint8_t { single, array, bounded, sequence };
+
+struct TypeInfo;
+
+struct FieldInfo {
+  const char* name;
+  FieldKind kind;
+  FieldShape shape;
+  std::uint32_t capacity;  ///< of an array or a bounded sequence
+  const TypeInfo* nested;  ///< of FieldKind::nested
+};
+
+struct TypeInfo {
+  const char* name;      ///< "sensor_msgs/msg/JointState"
+  const char* dds_name;  ///< "sensor_msgs::msg::dds_::JointState_"
+  const char* hash;      ///< "RIHS01_…" (REP 2016)
+  const char* schema;    ///< as MCAP and Foxglove call "ros2msg": the fields, then those of every type used
+  std::span<const FieldInfo> fields;
+};
+
+/// Of a generated struct.
+template <class Message>
+const TypeInfo& type_info();
+
+/// Every type there is, in the order of the list; parts of services and actions have a name of their own
+/// ("std_srvs/srv/Trigger_Request", "control_msgs/action/FollowJointTrajectory_SendGoal_Request").
+std::span<const TypeInfo* const> types();
+/// By the name as above, also without its middle part ("sensor_msgs/JointState"); null where there is none.
+const TypeInfo* find_type(std::string_view name);
+
+}  // namespace polyarm::messages
