@@ -13,7 +13,7 @@ add_custom_command(OUTPUT ${made}/types.hpp ${made}/types.cpp
   COMMAND polyarm_message_generator ${messages}/interfaces.list ${made}
   DEPENDS polyarm_message_generator ${messages}/interfaces.list COMMENT "Making the messages of interfaces.list")
 
-polyarm_room(messages USES base)  # for its precompiled headers alone
+polyarm_room(messages USES base LIBRARIES nlohmann_json::nlohmann_json)
 target_sources(polyarm_messages PRIVATE ${made}/types.cpp)
 target_include_directories(polyarm_messages PUBLIC ${PROJECT_BINARY_DIR}/generated)
 set_source_files_properties(${made}/types.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
