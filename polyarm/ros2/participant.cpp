@@ -1,0 +1,408 @@
+#include "polyarm/ros2/participant.hpp"
+
+#include <fastdds/rtps/RTPSDomain.h>
+#include <fastdds/rtps/attributes/HistoryAttributes.h>
+#include <fastdds/rtps/attributes/RTPSParticipantAttributes.h>
+#include <fastdds/rtps/attributes/ReaderAttributes.h>
+#include <fastdds/rtps/attributes/WriterAttributes.h>
+#include <fastdds/rtps/builtin/data/ReaderProxyData.h>
+#include <fastdds/rtps/builtin/data/WriterProxyData.h>
+#include <fastdds/rtps/history/ReaderHistory.h>
+#include <fastdds/rtps/history/WriterHistory.h>
+#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
+#include <fastdds/rtps/participant/RTPSParticipant.h>
+#include <fastdds/rtps/participant/RTPSParticipantListener.h>
+#include <fastdds/rtps/reader/RTPSReader.h>
+#include <fastdds/rtps/reader/ReaderListener.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/writer/RTPSWriter.h>
+#include <fastdds/rtps/writer/WriterListener.h>
+#include <fastrtps/qos/ReaderQos.h>
+#include <fastrtps/qos/WriterQos.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fastdds/rtps/interfaces/IReaderDataFilter.hpp>
+#include <map>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::ros2 {
+
+namespace rtps = eprosima::fastrtps::rtps;
+using rtps::IPLocator;
+
+namespace {
+
+Guid guid_of(const rtps::GUID_t& guid) {
+  Guid out;
+  std::memcpy(out.data(), guid.guidPrefix.value, 12);
+  std::memcpy(out.data() + 12, guid.entityId.value, 4);
+  return out;
+}
+
+rtps::GUID_t guid_of(const Guid& guid) {
+  rtps::GUID_t out;
+  std::memcpy(out.guidPrefix.value, guid.data(), 12);
+  std::memcpy(out.entityId.value, guid.data() + 12, 4);
+  return out;
+}
+
+template <class Octets>
+std::string text_of_octets(const Octets& octets) {
+  return {octets.begin(), octets.end()};
+}
+std::vector<rtps::octet> octets_of(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+[[noreturn]] void refuse(const std::string& what, const std::string& advice = {}) {
+  throw Error("no-dds", what, advice);
+}
+
+/// Of replies each reader of Fast DDS gets those that name it. Cyclone's readers get all: they know their own
+/// by a header, and lose the first sample where one before it was left out.
+class OnlyItsOwn : public eprosima::fastdds::rtps::IReaderDataFilter {
+ public:
+  bool is_relevant(const rtps::CacheChange_t& change, const rtps::GUID_t& reader) const override {
+    return vendor_of(guid_of(reader)) != Vendor::fast_dds ||
+           change.write_params.related_sample_identity().writer_guid() == reader;
+  }
+};
+
+/// What came over the wire stands in one place, what came from within this process in the other.
+Guid related_of(const rtps::WriteParams& params) {
+  const rtps::GUID_t within = params.related_sample_identity().writer_guid();
+  return guid_of(within != rtps::c_Guid_Unknown ? within : params.sample_identity().writer_guid());
+}
+
+rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options) {
+  rtps::RTPSParticipantAttributes out;
+  out.setName("polyarm");
+  out.userData = octets_of(options.user_data);
+  out.useBuiltinTransports = false;
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxInitialPeersRange = 32;
+  if (options.loopback) udp->interfaceWhiteList = {"127.0.0.1"};
+  out.userTransports.push_back(udp);
+  auto& discovery = out.builtin.discovery_config;
+  discovery.leaseDuration = {10, 0};
+  discovery.leaseDuration_announcementperiod = {0, 200'000'000};
+  out.builtin.avoid_builtin_multicast = options.loopback;
+  std::vector<std::string> peers = options.peers;
+  peers.emplace_back("127.0.0.1");
+  if (!options.loopback) peers.emplace_back("239.255.0.1");
+  for (const std::string& peer : peers) {
+    rtps::Locator_t locator;
+    if (!IPLocator::setIPv4(locator, peer)) refuse("the peer '" + peer + "' is no IPv4 address");
+    if (peer.starts_with("239.")) locator.port = 7400 + 250 * options.domain;
+    out.builtin.initialPeersList.push_back(locator);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string text_of(const Guid& guid) {
+  std::string out;
+  for (const std::uint8_t byte : guid) {
+    if (!out.empty()) out += '.';
+    out += "0123456789abcdef"[byte >> 4];
+    out += "0123456789abcdef"[byte & 15];
+  }
+  return out;
+}
+
+Vendor vendor_of(const Guid& guid) {
+  if (guid[0] == 1 && guid[1] == 0x0f) return Vendor::fast_dds;
+  if (guid[0] == 1 && guid[1] == 0x10) return Vendor::cyclone;
+  return Vendor::other;
+}
+
+class Participant::Work : public rtps::RTPSParticipantListener {
+  struct Endpoint;
+
+ public:
+  explicit Work(const ParticipantOptions& options) {
+    participant_ = rtps::RTPSDomain::createParticipant(options.domain, attributes_of(options), this);
+    if (!participant_)
+      refuse("no participant in domain " + std::to_string(options.domain) + " can be made",
+             "look whether its ports are free: 7400 + 250 × domain and those after it");
+  }
+
+  ~Work() override {
+    while (!endpoints_.empty()) remove(endpoints_.begin()->first);
+    rtps::RTPSDomain::removeRTPSParticipant(participant_);
+  }
+
+  Id add_writer(const std::string& topic, const std::string& type, const Qos& qos,
+                const std::string& user_data, bool addressed) {
+    auto endpoint = std::make_unique<Endpoint>(*this);
+    rtps::WriterAttributes attributes;
+    attributes.endpoint = endpoint_attributes(qos);
+    attributes.times.heartbeatPeriod = {0, 200'000'000};
+    endpoint->depth = std::max<std::size_t>(1, qos.depth);
+    endpoint->written = std::make_unique<rtps::WriterHistory>(history_attributes());
+    endpoint->writer =
+        rtps::RTPSDomain::createRTPSWriter(participant_, attributes, endpoint->written.get(), endpoint.get());
+    if (!endpoint->writer) refuse("no writer of " + topic + " can be made");
+    if (addressed) endpoint->writer->reader_data_filter(&filter_);
+    eprosima::fastrtps::WriterQos wqos;
+    wqos.m_reliability.kind = qos.reliable ? eprosima::fastrtps::RELIABLE_RELIABILITY_QOS
+                                           : eprosima::fastrtps::BEST_EFFORT_RELIABILITY_QOS;
+    wqos.m_durability.kind = qos.transient_local ? eprosima::fastrtps::TRANSIENT_LOCAL_DURABILITY_QOS
+                                                 : eprosima::fastrtps::VOLATILE_DURABILITY_QOS;
+    wqos.m_userData.setValue(octets_of(user_data));
+    if (!participant_->registerWriter(endpoint->writer, topic_attributes(topic, type, qos), wqos)) {
+      rtps::RTPSDomain::removeRTPSWriter(endpoint->writer);
+      refuse("the writer of " + topic + " cannot be told to others");
+    }
+    return keep(std::move(endpoint));
+  }
+
+  Id add_reader(const std::string& topic, const std::string& type, const Qos& qos,
+                const std::string& user_data, OnSample on_sample) {
+    auto endpoint = std::make_unique<Endpoint>(*this);
+    endpoint->on_sample = std::move(on_sample);
+    rtps::ReaderAttributes attributes;
+    attributes.endpoint = endpoint_attributes(qos);
+    attributes.endpoint.endpointKind = rtps::READER;
+    endpoint->received = std::make_unique<rtps::ReaderHistory>(history_attributes());
+    endpoint->reader = rtps::RTPSDomain::createRTPSReader(participant_, attributes, endpoint->received.get(),
+                                                          endpoint.get());
+    if (!endpoint->reader) refuse("no reader of " + topic + " can be made");
+    eprosima::fastrtps::ReaderQos rqos;
+    rqos.m_reliability.kind = qos.reliable ? eprosima::fastrtps::RELIABLE_RELIABILITY_QOS
+                                           : eprosima::fastrtps::BEST_EFFORT_RELIABILITY_QOS;
+    rqos.m_durability.kind = qos.transient_local ? eprosima::fastrtps::TRANSIENT_LOCAL_DURABILITY_QOS
+                                                 : eprosima::fastrtps::VOLATILE_DURABILITY_QOS;
+    rqos.m_userData.setValue(octets_of(user_data));
+    if (!participant_->registerReader(endpoint->reader, topic_attributes(topic, type, qos), rqos)) {
+      rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
+      refuse("the reader of " + topic + " cannot be told to others");
+    }
+    return keep(std::move(endpoint));
+  }
+
+  void remove(Id id) {
+    std::unique_ptr<Endpoint> endpoint;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto at = endpoints_.find(id);
+      if (at == endpoints_.end()) return;
+      endpoint = std::move(at->second);
+      endpoints_.erase(at);
+    }
+    if (endpoint->writer) rtps::RTPSDomain::removeRTPSWriter(endpoint->writer);
+    if (endpoint->reader) rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
+  }
+
+  bool write(Id id, std::span<const std::byte> payload, const std::optional<Related>& related) {
+    Endpoint* endpoint = find(id);
+    if (!endpoint || !endpoint->writer) return false;
+    const std::lock_guard one_at_a_time(endpoint->writing);
+    const auto size = static_cast<std::uint32_t>(payload.size());
+    while (endpoint->written->getHistorySize() >= endpoint->depth) endpoint->written->remove_min_change();
+    rtps::CacheChange_t* change = endpoint->writer->new_change([size] { return size; }, rtps::ALIVE);
+    if (!change || change->serializedPayload.max_size < size) {
+      if (change) endpoint->writer->release_change(change);
+      return false;
+    }
+    std::memcpy(change->serializedPayload.data, payload.data(), size);
+    change->serializedPayload.length = size;
+    change->serializedPayload.encapsulation = CDR_LE;
+    if (!related) return endpoint->written->add_change(change);
+    rtps::WriteParams params;
+    params.related_sample_identity().writer_guid(guid_of(related->guid));
+    const auto sequence = static_cast<std::uint64_t>(related->sequence);
+    params.related_sample_identity().sequence_number(rtps::SequenceNumber_t(
+        static_cast<std::int32_t>(sequence >> 32), static_cast<std::uint32_t>(sequence)));
+    return endpoint->written->add_change(change, params);
+  }
+
+  Guid guid(Id id) const {
+    const Endpoint* endpoint = find(id);
+    if (!endpoint) return kNoGuid;
+    return guid_of(endpoint->writer ? endpoint->writer->getGuid() : endpoint->reader->getGuid());
+  }
+  Guid prefix() const { return guid_of(participant_->getGuid()); }
+
+  std::vector<Remote> matched(Id id) const {
+    std::vector<Remote> out;
+    const std::lock_guard lock(mutex_);
+    const auto at = endpoints_.find(id);
+    if (at == endpoints_.end()) return out;
+    for (const Guid& guid : at->second->matched) {
+      const auto known = remotes_.find(guid);
+      out.push_back({guid, known == remotes_.end() ? "" : known->second});
+    }
+    return out;
+  }
+
+  std::string user_data_of_writer(const Guid& writer) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = remotes_.find(writer);
+    return known == remotes_.end() ? "" : known->second;
+  }
+
+  void on_change(std::function<void()> changed) {
+    const std::lock_guard lock(mutex_);
+    changed_ = std::move(changed);
+  }
+  std::size_t others() const {
+    const std::lock_guard lock(mutex_);
+    return participants_.size();
+  }
+
+ private:
+  struct Endpoint : rtps::WriterListener, rtps::ReaderListener {
+    explicit Endpoint(Work& work) : owner(work) {}
+    void onWriterMatched(rtps::RTPSWriter*, rtps::MatchingInfo& info) override { owner.match(*this, info); }
+    void onReaderMatched(rtps::RTPSReader*, rtps::MatchingInfo& info) override { owner.match(*this, info); }
+    void onNewCacheChangeAdded(rtps::RTPSReader*, const rtps::CacheChange_t* const change) override {
+      const rtps::SerializedPayload_t& payload = change->serializedPayload;
+      if (change->kind == rtps::ALIVE && payload.data)
+        on_sample({{reinterpret_cast<const std::byte*>(payload.data), payload.length},
+                   guid_of(change->writerGUID),
+                   static_cast<std::int64_t>(change->sequenceNumber.to64long()),
+                   related_of(change->write_params)});
+      received->remove_change(const_cast<rtps::CacheChange_t*>(change));
+    }
+
+    Work& owner;
+    rtps::RTPSWriter* writer = nullptr;
+    rtps::RTPSReader* reader = nullptr;
+    std::unique_ptr<rtps::WriterHistory> written;
+    std::unique_ptr<rtps::ReaderHistory> received;
+    std::size_t depth = 10;
+    std::mutex writing;
+    OnSample on_sample;
+    std::set<Guid> matched;  ///< under the mutex of the work
+  };
+
+  static rtps::EndpointAttributes endpoint_attributes(const Qos& qos) {
+    rtps::EndpointAttributes out;
+    out.reliabilityKind = qos.reliable ? rtps::RELIABLE : rtps::BEST_EFFORT;
+    out.durabilityKind = qos.transient_local ? rtps::TRANSIENT_LOCAL : rtps::VOLATILE;
+    out.topicKind = rtps::NO_KEY;
+    return out;
+  }
+  static rtps::HistoryAttributes history_attributes() {
+    rtps::HistoryAttributes out;
+    out.memoryPolicy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    out.payloadMaxSize = 512;
+    out.initialReservedCaches = 8;
+    return out;
+  }
+  static eprosima::fastrtps::TopicAttributes topic_attributes(const std::string& topic,
+                                                              const std::string& type, const Qos& qos) {
+    eprosima::fastrtps::TopicAttributes out(topic.c_str(), type.c_str(), rtps::NO_KEY);
+    out.historyQos.kind = eprosima::fastrtps::KEEP_LAST_HISTORY_QOS;
+    out.historyQos.depth = static_cast<std::int32_t>(qos.depth);
+    out.auto_fill_type_object = false;
+    out.auto_fill_type_information = false;
+    return out;
+  }
+
+  Id keep(std::unique_ptr<Endpoint> endpoint) {
+    const std::lock_guard lock(mutex_);
+    endpoints_.emplace(++last_id_, std::move(endpoint));
+    return last_id_;
+  }
+  Endpoint* find(Id id) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = endpoints_.find(id);
+    return at == endpoints_.end() ? nullptr : at->second.get();
+  }
+
+  void match(Endpoint& endpoint, const rtps::MatchingInfo& info) {
+    std::function<void()> changed;
+    {
+      const std::lock_guard lock(mutex_);
+      const Guid guid = guid_of(info.remoteEndpointGuid);
+      if (info.status == rtps::MATCHED_MATCHING)
+        endpoint.matched.insert(guid);
+      else
+        endpoint.matched.erase(guid);
+      changed = changed_;
+    }
+    if (changed) changed();
+  }
+
+  void know(const rtps::GUID_t& guid, bool there, std::string user_data) {
+    const std::lock_guard lock(mutex_);
+    if (there)
+      remotes_[guid_of(guid)] = std::move(user_data);
+    else
+      remotes_.erase(guid_of(guid));
+  }
+
+  void onReaderDiscovery(rtps::RTPSParticipant*, rtps::ReaderDiscoveryInfo&& info) override {
+    know(info.info.guid(), info.status != rtps::ReaderDiscoveryInfo::REMOVED_READER,
+         text_of_octets(info.info.m_qos.m_userData.data_vec()));
+  }
+  void onWriterDiscovery(rtps::RTPSParticipant*, rtps::WriterDiscoveryInfo&& info) override {
+    know(info.info.guid(), info.status != rtps::WriterDiscoveryInfo::REMOVED_WRITER,
+         text_of_octets(info.info.m_qos.m_userData.data_vec()));
+  }
+  void onParticipantDiscovery(rtps::RTPSParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
+    using Info = rtps::ParticipantDiscoveryInfo;
+    const Guid guid = guid_of(info.info.m_guid);
+    const std::lock_guard lock(mutex_);
+    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT)
+      participants_.erase(guid);
+    else
+      participants_.insert(guid);
+  }
+
+  rtps::RTPSParticipant* participant_ = nullptr;
+  OnlyItsOwn filter_;
+  mutable std::mutex mutex_;
+  std::map<Id, std::unique_ptr<Endpoint>> endpoints_;
+  Id last_id_ = 0;
+  std::map<Guid, std::string> remotes_;  ///< user data
+  std::set<Guid> participants_;
+  std::function<void()> changed_;
+};
+
+Participant::Participant(const ParticipantOptions& options) : work_{std::make_unique<Work>(options)} {}
+Participant::~Participant() = default;
+Participant::Id Participant::add_writer(const std::string& topic, const std::string& type, const Qos& qos,
+                                        const std::string& user_data, bool addressed) {
+  return work_->add_writer(topic, type, qos, user_data, addressed);
+}
+Participant::Id Participant::add_reader(const std::string& topic, const std::string& type, const Qos& qos,
+                                        const std::string& user_data, OnSample on_sample) {
+  return work_->add_reader(topic, type, qos, user_data, std::move(on_sample));
+}
+void Participant::remove(Id id) {
+  work_->remove(id);
+}
+bool Participant::write(Id writer, std::span<const std::byte> payload,
+                        const std::optional<Related>& related) {
+  return work_->write(writer, payload, related);
+}
+Guid Participant::guid(Id id) const {
+  return work_->guid(id);
+}
+Guid Participant::prefix() const {
+  return work_->prefix();
+}
+std::vector<Remote> Participant::matched(Id id) const {
+  return work_->matched(id);
+}
+std::string Participant::user_data_of_writer(const Guid& writer) const {
+  return work_->user_data_of_writer(writer);
+}
+void Participant::on_change(std::function<void()> changed) {
+  work_->on_change(std::move(changed));
+}
+std::size_t Participant::others() const {
+  return work_->others();
+}
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,99 @@
+#pragma once
+/// A participant on the DDS wire that carries payloads which are written and read elsewhere: Fast DDS at its
+/// RTPS layer, where a reply can be addressed to one reader. Nothing of ROS is known here but where its
+/// middlewares differ in how services are told apart.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace polyarm::ros2 {
+
+/// Of an endpoint on the wire: prefix of the participant (12 bytes) and entity (4).
+using Guid = std::array<std::uint8_t, 16>;
+inline constexpr Guid kNoGuid{};
+std::string text_of(const Guid& guid);
+
+/// Whose implementation an endpoint is, by the first bytes of its guid (RTPS vendor ids).
+enum class Vendor { fast_dds, cyclone, other };
+Vendor vendor_of(const Guid& guid);
+
+struct Qos {
+  bool reliable = true;
+  bool transient_local = false;
+  std::size_t depth = 10;  ///< samples kept
+};
+
+struct ParticipantOptions {
+  std::uint32_t domain = 0;
+  bool loopback = true;            ///< no socket is bound to, and nothing sent from, another interface
+  std::vector<std::string> peers;  ///< addresses that are told of us beside those that multicast reaches
+  std::string user_data = "enclave=/;";
+};
+
+/// One sample, and what its writer says of it.
+struct Sample {
+  std::span<const std::byte> payload;  ///< with its encapsulation; valid during the call
+  Guid writer;
+  std::int64_t sequence = 0;
+  Guid related = kNoGuid;  ///< of a request: the reader that waits for the reply, where it says so
+};
+/// Called on threads of the participant; must not block.
+using OnSample = std::function<void(const Sample&)>;
+
+/// What a reply belongs to.
+struct Related {
+  Guid guid;
+  std::int64_t sequence = 0;
+};
+
+/// An endpoint of somebody else that matches one of ours.
+struct Remote {
+  Guid guid;
+  std::string user_data;
+};
+
+/// Functions may be called from any thread but those of OnSample.
+class Participant {
+ public:
+  using Id = std::size_t;
+
+  /// Throws Error("no-dds") where the network cannot be had.
+  explicit Participant(const ParticipantOptions& options);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// Throw Error("no-dds"). `addressed`: samples carry Related, and readers of Fast DDS get only their own.
+  Id add_writer(const std::string& topic, const std::string& type, const Qos& qos,
+                const std::string& user_data, bool addressed = false);
+  Id add_reader(const std::string& topic, const std::string& type, const Qos& qos,
+                const std::string& user_data, OnSample on_sample);
+  /// Ends the endpoint; no OnSample of it is under way any more when this returns.
+  void remove(Id id);
+
+  /// False where the sample could not be taken (too large, no memory).
+  bool write(Id writer, std::span<const std::byte> payload, const std::optional<Related>& related = {});
+
+  Guid guid(Id id) const;
+  Guid prefix() const;
+  /// Endpoints of others that match this one now.
+  std::vector<Remote> matched(Id id) const;
+  /// What the writer of a sample says of itself, "" where it is not known.
+  std::string user_data_of_writer(const Guid& writer) const;
+  /// Told on a thread of the participant whenever something matches or ceases to.
+  void on_change(std::function<void()> changed);
+  /// How many participants of others are known.
+  std::size_t others() const;
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace polyarm::ros2

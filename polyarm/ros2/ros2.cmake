@@ -1,0 +1,10 @@
+# ROS 2's graph: a module of its own, since Fast DDS is not what every cell needs. Not built where it is not installed.
+find_package(fastcdr QUIET)
+find_package(fastrtps QUIET)
+if(NOT fastrtps_FOUND)
+  message(STATUS "Fast DDS not found (apt install libfastrtps-dev): the ROS 2 module is not built")
+  return()
+endif()
+add_library(polyarm_ros2_wire STATIC ros2/participant.cpp ros2/wire.cpp)
+target_include_directories(polyarm_ros2_wire PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(polyarm_ros2_wire PUBLIC polyarm_base polyarm_messages Threads::Threads PRIVATE fastrtps)

@@ -1,0 +1,335 @@
+#include "polyarm/ros2/wire.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/messages/types.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t kMostWaiting = 1000, kMostToSend = 10'000;
+constexpr auto kPatience = std::chrono::milliseconds(100);
+/// Cyclone DDS puts who asked, and the how manieth time, before the fields of requests and replies.
+constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
+constexpr std::size_t kLargest = 16u << 20;
+
+std::string type_hash(const messages::TypeInfo& type) {
+  return std::string("typehash=") + type.hash + ";";
+}
+
+/// The value of `key=value;` in user data, "" without.
+std::string entry_of(const std::string& user_data, const std::string& key) {
+  const std::size_t at = user_data.find(key + "=");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + key.size() + 1;
+  return user_data.substr(begin, user_data.find(';', begin) - begin);
+}
+
+const messages::TypeInfo& part(const std::string& type, const char* name) {
+  const messages::TypeInfo* found = messages::find_type(type + name);
+  if (!found) throw Error("unknown-type", "there is no service type " + type);
+  return *found;
+}
+
+/// Who asked: what a reply needs to find back.
+struct Asker {
+  Vendor vendor = Vendor::other;
+  Related related;        ///< Fast DDS and others: the reader that waits, or the writer that asked
+  std::string client_id;  ///< Cyclone: what its request writer and reply reader have in common
+  std::array<std::byte, kCycloneHeader> header{};
+};
+
+}  // namespace
+
+class Wire::Work {
+ public:
+  explicit Work(const ParticipantOptions& options) : participant_{options} {
+    const auto& type = messages::type_info<messages::rmw_dds_common::msg::ParticipantEntitiesInfo>();
+    graph_ = participant_.add_writer("ros_discovery_info", type.dds_name, {true, true, 1}, type_hash(type));
+    thread_ = std::thread([this] { run(); });
+  }
+
+  ~Work() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+    for (const auto& [name, node] : nodes_)
+      for (const auto& [id, reader] : node.endpoints) participant_.remove(id);
+  }
+
+  Id publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
+               const Qos& qos) {
+    const Id id = participant_.add_writer("rt" + topic, type.dds_name, qos, type_hash(type));
+    return own(node, id, false);
+  }
+
+  Id subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
+                  const Qos& qos, OnMessage on_message) {
+    const auto shared = std::make_shared<OnMessage>(std::move(on_message));
+    const Id id = participant_.add_reader(
+        "rt" + topic, type.dds_name, qos, type_hash(type), [this, shared](const Sample& sample) {
+          enqueue([shared, payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())] {
+            (*shared)(payload);
+          });
+        });
+    return own(node, id, true);
+  }
+
+  Id service(const std::string& node, const std::string& name, const std::string& type,
+             OnRequest on_request) {
+    const messages::TypeInfo& request = part(type, "_Request");
+    const messages::TypeInfo& response = part(type, "_Response");
+    Guid unique = participant_.prefix();
+    const auto number = static_cast<std::uint32_t>(++services_);
+    std::memcpy(unique.data() + 12, &number, 4);
+    const std::string service_id = "serviceid=" + text_of(unique) + ";";
+    const Id replies = participant_.add_writer("rr" + name + "Reply", response.dds_name, {},
+                                               service_id + type_hash(response), true);
+    const auto shared = std::make_shared<OnRequest>(std::move(on_request));
+    const Id requests = participant_.add_reader(
+        "rq" + name + "Request", request.dds_name, {}, service_id + type_hash(request),
+        [this, shared, replies](const Sample& sample) { take_request(sample, replies, shared); });
+    own(node, replies, false);
+    return own(node, requests, true);
+  }
+
+  void node(const std::string& name) {
+    nodes_[name];
+    graph_changed_ = true;
+  }
+
+  void remove_node(const std::string& name) {
+    const auto at = nodes_.find(name);
+    if (at == nodes_.end()) return;
+    for (const auto& [id, reader] : at->second.endpoints) participant_.remove(id);
+    nodes_.erase(at);
+    graph_changed_ = true;
+  }
+
+  void publish(Id id, std::vector<std::byte> payload) { send({id, std::move(payload), {}, {}}); }
+  bool wanted(Id id) const { return !participant_.matched(id).empty(); }
+
+  std::size_t take(std::size_t most) {
+    if (graph_changed_) tell_graph();
+    std::deque<std::function<void()>> now;
+    {
+      const std::lock_guard lock(mutex_);
+      while (!waiting_.empty() && now.size() < most) {
+        now.push_back(std::move(waiting_.front()));
+        waiting_.pop_front();
+      }
+    }
+    for (const auto& work : now) work();
+    return now.size();
+  }
+
+  WireStatistics statistics() const {
+    const std::lock_guard lock(mutex_);
+    return statistics_;
+  }
+  const Participant& participant() const { return participant_; }
+
+ private:
+  struct Node {
+    std::map<Id, bool> endpoints;  ///< and whether it is a reader
+  };
+  struct Outgoing {
+    Id writer = 0;
+    std::vector<std::byte> payload;
+    std::optional<Asker> to;
+    Clock::time_point until;
+  };
+
+  Id own(const std::string& node, Id id, bool reader) {
+    nodes_[node].endpoints[id] = reader;
+    graph_changed_ = true;
+    return id;
+  }
+
+  void enqueue(std::function<void()> work) {
+    const std::lock_guard lock(mutex_);
+    ++statistics_.received;
+    if (waiting_.size() < kMostWaiting)
+      waiting_.push_back(std::move(work));
+    else
+      ++statistics_.dropped;
+  }
+
+  /// On a thread of the participant.
+  void take_request(const Sample& sample, Id replies, const std::shared_ptr<OnRequest>& on_request) {
+    Asker asker;
+    asker.vendor = vendor_of(sample.writer);
+    std::vector<std::byte> payload(sample.payload.begin(), sample.payload.end());
+    asker.related = {sample.related == kNoGuid ? sample.writer : sample.related, sample.sequence};
+    if (asker.vendor == Vendor::cyclone) {
+      if (payload.size() < kEncapsulation + kCycloneHeader || payload.size() > kLargest) return refuse();
+      const auto begin = payload.begin() + kEncapsulation, end = begin + kCycloneHeader;
+      std::copy(begin, end, asker.header.begin());
+      payload.erase(begin, end);
+      asker.client_id = entry_of(participant_.user_data_of_writer(sample.writer), "clientid");
+    } else if (payload.size() < kEncapsulation) {
+      return refuse();
+    }
+    enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
+      (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
+                       send({replies, std::move(reply), asker, Clock::now() + kPatience});
+                     }});
+    });
+  }
+
+  void refuse() {
+    const std::lock_guard lock(mutex_);
+    ++statistics_.refused;
+  }
+
+  void send(Outgoing out) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (to_send_.size() >= kMostToSend) {
+        ++statistics_.unsent;
+        return;
+      }
+      to_send_.push_back(std::move(out));
+    }
+    wake_.notify_one();
+  }
+
+  void run() {
+    std::deque<Outgoing> postponed;
+    std::unique_lock lock(mutex_);
+    while (!over_) {
+      if (to_send_.empty()) {
+        const auto until = Clock::now() + (postponed.empty() ? std::chrono::milliseconds(500)
+                                                             : std::chrono::milliseconds(1));
+        wake_.wait_until(lock, until, [this] { return over_ || !to_send_.empty(); });
+      }
+      std::deque<Outgoing> now = std::move(to_send_);
+      to_send_.clear();
+      lock.unlock();
+      std::deque<Outgoing> still;
+      for (auto* list : {&postponed, &now})
+        for (Outgoing& out : *list)
+          if (!write(out)) still.push_back(std::move(out));
+      postponed = std::move(still);
+      lock.lock();
+    }
+  }
+
+  /// False where it must wait for its reader.
+  bool write(Outgoing& out) {
+    std::optional<Related> related;
+    if (out.to) {
+      const auto reader = reader_of(*out.to, out.writer);
+      if (!reader && Clock::now() < out.until) return false;
+      related = Related{out.to->vendor == Vendor::cyclone && reader ? *reader : out.to->related.guid,
+                        out.to->related.sequence};
+      if (out.to->vendor == Vendor::cyclone)
+        out.payload.insert(out.payload.begin() + kEncapsulation, out.to->header.begin(),
+                           out.to->header.end());
+    }
+    const bool sent = participant_.write(out.writer, out.payload, related);
+    const std::lock_guard lock(mutex_);
+    ++(sent ? statistics_.sent : statistics_.unsent);
+    return true;
+  }
+
+  /// The reader that waits for a reply to this asker, if it is matched already.
+  std::optional<Guid> reader_of(const Asker& asker, Id replies) const {
+    for (const Remote& remote : participant_.matched(replies)) {
+      if (asker.vendor == Vendor::cyclone) {
+        const bool known = !asker.client_id.empty();
+        if (vendor_of(remote.guid) == Vendor::cyclone &&
+            (!known || entry_of(remote.user_data, "clientid") == asker.client_id))
+          return remote.guid;
+      } else if (remote.guid == asker.related.guid ||
+                 (std::equal(remote.guid.begin(), remote.guid.begin() + 12, asker.related.guid.begin()) &&
+                  asker.related.guid[15] != 0x04 && asker.related.guid[15] != 0x07)) {
+        return remote.guid;  // the reader itself, or one beside the writer that asked
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// The whole of what our nodes have, after every change.
+  void tell_graph() {
+    messages::rmw_dds_common::msg::ParticipantEntitiesInfo info;
+    info.gid.data = participant_.prefix();
+    for (const auto& [name, node] : nodes_) {
+      const std::size_t slash = name.rfind('/');
+      auto& entry = info.node_entities_info_seq.emplace_back();
+      entry.node_namespace = slash == 0 ? "/" : name.substr(0, slash);
+      entry.node_name = name.substr(slash + 1);
+      for (const auto& [id, reader] : node.endpoints)
+        (reader ? entry.reader_gid_seq : entry.writer_gid_seq).push_back({participant_.guid(id)});
+    }
+    graph_changed_ = false;
+    publish(graph_, messages::to_cdr(info));
+  }
+
+  Participant participant_;
+  Id graph_ = 0;
+  std::map<std::string, Node> nodes_;
+  bool graph_changed_ = true;
+  std::uint64_t services_ = 0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> waiting_;
+  std::deque<Outgoing> to_send_;
+  WireStatistics statistics_;
+  bool over_ = false;
+  std::thread thread_;
+};
+
+Wire::Wire(const ParticipantOptions& options) : work_{std::make_unique<Work>(options)} {}
+Wire::~Wire() = default;
+Wire::Id Wire::publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
+                         const Qos& qos) {
+  return work_->publisher(node, topic, type, qos);
+}
+Wire::Id Wire::subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
+                            const Qos& qos, OnMessage on_message) {
+  return work_->subscription(node, topic, type, qos, std::move(on_message));
+}
+Wire::Id Wire::service(const std::string& node, const std::string& name, const std::string& type,
+                       OnRequest on_request) {
+  return work_->service(node, name, type, std::move(on_request));
+}
+void Wire::node(const std::string& name) {
+  work_->node(name);
+}
+void Wire::remove_node(const std::string& name) {
+  work_->remove_node(name);
+}
+void Wire::publish(Id publisher, std::vector<std::byte> payload) {
+  work_->publish(publisher, std::move(payload));
+}
+bool Wire::wanted(Id publisher) const {
+  return work_->wanted(publisher);
+}
+std::size_t Wire::take(std::size_t most) {
+  return work_->take(most);
+}
+WireStatistics Wire::statistics() const {
+  return work_->statistics();
+}
+const Participant& Wire::participant() const {
+  return work_->participant();
+}
+
+}  // namespace polyarm::ros2

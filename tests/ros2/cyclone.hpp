@@ -1,0 +1,65 @@
+#pragma once
+/// A client on Cyclone DDS, on loopback alone, as ROS 2's middleware on it is configured for LOCALHOST.
+#include <dds/dds.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace polyarm::ros2::test {
+
+class Cyclone {
+ public:
+  explicit Cyclone(std::uint32_t domain) {
+    ::setenv("CYCLONEDDS_URI",
+             "<General><Interfaces><NetworkInterface "
+             "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast>"
+             "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32"
+             "</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>",
+             1);
+    participant_ = dds_create_participant(domain, nullptr, nullptr);
+    if (participant_ < 0) throw std::runtime_error(dds_strretcode(-participant_));
+  }
+  ~Cyclone() { dds_delete(participant_); }
+  Cyclone(const Cyclone&) = delete;
+  Cyclone& operator=(const Cyclone&) = delete;
+
+  dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic,
+                      bool latched = false) const {
+    return endpoint(dds_create_writer, type, topic, latched);
+  }
+  dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& topic,
+                      bool latched = false) const {
+    return endpoint(dds_create_reader, type, topic, latched);
+  }
+
+ private:
+  template <class Create>
+  dds_entity_t endpoint(Create create, const dds_topic_descriptor_t& type, const std::string& topic,
+                        bool latched) const {
+    dds_qos_t* qos = dds_create_qos();
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
+    const dds_entity_t made = dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr);
+    const dds_entity_t out = create(participant_, made, qos, nullptr);
+    dds_delete_qos(qos);
+    if (out < 0) throw std::runtime_error(dds_strretcode(-out));
+    return out;
+  }
+  dds_entity_t participant_;
+};
+
+/// One sample where there is one; its memory is given back.
+template <class T, class Use>
+bool take(dds_entity_t reader, Use use) {
+  void* samples[1] = {nullptr};
+  dds_sample_info_t info[1];
+  const dds_return_t count = dds_take(reader, samples, info, 1, 1);
+  const bool valid = count == 1 && info[0].valid_data;
+  if (valid) use(*static_cast<const T*>(samples[0]));
+  if (count > 0) dds_return_loan(reader, samples, count);
+  return valid;
+}
+
+}  // namespace polyarm::ros2::test

@@ -1,0 +1,12 @@
+# The far side is Cyclone DDS with its own compiler and its own CDR, where it is installed.
+polyarm_test(ros2 polyarm_ros2_wire)
+find_package(CycloneDDS QUIET)
+if(TARGET test_ros2 AND CycloneDDS_FOUND)
+  idlc_generate(TARGET polyarm_cyclone_idl FILES ${CMAKE_CURRENT_SOURCE_DIR}/ros2/messages.idl)
+  add_library(polyarm_cyclone_messages STATIC)
+  target_link_libraries(polyarm_cyclone_messages PRIVATE polyarm_cyclone_idl CycloneDDS::ddsc)
+  target_compile_options(polyarm_cyclone_messages PRIVATE -w)
+  target_include_directories(polyarm_cyclone_messages PUBLIC ${CMAKE_CURRENT_BINARY_DIR})
+  target_link_libraries(test_ros2 PRIVATE polyarm_cyclone_messages CycloneDDS::ddsc)
+  target_compile_definitions(test_ros2 PRIVATE POLYARM_CYCLONE=1)
+endif()
