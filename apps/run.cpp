@@ -26,7 +26,7 @@ struct RunArguments {
   cell::CellOptions cell_options;
   cell::RunOptions run;
   std::vector<std::string> faults;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, ros2 = false;
 };
 
 void add_options(CLI::App& app, RunArguments& a) {
@@ -59,6 +59,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
+  app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
@@ -186,7 +187,9 @@ int execute(RunArguments& a, const std::string& command) {
   sigaction(SIGTERM, &action, nullptr);
   std::optional<cell::Cell> cell;
   try {
-    cell.emplace(open_cell(a), open_catalogue(), a.cell_options, *observer);
+    cell::CellFile file = open_cell(a);
+    if (a.ros2) file.doors["ros2"];
+    cell.emplace(file, open_catalogue(), a.cell_options, *observer);
   } catch (const Error& e) {  // nothing has moved
     cell::RunResult result;
     result.outcome = cell::Outcome::failed;

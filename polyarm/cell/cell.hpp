@@ -81,6 +81,7 @@ class Cell {
   Answers& answers() { return answers_; }
   const CellFile& file() const { return file_; }
   const control::Snapshot& snapshot() const { return loop_->outbox().value(); }
+  bool lock_step() const { return options_.lock_step; }
   /// True when the number of passes was limited from outside.
   bool limited() const { return options_.cycles > 0; }
   int contacts_max() const { return contacts_max_; }

@@ -193,6 +193,17 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   else
     problems.error("which-robot", {cell.path.string()}, "the cell has no robot '" + name + "'");
 }
+
+/// `NAME: true`, or a map of what the door is told.
+void read_door(const char* name, const Yaml& yaml, const std::vector<std::string>& keys, CellFile& cell,
+               Problems& problems) {
+  if (!yaml.defined() || (!yaml.is_map() && !yaml.boolean())) return;
+  DoorOptions& options = cell.doors[name];
+  if (!yaml.is_map()) return;
+  yaml.check_keys(keys, problems);
+  for (const std::string& key : yaml.keys())
+    options[key] = yaml[key].is_list() ? join(yaml[key].texts(), ",") : yaml[key].text();
+}
 }  // namespace
 
 CellFile read_cell_file(const std::filesystem::path& given, const Overrides& overrides) {
@@ -208,9 +219,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  yaml.check_keys({"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins",
-                   "budget", "signals", "program", "plc", "motion", "loop", "profile", "profiles", "workspace"},
-                  problems);
+  yaml.check_keys(
+      {"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins", "budget",
+       "signals", "program", "plc", "motion", "loop", "profile", "profiles", "workspace", "ros2"},
+      problems);
   cell.profiles = read_profiles(yaml, problems);
   cell.workspace = read_workspace(yaml["workspace"], problems);
   cell.rate_stated = yaml.has("rate");
@@ -240,6 +252,9 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
+  collect(problems, [&] {
+    read_door("ros2", yaml["ros2"], {"domain", "range", "peers", "namespace"}, cell, problems);
+  });
   apply(overrides, cell, problems);
   problems.throw_if_errors();
   return cell;

@@ -10,6 +10,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
+#include "polyarm/cell/door.hpp"
 #include "polyarm/cell/safety_entries.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/motion/robot_facts.hpp"
@@ -43,7 +44,7 @@ struct RobotEntry {
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::vector<motion::WorkspaceZone> workspace;  ///< of this robot alone
   std::vector<RangeEntry> ranges;                ///< of joints, narrower than the robot's
-  std::string text;                ///< the description itself, where `model` names the file that it stands in
+  std::string text;  ///< the description itself, where `model` names the file that it stands in
   Location where;
 };
 
@@ -86,6 +87,7 @@ struct CellFile {
   LoopEntry loop;
   ProfileEntries profiles;
   std::vector<motion::WorkspaceZone> workspace;  ///< of all robots
+  std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules
 };
 
 /// What the command line puts over the file.

@@ -103,11 +103,13 @@ class Runner {
   void lock_step() {
     control::ControlLoop& loop = cell_.loop();
     const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
+    const auto doors = open_doors();
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {
         next_tick = loop.cycle().time + Cell::kTick;
         if (door) door->serve(cell_.requests());
+        for (const auto& other : doors) other->serve();
         after_tick(loop.cycle().time);
         if (over_) break;
       }
@@ -117,6 +119,7 @@ class Runner {
 
   void wall_clock() {
     const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
+    const auto doors = open_doors();
     cell_.arming().announce();
     std::atomic<bool> done{false};
     EmptyLoop empty(cell_.loop().options().period, thread_options());
@@ -127,6 +130,7 @@ class Runner {
       cell_.loop().outbox().fetch();
       const hardware::Cycle seen = cell_.snapshot().cycle;
       if (door) door->serve(cell_.requests());
+      for (const auto& other : doors) other->serve();
       watch_loop();
       tell_refused();
       after_tick(seen.time + seen.period);
@@ -147,6 +151,17 @@ class Runner {
       observer_.on_note(std::string(e.what()) + "; other programs cannot reach this cell");
       return nullptr;
     }
+  }
+
+  std::vector<std::unique_ptr<Door>> open_doors() {
+    std::vector<std::unique_ptr<Door>> out;
+    for (const auto& [name, options] : cell_.file().doors) try {
+        out.push_back(cell::open_door(name, cell_, options));
+        observer_.on_note(out.back()->address());
+      } catch (const Error& e) {
+        observer_.on_note(std::string(e.what()) + "; the door '" + name + "' stays shut");
+      }
+    return out;
   }
 
   realtime::ThreadOptions thread_options() const {

@@ -69,13 +69,13 @@ class Wire::Work {
     wake_.notify_all();
     thread_.join();
     for (const auto& [name, node] : nodes_)
-      for (const auto& [id, reader] : node.endpoints) participant_.remove(id);
+      for (const auto& [id, endpoint] : node.endpoints) participant_.remove(id);
   }
 
   Id publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                const Qos& qos) {
     const Id id = participant_.add_writer("rt" + topic, type.dds_name, qos, type_hash(type));
-    return own(node, id, false);
+    return own(node, id, {false, {}});
   }
 
   Id subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
@@ -84,10 +84,10 @@ class Wire::Work {
     const Id id = participant_.add_reader(
         "rt" + topic, type.dds_name, qos, type_hash(type), [this, shared](const Sample& sample) {
           enqueue([shared, payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())] {
-            (*shared)(payload);
+            if (*shared) (*shared)(payload);
           });
         });
-    return own(node, id, true);
+    return own(node, id, {true, [shared] { *shared = nullptr; }});
   }
 
   Id service(const std::string& node, const std::string& name, const std::string& type,
@@ -104,8 +104,8 @@ class Wire::Work {
     const Id requests = participant_.add_reader(
         "rq" + name + "Request", request.dds_name, {}, service_id + type_hash(request),
         [this, shared, replies](const Sample& sample) { take_request(sample, replies, shared); });
-    own(node, replies, false);
-    return own(node, requests, true);
+    own(node, replies, {false, {}});
+    return own(node, requests, {true, [shared] { *shared = nullptr; }});
   }
 
   void node(const std::string& name) {
@@ -116,7 +116,10 @@ class Wire::Work {
   void remove_node(const std::string& name) {
     const auto at = nodes_.find(name);
     if (at == nodes_.end()) return;
-    for (const auto& [id, reader] : at->second.endpoints) participant_.remove(id);
+    for (const auto& [id, endpoint] : at->second.endpoints) {
+      participant_.remove(id);
+      if (endpoint.silence) endpoint.silence();
+    }
     nodes_.erase(at);
     graph_changed_ = true;
   }
@@ -145,8 +148,12 @@ class Wire::Work {
   const Participant& participant() const { return participant_; }
 
  private:
+  struct Endpoint {
+    bool reader;
+    std::function<void()> silence;  ///< what has come in already is not told any more
+  };
   struct Node {
-    std::map<Id, bool> endpoints;  ///< and whether it is a reader
+    std::map<Id, Endpoint> endpoints;
   };
   struct Outgoing {
     Id writer = 0;
@@ -155,8 +162,8 @@ class Wire::Work {
     Clock::time_point until;
   };
 
-  Id own(const std::string& node, Id id, bool reader) {
-    nodes_[node].endpoints[id] = reader;
+  Id own(const std::string& node, Id id, Endpoint endpoint) {
+    nodes_[node].endpoints[id] = std::move(endpoint);
     graph_changed_ = true;
     return id;
   }
@@ -186,6 +193,7 @@ class Wire::Work {
       return refuse();
     }
     enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
+      if (!*on_request) return;
       (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
                        send({replies, std::move(reply), asker, Clock::now() + kPatience});
                      }});
@@ -274,8 +282,8 @@ class Wire::Work {
       auto& entry = info.node_entities_info_seq.emplace_back();
       entry.node_namespace = slash == 0 ? "/" : name.substr(0, slash);
       entry.node_name = name.substr(slash + 1);
-      for (const auto& [id, reader] : node.endpoints)
-        (reader ? entry.reader_gid_seq : entry.writer_gid_seq).push_back({participant_.guid(id)});
+      for (const auto& [id, endpoint] : node.endpoints)
+        (endpoint.reader ? entry.reader_gid_seq : entry.writer_gid_seq).push_back({participant_.guid(id)});
     }
     graph_changed_ = false;
     publish(graph_, messages::to_cdr(info));

@@ -1,5 +1,8 @@
 # The far side is Cyclone DDS with its own compiler and its own CDR, where it is installed.
-polyarm_test(ros2 polyarm_ros2_wire)
+polyarm_test(ros2 polyarm_ros2_wire nlohmann_json::nlohmann_json)
+if(TARGET test_ros2)
+  add_dependencies(test_ros2 polyarm polyarm_door_ros2)  # it runs the command
+endif()
 find_package(CycloneDDS QUIET)
 if(TARGET test_ros2 AND CycloneDDS_FOUND)
   idlc_generate(TARGET polyarm_cyclone_idl FILES ${CMAKE_CURRENT_SOURCE_DIR}/ros2/messages.idl)

@@ -1,0 +1,225 @@
+/// An action of ROS 2 around a goal of the cell: three services, feedback and status.
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "polyarm/messages/json.hpp"
+#include "polyarm/messages/types.hpp"
+#include "polyarm/ros2/cell_door.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+using Status = messages::action_msgs::msg::GoalStatus;
+using Cancel = messages::action_msgs::srv::CancelGoal::Response;
+
+/// Results are kept for those who ask later; ROS 2 keeps them for ten seconds, here it is longer.
+constexpr Nanoseconds kKept = 60'000'000'000;
+constexpr std::size_t kMostKept = 100;
+
+struct Goal {
+  Json id;  ///< {"uuid": […]}
+  Json stamp;
+  int status = Status::STATUS_UNKNOWN;
+  std::uint64_t number = 0;  ///< the cell's name of it, once it is accepted
+  Json result = Json::object();
+  std::vector<Reply> waiting;  ///< for the result
+  Nanoseconds ended = 0;
+  bool over() const { return status >= Status::STATUS_SUCCEEDED; }
+};
+
+/// What a message between means in the action's own words.
+Json feedback_of(const std::string& type, Json sample) {
+  if (!type.ends_with("FollowJointTrajectory")) return sample;
+  Json out{{"header", sample["header"]}, {"joint_names", sample["joint_names"]}};
+  const std::pair<const char*, const char*> names[] = {
+      {"desired", "reference"}, {"actual", "feedback"}, {"error", "error"}};
+  for (const auto& [theirs, ours] : names) out[theirs] = sample[ours];
+  return out;
+}
+
+Json result_of(const std::string& type, const Json& ended) {
+  if (type.ends_with("FollowJointTrajectory")) {
+    std::string text = ended.value("error", std::string());
+    if (ended.contains("joint") && ended["off_by"].is_number())
+      text += ": " + ended["joint"].get<std::string>() + " is off by " + ended["off_by"].dump() +
+              ", allowed " + ended.value("tolerance", Json()).dump();
+    return {{"error_code", ended.value("error_code", 0)}, {"error_string", text}};
+  }
+  Json out{{"stalled", ended.value("stalled", false)}, {"reached_goal", ended.value("reached_goal", false)}};
+  const Json position = ended.value("position", Json(0.0)), effort = ended.value("effort", Json(0.0));
+  if (type.ends_with("ParallelGripperCommand"))
+    out["state"] = {{"position", Json::array({position})}, {"effort", Json::array({effort})}};
+  else
+    out["position"] = position, out["effort"] = effort;
+  return out;
+}
+
+/// Outlives the server where the cell still has something to answer.
+class Server : public std::enable_shared_from_this<Server> {
+ public:
+  Server(Bridge& bridge, ActionPort port) : bridge_{bridge}, port_{std::move(port)} {}
+
+  void begin() {
+    const std::string base = port_.name + "/_action/";
+    const messages::TypeInfo& status = messages::type_info<messages::action_msgs::msg::GoalStatusArray>();
+    feedback_type_ = messages::find_type(port_.type + "_FeedbackMessage");
+    feedback_ = bridge_.wire().publisher(port_.node, base + "feedback", *feedback_type_);
+    status_ = bridge_.wire().publisher(port_.node, base + "status", status, {true, true, 1});
+    using Self = std::weak_ptr<Server>;
+    const auto serve = [&](const char* name, const std::string& type, auto member) {
+      bridge_.service(port_.node, base + name, type,
+                      [self = Self(weak_from_this()), member](const Json& request, Reply reply) {
+                        if (const auto server = self.lock())
+                          (server.get()->*member)(request, std::move(reply));
+                      });
+    };
+    serve("send_goal", port_.type + "_SendGoal", &Server::send_goal);
+    serve("get_result", port_.type + "_GetResult", &Server::get_result);
+    serve("cancel_goal", "action_msgs/srv/CancelGoal", &Server::cancel_goal);
+    tell_status();
+  }
+
+  void forget_old() {
+    const Nanoseconds now = bridge_.cell().now();
+    std::erase_if(goals_, [&](const auto& goal) { return goal->over() && now - goal->ended > kKept; });
+    for (auto at = goals_.begin(); goals_.size() > kMostKept && at != goals_.end();)
+      at = (*at)->over() ? goals_.erase(at) : std::next(at);
+  }
+  void close() { closed_ = true; }
+
+ private:
+  using GoalPointer = std::shared_ptr<Goal>;
+
+  GoalPointer find(const Json& id) const {
+    for (const GoalPointer& goal : goals_)
+      if (goal->id == id) return goal;
+    return nullptr;
+  }
+
+  std::string target() const { return port_.controller + "/" + port_.port; }
+
+  void send_goal(const Json& request, Reply reply) {
+    const Json stamp = bridge_.ros_stamp(bridge_.cell().now());
+    if (find(request["goal_id"])) return reply({{"accepted", false}, {"stamp", stamp}});
+    const auto goal = std::make_shared<Goal>();
+    goal->id = request["goal_id"];
+    goal->stamp = stamp;
+    Json message = request["goal"];
+    if (message.contains("trajectory")) bridge_.to_cell(message["trajectory"]);
+    // ROS 2 has no other way to leave out a tolerance of time.
+    if (message.contains("goal_time_tolerance") && nanoseconds_of(message["goal_time_tolerance"]) == 0)
+      message.erase("goal_time_tolerance");
+    const auto self = shared_from_this();
+    bridge_.ask({{"request", "send"}, {"to", target()}, {"message", std::move(message)}, {"goal", true}},
+                [self, goal, reply](const Json& answer) {
+                  if (!self->closed_) self->answered(goal, answer, reply);
+                });
+  }
+
+  void answered(const GoalPointer& goal, const Json& answer, const Reply& reply) {
+    if (!answer.value("ok", false)) {
+      if (goal->status == Status::STATUS_UNKNOWN) return reply({{"accepted", false}, {"stamp", goal->stamp}});
+      return end(goal, Status::STATUS_ABORTED, result_of(port_.type, {{"error_code", -1}}));
+    }
+    const Json& told = answer["result"];
+    if (told.contains("feedback")) return tell_feedback(*goal, told["feedback"]);
+    const std::string status = told.value("status", std::string());
+    goal->number = told.value("goal", std::uint64_t{0});
+    if (goal->status == Status::STATUS_UNKNOWN) accept(goal, reply);
+    if (status == "succeeded") end(goal, Status::STATUS_SUCCEEDED, result_of(port_.type, told));
+    if (status == "aborted") end(goal, Status::STATUS_ABORTED, result_of(port_.type, told));
+    if (status == "canceled") end(goal, Status::STATUS_CANCELED, result_of(port_.type, told));
+  }
+
+  void accept(const GoalPointer& goal, const Reply& reply) {
+    goal->status = Status::STATUS_EXECUTING;
+    goals_.push_back(goal);
+    reply({{"accepted", true}, {"stamp", goal->stamp}});
+    tell_status();
+  }
+
+  void end(const GoalPointer& goal, int status, Json result) {
+    if (goal->over()) return;
+    goal->status = status;
+    goal->result = std::move(result);
+    goal->ended = bridge_.cell().now();
+    tell_status();
+    for (const Reply& waiting : goal->waiting) waiting({{"status", goal->status}, {"result", goal->result}});
+    goal->waiting.clear();
+  }
+
+  void get_result(const Json& request, Reply reply) {
+    const GoalPointer goal = find(request["goal_id"]);
+    if (!goal) return reply({{"status", Status::STATUS_UNKNOWN}});
+    if (goal->over()) return reply({{"status", goal->status}, {"result", goal->result}});
+    goal->waiting.push_back(std::move(reply));
+  }
+
+  /// All goals where neither id nor time is given, those up to a time, and the one with the id.
+  void cancel_goal(const Json& request, Reply reply) {
+    const Json& info = request["goal_info"];
+    const bool any_id = std::all_of(info["goal_id"]["uuid"].begin(), info["goal_id"]["uuid"].end(),
+                                    [](const Json& byte) { return byte == 0; });
+    const std::int64_t until = nanoseconds_of(info["stamp"]);
+    const GoalPointer named = any_id ? nullptr : find(info["goal_id"]);
+    if (!any_id && until == 0 && !named) return reply({{"return_code", Cancel::ERROR_UNKNOWN_GOAL_ID}});
+    if (named && named->over()) return reply({{"return_code", Cancel::ERROR_GOAL_TERMINATED}});
+    Json canceling = Json::array();
+    for (const GoalPointer& goal : goals_) {
+      const bool meant =
+          goal == named || (any_id && until == 0) || (until != 0 && nanoseconds_of(goal->stamp) <= until);
+      if (!meant || goal->over()) continue;
+      goal->status = Status::STATUS_CANCELING;
+      canceling.push_back({{"goal_id", goal->id}, {"stamp", goal->stamp}});
+      bridge_.ask({{"request", "goal.cancel"}, {"to", target()}, {"goal", goal->number}}, [](const Json&) {});
+    }
+    const int code = canceling.empty() ? Cancel::ERROR_REJECTED : Cancel::ERROR_NONE;
+    reply({{"return_code", code}, {"goals_canceling", std::move(canceling)}});
+    tell_status();
+  }
+
+  void tell_feedback(const Goal& goal, Json sample) {
+    bridge_.to_ros(sample);
+    Json message{{"goal_id", goal.id}, {"feedback", feedback_of(port_.type, std::move(sample))}};
+    bridge_.wire().publish(feedback_, messages::from_json(*feedback_type_, message));
+  }
+
+  void tell_status() {
+    Json list = Json::array();
+    for (const GoalPointer& goal : goals_)
+      list.push_back(
+          {{"goal_info", {{"goal_id", goal->id}, {"stamp", goal->stamp}}}, {"status", goal->status}});
+    const messages::TypeInfo& type = messages::type_info<messages::action_msgs::msg::GoalStatusArray>();
+    bridge_.wire().publish(status_, messages::from_json(type, {{"status_list", std::move(list)}}));
+  }
+
+  Bridge& bridge_;
+  ActionPort port_;
+  const messages::TypeInfo* feedback_type_ = nullptr;
+  Wire::Id feedback_ = 0, status_ = 0;
+  std::deque<GoalPointer> goals_;
+  bool closed_ = false;
+};
+
+class ActionServer : public Part {
+ public:
+  ActionServer(Bridge& bridge, ActionPort port) : server_{std::make_shared<Server>(bridge, std::move(port))} {
+    server_->begin();
+  }
+  ~ActionServer() override { server_->close(); }
+  void serve() override { server_->forget_old(); }
+
+ private:
+  std::shared_ptr<Server> server_;
+};
+
+}  // namespace
+
+std::unique_ptr<Part> make_action_server(Bridge& bridge, ActionPort port) {
+  return std::make_unique<ActionServer>(bridge, std::move(port));
+}
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,109 @@
+#include <chrono>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/messages/json.hpp"
+#include "polyarm/ros2/cell_door.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+const messages::TypeInfo& type_of(const std::string& name) {
+  const messages::TypeInfo* type = messages::find_type(name);
+  if (!type) throw Error("unknown-type", "there is no message type " + name);
+  return *type;
+}
+}  // namespace
+
+std::int64_t nanoseconds_of(const Json& stamp) {
+  return stamp.value("sec", std::int64_t{0}) * kSecond + stamp.value("nanosec", std::int64_t{0});
+}
+Json stamp_of(std::int64_t nanoseconds) {
+  std::int64_t whole = nanoseconds / kSecond, part = nanoseconds % kSecond;
+  if (part < 0) --whole, part += kSecond;
+  return {{"sec", whole}, {"nanosec", part}};
+}
+
+Bridge::Bridge(cell::Cell& cell, const ParticipantOptions& options, std::string space)
+    : cell_{cell}, wire_{options}, space_{std::move(space)} {
+  while (space_.ends_with('/')) space_.pop_back();
+  if (!space_.empty() && space_[0] != '/') space_.insert(0, "/");
+}
+
+std::string Bridge::name(const std::string& relative) const {
+  return relative.starts_with('/') ? relative : space_ + "/" + relative;
+}
+
+std::string Bridge::interface_name(const std::string& name) const {
+  if (cell_.robots().size() != 1) return name;
+  const std::string prefix = cell_.robots().front()->entry.name + "/";
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+void Bridge::ask(Json request, OnAnswer answer, const void* from) {
+  cell_.requests().handle(
+      request.dump(),
+      [answer = std::move(answer)](const std::string& line) {
+        answer(Json::parse(line, nullptr, false));
+        return true;
+      },
+      from);
+}
+
+void Bridge::service(const std::string& node, const std::string& service, const std::string& type,
+                     OnCall call) {
+  const messages::TypeInfo& asked = type_of(type + "_Request");
+  const messages::TypeInfo& answered = type_of(type + "_Response");
+  wire_.service(node, service, type, [&asked, &answered, call = std::move(call)](Wire::Request request) {
+    Json fields;
+    if (messages::to_json(asked, request.payload, fields) != messages::CdrError::none) return;
+    const auto once =
+        std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(request.answer));
+    call(fields, [once, &answered](const Json& response) {
+      if (*once) (*once)(messages::from_json(answered, response));
+      *once = nullptr;
+    });
+  });
+}
+
+void Bridge::subscribe(const std::string& node, const std::string& topic, const std::string& type,
+                       std::function<void(Json)> on_message, Qos qos) {
+  const messages::TypeInfo& info = type_of(type);
+  wire_.subscription(node, topic, info, qos,
+                     [&info, on_message = std::move(on_message)](std::span<const std::byte> payload) {
+                       Json message;
+                       if (messages::to_json(info, payload, message) == messages::CdrError::none)
+                         on_message(std::move(message));
+                     });
+}
+
+void Bridge::look_at_clock() {
+  if (!cell_.lock_step()) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    offset_ = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - cell_.now();
+  }
+}
+
+std::int64_t Bridge::ros_time(Nanoseconds cell_time) const {
+  return cell_time + offset_;
+}
+Json Bridge::ros_stamp(Nanoseconds cell_time) const {
+  return stamp_of(ros_time(cell_time));
+}
+
+void Bridge::to_ros(Json& message) const {
+  if (message.contains("header") && message["header"].contains("stamp"))
+    message["header"]["stamp"] = ros_stamp(nanoseconds_of(message["header"]["stamp"]));
+}
+
+void Bridge::to_cell(Json& message) const {
+  if (!message.contains("header") || !message["header"].contains("stamp")) return;
+  Json& stamp = message["header"]["stamp"];
+  const std::int64_t given = nanoseconds_of(stamp);
+  // What lies before the start of the cell is old, not "now": it keeps the smallest stamp there is.
+  if (given != 0) stamp = stamp_of(std::max<std::int64_t>(given - offset_, 1));
+}
+
+}  // namespace polyarm::ros2

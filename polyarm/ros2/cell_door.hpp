@@ -1,0 +1,95 @@
+#pragma once
+/// What the parts of the ROS 2 door share. Everything here is the cell thread's.
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/ros2/wire.hpp"
+
+namespace polyarm::ros2 {
+
+using Json = nlohmann::json;
+
+/// Answers of the cell: called once, or again and again while `more`.
+using OnAnswer = std::function<void(const Json& answer)>;
+/// A service whose fields come and go as JSON; `reply` may be called later, and once.
+using Reply = std::function<void(Json response)>;
+using OnCall = std::function<void(const Json& request, Reply reply)>;
+
+/// The cell, the wire, and how names and times of one become those of the other.
+class Bridge {
+ public:
+  Bridge(cell::Cell& cell, const ParticipantOptions& options, std::string space);
+
+  cell::Cell& cell() { return cell_; }
+  Wire& wire() { return wire_; }
+  /// "/arm" + "joint_states" → "/arm/joint_states"; what begins with / stays.
+  std::string name(const std::string& relative) const;
+  /// Interfaces of the only robot are called without its name, as its own files have them.
+  std::string interface_name(const std::string& name) const;
+
+  /// Asks the cell as every door does; `from` keeps requests of one asker in order.
+  void ask(Json request, OnAnswer answer, const void* from = nullptr);
+
+  void service(const std::string& node, const std::string& service, const std::string& type, OnCall call);
+  void subscribe(const std::string& node, const std::string& topic, const std::string& type,
+                 std::function<void(Json message)> on_message, Qos qos = {});
+
+  /// Nanoseconds that a clock of ROS 2 shows at this cell time: the system's clock, or the cell's in
+  /// lock-step.
+  std::int64_t ros_time(Nanoseconds cell_time) const;
+  Json ros_stamp(Nanoseconds cell_time) const;
+  /// A stamp of ROS in place of one of cell time, in `message["header"]["stamp"]`, and the other way round;
+  /// 0 stays 0.
+  void to_ros(Json& message) const;
+  void to_cell(Json& message) const;
+  /// Once each tick, before anything is stamped.
+  void look_at_clock();
+
+ private:
+  cell::Cell& cell_;
+  Wire wire_;
+  std::string space_;
+  std::int64_t offset_ = 0;  ///< ros time − cell time
+};
+
+std::int64_t nanoseconds_of(const Json& stamp);
+Json stamp_of(std::int64_t nanoseconds);
+
+/// A part of the door: served once each tick.
+class Part {
+ public:
+  virtual ~Part() = default;
+  virtual void serve() = 0;
+};
+
+/// Topics that controllers put out and take, their actions, and their nodes' parameters and life cycle.
+std::unique_ptr<Part> make_controller_nodes(Bridge& bridge);
+/// /controller_manager.
+std::unique_ptr<Part> make_manager_node(Bridge& bridge);
+/// /robot_state_publisher: descriptions and frames; /clock; /diagnostics; stop, hold and resume.
+std::unique_ptr<Part> make_robot_node(Bridge& bridge);
+
+/// The services that every node has for its parameters. `list` gives {key: {value, type, text, read_only}}.
+struct ParameterSource {
+  std::function<void(std::function<void(Json parameters)> got)> list;
+  std::function<void(const Json& values, std::function<void(std::string refusal)> done)> set;
+};
+void offer_parameters(Bridge& bridge, const std::string& node, ParameterSource source);
+
+/// An action server of a controller's port.
+struct ActionPort {
+  std::string node;        ///< "/arm_controller"
+  std::string name;        ///< "/arm_controller/follow_joint_trajectory"
+  std::string type;        ///< "control_msgs/action/FollowJointTrajectory"
+  std::string controller;  ///< where goals go
+  std::string port;
+};
+std::unique_ptr<Part> make_action_server(Bridge& bridge, ActionPort port);
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,267 @@
+/// One node for each controller, as ROS 2 has them: topics, actions, parameters, life cycle.
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/message_forms.hpp"
+#include "polyarm/messages/json.hpp"
+#include "polyarm/messages/types.hpp"
+#include "polyarm/ros2/cell_door.hpp"
+#include "polyarm/ros2/life_cycle.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+using controllers::Output;
+using hardware::LifecycleState;
+
+/// How often it is looked which controllers there are, and who listens.
+constexpr Nanoseconds kLook = 50'000'000;
+
+std::string declared(cell::Cell& cell, const std::string& controller, const char* key) {
+  const controllers::ControllerContext* context = cell.loop().controllers().context(controller);
+  const controllers::Declared* found = context ? context->parameters.find_declared(key) : nullptr;
+  return found ? found->value : "";
+}
+
+/// A sample in the shape of its ROS message where the cell's own differs.
+Json in_ros_shape(const std::string& type, Json message) {
+  if (type == "control_msgs/JointTrajectoryControllerState" && message["output"].is_array())
+    message["output"] = Json{{"positions", message["output"]}};
+  if (type == "geometry_msgs/TransformStamped") return {{"transforms", Json::array({std::move(message)})}};
+  return message;
+}
+
+/// What a controller puts out on one topic.
+class OutputTopic {
+ public:
+  OutputTopic(Bridge& bridge, const std::string& node, const std::string& topic, const Output& output)
+      : bridge_{bridge}, port_{output.name()}, type_{output.type()} {
+    const bool transform = type_ == "geometry_msgs/TransformStamped";
+    info_ = messages::find_type(transform ? "tf2_msgs/TFMessage" : type_);
+    if (info_)
+      publisher_ = bridge.wire().publisher(node, topic, *info_, {true, false, transform ? 100u : 10u});
+  }
+
+  void look() { wanted_ = info_ && bridge_.wire().wanted(publisher_); }
+  void serve(const controllers::Controller& controller) {
+    Output* output = wanted_ ? controller.find_output(port_) : nullptr;
+    if (!output) return;
+    output->fetch();
+    if (output->value().time == seen_) return;
+    seen_ = output->value().time;
+    bridge_.wire().publish(publisher_,
+                           type_ == "sensor_msgs/JointState" ? joint_states(*output) : any(*output));
+  }
+
+ private:
+  std::vector<std::byte> any(const Output& output) const {
+    Json message = Json::parse(cell::message_json(output));
+    bridge_.to_ros(message);
+    return messages::from_json(*info_, in_ros_shape(type_, std::move(message)));
+  }
+
+  /// Three fields for each joint, without the way through JSON: this one is asked for at the loop's rate.
+  std::vector<std::byte> joint_states(const Output& output) {
+    const auto& fields = output.fields();
+    const auto& values = output.value().values;
+    const std::size_t count = fields.size() / 3;
+    if (states_.name.size() != count) {
+      states_.name.clear();
+      for (std::size_t i = 0; i < count; ++i)
+        states_.name.push_back(fields[3 * i].substr(0, fields[3 * i].rfind('/')));
+      for (auto* list : {&states_.position, &states_.velocity, &states_.effort}) list->resize(count);
+      if (const auto frame = output.texts.find("frame_id"); frame != output.texts.end())
+        states_.header.frame_id = frame->second;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      states_.position[i] = values[3 * i];
+      states_.velocity[i] = values[3 * i + 1];
+      states_.effort[i] = values[3 * i + 2];
+    }
+    const std::int64_t now = bridge_.ros_time(output.value().time);
+    states_.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000),
+                            static_cast<std::uint32_t>(now % 1'000'000'000)};
+    return messages::to_cdr(states_);
+  }
+
+  Bridge& bridge_;
+  std::string port_, type_;
+  const messages::TypeInfo* info_ = nullptr;
+  Wire::Id publisher_ = 0;
+  bool wanted_ = false;
+  Nanoseconds seen_ = -1;
+  messages::sensor_msgs::msg::JointState states_;
+};
+
+/// The node of one controller, from its configuration on.
+class ControllerNode {
+ public:
+  ControllerNode(Bridge& bridge, const control::ListedController& listed, bool only_base)
+      : bridge_{bridge}, controller_{listed.name}, node_{bridge.name(listed.name)} {
+    bridge.wire().node(node_);
+    offer_parameters(bridge, node_, parameters());
+    offer_life_cycle(bridge, node_, controller_);
+    if (listed.state == LifecycleState::unconfigured) return;
+    const controllers::Controller& controller = *bridge.cell().loop().controllers().find(controller_);
+    offer_outputs(controller, only_base);
+    for (const controllers::InputPort& port : controller.inputs()) offer_input(port, only_base);
+  }
+  ~ControllerNode() {
+    actions_.clear();
+    bridge_.wire().remove_node(node_);
+  }
+
+  void look() {
+    for (OutputTopic& topic : outputs_) topic.look();
+  }
+  void serve() {
+    const controllers::Controller* controller = bridge_.cell().loop().controllers().find(controller_);
+    if (!controller) return;
+    for (OutputTopic& topic : outputs_) topic.serve(*controller);
+    for (const auto& action : actions_) action->serve();
+  }
+
+ private:
+  void offer_outputs(const controllers::Controller& controller, bool only_base) {
+    const bool local = declared(bridge_.cell(), controller_, "use_local_topics") == "true";
+    for (const auto& output : controller.outputs()) {
+      const std::string& name = output->name();
+      const bool global = name == "tf" || (!local && name.ends_with("joint_states"));
+      outputs_.emplace_back(bridge_, node_, global ? bridge_.name(name) : node_ + "/" + name, *output);
+      if (name == "odom" && only_base) outputs_.emplace_back(bridge_, node_, bridge_.name(name), *output);
+    }
+  }
+
+  void offer_input(const controllers::InputPort& port, bool only_base) {
+    if (port.action) {
+      const std::string& type = port.types.front();
+      const std::string whole = type.substr(0, type.find('/')) + "/action" + type.substr(type.find('/'));
+      if (messages::find_type(whole + "_Goal"))
+        actions_.push_back(
+            make_action_server(bridge_, {node_, node_ + "/" + port.name, whole, controller_, port.name}));
+    }
+    for (const std::string& type : port.types) {
+      if (!messages::find_type(type) || (port.action && messages::find_type(type + "_Goal"))) continue;
+      listen(node_ + "/" + port.name, port.name, type);
+      if (port.name == "cmd_vel" && only_base) listen(bridge_.name("cmd_vel"), port.name, type);
+    }
+  }
+
+  /// A message goes the way of every other door's; what an inactive controller is sent is dropped, as in ROS.
+  void listen(const std::string& topic, const std::string& port, const std::string& type) {
+    const bool command = type.find("Twist") != std::string::npos;
+    bridge_.subscribe(node_, topic, type,
+                      [this, to = controller_ + "/" + port](Json message) {
+                        bridge_.to_cell(message);
+                        bridge_.ask(
+                            {{"request", "send"}, {"to", to}, {"message", std::move(message)}},
+                            [](const Json&) {}, this);
+                      },
+                      {!command, false, command ? 1u : 10u});
+  }
+
+  ParameterSource parameters() {
+    ParameterSource out;
+    out.list = [this](std::function<void(Json)> got) {
+      bridge_.ask(
+          {{"request", "param.list"}, {"name", controller_}}, [got = std::move(got)](const Json& answer) {
+            Json all = Json::object();
+            for (const Json& p : answer.value("result", Json::array()))
+              all[p["key"].get<std::string>()] = {
+                  {"value", value_of(p)}, {"text", p["text"]}, {"read_only", !p["changeable"].get<bool>()}};
+            got(std::move(all));
+          });
+    };
+    out.set = [this](const Json& values, std::function<void(std::string)> done) {
+      bridge_.ask({{"request", "param.set"}, {"name", controller_}, {"values", values}},
+                  [done = std::move(done)](const Json& answer) {
+                    done(answer.value("ok", false) ? "" : answer["error"].value("what", "refused"));
+                  });
+    };
+    return out;
+  }
+
+  /// The text that a parameter's value is kept as, as its type has it.
+  static Json value_of(const Json& parameter) {
+    const std::string type = parameter["type"], text = parameter["value"];
+    try {
+      const Yaml yaml = Yaml::parse(text, "parameter");
+      if (type == "true or false") return text == "true";
+      if (type == "a whole number") return static_cast<std::int64_t>(yaml.number());
+      if (type == "a number") return yaml.number();
+      if (type == "a list of numbers") return yaml.numbers();
+      if (type == "a list of texts") return yaml.texts();
+    } catch (const Error&) {
+    }
+    return text;
+  }
+
+  Bridge& bridge_;
+  std::string controller_, node_;
+  std::vector<OutputTopic> outputs_;
+  std::vector<std::unique_ptr<Part>> actions_;
+};
+
+class ControllerNodes : public Part {
+ public:
+  explicit ControllerNodes(Bridge& bridge) : bridge_{bridge} {}
+
+  void serve() override {
+    if (looked_ < 0 || bridge_.cell().now() - looked_ >= kLook) look();
+    for (auto& [name, known] : nodes_) known.node->serve();
+  }
+
+ private:
+  struct Known {
+    const controllers::Controller* controller;
+    bool configured, only_base;
+    std::unique_ptr<ControllerNode> node;
+  };
+
+  /// The only controller that takes a twist answers to /cmd_vel, too.
+  static std::string only_base(cell::Cell& cell, const std::vector<control::ListedController>& all) {
+    std::vector<std::string> bases;
+    for (const control::ListedController& c : all)
+      for (const controllers::InputPort& port : cell.loop().controllers().find(c.name)->inputs())
+        if (port.name == "cmd_vel") bases.push_back(c.name);
+    return bases.size() == 1 ? bases.front() : "";
+  }
+
+  void look() {
+    looked_ = bridge_.cell().now();
+    const auto all = bridge_.cell().loop().controllers().list();
+    const std::string base = only_base(bridge_.cell(), all);
+    std::map<std::string, Known> now;
+    for (const control::ListedController& c : all) {
+      const controllers::Controller* controller = bridge_.cell().loop().controllers().find(c.name);
+      const bool configured = c.state != LifecycleState::unconfigured;
+      const auto at = nodes_.find(c.name);
+      if (at != nodes_.end() && at->second.controller == controller && at->second.configured == configured &&
+          at->second.only_base == (c.name == base)) {
+        now[c.name] = std::move(at->second);
+        continue;
+      }
+      if (at != nodes_.end()) at->second.node.reset();  // its endpoints go before their names are used again
+      now[c.name] = {controller, configured, c.name == base,
+                     std::make_unique<ControllerNode>(bridge_, c, c.name == base)};
+    }
+    nodes_ = std::move(now);
+    for (auto& [name, known] : nodes_) known.node->look();
+  }
+
+  Bridge& bridge_;
+  Nanoseconds looked_ = -1;
+  std::map<std::string, Known> nodes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Part> make_controller_nodes(Bridge& bridge) {
+  return std::make_unique<ControllerNodes>(bridge);
+}
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,239 @@
+/// /controller_manager, as the tools of ros2_control know it.
+#include <utility>
+
+#include "polyarm/messages/json.hpp"
+#include "polyarm/messages/types.hpp"
+#include "polyarm/ros2/cell_door.hpp"
+#include "polyarm/ros2/life_cycle.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+/// How often it is looked whether a state has changed.
+constexpr Nanoseconds kLook = 20'000'000;
+const std::string kTypes = "controller_manager_msgs/srv/";
+
+class ManagerNode : public Part {
+ public:
+  explicit ManagerNode(Bridge& bridge) : bridge_{bridge}, node_{bridge.name("controller_manager")} {
+    const Qos latched{true, true, 1};
+    activity_ = bridge.wire().publisher(
+        node_, node_ + "/activity",
+        messages::type_info<messages::controller_manager_msgs::msg::ControllerManagerActivity>(), latched);
+    offer_lists();
+    offer_changes();
+    offer_switch();
+    offer_parameters(bridge, node_, parameters());
+  }
+
+  void serve() override {
+    if (looked_ >= 0 && bridge_.cell().now() - looked_ < kLook) return;
+    looked_ = bridge_.cell().now();
+    Json now{{"controllers", Json::array()}, {"hardware_components", Json::array()}};
+    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+      now["controllers"].push_back({{"name", c.name}, {"state", state_json(hardware::name(c.state))}});
+    hardware::Hardware& hardware = bridge_.cell().loop().hardware();
+    for (std::size_t i = 0; i < hardware.size(); ++i)
+      now["hardware_components"].push_back({{"name", hardware.component_name(i)},
+                                            {"state", state_json(hardware::name(hardware.info(i).state))}});
+    if (now == told_) return;
+    told_ = now;
+    now["header"]["stamp"] = bridge_.ros_stamp(bridge_.cell().now());
+    const auto& type =
+        messages::type_info<messages::controller_manager_msgs::msg::ControllerManagerActivity>();
+    bridge_.wire().publish(activity_, messages::from_json(type, now));
+  }
+
+ private:
+  /// A service that asks the cell one thing and gives its result in ROS's words.
+  void offer(const char* name, const char* type, const char* request,
+             std::function<Json(const Json&)> arguments, std::function<Json(const Json& answer)> response) {
+    bridge_.service(node_, node_ + "/" + name, kTypes + type,
+                    [this, request, arguments = std::move(arguments), response = std::move(response)](
+                        const Json& asked, const Reply& reply) {
+                      Json line = arguments(asked);
+                      line["request"] = request;
+                      bridge_.ask(std::move(line),
+                                  [response, reply](const Json& answer) { reply(response(answer)); });
+                    });
+  }
+
+  Json names(const Json& interfaces) const {
+    Json out = Json::array();
+    for (const Json& name : interfaces) out.push_back(bridge_.interface_name(name.get<std::string>()));
+    return out;
+  }
+
+  Json controller(const Json& c) const {
+    Json chains = Json::array();
+    std::map<std::string, Json> by_controller;
+    for (const Json& command : c["commands"]) {
+      const std::string name = command;
+      for (const std::string& other : bridge_.cell().loop().controllers().names())
+        if (name.starts_with(other + "/")) by_controller[other].push_back(name.substr(other.size() + 1));
+    }
+    for (const auto& [name, references] : by_controller)
+      chains.push_back({{"name", name}, {"reference_interfaces", references}});
+    return {{"name", c["name"]},
+            {"state", c["state"]},
+            {"type", c["type"]},
+            {"is_async", c["async"]},
+            {"update_rate", static_cast<std::uint16_t>(std::min(c["rate"].get<double>(), 65535.0))},
+            {"claimed_interfaces", names(c["claimed"])},
+            {"required_command_interfaces", names(c["commands"])},
+            {"required_state_interfaces", names(c["states"])},
+            {"is_chainable", !c["references"].empty()},
+            {"is_chained", c["chained"]},
+            {"exported_state_interfaces", c["exported_states"]},
+            {"reference_interfaces", c["references"]},
+            {"chain_connections", chains}};
+  }
+
+  /// An interface is a name here and {name, claimed_by} there.
+  Json interface(const Json& given, bool available) const {
+    const std::string name = given.is_string() ? given.get<std::string>() : given["name"].get<std::string>();
+    return {{"name", bridge_.interface_name(name)},
+            {"data_type", "double"},
+            {"is_available", available},
+            {"is_claimed", given.is_object() && !given.value("claimed_by", std::string()).empty()}};
+  }
+  Json interfaces(const Json& given, bool available) const {
+    Json out = Json::array();
+    for (const Json& one : given) out.push_back(interface(one, available));
+    return out;
+  }
+
+  Json component(const Json& h) const {
+    const std::string state = h["state"];
+    const bool available = state == "active" || state == "inactive";
+    return {{"name", h["name"]},
+            {"type", h["type"]},
+            {"is_async", h["async"]},
+            {"rw_rate", static_cast<std::uint16_t>(std::min(h["rate"].get<double>(), 65535.0))},
+            {"class_type", h["plugin"]},
+            {"plugin_name", h["plugin"]},
+            {"state", state_json(state)},
+            {"command_interfaces", interfaces(h["commands"], available)},
+            {"state_interfaces", interfaces(h["states"], available)}};
+  }
+
+  template <class Each>
+  static Json all(const Json& answer, Each each) {
+    Json out = Json::array();
+    for (const Json& one : answer.value("result", Json::array())) out.push_back(each(one));
+    return out;
+  }
+
+  void offer_lists() {
+    const auto nothing = [](const Json&) { return Json::object(); };
+    offer("list_controllers", "ListControllers", "control.list", nothing, [this](const Json& answer) {
+      return Json{{"controller", all(answer, [this](const Json& c) { return controller(c); })}};
+    });
+    offer("list_controller_types", "ListControllerTypes", "control.types", nothing, [](const Json& answer) {
+      return Json{{"types", all(answer, [](const Json& t) { return t["type"]; })},
+                  {"base_classes",
+                   all(answer, [](const Json&) { return "controller_interface::ControllerInterface"; })}};
+    });
+    offer("list_hardware_components", "ListHardwareComponents", "hardware.list", nothing,
+          [this](const Json& answer) {
+            return Json{{"component", all(answer, [this](const Json& h) { return component(h); })}};
+          });
+    offer("list_hardware_interfaces", "ListHardwareInterfaces", "interfaces", nothing,
+          [this](const Json& answer) {
+            const Json result = answer.value("result", Json::object());
+            return Json{{"command_interfaces", interfaces(result.value("commands", Json::array()), true)},
+                        {"state_interfaces", interfaces(result.value("states", Json::array()), true)}};
+          });
+  }
+
+  void offer_changes() {
+    const auto name = [](const Json& asked) { return Json{{"name", asked["name"]}}; };
+    const auto ok = [](const Json& answer) { return Json{{"ok", answer.value("ok", false)}}; };
+    // `load` of the cell configures at once; ROS's does not, and its `configure` of what is configured says
+    // no.
+    offer("load_controller", "LoadController", "control.load", name, ok);
+    offer("unload_controller", "UnloadController", "control.unload", name, ok);
+    offer("cleanup_controller", "CleanupController", "control.cleanup", name, ok);
+    bridge_.service(node_, node_ + "/configure_controller", kTypes + "ConfigureController",
+                    [this](const Json& asked, const Reply& reply) { configure(asked["name"], reply); });
+    offer(
+        "set_hardware_component_state", "SetHardwareComponentState", "hardware.state",
+        [](const Json& asked) {
+          return Json{{"name", asked["name"]}, {"state", state_label(asked["target_state"])}};
+        },
+        [](const Json& answer) {
+          const Json result = answer.value("result", Json::object());
+          return Json{{"ok", answer.value("ok", false)},
+                      {"state", state_json(result.value("state", std::string()))}};
+        });
+    bridge_.service(node_, node_ + "/reload_controller_libraries", kTypes + "ReloadControllerLibraries",
+                    [](const Json&, const Reply& reply) {
+                      reply({{"ok", false}});
+                    });
+  }
+
+  /// What is configured already stays so; what is active is not taken out of it.
+  void configure(const std::string& name, const Reply& reply) {
+    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+      if (c.name == name && c.state == hardware::LifecycleState::active) return reply({{"ok", false}});
+    bridge_.ask({{"request", "control.state"}, {"name", name}, {"state", "inactive"}},
+                [reply](const Json& answer) {
+                  reply({{"ok", answer.value("ok", false)}});
+                });
+  }
+
+  void offer_switch() {
+    using Request = messages::controller_manager_msgs::srv::SwitchController::Request;
+    offer(
+        "switch_controller", "SwitchController", "control.switch",
+        [](const Json& asked) {
+          const int strictness = asked["strictness"];
+          const char* word = strictness == Request::BEST_EFFORT  ? "best_effort"
+                             : strictness == Request::AUTO       ? "auto"
+                             : strictness == Request::FORCE_AUTO ? "force"
+                                                                 : "strict";
+          return Json{{"activate", asked["activate_controllers"]},
+                      {"deactivate", asked["deactivate_controllers"]},
+                      {"strictness", word}};
+        },
+        [](const Json& answer) {
+          const Json result = answer.value("result", Json::object());
+          const bool done = answer.value("ok", false) && result.value("ok", false);
+          const std::string why =
+              answer.value("ok", false)
+                  ? result.value("reason", std::string())
+                  : answer.value("error", Json::object()).value("what", std::string("refused"));
+          return Json{{"ok", done}, {"message", done ? "" : why}};
+        });
+  }
+
+  ParameterSource parameters() {
+    ParameterSource out;
+    out.list = [this](std::function<void(Json)> got) {
+      const double rate = 1e9 / static_cast<double>(bridge_.cell().loop().options().period);
+      got({{"update_rate",
+            {{"value", static_cast<std::int64_t>(rate + 0.5)},
+             {"text", "of the control loop, Hz"},
+             {"read_only", true}}}});
+    };
+    out.set = [](const Json&, std::function<void(std::string)> done) {
+      done("it is read when the cell is built");
+    };
+    return out;
+  }
+
+  Bridge& bridge_;
+  std::string node_;
+  Wire::Id activity_ = 0;
+  Nanoseconds looked_ = -1;
+  Json told_;
+};
+
+}  // namespace
+
+std::unique_ptr<Part> make_manager_node(Bridge& bridge) {
+  return std::make_unique<ManagerNode>(bridge);
+}
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,288 @@
+/// The command with --ros2, from outside.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/ros2/client.hpp"
+#include "tests/support/command.hpp"
+
+namespace polyarm::ros2 {
+namespace {
+
+using test::Client;
+using test::json;
+using test::wait;
+
+const char* const kControllers = R"(controller_manager:
+  ros__parameters:
+    update_rate: 500
+    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
+    arm_controller: {type: joint_trajectory_controller/JointTrajectoryController}
+    forward: {type: forward_command_controller/ForwardCommandController}
+arm_controller:
+  ros__parameters:
+    joints: &joints [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint, wrist_3_joint]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+    constraints: {goal_time: 0.5}
+forward:
+  ros__parameters:
+    joints: *joints
+    interface_name: position
+)";
+
+/// A UR5e on the mock, in a domain of its own.
+class Ros2Cell : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "cell.yaml")
+        << "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: "
+           "universal_robots/ur5e, hardware: mock}\ncontrollers: controllers.yaml\n"
+           "activate: [joint_state_broadcaster, arm_controller]\n";
+    std::ofstream(folder_ / "controllers.yaml") << kControllers;
+    ::setenv("ROS_DOMAIN_ID", std::to_string(domain_).c_str(), 1);
+    command_.emplace(std::vector<std::string>{"run", folder_.string(), "--ros2", "--no-socket"});
+    ASSERT_TRUE(command_->wait_for("ROS 2: domain " + std::to_string(domain_) + ", this machine alone"))
+        << command_->wait().output;
+    client_.emplace(domain_);
+  }
+  void TearDown() override {
+    client_.reset();
+    command_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+  json call(const std::string& service, const std::string& type, const json& request = json::object()) {
+    return client_->call(service, type, request);
+  }
+  std::map<std::string, std::string> states() {
+    std::map<std::string, std::string> out;
+    const json listed =
+        call("/controller_manager/list_controllers", "controller_manager_msgs/srv/ListControllers");
+    for (const json& c : listed["controller"]) out[c["name"]] = c["state"];
+    return out;
+  }
+
+  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("polyarm_ros2_" + std::to_string(::getpid()));
+  std::optional<polyarm::test::Command> command_;
+  std::optional<Client> client_;
+};
+
+TEST_F(Ros2Cell, TellsWhatRvizNeeds) {
+  const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
+  const auto description = client_->listen("/robot_description", "std_msgs/String", {true, true, 1});
+  const auto frames = client_->listen("/tf", "tf2_msgs/TFMessage", {true, false, 100});
+  const auto fixed = client_->listen("/tf_static", "tf2_msgs/TFMessage", {true, true, 1});
+  ASSERT_TRUE(
+      wait([&] { return states->heard() && description->heard() && frames->heard() && fixed->heard(); }));
+  EXPECT_EQ(states->latest()["name"].size(), 6u);
+  EXPECT_EQ(states->latest()["name"][0], "shoulder_pan_joint");
+  const std::int64_t age =
+      std::time(nullptr) - states->latest()["header"]["stamp"]["sec"].get<std::int64_t>();
+  EXPECT_LE(std::abs(age), 5) << "stamps are not those of the system's clock";
+  EXPECT_NE(description->latest()["data"].get<std::string>().find("<robot"), std::string::npos);
+  EXPECT_EQ(frames->latest()["transforms"].size(), 6u);
+  std::set<std::string> children{"world"};
+  const json all[] = {frames->latest(), fixed->latest()};
+  for (const json& list : all)
+    for (const json& t : list["transforms"]) children.insert(t["child_frame_id"]);
+  for (const json& list : all)
+    for (const json& t : list["transforms"])
+      EXPECT_TRUE(children.contains(t["header"]["frame_id"])) << t << " hangs on nothing";
+  EXPECT_TRUE(children.contains("tool0"));
+}
+
+json goal_to(double first, double seconds) {
+  const std::vector<double> there{first, -1.5, 1.5, -1.5, -1.5, 0};
+  return {{"trajectory",
+           {{"joint_names",
+             {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint",
+              "wrist_3_joint"}},
+            {"points", json::array({{{"positions", there}, {"time_from_start", seconds}}})}}}};
+}
+json id(int n) {
+  std::vector<int> uuid(16, 7);
+  uuid[15] = n;
+  return {{"uuid", uuid}};
+}
+
+const std::string kAction = "/arm_controller/follow_joint_trajectory/_action/";
+const std::string kType = "control_msgs/action/FollowJointTrajectory";
+
+TEST_F(Ros2Cell, FollowsAGoalWithFeedbackAndResult) {
+  const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
+  const auto feedback = client_->listen(kAction + "feedback", kType + "_FeedbackMessage");
+  const auto status = client_->listen(kAction + "status", "action_msgs/GoalStatusArray", {true, true, 1});
+  ASSERT_TRUE(wait([&] { return states->heard(); }));
+  const json sent =
+      call(kAction + "send_goal", kType + "_SendGoal", {{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}});
+  ASSERT_TRUE(sent["accepted"].get<bool>());
+  const json result = call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}});
+  EXPECT_EQ(result["status"], 4) << result;
+  EXPECT_EQ(result["result"]["error_code"], 0);
+  ASSERT_TRUE(feedback->heard());
+  EXPECT_EQ(feedback->latest()["goal_id"], id(1));
+  EXPECT_EQ(feedback->latest()["feedback"]["actual"]["positions"].size(), 6u);
+  EXPECT_TRUE(wait([&] { return status->latest()["status_list"][0]["status"] == 4; })) << status->latest();
+  EXPECT_TRUE(wait([&] { return std::abs(states->latest()["position"][0].get<double>() - 0.5) < 1e-3; }));
+}
+
+TEST_F(Ros2Cell, RefusesCancelsAndReplacesGoals) {
+  json wrong = goal_to(0.5, 1);
+  wrong["trajectory"]["joint_names"][0] = "no_such_joint";
+  const auto send = [&](int n, const json& goal) {
+    return call(kAction + "send_goal", kType + "_SendGoal", {{"goal_id", id(n)}, {"goal", goal}})["accepted"]
+        .get<bool>();
+  };
+  const auto result = [&](int n) {
+    return call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(n)}})["status"].get<int>();
+  };
+  EXPECT_FALSE(send(1, wrong));
+  EXPECT_EQ(result(1), 0) << "of a goal that nobody knows";
+  ASSERT_TRUE(send(2, goal_to(1.0, 20)));
+  EXPECT_FALSE(send(2, goal_to(1.0, 20))) << "the same id again";
+  const json cancelled =
+      call(kAction + "cancel_goal", "action_msgs/srv/CancelGoal", {{"goal_info", {{"goal_id", id(2)}}}});
+  EXPECT_EQ(cancelled["return_code"], 0);
+  ASSERT_EQ(cancelled["goals_canceling"].size(), 1u);
+  EXPECT_EQ(result(2), 5);
+  const auto code = [&](int n) {
+    return call(kAction + "cancel_goal", "action_msgs/srv/CancelGoal",
+                {{"goal_info", {{"goal_id", id(n)}}}})["return_code"];
+  };
+  EXPECT_EQ(code(2), 3) << "over";
+  EXPECT_EQ(code(9), 2) << "unknown";
+  ASSERT_TRUE(send(3, goal_to(1.0, 20)));
+  ASSERT_TRUE(send(4, goal_to(0.2, 1)));
+  EXPECT_EQ(result(3), 6) << "another took its place";
+  EXPECT_EQ(result(4), 4);
+}
+
+TEST_F(Ros2Cell, SwitchesControllersAsTheToolsDo) {
+  EXPECT_EQ(states()["arm_controller"], "active");
+  const auto activity = client_->listen("/controller_manager/activity",
+                                        "controller_manager_msgs/ControllerManagerActivity", {true, true, 1});
+  const auto change = [&](const char* on, const char* off) {
+    return call("/controller_manager/switch_controller", "controller_manager_msgs/srv/SwitchController",
+                {{"activate_controllers", json::array({on})},
+                 {"deactivate_controllers", json::array({off})},
+                 {"strictness", 2}});
+  };
+  EXPECT_TRUE(change("forward", "arm_controller")["ok"].get<bool>());
+  EXPECT_EQ(states()["forward"], "active");
+  EXPECT_EQ(states()["arm_controller"], "inactive");
+  const json refused = change("nothing", "forward");
+  EXPECT_FALSE(refused["ok"].get<bool>());
+  EXPECT_NE(refused["message"].get<std::string>().find("nothing"), std::string::npos) << refused;
+  const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
+  const auto commands = client_->publish("/forward/commands", "std_msgs/Float64MultiArray");
+  ASSERT_TRUE(wait([&] { return commands->matched() && states->heard(); }));
+  EXPECT_TRUE(wait([&] {
+    commands->publish({{"data", {0.01, -1.57, 1.57, -1.57, -1.57, 0}}});
+    return std::abs(states->latest()["position"][0].get<double>() - 0.01) < 1e-6;
+  })) << states->latest();
+  EXPECT_TRUE(wait([&] {
+    const json latest = activity->latest();
+    for (const json& c : latest["controllers"])
+      if (c["name"] == "forward" && c["state"]["label"] == "active") return true;
+    return false;
+  }));
+  EXPECT_EQ(call("/forward/get_state", "lifecycle_msgs/srv/GetState")["current_state"]["label"], "active");
+}
+
+TEST_F(Ros2Cell, ListsHardwareAndInterfacesByTheNamesOfItsFiles) {
+  const json components = call("/controller_manager/list_hardware_components",
+                               "controller_manager_msgs/srv/ListHardwareComponents")["component"];
+  ASSERT_EQ(components.size(), 1u);
+  EXPECT_EQ(components[0]["state"]["label"], "active");
+  EXPECT_EQ(components[0]["command_interfaces"][0]["name"], "shoulder_pan_joint/position");
+  EXPECT_TRUE(components[0]["command_interfaces"][0]["is_claimed"].get<bool>());
+  for (const json& c : call("/controller_manager/list_controllers",
+                            "controller_manager_msgs/srv/ListControllers")["controller"])
+    if (c["name"] == "arm_controller") {
+      EXPECT_EQ(c["claimed_interfaces"][0], "shoulder_pan_joint/position");
+    }
+}
+
+TEST_F(Ros2Cell, HasParametersThatCanBeListedReadAndSet) {
+  const std::string types = "rcl_interfaces/srv/";
+  const json listed = call("/arm_controller/list_parameters", types + "ListParameters")["result"]["names"];
+  EXPECT_NE(std::find(listed.begin(), listed.end(), "constraints.goal_time"), listed.end()) << listed;
+  const auto get = [&](const char* name) {
+    return call("/arm_controller/get_parameters", types + "GetParameters", {{"names", {name}}})["values"][0];
+  };
+  EXPECT_EQ(get("constraints.goal_time")["double_value"], 0.5);
+  EXPECT_EQ(get("joints")["string_array_value"].size(), 6u);
+  EXPECT_EQ(get("nothing")["type"], 0);
+  const auto set = [&](const char* name, const json& value) {
+    return call("/arm_controller/set_parameters", types + "SetParameters",
+                {{"parameters", json::array({{{"name", name}, {"value", value}}})}})["results"][0];
+  };
+  const json done = set("constraints.goal_time", {{"type", 3}, {"double_value", 2.5}});
+  EXPECT_TRUE(done["successful"].get<bool>()) << done;
+  EXPECT_EQ(get("constraints.goal_time")["double_value"], 2.5);
+  const json refused = set("joints", {{"type", 9}, {"string_array_value", {"a"}}});
+  EXPECT_FALSE(refused["successful"].get<bool>());
+  EXPECT_NE(refused["reason"], "");
+  EXPECT_TRUE(call("/arm_controller/describe_parameters", types + "DescribeParameters",
+                   {{"names", {"joints"}}})["descriptors"][0]["read_only"]
+                  .get<bool>());
+}
+
+TEST_F(Ros2Cell, IsStoppedHeldAndResumed) {
+  ASSERT_TRUE(call(kAction + "send_goal", kType + "_SendGoal",
+                   {{"goal_id", id(1)}, {"goal", goal_to(0.5, 2)}})["accepted"]
+                  .get<bool>());
+  EXPECT_TRUE(call("/polyarm/hold", "std_srvs/srv/Trigger")["success"].get<bool>());
+  const auto diagnostics = client_->listen("/diagnostics", "diagnostic_msgs/DiagnosticArray");
+  EXPECT_TRUE(wait([&] {
+    return diagnostics->heard() && diagnostics->latest()["status"][0]["message"] == "held";
+  })) << diagnostics->latest();
+  EXPECT_TRUE(call("/polyarm/resume", "std_srvs/srv/Trigger")["success"].get<bool>());
+  EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
+}
+
+TEST_F(Ros2Cell, AClientThatDiesWithAGoalUnderWayHarmsNobody) {
+  {
+    Client gone(domain_);
+    EXPECT_TRUE(gone.call(kAction + "send_goal", kType + "_SendGoal",
+                          {{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}})["accepted"]
+                    .get<bool>());
+  }
+  EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
+}
+
+TEST_F(Ros2Cell, NoSocketIsOpenBeyondThisMachine) {
+  // Addresses of the UDP sockets of the command's process, from the kernel's own list; 0100007F is 127.0.0.1.
+  const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
+  ASSERT_TRUE(wait([&] { return states->heard(); }));
+  std::ifstream list("/proc/net/udp");
+  std::string line, local;
+  const unsigned first = 7400 + 250 * domain_;
+  int ours = 0;
+  for (std::getline(list, line); std::getline(list, line);) {
+    std::istringstream words(line);
+    words >> local >> local;
+    const unsigned port = static_cast<unsigned>(std::stoul(local.substr(9), nullptr, 16));
+    if (port < first || port >= first + 250) continue;
+    ++ours;
+    // Multicast of the discovery is joined on loopback alone, and bound to its own group.
+    EXPECT_TRUE(local.starts_with("0100007F") || local.starts_with("0100FFEF")) << local;
+  }
+  EXPECT_GT(ours, 0);
+}
+
+}  // namespace
+}  // namespace polyarm::ros2
