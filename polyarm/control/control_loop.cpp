@@ -149,7 +149,9 @@ bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
     else
       supervisor_.hold(StopCause::late);
   }
-  return static_cast<Nanoseconds>(skipped) * options_.period >= kGap;
+  const Nanoseconds gap = static_cast<Nanoseconds>(skipped) * options_.period;
+  hardware_.skipped(gap);
+  return gap >= kGap;
 }
 
 controllers::Verdict ControlLoop::step_next(bool gap) noexcept {

@@ -68,8 +68,13 @@ void Hardware::make_runner(Hosted& hosted, Nanoseconds loop_period) {
   Hosted* own = &hosted;
   hosted.runner = std::make_unique<realtime::AsyncRunner>(
       [own] {
+        const auto clock = [own] {
+          return own->options.lock_step ? own->own_cycle.time : realtime::monotonic_now();
+        };
+        own->own_exchanged.began = clock();
         ReturnType result = own->component->write(own->own_cycle, own->own_commands);
         if (result == ReturnType::ok) result = own->component->read(own->own_cycle, own->own_states);
+        own->own_exchanged.ended = clock();
         own->own_result.store(result, std::memory_order_release);
         own->ran.store(true, std::memory_order_release);
       },
@@ -121,8 +126,9 @@ void Hardware::fail_for(std::size_t i, FaultKind kind, std::int32_t what) noexce
   fail(i, ReturnType::error, kind);
 }
 
-ReturnType Hardware::read_async(Hosted& hosted, const Cycle&, std::span<double> states) noexcept {
+ReturnType Hardware::read_async(Hosted& hosted, std::span<double> states, Exchanged& exchanged) noexcept {
   if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
+  exchanged = hosted.own_exchanged;
   std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
   return hosted.own_result.exchange(ReturnType::ok, std::memory_order_acq_rel);  // a failure is told once
 }
@@ -154,33 +160,40 @@ std::optional<bool> Hardware::await_cycle(Nanoseconds timeout) noexcept {
 }
 
 /// Of a joint whose velocity nobody limits; still less than infinite.
-constexpr double kAnyStep = 1e38;
+constexpr double kAnySpeed = 1e38;
 
 void Hardware::watch(const std::vector<WatchedJoint>& joints, Nanoseconds period) {
   following_cycles_ = static_cast<std::uint32_t>(kFollowingTime / period);
   for (const auto& hosted : hosted_) {
     hosted->watched.clear();
     hosted->following.clear();
-    const Nanoseconds own = hosted->own_clock ? hosted->own_clock->period() : 0;
-    const double between =
-        seconds(std::max(own, period * hosted->options.divisor)) * (hosted->options.async ? 50 : 1);
     for (const WatchedJoint& joint : joints)
       if (joint.state >= hosted->first_state && joint.state < hosted->first_state + hosted->states) {
-        const double step = kJumpFactor * joint.velocity * between + kJumpFloor;
         hosted->watched.push_back({std::numeric_limits<double>::quiet_NaN(),
-                                   static_cast<float>(std::min(step, kAnyStep)),
+                                   static_cast<float>(std::min(kJumpFactor * joint.velocity, kAnySpeed)),
                                    static_cast<std::uint32_t>(joint.state)});
         hosted->following.push_back({joint.command});
       }
   }
 }
 
+/// The most time that may lie between where the states were measured and where those before were, s.
+double Hardware::between_reads(Hosted& hosted, const Cycle& cycle, const Exchanged& exchanged) noexcept {
+  Nanoseconds most = cycle.period * hosted.options.divisor;
+  if (!hosted.own_clock && !hosted.runner)
+    most += skipped_ - std::exchange(hosted.skips_seen, skipped_);
+  else if (exchanged.ended > 0)
+    most = std::max(hosted.own_clock ? hosted.own_clock->period() : most,
+                    exchanged.ended - std::exchange(hosted.exchange_began, exchanged.began));
+  return seconds(most);
+}
+
 /// What was just read of a component: is it possible?
-FaultKind Hardware::judge_states(Hosted& hosted) noexcept {
+FaultKind Hardware::judge_states(Hosted& hosted, double between) noexcept {
   const std::span<const double> states = table_.states();
   for (Watch& watch : hosted.watched) {
     const double now = states[watch.state];
-    if (std::abs(now - watch.last) <= watch.step) {  // nearly always
+    if (std::abs(now - watch.last) <= watch.speed * between + kJumpFloor) {  // nearly always
       watch.last = now;
       continue;
     }
@@ -234,18 +247,21 @@ Fault Hardware::read(const Cycle& cycle) noexcept {
     if (!hosted.reading || !due(hosted, cycle)) continue;
     const auto own = states.subspan(hosted.first_state, hosted.states);
     ReturnType result;
+    Exchanged exchanged;
     in_call_.store(static_cast<int>(i), std::memory_order_relaxed);
     if (hosted.own_clock) {
-      result = hosted.own_clock->take(own).value_or(ReturnType::ok);
+      result = hosted.own_clock->take(own, exchanged).value_or(ReturnType::ok);
     } else if (hosted.runner) {
-      result = read_async(hosted, cycle, own);
+      result = read_async(hosted, own, exchanged);
     } else {
       Cycle longer = cycle;
       longer.period *= hosted.options.divisor;
       result = overruns_.timed(hosted.options.budget, static_cast<std::int32_t>(i), "read", cycle.index,
                                [&] { return hosted.component->read(longer, own); });
     }
-    FaultKind impossible = result == ReturnType::ok ? judge_states(hosted) : FaultKind::none;
+    FaultKind impossible = result == ReturnType::ok
+                               ? judge_states(hosted, between_reads(hosted, cycle, exchanged))
+                               : FaultKind::none;
     hosted.read_at = laps.began();
     hosted.read_took = laps.next();
     if (newly_late(hosted, i)) {

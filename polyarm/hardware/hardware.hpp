@@ -84,8 +84,9 @@ struct HostOptions {
 };
 inline constexpr double kRealFollowingError = 0.35;
 inline constexpr Nanoseconds kFollowingTime = 250'000'000;
-/// Between two reads a joint's measured position changes by at most this many times what its velocity allows,
-/// and kJumpFloor (rad or m) of noise and rounding.
+/// Between two reads a joint's measured position changes by at most this many times what its velocity allows in
+/// the time that may lie between them, and kJumpFloor (rad or m) of noise and rounding. That time is the
+/// period of the reads; with a thread, from where the exchange before began to the end of this one.
 inline constexpr double kJumpFactor = 5, kJumpFloor = 0.02;
 
 /// A component as others may see it.
@@ -198,6 +199,8 @@ class Hardware {
   bool take_late(std::int32_t& who) { return late_.pop(who); }
   /// Is the loop to hold, as a thread is late? Told once. Control thread.
   bool take_hold() noexcept { return std::exchange(hold_, false); }
+  /// Wall time passed without cycles: joints may have moved on for so long. Control thread.
+  void skipped(Nanoseconds time) noexcept { skipped_ += time; }
   /// From here on the positions of these joints are watched; one that cannot be true is a fault of its
   /// component, as if it had failed itself.
   void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
@@ -214,7 +217,7 @@ class Hardware {
   /// Two lists side by side: the first is gone through in every cycle, and kept small for it.
   struct Watch {
     double last = std::numeric_limits<double>::quiet_NaN();
-    float step;  ///< largest change between two reads
+    float speed;  ///< largest change in a second, without the floor
     std::uint32_t state;
   };
   struct Following {
@@ -235,12 +238,15 @@ class Hardware {
     Cycle own_cycle;
     std::atomic<ReturnType> own_result{ReturnType::ok};
     std::atomic<bool> ran{false};    // an async component has read since it was let in
+    Exchanged own_exchanged;         // when it did
     std::atomic<int> bad_state{-1};  // what was watched and found impossible; of `outside`, the command
     std::atomic<FaultKind> bad_kind{FaultKind::none};
     // the control thread's
     std::vector<Watch> watched;
     std::vector<Following> following;  // of the same joints
     bool reading = false, writing = false, restarted = false;
+    Nanoseconds exchange_began = 0;  // of one with a thread: that of the states that were taken last
+    Nanoseconds skips_seen = 0;
     realtime::PartHealth part;
     Nanoseconds read_at = 0, read_took = 0;
     bool late_told = false;
@@ -261,7 +267,8 @@ class Hardware {
   bool offers(const Hosted& hosted, std::span<const std::string> commands) const;
   void note_world();
   void make_runner(Hosted& hosted, Nanoseconds loop_period);
-  FaultKind judge_states(Hosted& hosted) noexcept;
+  FaultKind judge_states(Hosted& hosted, double between) noexcept;
+  double between_reads(Hosted& hosted, const Cycle& cycle, const Exchanged& exchanged) noexcept;
   bool follows(Hosted& hosted) noexcept;
   bool newly_late(Hosted& hosted, std::size_t i) noexcept;
   Fault fail(std::size_t i, ReturnType result, FaultKind kind) noexcept;
@@ -269,7 +276,7 @@ class Hardware {
   bool due(const Hosted& hosted, const Cycle& cycle) const noexcept {
     return hosted.options.divisor == 1 || cycle.index % hosted.options.divisor == 0;
   }
-  ReturnType read_async(Hosted& hosted, const Cycle& cycle, std::span<double> states) noexcept;
+  ReturnType read_async(Hosted& hosted, std::span<double> states, Exchanged& exchanged) noexcept;
   void write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept;
 
   InterfaceTable& table_;
@@ -280,6 +287,7 @@ class Hardware {
   realtime::Queue<std::int32_t> late_{64};
   bool hold_ = false;
   bool measuring_ = false;
+  Nanoseconds skipped_ = 0;  // since the beginning
   std::atomic<int> in_call_{-1};
   int pacer_ = -1;  ///< component that paces the loop
   std::uint32_t following_cycles_ = 250;

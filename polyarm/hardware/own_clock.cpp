@@ -15,8 +15,8 @@ OwnClock::OwnClock(const std::unique_ptr<Component>& component, std::span<const 
       period_(std::max<Nanoseconds>(1, period)),
       lock_step_(lock_step),
       states_(states.begin(), states.end()) {
-  orders_.reset({0, ReturnType::ok, {}, std::vector<double>(commands, kNone)});
-  results_.reset({0, ReturnType::ok, {}, states_});
+  orders_.reset({0, ReturnType::ok, {}, {}, std::vector<double>(commands, kNone)});
+  results_.reset({0, ReturnType::ok, {}, {}, states_});
   if (!lock_step_)
     runner_ =
         std::make_unique<realtime::PeriodicRunner>([this] { return exchange(); }, period_, options, health_);
@@ -46,11 +46,12 @@ void OwnClock::order(const Cycle& cycle, std::span<const double> commands, bool 
   if (lock_step_ && exchange()) ++health_.runs;
 }
 
-std::optional<ReturnType> OwnClock::take(std::span<double> states) noexcept {
+std::optional<ReturnType> OwnClock::take(std::span<double> states, Exchanged& exchanged) noexcept {
   if (!results_.fetch()) return std::nullopt;
   const Packet& packet = results_.value();
   if (packet.session != sessions_) return std::nullopt;
   fresh_ = true;
+  exchanged = packet.exchanged;
   if (packet.result == ReturnType::ok) std::copy(packet.values.begin(), packet.values.end(), states.begin());
   return packet.result;
 }
@@ -61,6 +62,10 @@ void OwnClock::measure() {
   draft.result = component_->read({0, period_, index_}, states_);
   draft.values = states_;
   results_.publish();
+}
+
+Nanoseconds OwnClock::clock(const Cycle& order) const noexcept {
+  return lock_step_ ? order.time : realtime::monotonic_now();
 }
 
 bool OwnClock::exchange() noexcept {
@@ -74,8 +79,10 @@ bool OwnClock::exchange() noexcept {
     const Cycle cycle{order.cycle.time, period_, index_++};
     Packet& draft = results_.draft();
     draft.session = session;
+    draft.exchanged.began = clock(order.cycle);
     draft.result = component_->write(cycle, order.values);
     if (draft.result == ReturnType::ok) draft.result = component_->read(cycle, states_);
+    draft.exchanged.ended = clock(order.cycle);
     std::copy(states_.begin(), states_.end(), draft.values.begin());
     if (draft.result == ReturnType::error) failed_ = session;
     results_.publish();

@@ -15,6 +15,12 @@
 
 namespace polyarm::hardware {
 
+/// When an exchange with a device began and ended, ns of the monotonic clock; in lock-step of cell time. Zero:
+/// there was none.
+struct Exchanged {
+  Nanoseconds began = 0, ended = 0;
+};
+
 /// The loop leaves its newest commands and takes the newest measured states; the thread writes and reads its
 /// component once in each of its own periods. Neither waits for the other. In lock-step the exchange is done
 /// in the loop's thread, in the first cycle that does not begin before the exchange is due: due times lie
@@ -33,8 +39,8 @@ class OwnClock {
   void close() noexcept { session_.store(0); }
   /// The newest commands; `writing` false: none (NaN).
   void order(const Cycle& cycle, std::span<const double> commands, bool writing) noexcept;
-  /// How the last exchange since this was asked went, and what it measured; none: there was none.
-  std::optional<ReturnType> take(std::span<double> states) noexcept;
+  /// How the last exchange since this was asked went, what it measured, and when; none: there was none.
+  std::optional<ReturnType> take(std::span<double> states, Exchanged& exchanged) noexcept;
   /// Own periods in a row, of the loop's time, in which no exchange came to its end.
   unsigned behind() const noexcept { return behind_; }
   /// The same, or runs in a row that began more than half a period late, whichever is more.
@@ -59,9 +65,11 @@ class OwnClock {
     std::uint32_t session = 0;
     ReturnType result = ReturnType::ok;
     Cycle cycle;
+    Exchanged exchanged;
     std::vector<double> values;
   };
   bool exchange() noexcept;  // the thread; in lock-step the loop's
+  Nanoseconds clock(const Cycle& order) const noexcept;
 
   const std::unique_ptr<Component>& component_;
   Nanoseconds period_;

@@ -92,7 +92,9 @@ TEST_P(GroupFaultTable, StopsItsRobotAloneAndAPersonBringsItBack) {
   EXPECT_LT(moving, 1.4) << "in the middle of its motion";
   two.cell->run(1.5);
   EXPECT_NEAR(two.at("arm/a"), 1.5, 1e-6) << "the other has gone on to its end";
-  if (std::isfinite(stopped)) EXPECT_NEAR(two.at("base/b"), stopped, 1e-9);
+  if (std::isfinite(stopped)) {
+    EXPECT_NEAR(two.at("base/b"), stopped, 1e-9);
+  }
 
   // Nothing but a person moves it: not the loop's own resume, not a recovered component.
   EXPECT_FALSE(two.move("base", 0.3).value("ok", false));
