@@ -77,7 +77,7 @@ void Jogging::load(std::size_t i) {
   const CellRobot& of = *cell_.robots()[i];
   robot.name = cell_.robots().size() == 1 ? "jog" : of.entry.name + "_jog";
   while (manager.find(robot.name)) robot.name = "polyarm_" + robot.name;
-  auto made = std::make_unique<motion::JogController>(of.facts->chain, of.joints, of.workspace);
+  auto made = std::make_unique<motion::JogController>(of.facts->chain, of.joints, of.facts->workspace);
   motion::JogController* const jog = made.get();
   controllers::ControllerContext context;
   context.name = robot.name;

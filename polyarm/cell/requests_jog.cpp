@@ -131,8 +131,8 @@ std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which
   if (hold == JogHold::none) return "";
   if (hold == JogHold::joint_limit && i < robot.joints.size())
     return "joint limit " + short_name(robot.joints[i]);
-  if (hold == JogHold::workspace && i < robot.workspace.zones().size())
-    return "workspace " + robot.workspace.zones()[i].name;
+  if (hold == JogHold::workspace && i < robot.facts->workspace.zones().size())
+    return "workspace " + robot.facts->workspace.zones()[i].name;
   if (hold == JogHold::direction) return "direction: the arm has too few joints for it";
   return name(hold);
 }

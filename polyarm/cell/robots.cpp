@@ -116,7 +116,8 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
                   robot.driver);
 }
 
-std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const motion::TcpLimits& tcp) {
+std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const motion::TcpLimits& tcp,
+                                                 motion::Workspace workspace) {
   std::vector<trajectory::JointMotionLimits> limits;
   for (const controllers::JointFacts& joint : robot.joints)
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
@@ -128,7 +129,8 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const m
                                                                  std::move(limits),
                                                                  {},
                                                                  robot.start,
-                                                                 std::move(solver)});
+                                                                 std::move(solver),
+                                                                 std::move(workspace)});
 }
 
 /// Limits from the description and from the joint_limits of the controllers' files.
@@ -172,13 +174,13 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   narrow_ranges(entry.ranges, robot->model, problems);
   std::vector<motion::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
-  robot->workspace = motion::Workspace(std::move(zones));
+  motion::Workspace workspace(std::move(zones));
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
   check_start(*robot, problems);
   choose_drivers(*robot, real, notes);
-  robot->facts = motion_facts(*robot, file.motion.tcp);
+  robot->facts = motion_facts(*robot, file.motion.tcp, std::move(workspace));
   return robot;
 }
 }  // namespace

@@ -30,7 +30,6 @@ struct CellRobot {
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
   std::unique_ptr<motion::RobotFacts> facts;
-  motion::Workspace workspace;  ///< where its TCP may be: the cell's zones and its own
 };
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;

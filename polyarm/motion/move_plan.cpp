@@ -520,12 +520,25 @@ class Planner {
         motion.ends[span.move - motion.first] = to;
       }
     }
+    check_place(*joints, motion);
     ZoneNorms norms;
     norms.add(translation, on_translation, "the TCP's way");
     norms.add(rotation, on_rotation, "the TCP's turn");
     norms.add(std::make_shared<ParameterPath>(joints), on_parameter, "what the move says");
     time(std::move(joints), norms, motion);
     draft_.clear();
+  }
+
+  /// Does the TCP stay where it may be?
+  void check_place(const Path& path, const PlannedMotion& motion) const {
+    const auto found = first_violation(robot_.workspace, robot_.chain, path);
+    if (!found) return;
+    const auto end = std::lower_bound(motion.ends.begin(), std::prev(motion.ends.end()), found->at);
+    const double begin = end == motion.ends.begin() ? 0 : *std::prev(end);
+    const std::size_t move = motion.first + static_cast<std::size_t>(end - motion.ends.begin());
+    throw MoveError(leaves_workspace(*found, "the move to " + moves_[move].end().name,
+                                     *end > begin ? (found->at - begin) / (*end - begin) : 1),
+                    move);
   }
 
   void time(PathPtr joints, const ZoneNorms& norms, PlannedMotion& motion) {

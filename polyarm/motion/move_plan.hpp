@@ -81,14 +81,15 @@ struct MovePlanOptions {
   double tcp_ceiling = 0;
   /// Joints' velocity limits are this share of the robot's, (0, 1].
   double joint_share = 1;
+  bool operator==(const MovePlanOptions&) const = default;
 };
 
 /// Moves one after the other, each from where the one before ends, the first from the joint state `from`.
 /// Neighbours with a blend between them are one path, whatever their kinds: between moves of the same kind by
 /// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
 /// to the second derivative and stays within the radius at the TCP. Each path is then timed within the limits
-/// of joints and TCP. Deterministic. Throws MoveError with the codes of those parts, and of joints_for() and
-/// check_joints().
+/// of joints and TCP. Deterministic. Throws MoveError with the codes of those parts, of joints_for() and
+/// check_joints(), and "workspace" where the TCP would leave the robot's.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
 

@@ -9,6 +9,7 @@
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/kinematics/arm_solver.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/motion/workspace.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
 
 namespace polyarm::motion {
@@ -20,7 +21,8 @@ struct TcpLimits {
   double turn_speed = 3, turn_acceleration = 15, turn_jerk = 150;
 };
 
-/// What a robot needs to move: its kinematics with tool, limits and home. Const while the cell runs.
+/// What a robot needs to move: its kinematics with tool, limits, workspace and home. Const while the cell
+/// runs.
 struct RobotFacts {
   std::string name;
   const description::RobotModel* model = nullptr;
@@ -30,6 +32,7 @@ struct RobotFacts {
   std::vector<double> home;
   /// Of `chain`; where there is none, each question makes its own.
   std::unique_ptr<const kinematics::ArmSolver> solver;
+  Workspace workspace;  ///< where the TCP may be
 };
 
 /// The same robot with another TCP.

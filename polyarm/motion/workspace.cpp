@@ -143,16 +143,18 @@ std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
   return std::nullopt;
 }
 
+Error leaves_workspace(const Workspace::Violation& found, const std::string& what, double share) {
+  return Error("workspace",
+               fmt::format("{} leaves the workspace: after {:.1f} % of the way the TCP, at ({:.4f}, "
+                           "{:.4f}, {:.4f}) m, crosses '{}'",
+                           what, 100 * share, found.tcp.x, found.tcp.y, found.tcp.z, found.zone),
+               "move the points, or change 'workspace' in the cell file");
+}
+
 void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const trajectory::Path& path,
                      const std::string& what) {
-  const auto found = first_violation(workspace, chain, path);
-  if (!found) return;
-  throw Error("workspace",
-              fmt::format("{} leaves the workspace: after {:.1f} % of the way the TCP, at ({:.4f}, "
-                          "{:.4f}, {:.4f}) m, crosses '{}'",
-                          what, path.length() > 0 ? 100 * found->at / path.length() : 0.0, found->tcp.x,
-                          found->tcp.y, found->tcp.z, found->zone),
-              "move the points, or change 'workspace' in the cell file");
+  if (const auto found = first_violation(workspace, chain, path))
+    throw leaves_workspace(*found, what, path.length() > 0 ? found->at / path.length() : 0);
 }
 
 }  // namespace polyarm::motion

@@ -73,7 +73,9 @@ std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
                                                     const kinematics::Chain& chain,
                                                     const trajectory::Path& path, double tolerance = 1e-6);
 
-/// The same as an Error("workspace") for a person, `what` naming the move.
+/// A violation as an Error("workspace") for a person: `what` names the move, `share` is of its way.
+Error leaves_workspace(const Workspace::Violation& found, const std::string& what, double share);
+/// Throws that for the first violation of a path.
 void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const trajectory::Path& path,
                      const std::string& what);
 

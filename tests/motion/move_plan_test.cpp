@@ -1,5 +1,6 @@
 #include "polyarm/motion/move_plan.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -264,6 +265,57 @@ TEST(MovePlan, AnErrorNamesItsMove) {
   beyond[2] = 40;
   EXPECT_EQ(failing(arm, from, {joint(from, "here", 0.1), joint(beyond, "beyond")}, code, text), 1u);
   EXPECT_EQ(code, "limit") << text;
+}
+
+TEST(MovePlan, NoMoveLeavesTheWorkspace) {
+  Arm arm("universal_robots/ur5e");
+  const Values from = bent(arm);
+  const Pose start = arm.chain().forward(from);
+  WorkspaceZone table{"table", {}, ZoneKind::plane, start.position - Vec3{0, 0, 0.05}, {0, 0, 1}, {}, {}};
+  arm.facts->workspace = Workspace({table});
+  const auto wrong = [&](const std::vector<Move>& moves) {
+    try {
+      plan_moves(*arm.facts, from, moves);
+    } catch (const MoveError& e) {
+      EXPECT_EQ(e.problems().front().code, "workspace");
+      return std::to_string(e.move) + " " + e.problems().front().what;
+    }
+    return std::string("none");
+  };
+  const Pose low = shifted(start, {0.02, 0, -0.1}), beside = shifted(start, {0, 0.1, 0}),
+             above = shifted(start, {0.02, 0, -0.049});
+  EXPECT_EQ(wrong({line(beside, "beside"), line(start, "back"), line(above, "above")}), "none");
+  const std::string told = wrong({line(beside, "beside", 0.02), line(start, "back"), line(low, "low")});
+  EXPECT_EQ(told.find("2 the move to low leaves the workspace: after 50.0 % of the way the TCP, at ("), 0u)
+      << told;
+  EXPECT_NE(told.find(fmt::format(", {:.4f}) m, crosses 'table'", start.position.z - 0.05)),
+            std::string::npos)
+      << told;
+  EXPECT_EQ(wrong({line(beside, "beside", 0.02), line(low, "low", 0.02), line(start, "back")}).substr(0, 18),
+            "1 the move to low ");
+
+  // A joint move between two good places, whose way is not.
+  Values there = from;
+  there[0] += 2.4;
+  const Move across = joint(there, "across");
+  Values middle = from;
+  middle[0] += 1.2;
+  const Vec3 far = arm.chain().forward(middle).position;
+  const Vec3 out = normalized(Vec3{far.x, far.y, 0});
+  const double ends = dot(start.position, out);
+  ASSERT_GT(dot(far, out), ends + 0.05);
+  arm.facts->workspace = Workspace({{"wall", {}, ZoneKind::plane, (ends + 0.02) * out, -out, {}, {}}});
+  EXPECT_NE(wrong({across}).find("crosses 'wall'"), std::string::npos);
+  there[0] = from[0] + 0.02;
+  EXPECT_EQ(wrong({joint(there, "near")}), "none");
+
+  // Another tool, another TCP.
+  arm.facts->workspace = Workspace({table});
+  const auto longer =
+      with_chain(*arm.facts, kinematics::Chain(arm.model, arm.model.tool_link(), {}, Pose{{0, 0, 0.2}, {}}));
+  EXPECT_THROW(
+      plan_moves(*longer, from, std::vector{line(shifted(longer->chain.forward(from), {0, 0, -0.3}), "low")}),
+      MoveError);
 }
 
 TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {
