@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace polyarm::cell {
 
@@ -13,6 +14,7 @@ namespace {
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kGoverned = 0.8, kSlowest = 0.01;
+constexpr double kBeyond = 1.05;           // of the allowed speed, measured of what was planned within it
 constexpr double kRise = 2.5, kFall = 50;  // a second: e-fold up, and down
 /// The TCPs' speeds are means over this long, or over a turn of the slowest robot: between two of its turns
 /// nothing new is measured or commanded, and that is no standstill. Share and speed rise by 13 % in it.
@@ -127,7 +129,7 @@ bool Arming::stands(double fastest, std::span<const double> commands) {
 }
 
 void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands,
-                    bool passed) {
+                    bool passed, bool planned) {
   if (!reduced()) return;
   if (passed && reduced_) {
     reduced_ = false;
@@ -135,6 +137,7 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
     observer_.on_note("the program has run through once: full speed from now on");
     return;
   }
+  if (std::exchange(planned_, planned) != planned) set_share(share_ = planned ? 1 : kSlowest, joint_share());
   const Nanoseconds since = now - before_;
   if (since < std::max(kLook, longest_turn(robots_, loop_.options().period))) return;
   double fastest = 0;
@@ -143,17 +146,26 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
   tcps_before_ = tcps;
   before_ = now;
   const double tcp = std::min(reduced_ ? kReducedTcp : kNone, profile_reduced_ ? profile_tcp_ : kNone);
-  const double joints = std::min(reduced_ ? kReducedJoint : 1, profile_reduced_ ? profile_joint_ : 1);
-  if (stands(fastest, commands))
+  const bool standing = stands(fastest, commands);
+  if (planned)
+    share_ = fastest > kBeyond * tcp ? share_ * kGoverned * tcp / fastest
+                                     : std::min(1.0, share_ * std::exp(kRise * seconds(since)));
+  else if (standing)
     share_ *= std::exp(-kFall * seconds(since));
   else
     share_ *= fastest > kGoverned * tcp ? kGoverned * tcp / fastest : std::exp(kRise * seconds(since));
-  share_ = std::clamp(share_, std::min(kSlowest, joints), joints);
+  const double joints = joint_share();
+  share_ = std::clamp(share_, std::min(kSlowest, joints), planned ? 1 : joints);
   set_share(share_, joints);
+}
+
+double Arming::joint_share() const {
+  return std::min(reduced_ ? kReducedJoint : 1, profile_reduced_ ? profile_joint_ : 1);
 }
 
 void Arming::set_profile(bool reduced, double tcp_speed, double joint_share) {
   profile_reduced_ = reduced;
+  planned_ = false;
   profile_tcp_ = tcp_speed;
   profile_joint_ = joint_share;
   if (reduced)

@@ -45,21 +45,24 @@ class Arming {
   void set_armed(Nanoseconds now);
   Nanoseconds armed_at() const { return armed_at_; }
 
-  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast, rises
-  /// slowly while something moves, and waits low while all stands, so that no motion begins too fast. `tcps`:
-  /// places of the TCPs in the world, m. `commands`: of a snapshot. `passed`: the program has run through
-  /// once, which ends it.
   /// The limits profile of the cell: at reduced speed until it is another, real hardware or not.
   void set_profile(bool reduced, double tcp_speed, double joint_share);
   /// At reduced speed: by the profile, or real hardware before its program has run through once.
   bool reduced() const { return reduced_ || profile_reduced_; }
   /// Real hardware before its program has run through once.
   bool first_pass() const { return reduced_; }
-  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed);
+  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast, rises
+  /// slowly while something moves, and waits low while all stands, so that no motion begins too fast. `tcps`:
+  /// places of the TCPs in the world, m. `commands`: of a snapshot. `passed`: the program has run through
+  /// once, which ends it. `planned`: what moves was planned within these speeds, and goes as planned unless a
+  /// TCP is too fast all the same.
+  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed,
+              bool planned);
 
  private:
   void set_share(double of_path, double of_joints);
   void slow_down();
+  double joint_share() const;
   bool is_real(std::size_t component) const;
   bool stands(double fastest, std::span<const double> commands);
 
@@ -68,7 +71,7 @@ class Arming {
   Observer& observer_;
   std::vector<std::size_t> components_;
   bool full_speed_;
-  bool armed_ = false, reduced_ = false, profile_reduced_ = false;
+  bool armed_ = false, reduced_ = false, profile_reduced_ = false, planned_ = false;
   double profile_tcp_ = 0.25, profile_joint_ = 0.1;
   double share_ = 1;  ///< of the planned speed, at reduced speed
   std::vector<Vec3> tcps_before_;

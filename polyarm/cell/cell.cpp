@@ -417,7 +417,7 @@ void Cell::tick(Nanoseconds now) {
     std::vector<Vec3> tcps;
     for (std::size_t i = 0; i < robots_.size(); ++i) tcps.push_back(tcp(i).position);
     arming_->govern(now, tcps, snapshot.commands,
-                    program_ && (program_->ended() || program_->status().passes > 0));
+                    program_ && (program_->ended() || program_->status().passes > 0), moves_as_planned_now());
   }
   const bool may_run = !failure_ && arming_->armed();
   tick_motions(now);
@@ -442,6 +442,7 @@ void Cell::tick(Nanoseconds now) {
 void Cell::tick_motions(Nanoseconds now) {
   for (const auto& motion : motions_) {
     if (!motion || failure_) continue;
+    motion->set_options(plan_options());
     motion->tick(now);
     for (motion::RobotMotion::Warning& warning : motion->take_warnings()) {
       if (moves_ && warning.problem.where.file.empty())
@@ -458,7 +459,7 @@ void Cell::set_profile(const std::string& name) {
                 "reduced or full");
   const ProfileEntry& profile = name == "reduced" ? file_.profiles.reduced : file_.profiles.full;
   profile_ = name;
-  const bool slower = profile.tcp_speed < 1e6 || profile.joint_speed < 1;
+  const bool slower = profile.tcp_speed < kNoTcpLimit || profile.joint_speed < 1;
   arming_->set_profile(slower, profile.tcp_speed, profile.joint_speed);
 }
 
@@ -470,6 +471,24 @@ motion::JogLimits Cell::jog_limits() const {
   out.tcp_speed = std::min(out.tcp_speed, kReducedProfile.tcp_speed);
   out.tcp_turning = std::min(out.tcp_turning, kReducedProfile.tcp_turning);
   return out;
+}
+
+motion::MovePlanOptions Cell::plan_options() const {
+  if (arming_->first_pass()) return {};
+  const ProfileEntry& profile = profile_ == "reduced" ? file_.profiles.reduced : file_.profiles.full;
+  return {profile.tcp_speed < kNoTcpLimit ? profile.tcp_speed : 0, profile.joint_speed};
+}
+
+/// Do planned moves, and at least one, go as the profile wants them planned now?
+bool Cell::moves_as_planned_now() const {
+  if (arming_->first_pass()) return false;
+  bool any = false;
+  for (const auto& motion : motions_) {
+    const motion::MovePlanOptions* with = motion ? motion->options_under_way() : nullptr;
+    if (with && *with != plan_options()) return false;
+    any = any || with;
+  }
+  return any;
 }
 
 const char* Cell::control_holder() const {

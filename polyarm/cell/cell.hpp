@@ -114,6 +114,8 @@ class Cell {
   void set_profile(const std::string& name);
   /// What motion by hand keeps to now: the profile's, and reduced speed where arming says so.
   motion::JogLimits jog_limits() const;
+  /// What the profile bounds planned moves by; nothing in the first pass of real hardware, which is governed.
+  motion::MovePlanOptions plan_options() const;
   /// Has the robot no move of a program's queued, planned or under way?
   bool idle(std::size_t robot) const { return !motions_[robot] || motions_[robot]->idle(); }
   /// Who holds control: "program", "jog" or "nobody".
@@ -158,6 +160,7 @@ class Cell {
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
   void tick_motions(Nanoseconds now);
+  bool moves_as_planned_now() const;
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);

@@ -11,11 +11,14 @@
 
 namespace polyarm::cell {
 
+/// From here on a speed of the TCP is none, m/s.
+inline constexpr double kNoTcpLimit = 1e6;
+
 /// How fast robots may move: `reduced` for teaching, `full` for automatic operation.
 struct ProfileEntry {
-  double tcp_speed = 1e9;   ///< m/s; 1e9: no limit but the joints'
-  double tcp_turning = 3;   ///< rad/s, of what is asked of the TCP by hand
-  double joint_speed = 1;   ///< share of the joints' velocity limits, (0, 1]
+  double tcp_speed = 1e9;  ///< m/s; 1e9: no limit but the joints'
+  double tcp_turning = 3;  ///< rad/s, of what is asked of the TCP by hand
+  double joint_speed = 1;  ///< share of the joints' velocity limits, (0, 1]
   bool operator==(const ProfileEntry&) const = default;
 };
 /// 250 mm/s at the TCP (ISO 10218-1, reduced speed), joints at a tenth of their limits.

@@ -105,7 +105,8 @@ void RobotMotion::collect() {
     PlannedMotion& motion = job->plan.motions[i];
     const double share = motion.path.duration() / total;
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
-                      std::move(job->followers[i]), job->with, job->step, i == 0, false, share});
+                      std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
+                      nullptr});
   }
   // Moves to where the robot is anyway arrive with what is before them.
   if (!ready_.empty())

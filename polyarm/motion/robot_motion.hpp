@@ -96,6 +96,9 @@ class RobotMotion {
   void set_planned(std::span<const double> joints) { planned_.assign(joints.begin(), joints.end()); }
   /// For what is planned from now on.
   void set_options(const MovePlanOptions& options) { options_ = options; }
+  const MovePlanOptions& options() const { return options_; }
+  /// What the motion under way was planned with; null while there is none.
+  const MovePlanOptions* options_under_way() const { return goal_ != 0 ? &active_.options : nullptr; }
   const RobotFacts& robot() const { return robot_; }
 
  private:
@@ -130,6 +133,7 @@ class RobotMotion {
     bool leads = false;  ///< the first of those in step
     bool waits = false;  ///< for the others, and is counted
     double share = 0;    ///< of the duration of those in step
+    MovePlanOptions options;
     std::shared_ptr<std::atomic<bool>> ends;
   };
 

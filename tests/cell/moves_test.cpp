@@ -92,5 +92,90 @@ TEST(Moves, TogetherRobotsBeginAndArriveInStep) {
               2);
 }
 
+/// The arm of examples/r6bot with a program and what a test adds to its cell.
+cell::CellFile with_program(const test::Folder& folder, const std::string& program, const std::string& more) {
+  folder.write("go.script", program);
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + std::string(POLYARM_SOURCE_DIR) +
+                                "/examples/r6bot/r6bot.urdf, hardware: mock}\nprogram: go\n" + more);
+  return cell::read_cell_file(folder.path());
+}
+
+TEST(Moves, AProgramThatLeavesTheWorkspaceFailsAtItsLineBeforeItMoves) {
+  const test::Folder folder;
+  LockStepCell run(with_program(folder,
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "let start = here()\n"
+                                "movel offset(start, z = -50mm)\n"
+                                "movel offset(start, z = -500mm)\n",
+                                "workspace:\n  table: {plane: [0, 0, 1300mm], normal: [0, 0, 1]}\n"));
+  double lowest = 2;
+  while (!run.cell().program()->ended() && run.cell().loop().cycle().time < nanoseconds(30.0)) {
+    run.tick();
+    lowest = std::min(lowest,
+                      run.cell().program()->status().where.line > 1 ? run.cell().tcp(0).position.z : lowest);
+  }
+  ASSERT_TRUE(run.cell().program()->failed());
+  const Problem why = run.cell().program()->status().problem.value_or(Problem{});
+  EXPECT_EQ(why.code, "workspace");
+  EXPECT_EQ(why.where.line, 4);
+  EXPECT_NE(why.what.find("crosses 'table'"), std::string::npos) << why.what;
+  EXPECT_GT(lowest, 1.5);
+}
+
+TEST(Moves, AtReducedSpeedProgramsArePlannedForIt) {
+  const test::Folder folder;
+  const std::string program =
+      "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+      "let start = here()\n"
+      "movel offset(start, z = -300mm)\n"
+      "movel start\n"
+      "moveto joints(40deg, -30deg, 60deg, 0, 60deg, 0)\n";
+  struct Drive {
+    double fastest = 0, fastest_joint = 0, time = 0;
+  };
+  const auto drive = [&](const std::string& more) {
+    LockStepCell run(with_program(folder, program, more));
+    Drive out;
+    const std::vector<Vec3> way = drawn(run, 120);
+    for (std::size_t i = 1; i < way.size(); ++i)
+      out.fastest = std::max(out.fastest, norm(way[i] - way[i - 1]) / seconds(cell::Cell::kTick));
+    out.time = seconds(run.cell().loop().cycle().time);
+    EXPECT_TRUE(run.cell().loop().limits().report().empty()) << more;
+    return out;
+  };
+  const Drive full = drive("");
+  EXPECT_GT(full.fastest, 0.4);
+  const Drive reduced = drive("profile: reduced\nprofiles: {reduced: {joint_speed: 100%}}\n");
+  EXPECT_LE(reduced.fastest, 0.25 * (1 + 1e-3));
+  EXPECT_GT(reduced.fastest, 0.24) << "and no slower than it may be";
+  EXPECT_LE(drive("profiles: {full: {tcp_speed: 100mm/s}}\n").fastest, 0.1 * (1 + 1e-3));
+  const Drive joints = drive("profile: reduced\n");
+  EXPECT_LE(joints.fastest, 0.25 * (1 + 1e-3));
+  EXPECT_GT(joints.time, reduced.time);
+}
+
+TEST(Moves, APlanOfFullSpeedIsGovernedWhenTheProfileBecomesReduced) {
+  const test::Folder folder;
+  LockStepCell run(with_program(folder,
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "let start = here()\n"
+                                "movel offset(start, z = -300mm), speed 300mm/s\n",
+                                ""));
+  const auto speed = [&] {
+    const Vec3 before = run.cell().tcp(0).position;
+    run.tick();
+    return norm(run.cell().tcp(0).position - before) / seconds(cell::Cell::kTick);
+  };
+  Vec3 at = run.cell().tcp(0).position;
+  for (int i = 0; i < 5000 && !(speed() > 0.29 && run.cell().tcp(0).position.z < at.z); ++i)
+    at = run.cell().tcp(0).position;
+  run.give(test::Json{{"request", "profile"}, {"name", "reduced"}});
+  run.run(0.3);
+  double most = 0;
+  for (int i = 0; i < 200; ++i) most = std::max(most, speed());
+  EXPECT_LE(most, 0.25);
+  EXPECT_GT(most, 0);
+}
+
 }  // namespace
 }  // namespace polyarm
