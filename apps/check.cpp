@@ -32,8 +32,11 @@ void print_json(const cell::CheckResult& result) {
                       {"reachable", point.reachable},
                       {"reason", point.reason},
                       {"joints", point.joints}});
-  const json out = {
-      {"result", result.has_errors() ? "failed" : "ok"}, {"problems", problems}, {"points", points}};
+  const json out = {{"result", result.has_errors() ? "failed" : "ok"},
+                    {"problems", problems},
+                    {"points", points},
+                    {"moves", result.moves},
+                    {"reached", result.reached.file.empty() ? "" : result.reached.text()}};
   fmt::print("{}\n", out.dump(1, ' ', false, json::error_handler_t::replace));
 }
 
@@ -46,6 +49,9 @@ void print_text(const cell::CheckResult& result) {
   int reached = 0;
   for (const cell::PointReport& point : result.points) reached += point.reachable ? 1 : 0;
   if (!result.points.empty()) fmt::print("{} of {} points can be reached\n", reached, result.points.size());
+  if (result.moves > 0)
+    fmt::print("{} moves looked along{}\n", result.moves,
+               result.reached.file.empty() ? "" : ", as far as " + result.reached.text());
   fmt::print("{} error{}, {} warning{}\n", errors, errors == 1 ? "" : "s", warnings,
              warnings == 1 ? "" : "s");
 }
@@ -67,7 +73,7 @@ int run_check(int argc, char** argv) {
   app.add_flag("--dry", options.dry,
                "run the program in lock-step simulation; list contacts, limits and parts by line");
   app.add_option("--cycles", options.cycles, "passes of the dry run");
-  app.add_flag("--json", as_json, "one JSON object: result, problems, points");
+  app.add_flag("--json", as_json, "one JSON object: result, problems, points, moves, reached");
   app.footer(
       examples({"polyarm check examples/pick_and_place",
                 "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +

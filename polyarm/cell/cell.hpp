@@ -68,6 +68,8 @@ class Cell {
   /// The program's task; null when the cell has no program.
   Task* program() { return program_.get(); }
   Task* plc() { return plc_.get(); }
+  /// The moves of the program; null without one.
+  ProgramMoves* program_moves() { return moves_.get(); }
   const std::optional<Failure>& failure() const { return failure_; }
   /// Faults that stopped one robot while the rest went on.
   const std::vector<Problem>& group_faults() const { return group_faults_; }

@@ -11,6 +11,7 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/controllers_file.hpp"
+#include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/program/checker.hpp"
@@ -213,7 +214,13 @@ class Checker {
     collect(problems_, [&] {
       Cell cell(file, catalogue_, options, listener);
       listener.problems.clear();  // known already
-      if (!options_.dry) return;
+      if (!options_.dry) {
+        const Rehearsal found = rehearse(cell);
+        for (const Problem& problem : found.problems.list()) problems_.add(problem);
+        result_.moves = found.moves;
+        result_.reached = found.reached;
+        return;
+      }
       RunOptions run_options;
       run_options.fast = true;
       run_options.seconds = 3600;

@@ -19,6 +19,8 @@ struct PointReport {
 struct CheckResult {
   std::vector<Problem> problems;    ///< of every file, in the order of the cell
   std::vector<PointReport> points;  ///< every point of the program's data, for the cell's robot
+  std::size_t moves = 0;            ///< of the program, that were looked along
+  Location reached;                 ///< where its moves could not be followed any further; empty: to its end
   bool has_errors() const;
 };
 
@@ -28,7 +30,7 @@ struct CheckOptions {
 };
 
 /// Reads every file of the cell and adds every error and warning; checks every point for reach and joint
-/// limits. Nothing real moves.
+/// limits, and every move along its way as far as the program can be followed. Nothing real moves.
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
                   const description::Catalogue& catalogue, const CheckOptions& options);
 

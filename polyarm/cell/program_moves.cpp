@@ -151,12 +151,18 @@ std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, cons
   return out;
 }
 
+ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Location& where) {
+  const std::size_t index = arm_of(move.robot, where);
+  Arm& arm = arms_[index];
+  auto facts = tool_of(move.tool, arm, where);
+  return {index, moves_of(move, frame_of(move, arm, where), arm, where), std::move(facts)};
+}
+
 program::Handle ProgramMoves::start(const program::Move& move, const Location& where) {
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
-  const auto facts = tool_of(move.tool, arm, where);
-  std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  auto [of, moves, facts] = prepare(move, where);
   const auto step = step_of(move, index);
   Moves asked{index, arm.robot.motion->last_id() + 1, 0};
   for (motion::Move& one : moves) {
@@ -271,9 +277,14 @@ void ProgramMoves::end(program::Handle handle) {
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
                                const std::string& frame) const {
-  const Arm& arm = arms_[arm_of(robot, {})];
-  const kinematics::Chain& own = arm.robot.motion->robot().chain;
-  const Pose tcp = own.forward(arm.robot.motion->planned());
+  return here_at(robot, tool, frame, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+}
+
+data::Value ProgramMoves::here_at(const std::string& robot, const std::string& tool, const std::string& frame,
+                                  const std::function<std::vector<double>(std::size_t)>& joints_of) const {
+  const std::size_t index = arm_of(robot, {});
+  const Arm& arm = arms_[index];
+  const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));
   const Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
   return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
 }

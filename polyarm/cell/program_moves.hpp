@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,6 +36,17 @@ class ProgramMoves {
   program::Travel travel(program::Handle handle) const;
   void end(program::Handle handle);
   data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
+
+  /// A move as its robot's planner takes it, without queueing it. `with`: the robot with another TCP.
+  struct Prepared {
+    std::size_t arm = 0;  ///< index of the robots given
+    std::vector<motion::Move> moves;
+    std::shared_ptr<const motion::RobotFacts> with;
+  };
+  Prepared prepare(const program::Move& move, const Location& where);
+  /// here(), with the robot's joints where `joints_of` says.
+  data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
+                      const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
 
   /// Its controller is going to be unloaded.
   void forget(const motion::RobotMotion& motion);
