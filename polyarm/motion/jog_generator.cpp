@@ -30,6 +30,9 @@ constexpr double kHardly = 0.02;
 constexpr double kReturn = 5, kAstray = 5e-4;
 /// How fast a target of the TCP is gone to where nobody says less, m/s and rad/s.
 constexpr double kTargetSpeed = 1, kTargetTurning = 3;
+/// A target that moves is followed in its own frame, with speed to spare; where it will be so much later, s,
+/// is the direction that matters.
+constexpr double kFollows = 0.9, kAhead = 0.1;
 /// Of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
@@ -143,7 +146,7 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
   const std::size_t n = axes_.size();
   std::array<MotionState, kMostJogJoints> from, to, out;
   std::array<MotionLimits, kMostJogJoints> most;
-  JogValues full{};  // at full speed along the way
+  JogValues full{}, moving{};  // at full speed along the way; of the target
   double longest = 1e-12;
   bool there = true;
   for (std::size_t j = 0; j < n; ++j) {
@@ -152,21 +155,23 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
                                      std::max(axes_[j].upper, state_[j].position));
     if (target != asked) note(JogHold::joint_limit, j);
     const double own = kBelow * limits.joint_share * wish.speed * axes_[j].velocity;
-    const double moving = target == asked ? std::clamp(wish.joint_speed[j], -own, own) : 0.0;
-    from[j] = {state_[j].position, state_[j].velocity, state_[j].acceleration};
-    to[j] = {target, moving, 0};
+    moving[j] = target == asked ? wish.joint_speed[j] : 0.0;
+    to[j] = {target, 0, 0};
     most[j] = MotionLimits::symmetric(own, kSoft * axes_[j].acceleration, kSoft * axes_[j].jerk);
-    full[j] = target - state_[j].position;
+    full[j] = target - state_[j].position + kAhead * moving[j];
     longest = std::max(longest, std::abs(full[j]) / own);
-    there = there && target == asked && std::abs(full[j]) < 1e-9 && std::abs(state_[j].velocity) < 1e-6;
+    there = there && target == asked && std::abs(target - state_[j].position) < 1e-9 &&
+            std::abs(state_[j].velocity) < 1e-6;
   }
   arrived_ = there;
   for (double& rate : full) rate /= longest;
   const double share = std::max(throttle(limits, kGently, true, full), 1e-6);
   for (std::size_t j = 0; j < n; ++j) {
-    most[j].max_velocity *= share;
-    most[j].min_velocity *= share;
-    to[j].velocity = std::clamp(to[j].velocity, most[j].min_velocity, most[j].max_velocity);
+    const double own = share * most[j].max_velocity;
+    moving[j] = std::clamp(moving[j], -kFollows * own, kFollows * own);
+    most[j].max_velocity = own - moving[j];
+    most[j].min_velocity = -own - moving[j];
+    from[j] = {state_[j].position, state_[j].velocity - moving[j], state_[j].acceleration};
   }
   const trajectory::MotionOptions options{trajectory::Synchronization::time, trajectory::TargetKind::position,
                                           0};
@@ -174,7 +179,8 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
       trajectory::MotionStatus::ok)
     return false;
   to_joints_.sample(dt_, {out.data(), n});
-  for (std::size_t j = 0; j < n; ++j) next[j] = {out[j].position, out[j].velocity, out[j].acceleration};
+  for (std::size_t j = 0; j < n; ++j)
+    next[j] = {out[j].position + dt_ * moving[j], out[j].velocity + moving[j], out[j].acceleration};
   return true;
 }
 
@@ -278,14 +284,22 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
   std::array<MotionLimits, 6> most;
   // Each axis has its share of the speed along the way, and no less than a part of it to correct with.
   const double away[2] = {linear(error), angular(error)};
+  Twist ahead, moving{};
+  for (std::size_t k = 0; k < 6; ++k) ahead[k] = error[k] + kAhead * wish.twist[k];
+  const double way[2] = {linear(ahead), angular(ahead)}, rate[2] = {linear(wish.twist), angular(wish.twist)};
   const double speed[2] = {kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed),
                            kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)};
   for (std::size_t k = 0; k < 6; ++k) {
-    const double part = away[k / 3] > 1e-6 ? std::abs(error[k]) / away[k / 3] : 0.0;
-    const double v = std::max(share * speed[k / 3] * std::max(part, 0.1), 1e-6);
-    from[k] = {0, reference_.twist[k], reference_.slope[k]};
-    to[k] = {error[k], std::clamp(wish.twist[k], -v, v), 0};
+    const double part = way[k / 3] > 1e-6 ? std::abs(ahead[k]) / way[k / 3] : 0.0;
+    const double can = share * speed[k / 3];
+    const double v = std::max(can * std::max(part, 0.1), 1e-6);
+    moving[k] = wish.twist[k] * (rate[k / 3] > kFollows * can ? kFollows * can / rate[k / 3] : 1.0);
+    moving[k] = std::clamp(moving[k], -kFollows * v, kFollows * v);
+    from[k] = {0, reference_.twist[k] - moving[k], reference_.slope[k]};
+    to[k] = {error[k], 0, 0};
     most[k] = MotionLimits::symmetric(v, pace.acceleration[k / 3] / 2, pace.jerk[k / 3] / 2);
+    most[k].max_velocity -= moving[k];
+    most[k].min_velocity -= moving[k];
   }
   const trajectory::MotionOptions options{trajectory::Synchronization::phase,
                                           trajectory::TargetKind::position, 0};
@@ -293,8 +307,8 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
   to_pose_.sample(dt_, out);
   Twist by{};
   for (std::size_t k = 0; k < 6; ++k) {
-    by[k] = out[k].position;
-    reference_.twist[k] = out[k].velocity;
+    by[k] = out[k].position + dt_ * moving[k];
+    reference_.twist[k] = out[k].velocity + moving[k];
     reference_.slope[k] = out[k].acceleration;
   }
   advance(reference_.pose, by);
@@ -365,6 +379,7 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
 /// The twist that leads to the target at the speed that is allowed.
 Twist JogGenerator::way_to(const JogWish& wish, const JogLimits& limits) const noexcept {
   Twist out = between(reference_.pose, wish.target);
+  for (std::size_t k = 0; k < 6; ++k) out[k] += kAhead * wish.twist[k];
   const double time =
       std::max({linear(out) / (kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed)),
                 angular(out) / (kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)), 1e-9});
