@@ -68,9 +68,11 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
-  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges"},
-                  problems);
+  yaml.check_keys(
+      {"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
+       "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges", "payload"},
+      problems);
+  robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
   robot.ranges = read_ranges(yaml["joint_ranges"], problems);
   for (const std::string& key : yaml["arguments"].keys())

@@ -43,6 +43,7 @@ struct RobotEntry {
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
   std::vector<motion::WorkspaceZone> workspace;  ///< of this robot alone
+  PayloadEntry payload;                          ///< that it carries beside its tool
   std::vector<RangeEntry> ranges;                ///< of joints, narrower than the robot's
   std::string text;  ///< the description itself, where `model` names the file that it stands in
   Location where;

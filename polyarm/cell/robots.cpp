@@ -123,6 +123,14 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const m
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
   kinematics::Chain chain(robot.model, robot.model.tool_link(), robot.entry.base, robot.tool.tcp);
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+  std::vector<double> effort;
+  for (const controllers::JointFacts& joint : robot.joints) effort.push_back(joint.effort);
+  auto torques = motion::torque_limits_of(
+      robot.model, robot.entry.base,
+      motion::joined(
+          {robot.tool.mass, robot.tool.center},
+          {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)}),
+      std::move(effort));
   return std::make_unique<motion::RobotFacts>(motion::RobotFacts{robot.entry.name,
                                                                  &robot.model,
                                                                  std::move(chain),
@@ -130,7 +138,8 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const m
                                                                  {},
                                                                  robot.start,
                                                                  std::move(solver),
-                                                                 std::move(workspace)});
+                                                                 std::move(workspace),
+                                                                 std::move(torques)});
 }
 
 /// Limits from the description and from the joint_limits of the controllers' files.

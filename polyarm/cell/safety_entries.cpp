@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
@@ -82,6 +83,20 @@ std::vector<motion::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& pr
       const motion::Workspace checked({zone});
       out.push_back(zone);
     });
+  return out;
+}
+
+PayloadEntry read_payload(const Yaml& yaml, Problems& problems) {
+  PayloadEntry out;
+  if (!yaml.defined()) return out;
+  collect(problems, [&] {
+    if (yaml.is_map()) yaml.check_keys({"mass", "center"}, problems);
+    out.mass = (yaml.is_map() ? yaml.required("mass") : yaml).number(Dimension::mass);
+    if (!(out.mass >= 0 && std::isfinite(out.mass)))
+      throw Error(Problem{"bad-value", yaml.where(), fmt::format("the payload is {:.6g} kg", out.mass),
+                          "2kg, or {mass: 2kg, center: [0, 0, 80mm]} with its centre of gravity in tool0"});
+    if (yaml.is_map() && yaml.has("center")) out.center = yaml["center"].vec3();
+  });
   return out;
 }
 

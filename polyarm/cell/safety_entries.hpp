@@ -1,6 +1,8 @@
 #pragma once
-/// What a cell file says about how far and how fast its robots may go: profile, workspace, joint ranges.
+/// What a cell file says about how far and how fast its robots may go: profile, workspace, joint ranges,
+/// payload.
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,10 +38,18 @@ struct RangeEntry {
   Location where;
 };
 
+/// What a robot carries.
+struct PayloadEntry {
+  double mass = 0;             ///< kg
+  std::optional<Vec3> center;  ///< in tool0, m; not stated: the TCP
+};
+
 /// `profile` and `profiles` of the cell file.
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
 /// `workspace` of a cell or a robot.
 std::vector<motion::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems);
+/// `payload` of a robot: a mass, or mass and centre.
+PayloadEntry read_payload(const Yaml& yaml, Problems& problems);
 /// `joint_ranges` of a robot.
 std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems);
 /// Narrows the model's limits, for everything that is built from it. A joint that is not there, or a range

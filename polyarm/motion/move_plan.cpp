@@ -35,6 +35,8 @@ constexpr int kSamples = 32;     // of a join, whose distances at the TCP are lo
 constexpr double kLess = 0.8;    // a join that is too wide is tried again with this share
 constexpr int kTries = 40;
 constexpr double kStandsStill = 0.03;  // of the derivative where a join begins: one that turns straight back
+constexpr int kTorqueRounds = 4;       // of less acceleration for the joints' torques
+constexpr double kTorqueRoom = 0.99;   // and a little less each time, since the times shift
 constexpr double kJerkOf = 10;         // per s: of an acceleration that is stated without its jerk
 
 Values at(const Path& path, double s) {
@@ -533,22 +535,30 @@ class Planner {
   void check_place(const Path& path, const PlannedMotion& motion) const {
     const auto found = first_violation(robot_.workspace, robot_.chain, path);
     if (!found) return;
-    const auto end = std::lower_bound(motion.ends.begin(), std::prev(motion.ends.end()), found->at);
+    const auto [move, share] = place_of(motion, found->at);
+    throw MoveError(leaves_workspace(*found, "the move to " + moves_[move].end().name, share), move);
+  }
+
+  /// The move that a place of a motion belongs to, and the share of it that lies before.
+  static std::pair<std::size_t, double> place_of(const PlannedMotion& motion, double s) {
+    const auto end = std::lower_bound(motion.ends.begin(), std::prev(motion.ends.end()), s);
     const double begin = end == motion.ends.begin() ? 0 : *std::prev(end);
-    const std::size_t move = motion.first + static_cast<std::size_t>(end - motion.ends.begin());
-    throw MoveError(leaves_workspace(*found, "the move to " + moves_[move].end().name,
-                                     *end > begin ? (found->at - begin) / (*end - begin) : 1),
-                    move);
+    return {motion.first + static_cast<std::size_t>(end - motion.ends.begin()),
+            *end > begin ? (s - begin) / (*end - begin) : 1};
   }
 
   void time(PathPtr joints, const ZoneNorms& norms, PlannedMotion& motion) {
     trajectory::TimingOptions options;
     options.norms = norms.list();
+    std::vector<MotionLimits> limits = plan_.limits;
     trajectory::Timing timing;
-    try {
-      timing = trajectory::time_path(*joints, plan_.limits, options);
-    } catch (const Error& why) {
-      throw MoveError(why, motion.last);
+    for (int round = 0;; ++round) {
+      try {
+        timing = trajectory::time_path(*joints, limits, options);
+      } catch (const Error& why) {
+        throw MoveError(why, motion.last);
+      }
+      if (!lighten(joints, timing.profile, round, limits, motion)) break;
     }
     const Move& move = moves_[motion.first];
     double wanted = motion.first == motion.last ? move.duration : 0;
@@ -559,6 +569,40 @@ class Planner {
     motion.active = std::move(timing.active);
     motion.path = trajectory::TimedPath(std::move(joints), std::move(timing.profile));
     plan_.motions.push_back(std::move(motion));
+  }
+
+  /// Are there torques beyond their limits? Then `limits` come down, for another round; after some rounds the
+  /// profile takes longer.
+  bool lighten(const PathPtr& joints, trajectory::SpeedProfile& profile, int round,
+               std::vector<MotionLimits>& limits, PlannedMotion& motion) const {
+    if (!robot_.torques) return false;
+    const auto judged = robot_.torques->judge(trajectory::TimedPath(joints, profile));
+    if (judged.too_heavy) throw too_heavy(*judged.too_heavy, profile, motion);
+    if (!judged.most) return false;
+    motion.torque_joint = judged.most->joint;
+    if (round >= kTorqueRounds) {
+      profile.stretch(judged.slower);
+      motion.torque_share /= judged.slower * judged.slower;
+      return false;
+    }
+    const double share = kTorqueRoom * judged.acceleration;
+    motion.torque_share *= share;
+    for (MotionLimits& l : limits)
+      l.max_acceleration *= share, l.min_acceleration *= share, l.max_jerk *= share;
+    return true;
+  }
+  MoveError too_heavy(const TorqueLimits::Load& load, const trajectory::SpeedProfile& profile,
+                      const PlannedMotion& motion) const {
+    std::size_t hint = 0;
+    const auto [move, share] = place_of(motion, profile.at(load.time, hint).s);
+    return {
+        Error("payload",
+              fmt::format("the move to {}: after {:.1f} % of the way {} needs {:.4g} to hold the load of "
+                          "{:.4g} kg still, its effort limit is {:.4g} (N m, or N of a joint that slides)",
+                          moves_[move].end().name, 100 * share, robot_.chain.names()[load.joint],
+                          std::abs(load.torque), robot_.torques->payload().mass, load.limit),
+              "carry less, keep the load nearer to the base, or correct mass and centre of tool and payload"),
+        move};
   }
 
   const RobotFacts& robot_;

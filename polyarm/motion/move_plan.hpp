@@ -55,6 +55,10 @@ struct PlannedMotion {
   std::vector<double> ends;                     ///< s at which moves end: of first, first + 1, …
   std::vector<trajectory::ActiveLimit> active;  ///< what bounds it where; rows beyond the joints: `bounds`
   std::vector<std::string> bounds;
+  /// Accelerations of the joints are this share of their limits, so that no torque is beyond its limit: that
+  /// of `torque_joint` would be.
+  double torque_share = 1;
+  std::size_t torque_joint = 0;
 };
 
 struct MovePlan {
@@ -89,7 +93,8 @@ struct MovePlanOptions {
 /// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
 /// to the second derivative and stays within the radius at the TCP. Each path is then timed within the limits
 /// of joints and TCP. Deterministic. Throws MoveError with the codes of those parts, of joints_for() and
-/// check_joints(), and "workspace" where the TCP would leave the robot's.
+/// check_joints(), "workspace" where the TCP would leave the robot's, and "payload" where
+/// a joint cannot hold the load.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
 

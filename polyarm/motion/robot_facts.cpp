@@ -14,7 +14,7 @@ std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
   return std::make_shared<const RobotFacts>(RobotFacts{robot.name, robot.model, std::move(chain),
                                                        robot.limits, robot.tcp, robot.home, std::move(solver),
-                                                       robot.workspace});
+                                                       robot.workspace, robot.torques});
 }
 
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::span<const double> current,

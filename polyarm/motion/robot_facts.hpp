@@ -9,6 +9,7 @@
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/kinematics/arm_solver.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/motion/torque_limits.hpp"
 #include "polyarm/motion/workspace.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
 
@@ -33,6 +34,8 @@ struct RobotFacts {
   /// Of `chain`; where there is none, each question makes its own.
   std::unique_ptr<const kinematics::ArmSolver> solver;
   Workspace workspace;  ///< where the TCP may be
+  /// What the joints can bring, with tool and load; null where nothing is known to judge by.
+  std::shared_ptr<const TorqueLimits> torques;
 };
 
 /// The same robot with another TCP.

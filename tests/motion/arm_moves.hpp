@@ -27,7 +27,7 @@ struct Arm {
     auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
     const Values home(chain.joints(), 0.0);
     facts = std::make_unique<RobotFacts>(
-        RobotFacts{"arm", &model, std::move(chain), std::move(limits), {}, home, std::move(solver), {}});
+        RobotFacts{"arm", &model, std::move(chain), std::move(limits), {}, home, std::move(solver), {}, {}});
   }
   const kinematics::Chain& chain() const { return facts->chain; }
 };
