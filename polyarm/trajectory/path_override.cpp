@@ -49,7 +49,7 @@ PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> 
   std::size_t hint = 0;
   const PathMotion start = path.profile().at(0, hint);
   if (start.speed != 0 || start.acceleration != 0) back_ = 0;
-  own_limits_ = PathRows::limits_of(limits, 1), hard_limits_ = PathRows::limits_of(limits, kHarder);
+  own_limits_ = PlannedRows::limits_of(limits, 1), hard_limits_ = PlannedRows::limits_of(limits, kHarder);
   for (auto* rows : {&here_, &there_, &inside_}) rows->resize(table_.blocks());
   for (auto* v : {&position_, &velocity_, &acceleration_}) v->resize(limits.size());
 }
@@ -80,14 +80,14 @@ void PathOverride::look(double time, std::vector<Rows>& out) noexcept {
 /// effect for `t` s.
 double PathOverride::most_bend(const Rows* rows, double factor, double rate, double t,
                                double direction) const noexcept {
-  const std::vector<PathRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
+  const std::vector<PlannedRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
   const double square = factor * factor, cube = square * factor;
-  double most[PathRows::kWidth];
+  double most[PlannedRows::kWidth];
   std::fill(std::begin(most), std::end(most), kMostBend);
   for (std::size_t b = 0; b < limits.size(); ++b) {
     const Rows& r = rows[b];
-    const PathRows::Limits& l = limits[b];
-    for (std::size_t i = 0; i < PathRows::kWidth; ++i) {
+    const PlannedRows::Limits& l = limits[b];
+    for (std::size_t i = 0; i < PlannedRows::kWidth; ++i) {
       const double own = r.jerk[i] * cube, turn = 3 * r.acceleration[i] * factor;
       const double slope = direction * (r.velocity[i] + turn * t), jerk = own + turn * rate;
       const double up = kChosen.most(own, l.jerk[i]) - jerk, down = kChosen.most(-own, l.jerk[i]) + jerk;
@@ -122,13 +122,13 @@ double PathOverride::boldest(const State& s, double t, double direction) noexcep
 
 /// Are the limits kept with this factor, rate and f''?
 bool PathOverride::within(const Rows* rows, double factor, double rate, double bend) const noexcept {
-  const std::vector<PathRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
+  const std::vector<PlannedRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
   const double square = factor * factor, cube = square * factor, turn = 3 * factor * rate;
-  double over[PathRows::kWidth] = {};
+  double over[PlannedRows::kWidth] = {};
   for (std::size_t b = 0; b < limits.size(); ++b) {
     const Rows& r = rows[b];
-    const PathRows::Limits& l = limits[b];
-    for (std::size_t i = 0; i < PathRows::kWidth; ++i) {
+    const PlannedRows::Limits& l = limits[b];
+    for (std::size_t i = 0; i < PlannedRows::kWidth; ++i) {
       const double own = r.acceleration[i] * square, a = own + r.velocity[i] * rate;
       const double own_jerk = r.jerk[i] * cube,
                    j = own_jerk + r.acceleration[i] * turn + r.velocity[i] * bend;

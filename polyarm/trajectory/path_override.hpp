@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "polyarm/trajectory/path_rows.hpp"
 #include "polyarm/trajectory/path_trajectory.hpp"
+#include "polyarm/trajectory/planned_rows.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
 namespace polyarm::trajectory {
@@ -86,7 +86,7 @@ class PathOverride {
     double boldness = 1;
     bool hard = false;
   };
-  using Rows = PathRows::Rows;
+  using Rows = PlannedRows::Rows;
 
   State during(const State& s, double bend, double t) const noexcept;
   double when(const State& s, double bend, double at, double t, double end) const noexcept;
@@ -103,8 +103,8 @@ class PathOverride {
   double allowed_target(double target) const noexcept;
 
   const TimedPath& path_;
-  PathRows table_;
-  std::vector<PathRows::Limits> own_limits_, hard_limits_;
+  PlannedRows table_;
+  std::vector<PlannedRows::Limits> own_limits_, hard_limits_;
   double period_, back_ = 1;
   Motion motion_;
   Way tried_;

@@ -17,9 +17,11 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kEnough = 2e-5;  // excess that is left to a stretch of time
-constexpr double kHalve = 0.03;   // excess from which a piece is halved rather than made slower
-constexpr std::size_t kFinalSamples = 8, kCloseSamples = 60;  // of each piece
+// Excess that is left to a stretch of time, more with each round; where speeds may be stated, less.
+constexpr double kEnough = 1e-4, kEnoughOfNorms = 2e-5;
+constexpr double kHalve = 0.03;  // excess from which a piece is halved rather than made slower
+constexpr std::size_t kFinalSamples = 60, kCloseSamples = 32;  // of each piece
+constexpr double kUnsure = 3e-5;     // of a limit: more than that between places is looked at again
 constexpr double kFailed = 1.05;     // stretch with which another first guess is worth its time
 constexpr int kRounds = 12;          // of solving and tightening
 constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
@@ -109,45 +111,58 @@ class Timer {
     PathRows rows = rows_;
     TimingProblem problem(rows, motion_.s);
     auto solver = std::make_unique<SpeedSolver>(problem.speeds(), motion_);
-    double best = std::numeric_limits<double>::infinity();
-    NodeMotion safe;
+    Found best;
     const std::size_t most_nodes = 2 * motion_.s.size();
     for (int round = 0; round < kRounds; ++round) {
       const SpeedSolution solution = solver->improve(std::min(kPrecision, kPrecision / o_.fineness),
                                                      round > 0 ? 2e-5 : 2e-3, round > 0 ? 25 : 150);
       timing_.iterations += solution.iterations;
       problem.look(motion_, solver->pieces(), use_);
-      double most = 0;
-      for (const PieceUse& u : use_) most = std::max(most, u.all());
-      const double duration = solver->pieces().duration() * std::max(most, std::cbrt(most));
-      if (!std::isfinite(duration) || !solver->pieces().sound()) break;
-      if (duration < best) best = duration, safe = motion_;
-      if (most < 1 + kEnough) {
-        timing_.profile = profile_of(motion_, rows_.path().breaks());
-        timing_.grid = motion_.s;
-        check();
-        if (check_.stretch < 1 + kEnough) return;
-        for (std::size_t k = 1; k < use_.size() && k <= check_.use.size(); ++k) use_[k] = check_.use[k - 1];
+      double stretch = stretch_of(use_);
+      const bool sound = std::isfinite(stretch) && solver->pieces().sound();
+      if (!sound) break;
+      const double enough = 1 + (o_.norms.empty() ? kEnough : kEnoughOfNorms) * (1 + round);
+      if (stretch < enough) {
+        look_closely(profile_of(motion_, rows_.path().breaks()));
+        stretch = stretch_of(use_);
       }
-      if (!solution.converged && (most > 2 || round > 4)) break;
-      std::vector<char> halve(use_.size(), 0);
-      for (std::size_t k = 1; k < use_.size(); ++k) halve[k] = use_[k].all() > 1 + kHalve;
-      if (motion_.s.size() < most_nodes && std::find(halve.begin(), halve.end(), 1) != halve.end()) {
-        motion_ = halved(motion_, solver->pieces(), halve);
-        const PointOrigins origins = problem.refine(motion_.s, halve);
-        auto finer = std::make_unique<SpeedSolver>(problem.speeds(), motion_, *solver, origins);
-        solver = std::move(finer);
-        std::vector<PieceUse> use(1);
-        for (std::size_t k = 1; k < use_.size(); ++k)
-          use.insert(use.end(), halve[k] ? 2 : 1, halve[k] ? PieceUse{} : use_[k]);
-        use_ = std::move(use);
-      }
+      const double duration = solver->pieces().duration() * stretch;
+      if (duration < best.duration) best = {duration, motion_, use_};
+      if (stretch < enough) break;
+      if (!solution.converged && (stretch > 1.3 || round > 4)) break;
+      halve_worst(problem, solver, most_nodes);
       problem.tighten(use_);
     }
-    if (std::isfinite(best)) motion_ = std::move(safe);
-    timing_.grid = motion_.s;
-    timing_.profile = std::isfinite(best) ? profile_of(motion_, rows_.path().breaks()) : plain_profile();
-    check();
+    if (std::isfinite(best.duration)) {
+      motion_ = std::move(best.motion), use_ = std::move(best.use);
+      timing_.grid = motion_.s;
+      timing_.profile = profile_of(motion_, rows_.path().breaks());
+      look_closely(timing_.profile);
+      sum_up();
+    } else {
+      timing_.grid = motion_.s;
+      timing_.profile = plain_profile();
+      checker_.look(timing_.profile, kCloseSamples, check_);
+    }
+  }
+  struct Found {
+    double duration = std::numeric_limits<double>::infinity();
+    NodeMotion motion;
+    std::vector<PieceUse> use;
+  };
+  /// A node more in each piece that exceeds much.
+  void halve_worst(TimingProblem& problem, std::unique_ptr<SpeedSolver>& solver, std::size_t most_nodes) {
+    std::vector<char> halve(use_.size(), 0);
+    for (std::size_t k = 1; k < use_.size(); ++k) halve[k] = use_[k].all() > 1 + kHalve;
+    if (motion_.s.size() >= most_nodes || std::find(halve.begin(), halve.end(), 1) == halve.end()) return;
+    motion_ = halved(motion_, solver->pieces(), halve);
+    const PointOrigins origins = problem.refine(motion_.s, halve);
+    auto finer = std::make_unique<SpeedSolver>(problem.speeds(), motion_, *solver, origins);
+    solver = std::move(finer);
+    std::vector<PieceUse> use(1);
+    for (std::size_t k = 1; k < use_.size(); ++k)
+      use.insert(use.end(), halve[k] ? 2 : 1, halve[k] ? PieceUse{} : use_[k]);
+    use_ = std::move(use);
   }
   /// What any path can be passed with, if slowly enough: from rest to rest with four jerks.
   SpeedProfile plain_profile() const {
@@ -156,27 +171,65 @@ class Timer {
     out.fit(rows_.path().length());
     return out;
   }
-  /// How near the profile comes to the limits, also by piece.
-  void check() {
-    checker_.look(timing_.profile, kFinalSamples, check_);
-    // Again, where the highest values may lie between samples.
-    std::vector<std::size_t> pieces;
-    const double s = check_.stretch * 0.998, powers[3] = {s, s * s, s * s * s};
-    for (const Check::Bent& b : check_.bent)
-      if (b.peak > powers[b.kind] && (pieces.empty() || pieces.back() != b.piece)) pieces.push_back(b.piece);
-    if (!pieces.empty()) {
-      Check close;
-      checker_.look(timing_.profile, kCloseSamples, close, pieces);
-      for (const std::size_t i : pieces) merge(close.use[i], check_.use[i]);
-      check_.stretch = std::max(check_.stretch, close.stretch);
-      for (std::size_t kind = 0; kind < 3; ++kind)
-        check_.peak[kind] = std::max(check_.peak[kind], close.peak[kind]);
-    }
+  /// The factor of time that brings a value of a kind to its limit.
+  static double root(double value, std::size_t kind) {
+    return kind == 0 ? value : kind == 1 ? std::sqrt(value) : std::cbrt(value);
   }
-  static void merge(const PieceUse& from, PieceUse& to) {
-    for (std::size_t norm = 0; norm < 2; ++norm)
-      for (std::size_t kind = 0; kind < 3; ++kind)
-        to.most[norm][kind] = std::max(to.most[norm][kind], from.most[norm][kind]);
+  static double stretch_of(const std::vector<PieceUse>& use) {
+    double most[3] = {0, 0, 0};
+    for (const PieceUse& u : use)
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        const double here = u.highest(kind);
+        if (!(here <= most[kind])) most[kind] = here;
+      }
+    return std::max({most[0], root(most[1], 1), root(most[2], 2)});
+  }
+  /// Looks again where more may lie between the places that were looked at than what time can take off, and
+  /// takes the rest for what it may be.
+  void look_closely(const SpeedProfile& profile) {
+    const double limit = stretch_of(use_), powers[3] = {limit, limit * limit, limit * limit * limit};
+    std::vector<std::size_t> pieces;
+    for (std::size_t k = 1; k < use_.size(); ++k) {
+      bool unsure = false;
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        const bool more = use_[k].above[kind] > powers[kind];
+        unsure = unsure || (more && use_[k].above[kind] > use_[k].highest(kind) + kUnsure);
+      }
+      if (unsure || k == 1 || k + 1 == use_.size()) pieces.push_back(k - 1);
+    }
+    Check close;
+    checker_.look(profile, kCloseSamples, close, pieces);
+    for (const std::size_t i : pieces) {
+      use_[i + 1].most = close.use[i].most;
+      for (std::size_t kind = 0; kind < 3; ++kind) use_[i + 1].above[kind] = use_[i + 1].highest(kind);
+    }
+    for (std::size_t k = 1; k < use_.size(); ++k)
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        double& most = use_[k].most[use_[k].most[1][kind] > use_[k].most[0][kind]][kind];
+        if (use_[k].above[kind] > powers[kind]) most = std::max(most, use_[k].above[kind]);
+      }
+  }
+  /// What the use of all pieces says about the whole.
+  void sum_up() {
+    check_ = {};
+    for (std::size_t k = 1; k < use_.size(); ++k) {
+      const PieceUse& u = use_[k];
+      std::size_t nearest = 0;
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        const double here = u.highest(kind);
+        if (here > u.highest(nearest)) nearest = kind;
+        check_.peak[kind] = std::max(check_.peak[kind], here);
+        if (!(root(here, kind) > check_.stretch)) continue;
+        check_.stretch = root(here, kind), check_.worst_kind = kind, check_.worst.s = motion_.s[k - 1];
+        check_.worst_ratio.row[kind] = u.row[kind], check_.worst_ratio.value[kind] = here;
+      }
+      const ActiveLimit active{motion_.s[k - 1], motion_.s[k], u.row[nearest], LimitKind(nearest)};
+      if (!check_.active.empty() && check_.active.back().row == active.row &&
+          check_.active.back().kind == active.kind)
+        check_.active.back().to = active.to;
+      else
+        check_.active.push_back(active);
+    }
   }
   Timing finish(double stretch) {
     timing_.profile.stretch(stretch);

@@ -9,7 +9,8 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kTighter = 1e-4;  // than what an excess asks for, so that it is gone at once
+constexpr double kTighter = 1e-4;    // than what an excess asks for, so that it is gone at once
+constexpr double kMuchSlack = 0.97;  // use of a scale below which rows do not bind
 
 /// From a problem on a grid to the one on the grid with a node more in each piece of `halve`.
 PointOrigins origins_of(const SpeedProblem& before, const SpeedProblem& now, const std::vector<char>& halve) {
@@ -54,10 +55,8 @@ void TimingProblem::set_up(const std::vector<double>& s) {
   count_ = s.size() - 1, speeds_ = {};
   std::vector<double> places;
   places.reserve(count_ * kPlaces);
-  for (std::size_t k = 0; k < count_; ++k) {
-    const double way = s[k + 1] - s[k];
-    for (const double part : {0.0, 0.25, 0.5, 0.75, 1 - 1e-9}) places.push_back(s[k] + part * way);
-  }
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1 - 1e-9})
+    for (std::size_t k = 0; k < count_; ++k) places.push_back(s[k] + part * (s[k + 1] - s[k]));
   rows_.look(std::move(places));
   fill_velocity();
   fill_acceleration();
@@ -77,49 +76,100 @@ PointOrigins TimingProblem::refine(const std::vector<double>& s, const std::vect
 }
 
 void TimingProblem::look(const NodeMotion& m, const JerkPieces& pieces, std::vector<PieceUse>& out) {
-  motion_.resize(count_ * kPlaces);
-  for (std::size_t k = 1; k <= count_; ++k) places_of(m, pieces, k, &motion_[(k - 1) * kPlaces]);
-  ratios(rows_, motion_, ratios_);
+  pass(m, pieces);
+  for (auto& of : peaks_)
+    for (Peaks& p : of)
+      for (auto* list : {&p.most, &p.above, &p.rows, &p.row}) list->assign(count_, 0.0);
+  for (auto& list : value_) list.resize(count_ * kPlaces);
+  for (std::size_t j = 0; j < rows_.joints(); ++j) look_at_joint(j);
+  for (std::size_t n = 0; n + rows_.joints() < rows_.rows(); ++n) look_at_norm(n);
   out.assign(count_ + 1, {});
-  for (std::size_t k = 1; k <= count_; ++k) {
-    const Ratios* r = &ratios_[(k - 1) * kPlaces];
-    for (std::size_t i = 0; i < kPlaces; ++i)
-      for (std::size_t kind = 0; kind < 3; ++kind) {
-        double peak = r[i].value[kind];
-        if (i > 0 && i + 1 < kPlaces) {
-          const double before = r[i - 1].value[kind], behind = r[i + 1].value[kind];
-          const double bend = 2 * peak - before - behind, slope = behind - before;
-          if (bend > 0 && std::abs(slope) <= 2 * bend) peak += slope * slope / (8 * bend);
-        }
-        double& most = out[k].most[r[i].row[kind] >= rows_.joints()][kind];
-        most = std::max(most, peak);
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    const Peaks &joints = peaks_[0][kind], &norms = peaks_[1][kind];
+    for (std::size_t k = 1; k <= count_; ++k) {
+      PieceUse& use = out[k];
+      for (std::size_t norm = 0; norm < 2; ++norm) {
+        use.most[norm][kind] = peaks_[norm][kind].most[k - 1];
+        use.rows[norm][kind] = peaks_[norm][kind].rows[k - 1];
       }
+      use.above[kind] = std::max(joints.above[k - 1], norms.above[k - 1]);
+      use.row[kind] =
+          std::size_t(norms.most[k - 1] > joints.most[k - 1] ? norms.row[k - 1] : joints.row[k - 1]);
+    }
   }
 }
 
-/// The motion at the places of piece `k`.
-void TimingProblem::places_of(const NodeMotion& m, const JerkPieces& pieces, std::size_t k,
-                              PathMotion* out) const {
-  const double v = std::sqrt(m.b[k - 1]), a = m.a[k - 1], j = pieces.piece(k).jerk,
-               end = pieces.piece(k).time;
-  double low = 0;
-  for (std::size_t i = 0; i < kPlaces; ++i) {
-    const double way = double(i) / (kPlaces - 1) * (m.s[k] - m.s[k - 1]);
-    double t = i == 0 ? 0 : i + 1 == kPlaces ? end : low;
-    if (i > 0 && i + 1 < kPlaces) {
-      double high = end;
-      t = low + (end - low) / double(kPlaces - i);
-      for (int n = 0; n < 4; ++n) {
-        const double over = t * (v + t * (a / 2 + t * j / 6)) - way, speed = v + t * (a + t * j / 2);
-        (over > 0 ? high : low) = t;
-        const double newton = speed > 0 ? t - over / speed : t;
-        t = newton > low && newton < high ? newton : (low + high) / 2;
-      }
-      low = t;
-    }
-    out[i] = {m.s[k - 1] + way, v + t * (a + t * j / 2), a + t * j, j};
+/// How the places are passed in this motion.
+void TimingProblem::pass(const NodeMotion& m, const JerkPieces& pieces) {
+  Passing& p = passing_;
+  for (auto* list : {&p.speed, &p.square, &p.cube, &p.acceleration, &p.product})
+    list->resize(count_ * kPlaces);
+  for (auto* list : {&p.jerk, &p.way, &p.end}) list->resize(count_);
+  p.times.resize(3 * count_);
+  for (std::size_t k = 0; k < count_; ++k) {
+    p.jerk[k] = pieces.piece(k + 1).jerk, p.end[k] = pieces.piece(k + 1).time, p.way[k] = m.s[k + 1] - m.s[k];
+    const std::size_t end = (kPlaces - 1) * count_ + k;
+    p.speed[k] = pieces.speed(k), p.acceleration[k] = m.a[k];
+    p.speed[end] = pieces.speed(k + 1), p.acceleration[end] = m.a[k + 1];
   }
-  if (k == count_) out[kPlaces - 1].speed = std::sqrt(m.b[k]);
+  double* const times[3] = {&p.times[0], &p.times[count_], &p.times[2 * count_]};
+  kernels::best().times(count_, p.speed.data(), p.acceleration.data(), p.jerk.data(), p.way.data(),
+                        p.end.data(), times);
+  for (std::size_t i = 1; i + 1 < kPlaces; ++i)
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double t = times[i - 1][k], a = p.acceleration[k], j = p.jerk[k];
+      p.speed[i * count_ + k] = p.speed[k] + t * (a + t * j / 2);
+      p.acceleration[i * count_ + k] = a + t * j;
+    }
+  for (std::size_t i = 0; i < p.speed.size(); ++i) {
+    const double v = p.speed[i];
+    p.square[i] = v * v, p.cube[i] = v * v * v, p.product[i] = 3 * v * p.acceleration[i];
+  }
+}
+
+/// Of one component of the rows, by kind.
+void TimingProblem::values_of(std::size_t c) {
+  kernels::Pieces m{.pieces = count_, .jerk = passing_.jerk.data()};
+  kernels::PathRow row;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    const std::size_t at = i * count_;
+    m.speed[i] = &passing_.speed[at], m.square[i] = &passing_.square[at], m.cube[i] = &passing_.cube[at];
+    m.acceleration[i] = &passing_.acceleration[at], m.product[i] = &passing_.product[at];
+    row.first[i] = rows_.first(c) + at, row.second[i] = rows_.second(c) + at,
+    row.third[i] = rows_.third(c) + at;
+  }
+  kernels::best().values(m, row, value_[0].data(), value_[1].data(), value_[2].data());
+}
+
+void TimingProblem::peaks(std::size_t kind, const double* values, std::size_t row, double per_high,
+                          double per_low) {
+  Peaks& p = peaks_[row >= rows_.joints()][kind];
+  kernels::best().peaks(count_, values, per_high, per_low, kind < 2, double(row),
+                        {p.most.data(), p.above.data(), p.rows.data(), p.row.data()});
+}
+
+void TimingProblem::look_at_joint(std::size_t j) {
+  values_of(j);
+  const MotionLimits& l = rows_.limits(j);
+  peaks(0, value_[0].data(), j, 1 / l.max_velocity, -1 / l.min_velocity);
+  peaks(1, value_[1].data(), j, 1 / l.max_acceleration, -1 / l.min_acceleration);
+  peaks(2, value_[2].data(), j, 1 / l.max_jerk, 1 / l.max_jerk);
+}
+
+void TimingProblem::look_at_norm(std::size_t n) {
+  for (auto& list : norm_) list.assign(count_ * kPlaces, 0.0);
+  for (std::size_t c = rows_.first_component(n); c < rows_.first_component(n + 1); ++c) {
+    values_of(c);
+    for (std::size_t kind = 0; kind < 3; ++kind)
+      for (std::size_t i = 0; i < norm_[kind].size(); ++i)
+        norm_[kind][i] += value_[kind][i] * value_[kind][i];
+  }
+  const NormLimit& norm = rows_.norm(n);
+  const double limits[3] = {norm.max_velocity, norm.max_acceleration, norm.max_jerk};
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    for (double& x : norm_[kind]) x = std::sqrt(x);
+    peaks(kind, norm_[kind].data(), rows_.joints() + n, 1 / limits[kind], 0);
+  }
 }
 
 void TimingProblem::fill_velocity() {
@@ -192,22 +242,49 @@ void TimingProblem::fill(LimitRows& plain, LimitRows& norm, const std::vector<st
   }
 }
 
+/// By how much the rows of a kind are below their scales in each piece, if that is much: as long as they are,
+/// a lower scale changes nothing.
+std::vector<double> TimingProblem::slacks(const LimitRows& rows, const std::vector<PieceUse>& use,
+                                          std::size_t norm, std::size_t kind) const {
+  const std::size_t pieces = use.size() - 1;
+  std::vector<double> scale(pieces + 1, 0.0);
+  const auto note = [&](std::size_t piece, double s) {
+    if (piece >= 1 && piece <= pieces) scale[piece] = std::max(scale[piece], s);
+  };
+  for (std::size_t i = 0; rows.rows > 0 && i < rows.points; ++i) {
+    const double s = kind == 0 ? std::sqrt(rows.scale[i]) : rows.scale[i];
+    if (kind == 2) {
+      note(i % pieces + 1, s);
+    } else if (i < rows.node.size()) {
+      note(rows.node[i], s), note(rows.node[i] + 1, s);
+    } else {
+      note(i - rows.node.size() + 1, s);
+    }
+  }
+  std::vector<double> out(pieces + 1, 1.0);
+  for (std::size_t k = 1; k <= pieces; ++k) {
+    const double used = kind == 0 ? std::max(use[k].rows[0][0], use[k].rows[1][0]) : use[k].rows[norm][kind];
+    if (scale[k] > 0) out[k] = std::clamp(used / (kMuchSlack * scale[k]), 0.5, 1.0);
+  }
+  return out;
+}
+
 void TimingProblem::tighten(const std::vector<PieceUse>& use) {
   const std::size_t pieces = use.size() - 1;
-  const auto less = [](double most) {
-    return most > 1 ? 1 / std::min(1 + 1.2 * (most - 1) + kTighter, 2.0) : 1;
+  const auto by_piece = [&](const LimitRows& rows, std::size_t norm, std::size_t kind) {
+    const std::vector<double> slack = slacks(rows, use, norm, kind);
+    std::vector<double> out(pieces + 1, 1.0);
+    for (std::size_t k = 1; k <= pieces; ++k) {
+      const double most = kind == 0 ? use[k].highest(0) : use[k].most[norm][kind];
+      if (most > 1) out[k] = slack[k] / std::min(1 + 1.2 * (most - 1) + kTighter, 2.0);
+      if (kind == 0) out[k] *= out[k];
+    }
+    return out;
   };
-  std::vector<double> by_piece[3];  // velocity, acceleration of joints, of norms
-  for (auto& list : by_piece) list.assign(pieces + 1, 1.0);
-  for (std::size_t k = 1; k <= pieces; ++k) {
-    const double speed = less(use[k].most[0][0]), norm = less(use[k].most[1][0]);
-    by_piece[0][k] = std::min(speed * speed, norm * norm);
-    by_piece[1][k] = less(use[k].most[0][1]), by_piece[2][k] = less(use[k].most[1][1]);
-  }
   LimitRows* const rows[] = {&speeds_.velocity, &speeds_.acceleration, &speeds_.norm_acceleration};
-  for (std::size_t kind = 0; kind < 3; ++kind) {
-    LimitRows& l = *rows[kind];
-    const std::vector<double>& by = by_piece[kind];
+  for (std::size_t n = 0; n < 3; ++n) {
+    LimitRows& l = *rows[n];
+    const std::vector<double> by = by_piece(l, n == 2 ? 1 : 0, n > 0 ? 1 : 0);
     for (std::size_t i = 0; l.rows > 0 && i < l.points; ++i) {
       const std::size_t k = i < l.node.size() ? l.node[i] : i - l.node.size() + 1;
       const double factor = i < l.node.size() ? std::min(by[k], by[std::min(k + 1, pieces)]) : by[k];
@@ -216,8 +293,9 @@ void TimingProblem::tighten(const std::vector<PieceUse>& use) {
   }
   for (std::size_t norm = 0; norm < 2; ++norm) {
     LimitRows& l = norm ? speeds_.norm_jerk : speeds_.jerk;
+    const std::vector<double> by = by_piece(l, norm, 2);
     for (std::size_t i = 0; l.rows > 0 && i < l.points; ++i)
-      l.scale[i] = std::max(l.scale[i] * less(use[i % pieces + 1].most[norm][2]), 1e-3);
+      l.scale[i] = std::max(l.scale[i] * by[i % pieces + 1], 1e-3);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "polyarm/trajectory/timing_kernels.hpp"
 #include "polyarm/trajectory/timing_pieces.hpp"
 #include "polyarm/trajectory/timing_rows.hpp"
 #include "polyarm/trajectory/timing_solver.hpp"
@@ -17,8 +18,8 @@ class TimingProblem {
   TimingProblem(PathRows& rows, const std::vector<double>& s);
 
   const SpeedProblem& speeds() const { return speeds_; }
-  /// How much of the limits `motion` uses in each piece (from 1), by samples and by the parabolas through
-  /// neighbouring ones.
+  /// How much of the limits `motion` uses in each piece (from 1): at five places, between them by the
+  /// polynomial through them, and by how much that may be wrong.
   void look(const NodeMotion& motion, const JerkPieces& pieces, std::vector<PieceUse>& out);
   /// Lowers the scales of rows in pieces that exceed their limits, by a little more than that.
   void tighten(const std::vector<PieceUse>& use);
@@ -26,14 +27,21 @@ class TimingProblem {
   PointOrigins refine(const std::vector<double>& s, const std::vector<char>& halve);
 
  private:
-  /// Places of each piece at which the path is looked at: the ends from inside, and three between.
-  static constexpr std::size_t kPlaces = 5;
+  static constexpr std::size_t kPlaces = kernels::kPlaces;
 
   void set_up(const std::vector<double>& s);
-  void places_of(const NodeMotion& m, const JerkPieces& pieces, std::size_t k, PathMotion* out) const;
-  std::size_t begin_of(std::size_t piece) const { return (piece - 1) * kPlaces; }
-  std::size_t middle_of(std::size_t piece) const { return (piece - 1) * kPlaces + kPlaces / 2; }
-  std::size_t end_of(std::size_t piece) const { return piece * kPlaces - 1; }
+  /// The first place of every piece comes first, then the second of every piece, and so on.
+  std::size_t place(std::size_t piece, std::size_t i) const { return i * count_ + piece - 1; }
+  std::size_t begin_of(std::size_t piece) const { return place(piece, 0); }
+  std::size_t middle_of(std::size_t piece) const { return place(piece, kPlaces / 2); }
+  std::size_t end_of(std::size_t piece) const { return place(piece, kPlaces - 1); }
+  void pass(const NodeMotion& motion, const JerkPieces& pieces);
+  void values_of(std::size_t component);
+  void look_at_joint(std::size_t joint);
+  void look_at_norm(std::size_t norm);
+  void peaks(std::size_t kind, const double* values, std::size_t row, double per_high, double per_low);
+  std::vector<double> slacks(const LimitRows& rows, const std::vector<PieceUse>& use, std::size_t norm,
+                             std::size_t kind) const;
   void fill_velocity();
   void fill_acceleration();
   bool jumps(std::size_t before, std::size_t behind) const;
@@ -43,8 +51,16 @@ class TimingProblem {
   PathRows& rows_;
   SpeedProblem speeds_;
   std::size_t count_ = 0;
-  std::vector<PathMotion> motion_;
-  std::vector<Ratios> ratios_;
+  /// How the places are passed, and what a row does there.
+  struct Passing {
+    std::vector<double> speed, square, cube, acceleration, product, jerk, way, end, times;
+  } passing_;
+  std::array<std::vector<double>, 3> value_, norm_;
+  /// By norm or not and by kind, of all pieces: see kernels::Peaks.
+  struct Peaks {
+    std::vector<double> most, above, rows, row;
+  };
+  std::array<std::array<Peaks, 3>, 2> peaks_;
 };
 
 }  // namespace polyarm::trajectory

@@ -47,10 +47,18 @@ class PathRows {
 /// Highest use of limits in a piece of a motion, of joints and of norms, by kind.
 struct PieceUse {
   std::array<std::array<double, 3>, 2> most{};
+  /// The same at the places of the problem's rows alone.
+  std::array<std::array<double, 3>, 2> rows{};
+  /// Of both, with what may have been missed between places; and whose `most` is the higher one.
+  std::array<double, 3> above{};
+  std::array<std::size_t, 3> row{};
+
+  double highest(std::size_t kind) const {
+    return most[0][kind] > most[1][kind] ? most[0][kind] : most[1][kind];
+  }
   double all() const {
     double out = 0;
-    for (const auto& kinds : most)
-      for (const double m : kinds) out = m > out ? m : out;
+    for (std::size_t kind = 0; kind < 3; ++kind) out = highest(kind) > out ? highest(kind) : out;
     return out;
   }
 };

@@ -1,4 +1,4 @@
-#include "polyarm/trajectory/path_rows.hpp"
+#include "polyarm/trajectory/planned_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -78,8 +78,8 @@ class NodeMaker {
 
 }  // namespace
 
-void PathRows::add(double time, std::span<const double> v, std::span<const double> a,
-                   std::span<const double> j) {
+void PlannedRows::add(double time, std::span<const double> v, std::span<const double> a,
+                      std::span<const double> j) {
   times_.push_back(time);
   rows_.resize(rows_.size() + blocks_, Rows{});
   for (std::size_t i = 0; i < v.size(); ++i) {
@@ -88,7 +88,7 @@ void PathRows::add(double time, std::span<const double> v, std::span<const doubl
   }
 }
 
-PathRows::PathRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing)
+PlannedRows::PlannedRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing)
     : blocks_((path.joints() + kWidth - 1) / kWidth) {
   spacing = std::max(spacing, path.duration() / double(kMost));
   NodeMaker maker(path, limits);
@@ -112,7 +112,7 @@ PathRows::PathRows(const TimedPath& path, std::span<const MotionLimits> limits, 
   }
 }
 
-std::size_t PathRows::before(double t, std::size_t i) const noexcept {
+std::size_t PlannedRows::before(double t, std::size_t i) const noexcept {
   const std::size_t last = times_.size() - 1;
   i = std::min(i, last);
   for (int near = 0; near < 8; ++near) {
@@ -129,7 +129,7 @@ std::size_t PathRows::before(double t, std::size_t i) const noexcept {
   return after == times_.begin() ? 0 : std::size_t(after - times_.begin()) - 1;
 }
 
-void PathRows::between(std::size_t node, double t, Rows* out) const noexcept {
+void PlannedRows::between(std::size_t node, double t, Rows* out) const noexcept {
   const std::size_t next = std::min(node + 1, times_.size() - 1);
   const double length = times_[next] - times_[node];
   const double share = length > 0 ? std::clamp((t - times_[node]) / length, 0.0, 1.0) : 0;
@@ -143,7 +143,7 @@ void PathRows::between(std::size_t node, double t, Rows* out) const noexcept {
     }
 }
 
-std::vector<PathRows::Limits> PathRows::limits_of(std::span<const MotionLimits> limits, double harder) {
+std::vector<PlannedRows::Limits> PlannedRows::limits_of(std::span<const MotionLimits> limits, double harder) {
   std::vector<Limits> out((limits.size() + kWidth - 1) / kWidth);
   for (std::size_t i = 0; i < out.size() * kWidth; ++i) {
     Limits& to = out[i / kWidth];

@@ -11,7 +11,7 @@ namespace polyarm::trajectory {
 
 /// Velocity, acceleration and jerk of all joints as planned, at nodes of time, linear between them. Every
 /// jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then const.
-class PathRows {
+class PlannedRows {
  public:
   /// Joints side by side, eight at a time; unused places are 0.
   static constexpr std::size_t kWidth = 8;
@@ -25,7 +25,7 @@ class PathRows {
 
   /// `spacing`: nodes are at most so far apart, s, and closer where the rows bend: what lies between is off
   /// by about 1e-4 of a joint's limits.
-  PathRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing);
+  PlannedRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing);
 
   std::size_t blocks() const noexcept { return blocks_; }
   std::size_t nodes() const noexcept { return times_.size(); }
