@@ -12,9 +12,14 @@ const char* spelling(Operator op) {
   return kSpellings[static_cast<int>(op)];
 }
 
+bool is_comparison(Operator op) {
+  return op >= Operator::equal && op <= Operator::greater_equal;
+}
+
 const char* spelling(Clause::Kind kind) {
-  static constexpr const char* kSpellings[] = {"robot",    "tool",  "frame",  "speed", "accel", "blend",
-                                               "duration", "exact", "smooth", "until", "at"};
+  static constexpr const char* kSpellings[] = {"robot",  "tool",  "frame", "payload",  "near",
+                                               "speed",  "accel", "blend", "duration", "exact",
+                                               "smooth", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
 }
 
@@ -86,6 +91,13 @@ void find_loads(const Block& block, std::vector<const Statement*>& out) {
 std::vector<const Statement*> loads(const Program& program) {
   std::vector<const Statement*> out;
   find_loads(program.statements, out);
+  return out;
+}
+
+std::vector<const Statement*> tests(const Program& program) {
+  std::vector<const Statement*> out;
+  for (const Statement& s : program.statements)
+    if (s.kind == Statement::Kind::test) out.push_back(&s);
   return out;
 }
 

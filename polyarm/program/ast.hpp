@@ -34,6 +34,8 @@ enum class Operator {
 
 /// As it is spelled in a program.
 const char* spelling(Operator op);
+/// == != < <= > >=
+bool is_comparison(Operator op);
 
 struct Expression;
 using ExpressionPtr = std::unique_ptr<Expression>;
@@ -76,7 +78,21 @@ struct Branch;
 
 /// What is said about a move, or about all moves of a block by `use`.
 struct Clause {
-  enum class Kind { robot, tool, frame, speed, accel, blend, duration, exact, smooth, until, at };
+  enum class Kind {
+    robot,
+    tool,
+    frame,
+    payload,
+    near,
+    speed,
+    accel,
+    blend,
+    duration,
+    exact,
+    smooth,
+    until,
+    at
+  };
   Kind kind = Kind::exact;
   Place place;
   ExpressionPtr value;    ///< all but exact and smooth; of `at` the distance or time, if one is said
@@ -134,13 +150,17 @@ struct Statement {
     meet,
     lock,
     when,
-    on_stop
+    on_stop,
+    test,
+    run,
+    expect
   };
   enum class Motion { moveto, movej, movel, movec };
   Kind kind = Kind::stop;
   Motion motion = Motion::moveto;
   Place place;
-  std::string name;  ///< data file, variable, function, task, meeting, lock, of try the name of the error
+  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error.
+  std::string name;
   Place name_place;
   bool explicit_variable = false;        ///< wait var NAME
   Value literal;                         ///< set_literal; the text of ask
@@ -182,5 +202,8 @@ struct Program {
 
 /// The statements that load data, each file once, in the order of the text.
 std::vector<const Statement*> loads(const Program& program);
+
+/// Its tests, in the order of the text.
+std::vector<const Statement*> tests(const Program& program);
 
 }  // namespace polyarm::program

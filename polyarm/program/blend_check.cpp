@@ -31,7 +31,7 @@ class BlendCheck {
 
   /// What of the world an expression reads, or an empty text.
   std::string world_in(const Expression& e) const {
-    if (e.kind == Expression::Kind::call && e.name == "here") return "here()";
+    if (e.kind == Expression::Kind::call && (e.name == "here" || e.name == "ask")) return e.name + "()";
     if (e.kind == Expression::Kind::name && !is_variable(e.name)) {
       const auto at = scope_.names.find(e.name);
       const bool waits = at != scope_.names.end() && at->second.kind && !is_place(at->second) &&

@@ -56,7 +56,7 @@ class Checker {
     check_functions_names();
     block(program_.statements, true);
     for (const Statement& s : program_.statements) apart(s);
-    check_tasks();
+    check_tasks(program_, scope_);
     check_blends(program_, scope_);
     scope_.warn_of_case();
   }
@@ -96,9 +96,18 @@ class Checker {
       }
       block(s.body);
     }
-    if (s.kind == Statements::task) block(s.body);
+    if (s.kind == Statements::task || s.kind == Statements::test) block(s.body);
+    if (s.kind == Statements::test) check_test(s);
     if (s.kind == Statements::when || s.kind == Statements::on_stop) check_at_once(s);
-    scope_.variables.resize(outer);
+    scope_.forget(outer);
+  }
+
+  /// A test stands beside the program that it runs.
+  void check_test(const Statement& s) {
+    for_each_statement(s.body, [&](const Statement& inner) {
+      if (inner.kind == Statements::move)
+        error("no-robot", inner.place, "a test moves no robot", "the program that it runs does");
+    });
   }
 
   void check_at_once(const Statement& s) {
@@ -125,7 +134,8 @@ class Checker {
            s.kind == Statements::raise;
   }
   static bool stands_apart(const Statement& s) {
-    return s.kind == Statements::function || s.kind == Statements::task || s.kind == Statements::on_stop;
+    return s.kind == Statements::function || s.kind == Statements::task || s.kind == Statements::on_stop ||
+           s.kind == Statements::test;
   }
 
   void block(const Block& statements, bool top = false) {
@@ -139,7 +149,7 @@ class Checker {
       statement(s);
       left = left || leaves(s);
     }
-    if (!top) scope_.variables.resize(outer);
+    if (!top) scope_.forget(outer);
   }
 
   void statement(const Statement& s) {
@@ -190,7 +200,7 @@ class Checker {
         const std::size_t outer = scope_.variables.size();
         scope_.declare(s.name, s.name_place, {Kind::record, {}});
         block(s.handler);
-        scope_.variables.resize(outer);
+        scope_.forget(outer);
         return;
       }
       case Statements::raise:
@@ -210,6 +220,9 @@ class Checker {
       case Statements::lock:
         check_time(s.second, false);
         return block(s.body);
+      case Statements::expect:
+        if (s.expression) condition(*s.expression, "expect");
+        return check_time(s.second, false);
       default:
         return;
     }
@@ -329,6 +342,15 @@ class Checker {
       case Kinds::accel:
         return check_quantity(clause, {D::acceleration, D::angular_acceleration, D::none},
                               "2m/s2, 200deg/s2 or 50%");
+      case Kinds::payload:
+        return check_quantity(clause, {D::mass}, "2kg");
+      case Kinds::near: {
+        const Type type = clause.value ? infer(*clause.value) : kUnknown;
+        if (type.kind && *type.kind != Kind::joints)
+          error("bad-type", clause.value->place, "'near' takes a joint state, here is " + described(type),
+                "");
+        return;
+      }
       case Kinds::blend:
         return check_quantity(clause, {D::length}, "20mm");
       case Kinds::duration:
@@ -444,53 +466,7 @@ class Checker {
     if (!s.second_name.empty()) scope_.declare(s.second_name, s.place, number_of(Dimension::none));
     declare(s, s.second ? first : kUnknown);
     block(s.body);
-    scope_.variables.resize(outer);
-  }
-
-  // Tasks against one another.
-
-  struct Use {
-    Place place;
-    const Statement* task;
-  };
-
-  void check_tasks() {
-    std::map<std::string, Use> robots;
-    std::map<std::string, std::set<const Statement*>> meetings;
-    std::map<std::string, Place> first_meeting;
-    for (const Statement& s : program_.statements) {
-      if (s.kind == Statements::task) robots_in(s.body, s, robots);
-      for_each_statement(s.body, [&](const Statement& inner) {
-        if (inner.kind != Statements::meet || inner.name.empty()) return;
-        meetings[inner.name].insert(&s);
-        first_meeting.try_emplace(inner.name, inner.place);
-      });
-    }
-    for (const auto& [name, tasks] : meetings)
-      if (tasks.size() == 1 && (*tasks.begin())->kind != Statements::function)
-        error("no-meeting", first_meeting.at(name), "no other task comes to '" + name + "'",
-              "`meet` stands in two or more tasks");
-  }
-
-  /// Two tasks that command one robot outside of a lock.
-  void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots) {
-    for (const Statement& s : block_) {
-      if (s.kind == Statements::lock) continue;
-      for (const Clause& clause : s.clauses) {
-        if (clause.kind != Clause::Kind::robot || !clause.value) continue;
-        const std::string name =
-            clause.value->kind == Expression::Kind::literal ? clause.value->value.text() : clause.value->name;
-        const auto [at, made] = robots.try_emplace(name, Use{clause.place, &task});
-        if (!made && at->second.task != &task)
-          error("two-tasks", clause.place,
-                "the robot '" + name + "' is used by the task '" + at->second.task->name + "' in line " +
-                    std::to_string(at->second.place.line) + ", too",
-                "a robot belongs to one task; where they take turns, use it inside a `lock`");
-      }
-      robots_in(s.body, task, robots);
-      robots_in(s.handler, task, robots);
-      for (const Branch& branch : s.branches) robots_in(branch.body, task, robots);
-    }
+    scope_.forget(outer);
   }
 
   const Program& program_;

@@ -10,10 +10,11 @@ namespace polyarm::program {
 namespace {
 using Kind = Statement::Kind;
 
-constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Clause::Kind::frame,
-                                 Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
-                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
-                                 Clause::Kind::until,    Clause::Kind::at};
+constexpr std::array kClauses = {Clause::Kind::robot,   Clause::Kind::tool,   Clause::Kind::frame,
+                                 Clause::Kind::payload, Clause::Kind::near,   Clause::Kind::speed,
+                                 Clause::Kind::accel,   Clause::Kind::blend,  Clause::Kind::duration,
+                                 Clause::Kind::exact,   Clause::Kind::smooth, Clause::Kind::until,
+                                 Clause::Kind::at};
 
 std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
   for (const Clause::Kind kind : kClauses)
@@ -30,9 +31,6 @@ std::vector<std::string> clause_words() {
 [[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
   const Token& token = cursor.peek();
   refuse_bad(token);
-  if (cursor.is_word("near") || cursor.is_word("payload"))
-    throw SyntaxError{"not-yet", token.place, shown(token) + " is not part of this version of the language",
-                      ""};
   const std::vector<std::string> words = clause_words();
   const bool word = token.kind == TokenKind::name;
   std::string advice = "clauses are " + join(words, ", ");
@@ -86,6 +84,12 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   if (moves_only && out.kind == Kind::use)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
+  const bool of_joints = out.kind == Kind::move &&
+                         (out.motion == Statement::Motion::moveto || out.motion == Statement::Motion::movej);
+  if (clause.kind == Clause::Kind::near && !of_joints)
+    throw SyntaxError{"bad-clause", clause.place,
+                      "'near' belongs to a movej: a line and an arc keep the configuration they begin in",
+                      "write `movej P, near NAME` before it"};
   if (clause.kind == Clause::Kind::smooth &&
       (out.kind != Kind::move || out.motion != Statement::Motion::movel))
     throw SyntaxError{"bad-clause", clause.place, "'smooth' belongs to a movel through several points",

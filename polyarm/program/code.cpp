@@ -22,6 +22,7 @@ class Compiler : private CodeWriter {
     for (std::size_t i = 0; i < functions_.size(); ++i) compile_function(*functions_[i], code_.functions[i]);
     for (std::size_t i = 0; i < tasks_.size(); ++i) compile_apart(*tasks_[i], code_.tasks[i]);
     for (std::size_t i = 0; i < whens_.size(); ++i) compile_when(*whens_[i], code_.whens[i]);
+    for (std::size_t i = 0; i < tests_.size(); ++i) compile_apart(*tests_[i], code_.tests[i]);
     if (on_stop_) {
       FunctionCode entry;
       compile_apart(*on_stop_, entry);
@@ -42,10 +43,14 @@ class Compiler : private CodeWriter {
   void collect(const Block& top) {
     for (const Statement& s : top) {
       if (s.kind == Kind::let && !s.name.empty()) add_global(s.name);
-      if (s.kind == Kind::function) functions_.push_back(&s), code_.functions.push_back({s.name, 0});
+      if (s.kind == Kind::function) {
+        function_at_.try_emplace(s.name, functions_.size());
+        functions_.push_back(&s), code_.functions.push_back({s.name, 0});
+      }
       if (s.kind == Kind::task) tasks_.push_back(&s), code_.tasks.push_back({s.name, 0});
       if (s.kind == Kind::when) whens_.push_back(&s), code_.whens.push_back({"when", 0});
       if (s.kind == Kind::on_stop) on_stop_ = &s;
+      if (s.kind == Kind::test) tests_.push_back(&s), code_.tests.push_back({s.name, 0});
     }
   }
 
@@ -168,7 +173,12 @@ class Compiler : private CodeWriter {
         add(Op::begin_when, s.place,
             static_cast<int>(std::find(whens_.begin(), whens_.end(), &s) - whens_.begin()));
         return;
-      default:  // functions, tasks and on stop stand elsewhere
+      case Kind::run:
+        add(Op::run, s.place);
+        return;
+      case Kind::expect:
+        return expect(s);
+      default:  // functions, tasks, tests and on stop stand elsewhere
         begins_ = false;
         return;
     }
@@ -268,6 +278,41 @@ class Compiler : private CodeWriter {
     add(Op::arrive, s.place);
     if (s.kind == Kind::wait) timeout(s);
     look_until(Op::wait, condition, s.has_else, s.body, s);
+  }
+
+  /// Where it is not so, what its parts are is looked at once more, for the message.
+  void expect(const Statement& s) {
+    add(Op::arrive, s.place);
+    timeout(s);
+    const Expression& condition = *s.expression;
+    const int start = here();
+    const int what = reads(condition);
+    expression(condition);
+    const int step = add(Op::expect, condition.place, start, what);
+    const int skip = add(Op::jump, s.place);
+    land(step);
+    std::vector<const Expression*> parts;
+    parts_told(condition, parts);
+    std::vector<std::string> spellings;
+    for (const Expression* part : parts) expression(*part), spellings.push_back(spelled(*part));
+    add(Op::unmet, condition.place, static_cast<int>(parts.size()), names(std::move(spellings)));
+    land(skip);
+  }
+
+  /// The values that decide whether `e` is true.
+  static void parts_told(const Expression& e, std::vector<const Expression*>& out) {
+    using Kinds = Expression::Kind;
+    if (e.kind == Kinds::literal || e.kind == Kinds::record) return;
+    const bool splits = e.kind == Kinds::unary || e.kind == Kinds::binary;
+    if (!splits) return out.push_back(&e);
+    for (const ExpressionPtr& part : e.parts) {
+      const bool whole = is_comparison(e.op) && part->kind != Kinds::literal;
+      if (whole) {
+        out.push_back(part.get());
+      } else {
+        parts_told(*part, out);
+      }
+    }
   }
 
   /// `wait user`: a name where there is one, else a question.
@@ -494,9 +539,9 @@ class Compiler : private CodeWriter {
       if (s.kind == Kind::meet) out.insert(s.name);
       for_each_expression(s, [&](const Expression& e) {
         for_each_call(e, [&](const Expression& call) {
-          for (const Statement* function : functions_)
-            if (function->name == call.name && seen.insert(call.name).second)
-              meetings_in(function->body, out, seen);
+          const auto at = function_at_.find(call.name);
+          if (at != function_at_.end() && seen.insert(call.name).second)
+            meetings_in(functions_[at->second]->body, out, seen);
         });
       });
     });

@@ -26,9 +26,11 @@ enum class Op {
   list,            ///< a: how many
   record,          ///< a: how many, b: their names
   element,
-  field,    ///< a: text
-  builtin,  ///< a: function, b: how many, c: names of the arguments
-  call,     ///< a: function, b: how many
+  field,     ///< a: text
+  builtin,   ///< a: function, b: how many, c: names of the arguments
+  call,      ///< a: function, b: how many
+  of_host,   ///< a: function, b: how many; the host does it
+  answered,  ///< takes what the answer is to be like; to c where it is not
   here,
   // Names.
   drop,
@@ -53,8 +55,12 @@ enum class Op {
   ask,  ///< takes the text; a: where to go when its word is a name, or -1
   log,  ///< a: how many
   hold,
-  meet,  ///< a: text, c: timeout or -1
-  lock,  ///< a: text
+  ask_value,  ///< takes the text; the answer is there when the next step is taken
+  run,        ///< of statement
+  expect,     ///< takes the condition; a, b as of until, c: where it is told what is not so
+  unmet,      ///< a: how many values, b: how they are spelled
+  meet,       ///< a: text, c: timeout or -1
+  lock,       ///< a: text
   // Flow.
   jump,         ///< to c
   jump_unless,  ///< to c where the condition is false
@@ -125,7 +131,7 @@ struct Code {
   std::vector<ConditionReads> reads;
   std::vector<std::vector<int>> entries;
   std::vector<Problem> problems;
-  std::vector<FunctionCode> functions, tasks, whens;
+  std::vector<FunctionCode> functions, tasks, whens, tests;
   std::map<std::string, int> meetings;  ///< how many tasks come to each
   std::vector<std::string> globals;
   std::vector<VariableName> variables;

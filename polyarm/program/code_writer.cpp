@@ -153,8 +153,8 @@ void CodeWriter::index(const Expression& e) {
 
 void CodeWriter::call(const Expression& e) {
   try {
-    for (std::size_t i = 0; i < functions_.size(); ++i)
-      if (functions_[i]->name == e.name) return call_function(e, i);
+    const auto own = function_at_.find(e.name);
+    if (own != function_at_.end()) return call_function(e, own->second);
     const Function* function = find_function(e.name);
     if (!function) throw OperationError{"unknown-function", "there is no function '" + e.name + "'", {}};
     call_builtin(e, *function);
@@ -181,6 +181,7 @@ void CodeWriter::call_builtin(const Expression& e, const Function& function) {
     add(Op::here, e.place);
     return;
   }
+  if (function.name == "ask") return call_ask(e, bound);
   for (std::size_t i = 0; i < bound.argument_of.size(); ++i) {
     const int argument = bound.argument_of[i];
     if (argument >= 0) {
@@ -194,9 +195,24 @@ void CodeWriter::call_builtin(const Expression& e, const Function& function) {
     add(Op::constant, e.place, constant(data::Number{*parameter.otherwise, dimension}));
   }
   for (const int argument : bound.further) expression(*e.parts[static_cast<std::size_t>(argument)]);
-  const int step = add(Op::builtin, e.place, static_cast<int>(&function - functions().data()),
+  const int step = add(function.call ? Op::builtin : Op::of_host, e.place,
+                       static_cast<int>(&function - functions().data()),
                        static_cast<int>(bound.argument_of.size() + bound.further.size()));
   code_.steps[static_cast<std::size_t>(step)].c = names(e.names);
+}
+
+/// The question comes again until the answer is like what is wanted.
+void CodeWriter::call_ask(const Expression& e, const Bound& bound) {
+  const int begin = here();
+  if (bound.argument_of[1] < 0) {
+    add(Op::constant, e.place, constant(std::string{}));
+  } else {
+    expression(*e.parts[static_cast<std::size_t>(bound.argument_of[1])]);
+  }
+  expression(*e.parts[static_cast<std::size_t>(bound.argument_of[0])]);
+  add(Op::ask_value, e.place);
+  const int step = add(Op::answered, e.place);
+  code_.steps[static_cast<std::size_t>(step)].c = begin;
 }
 
 int CodeWriter::reads(const Expression& condition) {

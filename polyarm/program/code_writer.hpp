@@ -11,6 +11,7 @@
 namespace polyarm::program {
 
 struct Function;
+struct Bound;
 
 class CodeWriter {
  protected:
@@ -61,6 +62,7 @@ class CodeWriter {
   void call(const Expression& e);
   void call_function(const Expression& e, std::size_t which);
   void call_builtin(const Expression& e, const Function& function);
+  void call_ask(const Expression& e, const Bound& bound);
   /// What a condition reads that others change.
   int reads(const Expression& condition);
 
@@ -69,7 +71,8 @@ class CodeWriter {
   Scope scope_;
   std::map<std::string, int> globals_;
   std::map<std::string, int> text_at_;
-  std::vector<const Statement*> functions_, tasks_, whens_;
+  std::map<std::string, std::size_t> function_at_;
+  std::vector<const Statement*> functions_, tasks_, whens_, tests_;
   const Statement* on_stop_ = nullptr;
   const Statement* statement_ = nullptr;
   Place line_;

@@ -32,6 +32,10 @@ bool Interpreter::stops_here(Task& task) {
   return true;
 }
 
+void Interpreter::pause_here() {
+  paused_ = tasks_.front()->id;
+}
+
 void Interpreter::resume() {
   resumed_ = std::exchange(paused_, 0);
 }
@@ -61,6 +65,12 @@ std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& 
     breakpoints_.push_back(*best);
     out.push_back(program_.at(*best));
   }
+  return out;
+}
+
+std::vector<Location> Interpreter::breakpoints() const {
+  std::vector<Location> out;
+  for (const Place& place : breakpoints_) out.push_back(program_.at(place));
   return out;
 }
 

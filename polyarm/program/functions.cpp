@@ -168,6 +168,9 @@ Value pallet(Values a, Names) {
 Value here(Values, Names) {
   refuse("here() stands in a running program only");
 }
+Value ask(Values, Names) {
+  refuse("ask() stands in a running program only");
+}
 
 std::vector<FunctionParameter> shifts(std::vector<FunctionParameter> before = {}) {
   for (const char* axis : {"x", "y", "z"}) before.push_back({axis, Wanted::length, 0.0});
@@ -260,6 +263,33 @@ std::vector<Function> all_functions() {
         Kind::list, {}, &pallet);
   gives("here", "here()", "where the tool centre point is; waits until the robot has arrived", {}, Kind::pose,
         {}, &here);
+  out.push_back({"ask",
+                 "ask(question, like)",
+                 "what a person answers: a text, or where `like` says so a number in its unit, or yes or no; "
+                 "an empty answer is `like` itself",
+                 {{"question", W::text, {}}, {"like", W::any, 0.0}},
+                 false,
+                 false,
+                 {},
+                 {},
+                 &ask});
+  const auto of_tests = [&](std::string_view name, std::string_view signature, std::string_view meaning,
+                            std::vector<FunctionParameter> parameters, std::optional<Kind> gives_kind) {
+    out.push_back(
+        {name, signature, meaning, std::move(parameters), false, false, gives_kind, {}, nullptr, true});
+  };
+  of_tests("fault", "fault(interface, value)",
+           "in a test: from now on this interface of the hardware has this value, whatever happens; on and "
+           "off are 1 and 0",
+           {{"interface", W::text, {}}, {"value", W::any, {}}}, Kind::boolean);
+  of_tests("heal", "heal(interface)", "in a test: the fault of this interface is over",
+           {{"interface", W::text, {}}}, Kind::boolean);
+  of_tests("person", "person(words)",
+           "in a test: what a person types while the cell runs: hold, resume, back, discard, recover, stop, "
+           "override 50%, or the answer to a question",
+           {{"words", W::text, {}}}, Kind::boolean);
+  of_tests("part", "part(name)", "in a test: where a part of the scene is now", {{"name", W::text, {}}},
+           Kind::pose);
   return out;
 }
 

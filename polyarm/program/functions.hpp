@@ -29,12 +29,14 @@ struct Function {
   /// What it gives; nothing: what its first argument is.
   std::optional<data::Kind> gives;
   std::optional<Dimension> dimension;  ///< of a number
-  /// The arguments are complete and of the wanted types. `names` are those of named arguments.
+  /// The arguments are complete and of the wanted types. `names` are those of named arguments. Null: the host
+  /// does it.
   Value (*call)(std::span<const Value> arguments, std::span<const std::string> names) = nullptr;
+  bool in_tests = false;  ///< only there
 };
 
-/// The function of that name, in any case, or nullptr. here() is one of them that only the interpreter can
-/// call.
+/// The function of that name, in any case, or nullptr. here() and ask() are among them, which only the
+/// interpreter can call.
 const Function* find_function(std::string_view name);
 std::vector<std::string> function_names();
 const std::vector<Function>& functions();

@@ -20,6 +20,14 @@ data::Value Host::here(const std::string&, const std::string&, const std::string
   refuse({}, "this cell does not tell where its robot is");
 }
 
+void Host::run_program(const std::string&, const Location& where) {
+  refuse(where, "this is no test of a cell: no program can be run here");
+}
+
+data::Value Host::call(std::string_view function, std::span<const data::Value>, const Location& where) {
+  refuse(where, std::string(function) + "() is there in the tests of a cell");
+}
+
 void Host::hold(const std::string&, const Location& where) {
   refuse(where, "this cell cannot be held by a program");
 }

@@ -2,6 +2,7 @@
 /// What a program needs from the cell it runs in. The interpreter knows no robot, file or clock of its own.
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,9 @@ struct Move {
   std::optional<data::Number> accel;     ///< an acceleration, an angular acceleration, or a share
   std::optional<data::Number> blend;     ///< a length: how far from its targets the path may leave them
   std::optional<data::Number> duration;  ///< a time: the move takes at least this long
+  std::optional<data::Number> payload;   ///< a mass: what the gripper holds
+  /// joint: of the configurations that reach a pose, the one nearest to these joints.
+  std::optional<data::JointState> near;
   /// It comes to rest at its last target: the program says so, or states no blend.
   bool exact = true;
   bool smooth = false;  ///< line: one curve through all targets instead of lines between them
@@ -103,6 +107,12 @@ class Host {
   /// Puts a question to whoever operates the cell.
   virtual Handle start_ask(const std::string& text, const Location& where) = 0;
   virtual Progress poll_ask(Handle handle) = 0;
+  /// What was answered to the last question that is done.
+  virtual std::string answer() const { return {}; }
+  /// In tests: begins the program, or another of the cell's; and the functions of tests, by name.
+  virtual void run_program(const std::string& name, const Location& where);
+  virtual data::Value call(std::string_view function, std::span<const data::Value> arguments,
+                           const Location& where);
 
   virtual Nanoseconds now() const = 0;
   /// True when every robot of the program stands; the clean-up of a program begins only then.

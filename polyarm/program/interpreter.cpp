@@ -12,8 +12,8 @@ const char* name(TaskState state) {
   return kNames[static_cast<int>(state)];
 }
 
-Interpreter::Interpreter(Program program, Host& host)
-    : program_{std::move(program)}, code_{compile(program_)}, host_{host} {
+Interpreter::Interpreter(Program program, Host& host, std::optional<std::size_t> test)
+    : program_{std::move(program)}, code_{compile(program_)}, host_{host}, test_{test} {
   Slot empty;
   empty.set = false;
   globals_.assign(code_.globals.size(), empty);
@@ -65,13 +65,17 @@ std::vector<TaskStatus> Interpreter::status() const {
   return out;
 }
 
-TaskStatus Interpreter::overview() const {
+const Interpreter::Task& Interpreter::shown_task() const {
   const Task* shown = tasks_.front().get();
   for (const auto& task : tasks_) {
     const bool first = task->shown && shown->over() && !task->over() && shown->state != TaskState::failed;
     if (first || (task->state == TaskState::failed && shown->state != TaskState::failed)) shown = task.get();
   }
-  TaskStatus out = status_of(*shown);
+  return *shown;
+}
+
+TaskStatus Interpreter::overview() const {
+  TaskStatus out = status_of(shown_task());
   out.state = state();
   for (const auto& task : tasks_) out.passes = std::max(out.passes, task->passes);
   return out;
@@ -113,7 +117,7 @@ bool Interpreter::run_task(Task& task, int& budget) {
     while (task.state == TaskState::running) {
       if (code_.steps[task.pc].begins) {
         if (budget <= 0) return true;
-        if (stops_here(task)) return false;
+        if (looks_for_stops() && stops_here(task)) return false;
         --budget;
       }
       execute(task);
@@ -181,6 +185,7 @@ void Interpreter::step_clean_up(int& budget) {
 namespace {
 /// The kinds of errors that programs tell apart.
 const char* kind_of(const std::string& code) {
+  if (code == "expect") return "user";
   for (const char* kind : {"timeout", "unreachable", "limit", "signal", "user"})
     if (code == kind) return kind;
   if (code == "singular" || code == "jump" || code == "refused") return "unreachable";

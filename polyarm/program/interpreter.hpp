@@ -2,6 +2,7 @@
 /// Runs a program as explicit state that the cell thread steps: tasks, frames, program counters. It never
 /// blocks, so it can be paused between any two statements by not stepping it.
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,9 +12,12 @@
 
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/host.hpp"
+#include "polyarm/program/saved_state.hpp"
 #include "polyarm/program/task_state.hpp"
 
 namespace polyarm::program {
+
+struct Plain;
 
 struct TaskStatus {
   std::string name;
@@ -52,7 +56,8 @@ struct StepResult {
 class Interpreter {
  public:
   /// `program` must have been parsed without errors; `host` has to outlive this.
-  Interpreter(Program program, Host& host);
+  /// With `test` it is that of the program's tests, as tests() counts them.
+  Interpreter(Program program, Host& host, std::optional<std::size_t> test = {});
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;
   ~Interpreter();
@@ -83,8 +88,11 @@ class Interpreter {
   StartReport start_at(int line);
   /// Pauses in front of these lines; each moves down to the next statement. Returns where they are then.
   std::vector<Location> set_breakpoints(const std::vector<Location>& places);
+  std::vector<Location> breakpoints() const;
   /// Pauses in front of the next statement; motion that is queued goes on.
   void pause() { pause_asked_ = true; }
+  /// Before the first step: paused where it begins.
+  void pause_here();
   bool paused() const { return paused_ != 0; }
   void resume();
   /// Goes on by one statement of the task that is paused.
@@ -94,6 +102,20 @@ class Interpreter {
   std::vector<VariableValue> variables(const std::string& task) const;
   /// The functions that the task is in, outermost first, with the line each stands at.
   std::vector<Location> calls(const std::string& task) const;
+  /// What the moves of that task use where it stands.
+  MoveDefaults uses(const std::string& task) const;
+  /// The place that overview() tells, for who looks often.
+  Place position() const;
+
+  // Written down and taken up again, after a loss of power: saving.cpp
+
+  /// True at a point that the program could go on from in another process: all motion that it asked for has
+  /// arrived, and nothing else is under way.
+  bool safe() const;
+  /// Only where it is safe.
+  SavedState save() const;
+  /// Before the first step: goes on from there. Throws Error where the state is of another program.
+  StartReport restore(const SavedState& from);
 
  private:
   struct Task;
@@ -115,8 +137,10 @@ class Interpreter {
   void unwind(Task& task, const Problem& problem);
   void fail(Task& task, Problem problem);
   TaskStatus status_of(const Task& task) const;
+  const Task& shown_task() const;
 
   bool stops_here(Task& task);
+  bool looks_for_stops() const { return resumed_ || pause_asked_ || stepping_ || !breakpoints_.empty(); }
   void run_prelude(const StartingPoint& start);
   void tell_assumptions(const StartingPoint& start, StartReport& out) const;
 
@@ -138,6 +162,12 @@ class Interpreter {
 
   // Steps: execute.cpp
   void execute(Task& task);
+  bool quick(Task& task, const Step& step);
+  bool quick_load(Task& task, const Step& step);
+  bool quick_binary(Task& task, const Step& step);
+  bool quick_for(Task& task, const Step& step);
+  const data::Number* loaded_number(Task& task, const Step& step) const;
+  void hand_on(Task& task, const Plain& plain, const Step& next, std::size_t pc);
   void execute_value(Task& task, const Step& step);
   void execute_name(Task& task, const Step& step);
   void execute_world(Task& task, const Step& step);
@@ -145,6 +175,8 @@ class Interpreter {
   bool push_host(Task& task, const Step& step);
   void push_field(Task& task, const Step& step);
   void call_builtin(Task& task, const Step& step);
+  void call_host(Task& task, const Step& step);
+  bool push_answer(Task& task, const Step& step);
   void enter(Task& task, const Step& step);
   void give(Task& task);
   void replace_part(Task& task, const Step& step);
@@ -171,6 +203,8 @@ class Interpreter {
   void wait_step(Task& task, const Step& step);
   void until_step(Task& task, const Step& step);
   void ask(Task& task, const Step& step);
+  void expect(Task& task, const Step& step);
+  void tell_unmet(Task& task, const Step& step);
   void meet(Task& task, const Step& step);
   void lock(Task& task, const Step& step);
   void together(Task& task, const Step& step);
@@ -180,11 +214,13 @@ class Interpreter {
   Host& host_;
   std::vector<std::unique_ptr<Task>> tasks_;
   std::vector<Slot> globals_;
+  std::deque<std::string> origins_;                             ///< of slots that were restored
   std::map<std::string, std::vector<std::uint64_t>> meetings_;  ///< who has come
   std::map<std::string, std::uint64_t> locks_;                  ///< who has it
   std::uint64_t groups_ = 0;                                    ///< of moves in step, so far
   std::vector<Watch> watches_;
   std::uint64_t last_id_ = 0;
+  std::optional<std::size_t> test_;
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;
   int turn_left_ = 0;

@@ -25,7 +25,8 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
     throw Refused{clause.value->place,
                   "'" + word + "' cannot be " + described(value) + " (" + value.text().substr(0, 40) + ")",
                   std::string("write such as ") + such_as};
-  if (n->value < 0 || (n->value == 0 && clause.kind != Clause::Kind::blend))
+  if (n->value < 0 ||
+      (n->value == 0 && clause.kind != Clause::Kind::blend && clause.kind != Clause::Kind::payload))
     throw Refused{
         clause.value->place, "'" + word + "' has to be more than nothing, here is " + value.text(), {}};
   if (n->dimension == Dimension::none && n->value > 1)
@@ -67,12 +68,21 @@ void take(Target& out, const Clause& clause, const Value& value) {
           quantity(value, clause, {Dimension::acceleration, Dimension::angular_acceleration, Dimension::none},
                    "2m/s2, 200deg/s2 or 50%");
       break;
+    case Kinds::payload:
+      out.payload = quantity(value, clause, {Dimension::mass}, "2kg");
+      break;
     case Kinds::blend:
       out.blend = quantity(value, clause, {Dimension::length}, "20mm");
       break;
     default:
       break;
   }
+}
+
+data::JointState near_of(const Value& value, const Clause& clause) {
+  if (value.as_joints()) return *value.as_joints();
+  throw Refused{clause.value->place, "'near' takes a joint state, here is " + described(value),
+                "write such as `near Home`, or `near joints(0deg, -90deg, …)`"};
 }
 
 bool takes_value(const Clause& clause) {
@@ -119,7 +129,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   out.kind = s.motion == Motion::movel   ? Move::Kind::line
              : s.motion == Motion::movec ? Move::Kind::arc
                                          : Move::Kind::joint;
-  out.speed = use.speed, out.accel = use.accel, out.blend = use.blend;
+  out.speed = use.speed, out.accel = use.accel, out.blend = use.blend, out.payload = use.payload;
   out.robot = use.robot, out.tool = use.tool, out.frame = use.frame, out.frame_pose = use.frame_pose;
   for (const ExpressionPtr& point : s.arguments) {
     add_targets(out, task.stack[first++], *point, s.motion == Motion::movej || s.motion == Motion::movel);
@@ -132,6 +142,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     out.waits = out.waits || clause.kind == Clause::Kind::until;
     if (clause.kind == Clause::Kind::duration)
       out.duration = quantity(task.stack[first].value, clause, {Dimension::time}, "2s");
+    if (clause.kind == Clause::Kind::near) out.near = near_of(task.stack[first].value, clause);
     if (takes_value(clause)) take(out, clause, task.stack[first].value);
     first += values_of(clause);
   }
@@ -251,181 +262,6 @@ void Interpreter::look_at_watches() {
       ++i;
     }
   }
-}
-
-// The world.
-
-void Interpreter::execute_world(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  switch (step.op) {
-    case Op::arrive:
-      if (!arrived(task)) return;
-      break;
-    case Op::load: {
-      if (!arrived(task)) return;
-      const LoadForm form = s.kind == Statement::Kind::import ? LoadForm::import : LoadForm::load;
-      wait_for(task, WaitKind::load, s.name);
-      task.handles = {host_.start_load(s.name, form, program_.at(s.place))};
-      break;
-    }
-    case Op::move:
-      return move(task, step);
-    case Op::use:
-      return use(task, step);
-    case Op::until:
-      return until_step(task, step);
-    case Op::deadline:
-      task.deadline = host_.now() + time(pop(task, step.place), step.place, false);
-      break;
-    case Op::wait:
-      return wait_step(task, step);
-    case Op::wait_time: {
-      const Nanoseconds until = host_.now() + time(pop(task, step.place), step.place, true);
-      wait_for(task, WaitKind::time);
-      task.waiting.until = until;
-      break;
-    }
-    case Op::ask:
-      return ask(task, step);
-    case Op::log: {
-      std::string text;
-      require_values(task, step, static_cast<std::size_t>(step.a));
-      const std::size_t first = task.stack.size() - static_cast<std::size_t>(step.a);
-      for (std::size_t i = first; i < task.stack.size(); ++i)
-        text += (i > first ? " " : "") + task.stack[i].value.text();
-      task.stack.resize(first);
-      host_.log(text, program_.at(step.line));
-      break;
-    }
-    case Op::hold: {
-      if (task.apart) wait_for(task, WaitKind::user);
-      if (!arrived(task)) return;
-      const std::string reason = step.a > 0 ? pop(task, step.place).text() : "the program holds";
-      ++task.pc;
-      return host_.hold(reason, program_.at(step.line));
-    }
-    case Op::meet:
-      return meet(task, step);
-    default:
-      return lock(task, step);
-  }
-  ++task.pc;
-}
-
-/// A number is a time to wait, a boolean a condition to wait for.
-void Interpreter::wait_step(Task& task, const Step& step) {
-  const Value value = pop(task, step.place);
-  if (value.as_number() && step.statement->kind == Statement::Kind::wait) {
-    if (task.deadline) fail_at(step.statement->second->place, "bad-type", "a wait for a time has no timeout");
-    const Nanoseconds until = host_.now() + time(value, step.place, false);
-    wait_for(task, WaitKind::time);
-    task.waiting.until = until;
-    ++task.pc;
-    return;
-  }
-  const bool* truth = value.as_boolean();
-  if (!truth)
-    fail_at(step.place, "bad-type",
-            std::string("the condition of 'wait' is ") + data::name(value.kind()) + " (" +
-                value.text().substr(0, 60) + "), True or False was expected");
-  if (!*truth) {
-    begin_look(task, step, WaitKind::condition);
-    if (deadline_passed(task)) time_out(task);
-    return;
-  }
-  task.deadline.reset();
-  ++task.pc;
-}
-
-/// True: the move ends here. At its end without that the block behind `else` is done.
-void Interpreter::until_step(Task& task, const Step& step) {
-  if (pop_boolean(task, step, "until")) {
-    host_.end_move(task.handles.back(), program_.at(step.line));
-    wait_for(task, WaitKind::move, "its end");
-    ++task.pc;
-    return;
-  }
-  begin_look(task, step, WaitKind::until);
-  const std::vector<Handle> handles = task.handles;
-  const WaitKind kind = std::exchange(task.waiting.kind, WaitKind::move);
-  if (!poll_handles(task)) {
-    task.handles = handles;
-    task.waiting.kind = kind;
-    return;
-  }
-  task.pc = step.c >= 0 ? static_cast<std::size_t>(step.c) : task.pc + 1;
-}
-
-void Interpreter::ask(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  if (step.a >= 0 && host_.find(s.second->name)) {
-    task.stack.pop_back();
-    task.pc = static_cast<std::size_t>(step.a);
-    return;
-  }
-  if (!arrived(task)) return;
-  const std::string text = pop(task, step.place).text();
-  wait_for(task, WaitKind::user, text);
-  task.handles = {host_.start_ask(text, program_.at(s.place))};
-  ++task.pc;
-}
-
-// Tasks and one another.
-
-/// Passed when as many tasks have come as mention it.
-void Interpreter::meet(Task& task, const Step& step) {
-  const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
-  const auto parties = code_.meetings.find(name);
-  if (parties == code_.meetings.end() || parties->second < 2)
-    fail_at(step.place, "no-meeting", "no other task comes to '" + name + "'",
-            "`meet` stands in two or more tasks");
-  auto& come = meetings_[name];
-  come.push_back(task.id);
-  if (come.size() < static_cast<std::size_t>(parties->second)) {
-    wait_for(task, WaitKind::meet, name);
-    task.waiting.until = task.deadline;
-    return;
-  }
-  for (const std::uint64_t id : come)
-    if (Task* other = task_of(id)) other->met = true;
-  come.clear();
-  task.met = false;
-  task.deadline.reset();
-  ++task.pc;
-}
-
-void Interpreter::lock(Task& task, const Step& step) {
-  const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
-  const auto owner = locks_.find(name);
-  if (owner != locks_.end() && owner->second == task.id)
-    fail_at(step.place, "locked", "this task has '" + name + "' already", {});
-  if (owner != locks_.end()) {
-    wait_for(task, WaitKind::lock, name);
-    task.waiting.until = task.deadline;
-    return;
-  }
-  locks_[name] = task.id;
-  task.locks.push_back(name);
-  task.deadline.reset();
-  ++task.pc;
-}
-
-/// Each statement of the block begins at once, with the names there are now.
-void Interpreter::together(Task& task, const Step& step) {
-  if (!arrived(task)) return;
-  const auto& entries = code_.entries[static_cast<std::size_t>(step.a)];
-  const CallFrame frame = task.frame();
-  for (const int entry : entries) {
-    Task& child = add_task(task.name, entry, false);
-    child.parent = task.id;
-    child.stack.assign(task.stack.begin() + static_cast<std::ptrdiff_t>(frame.base), task.stack.end());
-    child.uses = task.uses;
-    child.frames.front().uses = child.uses.size();
-    if (step.b) child.step = {groups_ + 1, entries.size()};
-  }
-  if (step.b) ++groups_;
-  ++task.pc;
-  wait_for(task, WaitKind::together);
 }
 
 }  // namespace polyarm::program

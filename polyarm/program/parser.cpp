@@ -19,17 +19,6 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Words of the full language that this version refuses by name.
-const std::vector<std::string>& later_words() {
-  static const std::vector<std::string> words = {"test", "run", "expect"};
-  return words;
-}
-
-bool is_closer(std::string_view word) {
-  return one_of(word, {"end", "endwhile", "endif", "endfor", "endwait", "endfunc", "endtask", "endtry",
-                       "endwhen", "endlock", "endtogether", "endmeet", "endmove", "endon"});
-}
-
 /// `on error`, where a statement begins.
 bool is_handler(const SourceLine& source) {
   return source.tokens.size() > 2 && source.tokens[0].kind == TokenKind::name &&
@@ -60,7 +49,8 @@ bool ends_with_else(const Line& line) {
 }
 
 bool opens_block(const Line& line) {
-  return one_of(line.word, {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on"}) ||
+  return one_of(line.word,
+                {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on", "test"}) ||
          ends_with_else(line);
 }
 
@@ -69,8 +59,7 @@ std::string keyword_of(const Token& token, bool& misspelt) {
   if (token.kind != TokenKind::name) return {};
   std::string word = lower(token.text);
   const auto& words = statement_words();
-  if (std::find(words.begin(), words.end(), word) != words.end()) return word;
-  if (std::find(later_words().begin(), later_words().end(), word) != later_words().end()) return word;
+  if (is_statement_word(word)) return word;
   misspelt = true;
   return nearest_name(word, words).value_or("");
 }
@@ -99,10 +88,23 @@ class Parser {
       Block more = block();
       std::move(more.begin(), more.end(), std::back_inserter(out));
     }
+    if (file_ == 0) refuse_beside_tests(out);
     return out;
   }
 
  private:
+  /// A file of tests holds them, and what they share; a program holds none.
+  void refuse_beside_tests(const Block& top) {
+    const auto is_test = [](const Statement& s) { return s.kind == Kind::test; };
+    if (std::none_of(top.begin(), top.end(), is_test)) return;
+    for (const Statement& s : top) {
+      const bool fits = is_test(s) || s.kind == Kind::let || s.kind == Kind::function;
+      if (!fits)
+        error("not-test", s.place, "a file of tests holds only 'test', 'func', 'let' and 'include'",
+              "put it into a test, or the tests into a file of their own");
+    }
+  }
+
   const Program::Included& included() const { return program_.included[static_cast<std::size_t>(file_) - 1]; }
 
   void prepare(std::vector<SourceLine> sources) {

@@ -5,15 +5,13 @@
 #include <vector>
 
 #include "polyarm/program/ast.hpp"
+#include "polyarm/program/words.hpp"
 
 namespace polyarm::program {
 
 /// Blocks inside blocks, and operators inside brackets, deeper than this are refused.
 inline constexpr int kDeepestBlocks = 400;
 inline constexpr int kDeepestExpression = 300;
-
-/// The words a statement may begin with, lower case.
-const std::vector<std::string>& statement_words();
 
 /// What a line is to the blocks around it.
 enum class BlockRole { none, opens, continues, closes };

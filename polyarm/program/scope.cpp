@@ -14,10 +14,6 @@ bool is_place(Kind kind) {
   return kind == Kind::joints || kind == Kind::pose;
 }
 
-bool is_comparison(Operator op) {
-  return op >= Operator::equal && op <= Operator::greater_equal;
-}
-
 bool can_order(const Type& type) {
   return !type.kind || *type.kind == Kind::number || *type.kind == Kind::text;
 }
@@ -78,7 +74,8 @@ Scope::Scope(const Program& program, const KnownNames& known, Problems& problems
       made.insert(s.name);
   });
   for (const Statement& s : program.statements)
-    if (s.kind == Statement::Kind::function && !s.name.empty()) functions.push_back(&s);
+    if (s.kind == Statement::Kind::function && !s.name.empty())
+      functions.push_back(&s), function_at_.try_emplace(s.name, &s);
 }
 
 std::vector<std::string> Scope::all_names() const {
@@ -89,9 +86,19 @@ std::vector<std::string> Scope::all_names() const {
 }
 
 const Type* Scope::local(const std::string& name) const {
-  const auto at =
-      std::find_if(variables.rbegin(), variables.rend(), [&](const Variable& v) { return v.name == name; });
-  return at == variables.rend() ? nullptr : &at->type;
+  const auto at = places_.find(name);
+  return at == places_.end() || at->second.empty() ? nullptr : &variables[at->second.back()].type;
+}
+
+void Scope::forget(std::size_t keep) {
+  for (std::size_t i = variables.size(); i > keep; --i) places_[variables[i - 1].name].pop_back();
+  variables.resize(keep);
+}
+
+/// The nearest name there is; not in a file where everything is wrong, since it looks at every name.
+std::string Scope::suggested(const std::string& name) const {
+  constexpr std::size_t kMost = 500;
+  return problems_.list().size() < kMost ? did_you_mean(name, all_names()) : std::string{};
 }
 
 std::string Scope::variable_in(const std::string& name) const {
@@ -101,9 +108,8 @@ std::string Scope::variable_in(const std::string& name) const {
 }
 
 const Statement* Scope::function(const std::string& name) const {
-  const auto at =
-      std::find_if(functions.begin(), functions.end(), [&](const Statement* s) { return s->name == name; });
-  return at == functions.end() ? nullptr : *at;
+  const auto at = function_at_.find(name);
+  return at == function_at_.end() ? nullptr : at->second;
 }
 
 void Scope::declare(const std::string& name, Place place, Type type) {
@@ -112,6 +118,7 @@ void Scope::declare(const std::string& name, Place place, Type type) {
     error("shadowing", place, "there is a '" + name + "' already",
           "choose another name, or change it with `set`");
   used.emplace(name, place);
+  places_[name].push_back(variables.size());
   variables.push_back({name, type});
 }
 
@@ -145,7 +152,7 @@ Type Scope::type_of_name(const std::string& name, Place place) {
     return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
   }
   if (made.contains(name)) return kUnknown;
-  error("unknown-name", place, "there is nothing called '" + name + "'" + did_you_mean(name, all_names()),
+  error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
         "names are data, points, tags and what `let` made");
   return kUnknown;
 }
@@ -280,6 +287,10 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
   for (const int argument : bound.further) look(function.parameters.size() - 1, argument);
   const Type first = arguments.empty() ? kUnknown : arguments.front();
   if (function.name == "interpolate") return first;
+  if (function.name == "ask") return arguments.size() > 1 ? arguments[1] : Type{Kind::text, {}};
+  if (function.in_tests && tests(program_).empty())
+    error("no-test", e.place, std::string(function.name) + "() is there in tests only",
+          "tests have files of their own: test \"…\", its lines, end");
   if (function.gives == Kind::number)
     return number_of(function.dimension ? function.dimension : first.dimension);
   return {function.gives, {}};

@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "polyarm/program/checker.hpp"
@@ -50,6 +51,8 @@ class Scope {
   std::set<std::string> made;         ///< names that lines such as `set NAME True` will make
   std::map<std::string, Place> used;
   std::vector<Variable> variables;  ///< the innermost last
+  /// All but the first `keep` variables end here.
+  void forget(std::size_t keep);
   std::vector<const Statement*> functions;
 
  private:
@@ -64,10 +67,16 @@ class Scope {
   Type infer_call(const Expression& e);
   Type infer_builtin(const Expression& e, const Function& function, const std::vector<Type>& arguments);
 
+  std::string suggested(const std::string& name) const;
+
   const Program& program_;
   Problems& problems_;
+  std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, the innermost last
+  std::unordered_map<std::string, const Statement*> function_at_;
 };
 
+/// Tasks that command one robot, and meetings that one task alone comes to.
+void check_tasks(const Program& program, Scope& scope);
 /// Warns of blends that cannot happen, with the line that prevents each.
 void check_blends(const Program& program, Scope& scope);
 

@@ -377,8 +377,46 @@ void parse_include(TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the file");
 }
 
+void parse_test(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::test;
+  const Token& token = cursor.peek();
+  out.name_place = token.place;
+  if (token.kind != TokenKind::text)
+    throw SyntaxError{"no-name", token.place,
+                      "what is tested was expected in quotes, here is " + shown(token),
+                      "write `test \"sorts blue parts\"`"};
+  out.name = cursor.take().text;
+  cursor.expect_end("the text");
+}
+
+bool stands_in_test(const Openers& open) {
+  return std::any_of(open.begin(), open.end(),
+                     [](const Opener& o) { return o.word == "test" || o.word == "func"; });
+}
+
+/// run ["PROGRAM"], expect EXPR [timeout EXPR]
+void parse_of_test(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
+  out.kind = line.word == "run" ? Kind::run : Kind::expect;
+  if (!stands_in_test(open))
+    throw SyntaxError{"no-test", out.place, "'" + line.word + "' stands in no test",
+                      "tests have files of their own: test \"…\", its lines, end"};
+  if (out.kind == Kind::run) {
+    out.name_place = cursor.peek().place;
+    if (cursor.peek().kind == TokenKind::text) out.name = cursor.take().text;
+    return cursor.expect_end("the program");
+  }
+  if (cursor.at_end())
+    throw SyntaxError{"no-value", cursor.peek().place, "'expect' needs to know what",
+                      "write `expect Placed == 3` or `expect Done timeout 5s`"};
+  out.expression = cursor.expression();
+  parse_timeout(cursor, out);
+  if (out.has_else)
+    throw SyntaxError{"bad-else", out.place, "an 'expect' has no else", "write `wait … timeout … else`"};
+  cursor.expect_end("the condition");
+}
+
 void require_top(const Line& line, const Openers& open) {
-  const bool top = one_of(line.word, {"func", "task", "when", "on", "include"});
+  const bool top = one_of(line.word, {"func", "task", "when", "on", "include", "test"});
   if (top && !open.empty())
     throw SyntaxError{"nested", line.source.place,
                       "'" + line.word + "' stands inside the '" + open.back().word + "' of line " +
@@ -386,17 +424,6 @@ void require_top(const Line& line, const Openers& open) {
                       "it belongs outside of every block"};
 }
 }  // namespace
-
-const std::vector<std::string>& statement_words() {
-  static const std::vector<std::string> words = {
-      "load",    "import",  "set",      "let",         "moveto",  "movej",  "movel",   "movec",
-      "use",     "wait",    "while",    "endwhile",    "if",      "elif",   "else",    "endif",
-      "for",     "endfor",  "break",    "continue",    "stop",    "hold",   "log",     "func",
-      "return",  "endfunc", "include",  "try",         "on",      "raise",  "retry",   "endtry",
-      "task",    "endtask", "together", "endtogether", "meet",    "lock",   "endlock", "when",
-      "endwhen", "endon",   "end",      "endwait",     "endmeet", "endmove"};
-  return words;
-}
 
 void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
   const std::string& word = line.word;
@@ -419,10 +446,10 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "raise" || word == "retry") return parse_raise(line, cursor, out, open);
   if (word == "meet" || word == "lock") return parse_meeting(line, cursor, out);
   if (word == "on") return parse_on(cursor, out);
+  if (word == "test") return parse_test(cursor, out);
+  if (word == "run" || word == "expect") return parse_of_test(line, cursor, out, open);
   if (one_of(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
-  throw SyntaxError{"unknown-word", line.source.place,
-                    "'" + word + "' is not part of this version of the language",
-                    "statements are " + join(statement_words(), ", ")};
+  throw SyntaxError{"unexpected", line.source.place, "'" + word + "' begins no statement here", ""};
 }
 
 }  // namespace polyarm::program

@@ -4,6 +4,12 @@
 
 namespace polyarm::program {
 
+/// What stands at a step's index.
+template <typename Items>
+auto& at(Items& items, int index) {
+  return items[static_cast<std::size_t>(index)];
+}
+
 /// Calls of functions inside calls, deeper than this, are an error.
 inline constexpr std::size_t kDeepestCalls = 200;
 /// Statements that a task may begin before the next one has its turn.

@@ -2,6 +2,7 @@
 /// Where a task of a program stands, in values that can be looked at from outside.
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
@@ -42,6 +43,12 @@ struct Waiting {
 
 /// A variable, or a value on its way through an expression.
 struct Slot {
+  Slot() = default;
+  Slot(data::Value of, const std::string* called, bool is_set)
+      : value(std::move(of)), origin(called), set(is_set) {}
+  explicit Slot(data::Number number) : value(number) {}
+  explicit Slot(bool truth) : value(truth) {}
+
   data::Value value;
   const std::string* origin = nullptr;  ///< what the host calls the point that this is
   bool set = true;
@@ -49,7 +56,7 @@ struct Slot {
 
 /// What moves take when they do not say it themselves.
 struct MoveDefaults {
-  std::optional<data::Number> speed, accel, blend;
+  std::optional<data::Number> speed, accel, blend, payload;
   bool exact = false;
   std::string robot, tool, frame;
   std::optional<Pose> frame_pose;

@@ -1,6 +1,7 @@
 /// Every file in tests/program/cases is a program that says on its lines what is expected:
 ///   # given NAME: True | 3 | 5mm | "text" | point | point 1 2 3 | joints     before it starts
 ///   # after 150ms NAME: True                          what somebody else sets then
+///   # answer 4                                        what a person answers, one line for each question
 ///   # expect arrivals: 2                              how often it waits for queued motion
 ///   movel A           # expect move: line A exact     what the cell is asked for by this line, in its order
 ///   log …          # expect: a | b                    what this line logs, in its order
@@ -17,8 +18,10 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/program/checker.hpp"
+#include "polyarm/program/functions.hpp"
 #include "polyarm/program/lexer.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/program/words.hpp"
 
 namespace polyarm::program {
 namespace {
@@ -141,7 +144,11 @@ void run_case(const std::string& text, const std::string& path) {
   EXPECT_TRUE(runs || (expected.logs.empty() && expected.moves.empty()))
       << "a program with errors does not run";
   if (!runs) return;
-  Interpreter interpreter(std::move(program), host);
+  host.folder = std::string(POLYARM_SOURCE_DIR) + "/examples/pick_and_place";
+  for (const std::string& line : program.lines)
+    if (line.starts_with("# answer")) host.given_answers.emplace_back(trim(std::string_view(line).substr(8)));
+  const auto test = tests(program).empty() ? std::nullopt : std::optional<std::size_t>(0);
+  Interpreter interpreter(std::move(program), host, test);
   const std::vector<Later> later = read_later(interpreter.program().lines);
   run(interpreter, host, nanoseconds(60), [&] {
     for (const Later& each : later)
@@ -158,18 +165,19 @@ TEST_P(Case, DoesWhatItsLinesSay) {
   run_case(read_file(path), path);
 }
 
-/// The programs between ``` in the manual, with the lines they stand on.
-TEST(Manual, EveryProgramInItDoesWhatItsLinesSay) {
-  const std::string path = std::string(POLYARM_SOURCE_DIR) + "/docs/language.md";
+/// Runs the programs between ``` on a page; returns how many there are.
+int run_page(const std::string& name) {
+  const std::string path = std::string(POLYARM_SOURCE_DIR) + "/docs/" + name;
   std::string text;
-  bool inside = false;
+  bool inside = false, is_program = false;
   int programs = 0;
   for (const std::string& line : split_lines(read_file(path))) {
     if (!line.starts_with("```")) {
       if (inside) text += line + "\n";
       continue;
     }
-    if (inside) {
+    if (!inside) is_program = line == "```";
+    if (inside && is_program) {
       SCOPED_TRACE(text);
       run_case(text, path);
       ++programs;
@@ -177,7 +185,58 @@ TEST(Manual, EveryProgramInItDoesWhatItsLinesSay) {
     inside = !inside;
     text.clear();
   }
-  EXPECT_GT(programs, 8);
+  return programs;
+}
+
+TEST(Manual, EveryProgramInItDoesWhatItsLinesSay) {
+  EXPECT_GT(run_page("language.md"), 8);
+}
+
+TEST(Reference, EveryProgramInItDoesWhatItsLinesSay) {
+  EXPECT_GT(run_page("language-reference.md"), 70);
+}
+
+TEST(Reference, IsWhatTheLanguageIs) {
+  EXPECT_EQ(read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/language-reference.md"), language_reference())
+      << "write it anew: polyarm language page > docs/language-reference.md";
+}
+
+TEST(Reference, ShowsEveryWordAndFunction) {
+  const auto& all = words();
+  for (const Word& word : all) {
+    const auto shown =
+        std::find_if(all.begin(), all.end(), [&](const Word& w) { return w.name == word.shown_by; });
+    EXPECT_TRUE(!word.example.empty() || (shown != all.end() && !shown->example.empty())) << word.name;
+  }
+  const std::string page = language_reference();
+  for (const Function& function : functions())
+    EXPECT_NE(page.find("`" + std::string(function.signature) + "`  \n" + std::string(function.meaning) +
+                        "\n\n```"),
+              std::string::npos)
+        << function.name;
+}
+
+/// Every word of the language may be the name of a variable, a point and a function's parameter.
+TEST(Words, NoneButTheReservedOnesAreTakenFromNames) {
+  for (const Word& word : words()) {
+    if (word.role == WordRole::reserved) continue;
+    const std::string name(word.name);
+    SCOPED_TRACE(name);
+    run_case("let " + name + " = 1\nset " + name + " = " + name + " + 1\nlog(" + name +
+                 ")  # expect: 2\nif " + name + " > 1\n  log(\"{" + name + "}\")  # expect: 2\nend\n",
+             "words.script");
+    run_case("# given " + name + ": point\nmovej " + name + "  # expect move: joint " + name +
+                 " exact\nmovel offset(" + name + ", z = 1mm), frame " + name +
+                 ", speed 50%  # expect move: line offset(" + name + ", …) speed 0.5 frame " + name +
+                 " exact\n",
+             "words.script");
+    run_case("# given " + name + ": True\nwait " + name + "\nset " + name + " False\nwhile " + name +
+                 "\nend\nlog(" + name + ")  # expect: False\n",
+             "words.script");
+    run_case("func twice(" + name + ")\n  return " + name + " * 2\nend\nlog(twice(" + name +
+                 " = 2))  # expect: 4\n",
+             "words.script");
+  }
 }
 
 std::vector<std::string> case_names() {

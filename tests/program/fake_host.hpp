@@ -39,6 +39,7 @@ class FakeHost : public Host {
   std::vector<std::string> sets;
   std::vector<std::string> loads;
   bool answers = true;
+  std::vector<std::string> given_answers, programs, calls;
 
   const data::Value* find(std::string_view name) const override { return store.find(name); }
   std::vector<std::string> names() const override { return store.names(); }
@@ -117,6 +118,17 @@ class FakeHost : public Host {
     questions.push_back(text);
     return start(time + 10'000'000);
   }
+  std::string answer() const override {
+    const std::size_t i = questions.size() - 1;
+    return i < given_answers.size() ? given_answers[i] : "";
+  }
+  void run_program(const std::string& name, const Location&) override { programs.push_back(name); }
+  data::Value call(std::string_view function, std::span<const data::Value> arguments,
+                   const Location&) override {
+    calls.push_back(std::string(function) + "(" + arguments.front().text() + ")");
+    if (function == "part") return data::Point{};
+    return true;
+  }
   Progress poll_ask(Handle handle) override { return answers ? until(handle) : Progress{}; }
   Nanoseconds now() const override { return time; }
   void log(const std::string& text, const Location& where) override { logs.emplace_back(where.line, text); }
@@ -128,11 +140,14 @@ class FakeHost : public Host {
     const auto number = [&](const char* word, const std::optional<data::Number>& value) {
       if (value) out += std::string(" ") + word + " " + data::Value(*value).text();
     };
+    number("payload", move.payload);
+    if (move.near) out += " near " + data::Value(*move.near).text();
     number("speed", move.speed), number("accel", move.accel);
     number("blend", move.blend), number("duration", move.duration);
     for (const auto& [word, name] :
          {std::pair{"robot", move.robot}, {"tool", move.tool}, {"frame", move.frame}})
       if (!name.empty()) out += std::string(" ") + word + " " + name;
+    if (move.smooth) out += " smooth";
     return out + (move.exact ? " exact" : "") + (move.waits ? " waits" : "");
   }
 
