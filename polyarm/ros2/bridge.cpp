@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -45,11 +47,20 @@ std::string Bridge::interface_name(const std::string& name) const {
 void Bridge::ask(Json request, OnAnswer answer, const void* from) {
   cell_.requests().handle(
       request.dump(),
-      [answer = std::move(answer)](const std::string& line) {
-        answer(Json::parse(line, nullptr, false));
+      [this, answer = std::move(answer)](const std::string& line) {
+        guarded([&] { answer(Json::parse(line, nullptr, false)); });
         return true;
       },
       from);
+}
+
+void Bridge::guarded(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& e) {
+    if (told_.insert(e.what()).second)
+      cell_.tell(std::string("ROS 2: a message could not be made: ") + e.what());
+  }
 }
 
 void Bridge::service(const std::string& node, const std::string& service, const std::string& type,

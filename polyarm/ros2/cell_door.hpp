@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ class Bridge {
   /// Asks the cell as every door does; `from` keeps requests of one asker in order.
   void ask(Json request, OnAnswer answer, const void* from = nullptr);
 
+  /// What fails here ends neither the cell nor the door: a person is told once.
+  void guarded(const std::function<void()>& work);
+
   void service(const std::string& node, const std::string& service, const std::string& type, OnCall call);
   void subscribe(const std::string& node, const std::string& topic, const std::string& type,
                  std::function<void(Json message)> on_message, Qos qos = {});
@@ -56,6 +60,7 @@ class Bridge {
   Wire wire_;
   std::string space_;
   std::int64_t offset_ = 0;  ///< ros time − cell time
+  std::set<std::string> told_;
 };
 
 std::int64_t nanoseconds_of(const Json& stamp);

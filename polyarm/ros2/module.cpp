@@ -57,8 +57,16 @@ class Ros2Door : public cell::Door {
 
   void serve() override {
     bridge_.look_at_clock();
-    bridge_.wire().take(kMost);
-    for (const auto& part : parts_) part->serve();
+    for (std::size_t i = 0; i < kMost && one(); ++i) {
+    }
+    for (const auto& part : parts_) bridge_.guarded([&] { part->serve(); });
+  }
+
+  /// False where nothing has come in.
+  bool one() {
+    bool more = true;
+    bridge_.guarded([&] { more = bridge_.wire().take(1) > 0; });
+    return more;
   }
 
   std::string address() const override {

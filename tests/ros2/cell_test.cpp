@@ -15,6 +15,10 @@
 
 #include "tests/ros2/client.hpp"
 #include "tests/support/command.hpp"
+#ifdef POLYARM_CYCLONE
+#include "messages.h"
+#include "tests/ros2/cyclone.hpp"
+#endif
 
 namespace polyarm::ros2 {
 namespace {
@@ -264,6 +268,28 @@ TEST_F(Ros2Cell, AClientThatDiesWithAGoalUnderWayHarmsNobody) {
   EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
 }
 
+TEST_F(Ros2Cell, RubbishEndsNeitherCellNorDoor) {
+  Participant& wire = client_->participant();
+  const auto goals =
+      wire.add_writer("rq" + kAction + "send_goalRequest",
+                      "control_msgs::action::dds_::FollowJointTrajectory_SendGoal_Request_", {}, "");
+  const auto trajectories = wire.add_writer("rt/arm_controller/joint_trajectory",
+                                            "trajectory_msgs::msg::dds_::JointTrajectory_", {}, "");
+  ASSERT_TRUE(wait([&] { return !wire.matched(goals).empty() && !wire.matched(trajectories).empty(); }));
+  std::uint32_t seed = 1;
+  for (int round = 0; round < 500; ++round) {
+    std::vector<std::byte> payload(4 + seed % 200);
+    for (std::byte& byte : payload) byte = static_cast<std::byte>((seed = seed * 1664525 + 1013904223) >> 24);
+    payload[0] = payload[2] = payload[3] = std::byte{0};
+    payload[1] = std::byte{1};
+    wire.write(round % 2 == 0 ? goals : trajectories, payload);
+  }
+  EXPECT_EQ(states()["arm_controller"], "active");
+  EXPECT_TRUE(call(kAction + "send_goal", kType + "_SendGoal",
+                   {{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}})["accepted"]
+                  .get<bool>());
+}
+
 TEST_F(Ros2Cell, NoSocketIsOpenBeyondThisMachine) {
   // Addresses of the UDP sockets of the command's process, from the kernel's own list; 0100007F is 127.0.0.1.
   const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
@@ -282,6 +308,96 @@ TEST_F(Ros2Cell, NoSocketIsOpenBeyondThisMachine) {
     EXPECT_TRUE(local.starts_with("0100007F") || local.starts_with("0100FFEF")) << local;
   }
   EXPECT_GT(ours, 0);
+}
+
+#ifdef POLYARM_CYCLONE
+/// A client on Cyclone DDS, with its own CDR of the same fields, beside the one on Fast DDS.
+TEST_F(Ros2Cell, AClientOnCycloneSendsGoalsAndSwitchesBesideOneOnFastDds) {
+  using namespace polyarm::ros2::test;
+  const Cyclone cyclone(domain_);
+  CycloneCaller<control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request_,
+                control_msgs_action_dds__FollowJointTrajectory_SendGoal_Response_>
+      send(cyclone, kAction + "send_goal",
+           control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request__desc,
+           control_msgs_action_dds__FollowJointTrajectory_SendGoal_Response__desc);
+  CycloneCaller<control_msgs_action_dds__FollowJointTrajectory_GetResult_Request_,
+                control_msgs_action_dds__FollowJointTrajectory_GetResult_Response_>
+      result(cyclone, kAction + "get_result",
+             control_msgs_action_dds__FollowJointTrajectory_GetResult_Request__desc,
+             control_msgs_action_dds__FollowJointTrajectory_GetResult_Response__desc);
+  CycloneCaller<controller_manager_msgs_srv_dds__SwitchController_Request_,
+                controller_manager_msgs_srv_dds__SwitchController_Response_>
+      change(cyclone, "/controller_manager/switch_controller",
+             controller_manager_msgs_srv_dds__SwitchController_Request__desc,
+             controller_manager_msgs_srv_dds__SwitchController_Response__desc);
+  ASSERT_TRUE(wait([&] { return send.ready() && result.ready() && change.ready(); }));
+
+  const char* joints[] = {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+                          "wrist_1_joint",      "wrist_2_joint",       "wrist_3_joint"};
+  double there[] = {0.3, -1.5, 1.5, -1.5, -1.5, 0};
+  control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request_ goal{};
+  goal.uuid[3] = 9;
+  std::string nothing;
+  goal.trajectory.header.frame_id = goal.multi_dof_trajectory.header.frame_id = nothing.data();
+  goal.trajectory.joint_names._buffer = const_cast<char**>(joints);
+  goal.trajectory.joint_names._length = goal.trajectory.joint_names._maximum = 6;
+  trajectory_msgs_msg_dds__JointTrajectoryPoint_ point{};
+  point.positions._buffer = there;
+  point.positions._length = point.positions._maximum = 6;
+  point.time_from_start.sec = 1;
+  goal.trajectory.points._buffer = &point;
+  goal.trajectory.points._length = goal.trajectory.points._maximum = 1;
+  send.ask(goal);
+  ASSERT_TRUE(wait([&] { return send.answered([](const auto& reply) { EXPECT_TRUE(reply.accepted); }); }));
+  EXPECT_EQ(states()["arm_controller"], "active") << "asked by the other client meanwhile";
+  control_msgs_action_dds__FollowJointTrajectory_GetResult_Request_ asked{};
+  asked.uuid[3] = 9;
+  result.ask(asked);
+  ASSERT_TRUE(wait([&] {
+    return result.answered([](const auto& reply) {
+      EXPECT_EQ(reply.status, 4);
+      EXPECT_EQ(reply.error_code, 0);
+    });
+  }));
+  controller_manager_msgs_srv_dds__SwitchController_Request_ request{};
+  char* names[] = {const_cast<char*>("arm_controller")};
+  request.deactivate_controllers._buffer = names;
+  request.deactivate_controllers._length = request.deactivate_controllers._maximum = 1;
+  request.strictness = 2;
+  change.ask(request);
+  ASSERT_TRUE(wait(
+      [&] { return change.answered([](const auto& reply) { EXPECT_TRUE(reply.ok) << reply.message; }); }));
+  EXPECT_EQ(states()["arm_controller"], "inactive");
+}
+#endif
+
+/// The example with two wheels: driven by both kinds of twist, at its own name and at /cmd_vel.
+TEST(Ros2Jetbot, IsDrivenByTwistsWithAndWithoutStamp) {
+  const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  ::setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
+  polyarm::test::Command command(
+      {"run", std::string(POLYARM_SOURCE_DIR) + "/examples/jetbot", "--ros2", "--no-socket"});
+  ASSERT_TRUE(command.wait_for("ROS 2: domain")) << command.wait().output;
+  Client client(domain);
+  const auto odometry = client.listen("/odom", "nav_msgs/Odometry");
+  const auto frames = client.listen("/tf", "tf2_msgs/TFMessage", {true, false, 100});
+  const auto stamped = client.publish("/jetbot_base_controller/cmd_vel", "geometry_msgs/TwistStamped");
+  const auto plain = client.publish("/cmd_vel", "geometry_msgs/Twist");
+  ASSERT_TRUE(wait([&] { return stamped->matched() && plain->matched() && odometry->heard(); }));
+  const auto speed = [&] { return odometry->latest()["twist"]["twist"]["linear"]["x"].get<double>(); };
+  EXPECT_TRUE(wait([&] {
+    stamped->publish({{"twist", {{"linear", {{"x", 0.1}}}}}});
+    return speed() > 0.05;
+  })) << odometry->latest();
+  EXPECT_TRUE(wait([&] { return std::abs(speed()) < 1e-3; })) << "nobody drives, and it goes on";
+  EXPECT_TRUE(wait([&] {
+    plain->publish({{"linear", {{"x", -0.1}}}});
+    return speed() < -0.05;
+  }));
+  EXPECT_TRUE(wait([&] {
+    const json latest = frames->latest();
+    return latest.is_object() && latest["transforms"][0]["header"]["frame_id"] == "odom";
+  })) << frames->latest();
 }
 
 }  // namespace

@@ -62,4 +62,42 @@ bool take(dds_entity_t reader, Use use) {
   return valid;
 }
 
+/// A service as ROS 2's middleware on Cyclone DDS calls it: requests begin with who asks and the how manieth
+/// time.
+template <class Request, class Response>
+class CycloneCaller {
+ public:
+  CycloneCaller(const Cyclone& cyclone, const std::string& service, const dds_topic_descriptor_t& request,
+                const dds_topic_descriptor_t& response)
+      : requests_{cyclone.writer(request, "rq" + service + "Request")},
+        replies_{cyclone.reader(response, "rr" + service + "Reply")} {}
+  bool ready() const {
+    dds_publication_matched_status_t sent;
+    dds_subscription_matched_status_t got;
+    dds_get_publication_matched_status(requests_, &sent);
+    dds_get_subscription_matched_status(replies_, &got);
+    return sent.current_count > 0 && got.current_count > 0;
+  }
+  void ask(Request request) {
+    request.guid = kMe;
+    request.number = ++number_;
+    dds_write(requests_, &request);
+  }
+  /// True once the answer to the latest request has been given to `use`.
+  template <class Use>
+  bool answered(Use use) {
+    bool mine = false;
+    take<Response>(replies_, [&](const Response& reply) {
+      mine = reply.guid == kMe && reply.number == number_;
+      if (mine) use(reply);
+    });
+    return mine;
+  }
+
+ private:
+  static constexpr std::uint64_t kMe = 0x1122334455667788;
+  dds_entity_t requests_, replies_;
+  std::int64_t number_ = 0;
+};
+
 }  // namespace polyarm::ros2::test
