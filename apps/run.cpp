@@ -3,7 +3,13 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <thread>
 
 #include "apps/options.hpp"
 #include "apps/run_output.hpp"
@@ -122,9 +128,42 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
   return out;
 }
 
-void on_signal(int) {
+/// The first stops on the path, the second at once; with the third the process ends where it is.
+void on_signal(int number) {
+  if (cell::stops_requested() >= 2) {
+    signal(number, SIG_DFL);
+    raise(number);
+  }
   cell::request_stop();
 }
+
+/// Ends the process when a cell does not come to its end: threads of plugins may hang.
+class EndsInTime {
+ public:
+  explicit EndsInTime(int code) {
+    std::thread([code, over = over_] {
+      std::unique_lock lock(over->mutex);
+      if (over->wake.wait_for(lock, std::chrono::seconds(20), [&] { return over->yes; })) return;
+      fmt::print(stderr,
+                 "polyarm run: a thread of a plugin does not come back; the process is ended without it\n");
+      std::fflush(nullptr);
+      std::_Exit(code);
+    }).detach();
+  }
+  ~EndsInTime() {
+    const std::lock_guard lock(over_->mutex);
+    over_->yes = true;
+    over_->wake.notify_all();
+  }
+
+ private:
+  struct Over {
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool yes = false;
+  };
+  std::shared_ptr<Over> over_ = std::make_shared<Over>();
+};
 
 /// Everything that is needed to look at a failed run, and to run it again, in one folder.
 std::string keep_failure(cell::Cell& cell, const cell::RunResult& result, const std::string& command) {
@@ -185,6 +224,7 @@ int execute(RunArguments& a, const std::string& command) {
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };
   std::optional<cell::Cell> cell;
   try {
     cell::CellFile file = open_cell(a);
@@ -201,7 +241,12 @@ int execute(RunArguments& a, const std::string& command) {
   const cell::RunResult result = cell::run(*cell, a.run, *observer);
   std::string folder;
   if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command);
-  return report(result, folder, a.json);
+  const int code = report(result, folder, a.json);
+  std::fflush(nullptr);
+  if (result.stuck) std::_Exit(code);
+  const EndsInTime guard(code);
+  cell.reset();
+  return code;
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop_->supervisor().watch_cell = !options_.lock_step;
   add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager, problems);
   problems.throw_if_errors();
-  loop_->start_hardware(calls_);
+  start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
   arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
   jogging_ = std::make_unique<Jogging>(*this);
@@ -88,13 +88,31 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
 }
 
 Cell::~Cell() {
-  if (!loop_) return;
-  calls_.give_up_after(options_.hardware_patience);
-  if (loop_->hardware().shut_down(calls_)) return;
-  // A component is still in a callback, and knows its robots: they stay until the process ends.
+  if (loop_) shut_hardware_down(options_.hardware_patience);
+}
+
+void Cell::start_hardware() {
+  constexpr Nanoseconds kShort = 1'000'000'000;  // who has asked for the end waits no longer
+  calls_.give_up_when(options_.start_given_up);
+  try {
+    loop_->start_hardware(calls_);
+  } catch (...) {
+    const bool asked = options_.start_given_up && options_.start_given_up();
+    calls_.give_up_when({});
+    shut_hardware_down(asked ? std::min(kShort, options_.hardware_patience) : options_.hardware_patience);
+    throw;
+  }
+  calls_.give_up_when({});
+}
+
+/// False: a component is still in a call, and knows its robots; they stay until the process ends.
+bool Cell::shut_hardware_down(Nanoseconds patience) {
+  calls_.give_up_after(patience);
+  if (loop_->hardware().shut_down(calls_)) return true;
   static auto* left = new std::vector<CellRobots>;
   left->push_back(std::move(robots_));
   for (CellRobots& robots : reloaded_) left->push_back(std::move(robots));
+  return false;
 }
 
 void Cell::build_tags(Problems& problems) {
@@ -145,12 +163,27 @@ void Cell::offer_named_states() {
                  data::JointState{robot->model.joint_names(), positions}, robot->entry.name);
 }
 
-std::shared_ptr<hardware::Transition> Cell::begin_reload(const std::string& name, Problems& warnings) {
-  std::vector<std::string> notes;
-  CellRobots robots = resolve_robots(file_, catalogue_, options_.real, warnings, notes);
-  warnings.throw_if_errors();
-  reloaded_.push_back(std::move(robots));
-  return cell::begin_reload(loop_->hardware(), name, reloaded_.back(), scene_, loop_->options().period);
+std::shared_ptr<const Remaking> Cell::remake(const std::string& name) {
+  auto out = std::make_shared<Remaking>();
+  out->name = name;
+  worker_->post([out, file = file_, catalogue = catalogue_, real = options_.real, &scene = scene_,
+                 period = loop_->options().period] {
+    try {
+      out->made = make_again(out->name, file, catalogue, real, scene, period);
+    } catch (...) {
+      out->failed = std::current_exception();
+    }
+    out->done.store(true, std::memory_order_release);
+  });
+  return out;
+}
+
+std::shared_ptr<hardware::Transition> Cell::begin_reload(const Remaking& remade) {
+  if (remade.failed) std::rethrow_exception(remade.failed);
+  reloaded_.push_back(std::move(remade.made.robots));
+  hardware::Hardware& hardware = loop_->hardware();
+  return hardware.begin_replace(static_cast<std::size_t>(hardware.find(remade.name)),
+                                std::move(remade.made.component), remade.made.context);
 }
 
 void Cell::build_programs(Problems& problems) {

@@ -1,6 +1,8 @@
 #pragma once
 /// A running cell: built from its files, stepped by whoever runs it. The front door of the library.
 #include <array>
+#include <atomic>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -35,10 +37,20 @@ struct CellOptions {
   bool full_speed = false;  ///< real hardware moves as fast as it may from the first pass on
   /// Callbacks of hardware that have not come back so long after the end are left behind, ns.
   Nanoseconds hardware_patience = 5'000'000'000;
+  /// While hardware starts: whether a person has asked to end it. Then what has not come back is left behind.
+  std::function<bool()> start_given_up;
   bool allow_contact = false;            ///< contacts are reported and do not end the run
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
+};
+
+/// A component on its way from the files. Read it when it is done.
+struct Remaking {
+  std::atomic<bool> done{false};
+  std::string name;
+  mutable Remade made;  ///< its parts are taken by who begins the reload
+  std::exception_ptr failed;
 };
 
 /// Why a cell cannot go on by itself.
@@ -92,9 +104,12 @@ class Cell {
   std::optional<std::uint64_t> first_motion_cycle() const;
   Nanoseconds now() const { return now_; }
 
-  /// Reads the descriptions again and begins to make the unconfigured component of that name anew from them.
-  /// Kinematics and limits stay those that the cell started with. Adds the warnings.
-  std::shared_ptr<hardware::Transition> begin_reload(const std::string& name, Problems& warnings);
+  /// Begins to read the descriptions again, on the thread for what touches the disk, and to make the
+  /// component of that name from them.
+  std::shared_ptr<const Remaking> remake(const std::string& name);
+  /// When that is done: puts what was made in the place of the unconfigured component. Kinematics and limits
+  /// stay those that the cell started with. Throws Error with what is wrong with the files.
+  std::shared_ptr<hardware::Transition> begin_reload(const Remaking& remade);
   /// Callbacks of hardware that may take their time; cell thread.
   HardwareCalls& hardware_calls() { return calls_; }
 
@@ -152,6 +167,8 @@ class Cell {
   Pose tcp(std::size_t robot) const;
 
  private:
+  void start_hardware();
+  bool shut_hardware_down(Nanoseconds patience);
   void build_controllers(Problems& problems);
   void offer_named_states();
   void build_tags(Problems& problems);

@@ -22,16 +22,22 @@ void HardwareCalls::tell_waiting(const hardware::Transition& transition, Nanosec
                     format_number(std::round(seconds(since) * 10) / 10) + " s; " + end);
 }
 
+bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
+  if ((patience_ < 0 || waited < patience_) && !(asked_ && asked_())) return false;
+  tell_waiting(transition, waited, "nobody waits for it any longer, and it is left as it is");
+  return true;
+}
+
 bool HardwareCalls::await(const hardware::Transition& transition) {
+  constexpr Nanoseconds kLook = 100'000'000;
   Nanoseconds waited = 0, told_next = kWorthTelling;
   for (;;) {
-    const Nanoseconds next = patience_ < 0 ? told_next : std::min(told_next, patience_);
+    Nanoseconds next = patience_ < 0 ? told_next : std::min(told_next, patience_);
+    if (asked_) next = std::min(next, waited + kLook);
     if (transition.wait(next - waited)) return true;
     waited = next;
-    if (patience_ >= 0 && waited >= patience_) {
-      tell_waiting(transition, waited, "nobody waits for it any longer, and it is left as it is");
-      return false;
-    }
+    if (give_up(transition, waited)) return false;
+    if (waited < told_next) continue;
     tell_waiting(transition, waited, "waiting for it");
     told_next *= 2;
   }

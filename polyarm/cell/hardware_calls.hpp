@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/hardware/hardware.hpp"
@@ -23,6 +25,8 @@ class HardwareCalls : public hardware::Caller {
   bool await(const hardware::Transition& transition) override;
   /// From now on await() gives up after `patience` ns.
   void give_up_after(Nanoseconds patience) { patience_ = patience; }
+  /// And as soon as this says so, which is asked ten times in a second: a person has had enough.
+  void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }
 
   /// While the cell runs: goes on with a transition that was started; true when it is over. `now`: cell time.
   /// Throws as Hardware::finish().
@@ -39,11 +43,13 @@ class HardwareCalls : public hardware::Caller {
     hardware::Step step;
     std::shared_ptr<hardware::Transition> running;
   };
+  bool give_up(const hardware::Transition& transition, Nanoseconds waited);
   void tell_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end);
 
   bool inline_;
   Observer& observer_;
   Nanoseconds patience_ = -1;  // < 0: as long as it takes
+  std::function<bool()> asked_;
   std::list<Wanted> wanted_;
   struct Since {
     Nanoseconds begun, told_next;

@@ -302,7 +302,6 @@ Poll control_state(Cell& cell, const Json& arguments) {
   return switch_controllers(cell, {{name}, {}}, answer);
 }
 
-
 Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
@@ -344,12 +343,10 @@ Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
 
 namespace {
 /// After the reload: back to where the component was.
-Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
-  const std::string name = answer["name"];
+Poll put_anew(Cell& cell, const Remaking& remade, std::size_t i, LifecycleState wanted, Json answer) {
   answer["warnings"] = Json::array();
-  Problems warnings;
-  const auto transition = cell.begin_reload(name, warnings);
-  for (const Problem& warning : warnings.list()) answer["warnings"].push_back(warning.text());
+  const auto transition = cell.begin_reload(remade);
+  for (const Problem& warning : remade.made.warnings.list()) answer["warnings"].push_back(warning.text());
   return then(follow(cell, transition), [i, wanted, answer](Cell& c) mutable {
     c.look_for_real_hardware();
     const bool waits = wanted == LifecycleState::active && !c.arming().may_be_enabled(i);
@@ -357,6 +354,14 @@ Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
                            : "start its controllers: polyarm control switch --start NAME";
     return walk(c, i, waits ? LifecycleState::inactive : wanted, std::move(answer));
   });
+}
+
+/// The files are read elsewhere: a disk that takes its time does not keep the cell thread.
+Poll make_anew(Cell& cell, std::size_t i, LifecycleState wanted, Json answer) {
+  const auto remaking = cell.remake(answer["name"]);
+  const Poll read = [remaking](Cell&) { return remaking->done ? Progress::done(nullptr) : Progress{}; };
+  return then(read,
+              [i, wanted, answer, remaking](Cell& c) { return put_anew(c, *remaking, i, wanted, answer); });
 }
 }  // namespace
 

@@ -267,13 +267,15 @@ class Components {
                            "hardware_components_initial_state names '" + name + "', which there is not");
   }
 
-  std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name) {
+  void make_one(const std::string& name, Remade& out) {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
     for (Planned& planned : planned_)
-      if (planned.context.name == name)
-        return hardware.begin_replace(static_cast<std::size_t>(hardware.find(name)), make(planned),
-                                      planned.context);
+      if (planned.context.name == name) {
+        out.component = make(planned);
+        out.context = std::move(planned.context);
+        return;
+      }
     throw Error("unknown-component", "no description declares '" + name + "' any more",
                 "start the cell again to run without it");
   }
@@ -484,11 +486,15 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
   Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
 }
 
-std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
-                                                   const CellRobots& robots, const description::Scene& scene,
-                                                   Nanoseconds period) {
+Remade make_again(const std::string& name, const CellFile& file, const description::Catalogue& catalogue,
+                  bool real, const description::Scene& scene, Nanoseconds period) {
+  Remade out;
+  std::vector<std::string> notes;
+  out.robots = resolve_robots(file, catalogue, real, out.warnings, notes);
+  out.warnings.throw_if_errors();
   const ManagerParameters manager;
-  return Components(robots, scene, period, false, manager).begin_reload(hardware, name);
+  Components(out.robots, scene, period, false, manager).make_one(name, out);
+  return out;
 }
 
 }  // namespace polyarm::cell

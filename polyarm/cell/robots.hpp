@@ -54,11 +54,18 @@ bool on_threads(const CellRobot& robot);
 /// problem without threads; with them the controllers run at the next higher rate that is.
 unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& problems);
 
-/// Makes the named component again from robots that were resolved anew, and puts it in the place of the one
-/// that runs under that name, which is unconfigured or finalized. `robots` has to live as long as it does.
-/// Throws Error where no robot declares it any more or its interfaces are others.
-std::shared_ptr<hardware::Transition> begin_reload(hardware::Hardware& hardware, const std::string& name,
-                                                   const CellRobots& robots, const description::Scene& scene,
-                                                   Nanoseconds period);
+/// A component that is to take the place of the one that runs under its name, and what it is made from.
+struct Remade {
+  CellRobots robots;  ///< have to live as long as the component
+  Problems warnings;
+  std::unique_ptr<hardware::Component> component;
+  hardware::ComponentContext context;
+};
+
+/// Reads the descriptions again and makes the named component from them. Touches nothing of a running cell
+/// but `scene`, whose address it keeps: any thread, one at a time. Throws Error where something is wrong with
+/// a file, or no robot declares it any more.
+Remade make_again(const std::string& name, const CellFile& file, const description::Catalogue& catalogue,
+                  bool real, const description::Scene& scene, Nanoseconds period);
 
 }  // namespace polyarm::cell

@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "polyarm/base/text.hpp"
@@ -23,8 +28,6 @@ std::atomic<int> stops_asked{0};
 
 /// The loop is silent when no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
-/// A stopped robot must stand within this time, or the run ends all the same.
-constexpr double kStopPatience = 6;
 
 /// A loop that does nothing, beside the real one and under its conditions (but for the processor, which two
 /// would share): what the machine itself is late.
@@ -78,6 +81,51 @@ class Console {
   std::string buffer_;
 };
 
+/// The thread of the loop. It keeps what it needs beside the cell, so that a run can end without it.
+class ControlThread {
+ public:
+  ControlThread(Cell& cell, realtime::ThreadOptions options)
+      : shared_(std::make_shared<Shared>()), thread_([&cell, options, shared = shared_] {
+          shared->refused.store(realtime::apply_each(options), std::memory_order_release);
+          control::ControlLoop& loop = cell.loop();
+          realtime::Periodic clock(loop.options().period);
+          for (clock.start(); !shared->done.load(std::memory_order_relaxed);) {
+            const auto paced = loop.hardware().await_cycle(2 * loop.options().period);
+            const realtime::WakeUp wake = paced ? clock.woken() : clock.wait();
+            loop.step_next(loop.woke(wake.latency, wake.skipped));
+          }
+          const std::lock_guard lock(shared->mutex);
+          shared->ended = true;
+          shared->wake.notify_all();
+        }) {}
+  ~ControlThread() {
+    if (thread_.joinable()) thread_.detach();
+  }
+  /// Bits of what the machine did not permit, once.
+  unsigned refused() { return shared_->refused.exchange(0, std::memory_order_acquire); }
+  /// False: it has not come back within `patience` ns, and goes on whenever it does.
+  bool end(Nanoseconds patience) {
+    shared_->done = true;
+    std::unique_lock lock(shared_->mutex);
+    if (!shared_->wake.wait_for(lock, std::chrono::nanoseconds(patience), [this] { return shared_->ended; }))
+      return false;
+    lock.unlock();
+    thread_.join();
+    return true;
+  }
+
+ private:
+  struct Shared {
+    std::atomic<bool> done{false};
+    std::atomic<unsigned> refused{0};
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool ended = false;
+  };
+  std::shared_ptr<Shared> shared_;
+  std::thread thread_;
+};
+
 class Runner {
  public:
   Runner(Cell& cell, const RunOptions& options, Observer& observer)
@@ -94,9 +142,11 @@ class Runner {
       lock_step();
     else
       wall_clock();
-    cell_.loop().end();
+    if (!stuck_) cell_.loop().end();
     running_supervisor = nullptr;
-    return result();
+    const RunResult out = result();
+    stops_asked = 0;
+    return out;
   }
 
  private:
@@ -121,9 +171,8 @@ class Runner {
     const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
     const auto doors = open_doors();
     cell_.arming().announce();
-    std::atomic<bool> done{false};
     EmptyLoop empty(cell_.loop().options().period, thread_options());
-    std::thread control([&] { control_thread(done); });
+    ControlThread control(cell_, thread_options());
     realtime::Periodic clock(Cell::kTick);
     for (clock.start(); !over_;) {
       clock.wait();
@@ -132,12 +181,11 @@ class Runner {
       if (door) door->serve(cell_.requests());
       for (const auto& other : doors) other->serve();
       watch_loop();
-      tell_refused();
+      tell_refused(control.refused());
       after_tick(seen.time + seen.period);
       while (const auto line = console_.line()) typed(*line);
     }
-    done = true;
-    control.join();
+    stuck_ = !control.end(options_.patience);
     late_empty_ = empty.finish();
   }
 
@@ -171,21 +219,9 @@ class Runner {
             stated.lock_memory.value_or(options_.priority + stated.priority > 0)};
   }
 
-  void control_thread(const std::atomic<bool>& done) {
-    refused_.store(realtime::apply_each(thread_options()), std::memory_order_release);
-    control::ControlLoop& loop = cell_.loop();
-    realtime::Periodic clock(loop.options().period);
-    for (clock.start(); !done.load(std::memory_order_relaxed);) {
-      const auto paced = loop.hardware().await_cycle(2 * loop.options().period);
-      const realtime::WakeUp wake = paced ? clock.woken() : clock.wait();
-      loop.step_next(loop.woke(wake.latency, wake.skipped));
-    }
-  }
-
   /// What the machine did not permit the control thread: at once, and once.
-  void tell_refused() {
-    for (const std::string& text : realtime::refusals(refused_.exchange(0, std::memory_order_acquire),
-                                                      thread_options(), "the control thread"))
+  void tell_refused(unsigned refused) {
+    for (const std::string& text : realtime::refusals(refused, thread_options(), "the control thread"))
       observer_.on_note(text);
   }
 
@@ -203,12 +239,20 @@ class Runner {
     } else if (!loop_silent_ &&
                now - cycles_seen_at_ > std::max(kLoopSilence, 5 * cell_.loop().options().period)) {
       loop_silent_ = true;
-      const int who = cell_.loop().hardware().in_call();
-      observer_.on_note(who < 0 ? "the control loop stands still"
-                                : "the control loop stands still: it waits for the hardware component " +
-                                      cell_.loop().hardware().component_name(static_cast<std::size_t>(who)) +
-                                      "; give it is_async=\"true\"");
+      observer_.on_note(standing_still());
     }
+  }
+
+  std::string standing_still() {
+    const hardware::Hardware& hardware = cell_.loop().hardware();
+    const control::ControllerManager& controllers = cell_.loop().controllers();
+    if (const int who = hardware.in_call(); who >= 0)
+      return "the control loop stands still: it waits for the hardware component " +
+             hardware.component_name(static_cast<std::size_t>(who)) + "; give it is_async=\"true\"";
+    if (const int who = controllers.in_call(); who >= 0)
+      return "the control loop stands still: it waits for the controller " + controllers.name_of(who) +
+             "; give it is_async: true";
+    return "the control loop stands still";
   }
 
   void typed(const std::string& line) {
@@ -271,10 +315,11 @@ class Runner {
       cell_.stop_programs();
     }
     if (stopping_ || cell_.failure()) {
-      if (stop_since_ < 0) stop_since_ = now;
+      const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // of a loop that may hang
+      if (stop_since_ < 0) stop_since_ = clock;
       const bool standing = seen.standing && seen.state != control::RunState::stopping &&
                             seen.state != control::RunState::running;
-      over_ = standing || seconds(now - stop_since_) > kStopPatience;
+      over_ = standing || clock - stop_since_ > options_.patience;
     } else {
       over_ = cell_.finished() || now >= limit_;
       cut_short_ = over_ && !cell_.finished();
@@ -336,6 +381,15 @@ class Runner {
   }
 
   void verdict(RunResult& out) {
+    out.stuck = stuck_;
+    if (stuck_) {
+      out.outcome = Outcome::failed;
+      out.problems.push_back({"stuck",
+                              {},
+                              standing_still() + " (it did not come back when the run ended)",
+                              "what it drives is left to the driver's watchdog"});
+      return;
+    }
     if (cell_.failure()) {
       out.outcome = Outcome::failed;
       out.problems.push_back(cell_.failure()->problem);
@@ -363,10 +417,9 @@ class Runner {
   control::RunState told_state_ = control::RunState::running;
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
-  std::atomic<unsigned> refused_{0};
   std::uint64_t seen_cycles_ = 0;
   Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
-  bool loop_silent_ = false;
+  bool loop_silent_ = false, stuck_ = false;
   bool over_ = false, stopping_ = false, cut_short_ = false;
 };
 
@@ -381,6 +434,10 @@ void request_stop() noexcept {
   const int count = ++stops_asked;
   if (control::Supervisor* supervisor = running_supervisor.load())
     supervisor->latch().request(count > 1 ? realtime::StopKind::immediate : realtime::StopKind::controlled);
+}
+
+int stops_requested() noexcept {
+  return stops_asked.load();
 }
 
 RunResult run(Cell& cell, const RunOptions& options, Observer& observer) {

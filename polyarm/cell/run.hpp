@@ -19,7 +19,9 @@ struct RunOptions {
   bool socket = true;        ///< other programs of the same user may ask and tell
   bool fast_socket = false;  ///< in lock-step, too; such a run is not repeatable
   bool console = true;       ///< typed lines (resume, discard, stop, answers) are read
-  Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
+  /// So long a loop that has been asked to end, or a robot to stop, is waited for on the wall clock, ns.
+  Nanoseconds patience = 6'000'000'000;
+  Nanoseconds started = 0;  ///< wall time at which the user gave the command; 0: unknown
 };
 
 struct LoopHealth {
@@ -42,11 +44,16 @@ struct RunResult {
   std::vector<StopReport> stops;  ///< what each took, oldest first
   bool repeatable = false;
   std::string trace_hash;
+  /// The control thread has not come back from what it called: the cell must not be destroyed, and the
+  /// process is best ended.
+  bool stuck = false;
   std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time
 };
 
 /// The stop latch of the run under way is set through this; safe in signal handlers.
 void request_stop() noexcept;
+/// How often that was asked since the last run ended.
+int stops_requested() noexcept;
 
 RunResult run(Cell& cell, const RunOptions& options, Observer& observer);
 

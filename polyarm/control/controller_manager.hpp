@@ -109,6 +109,8 @@ class ControllerManager {
   /// Names of the controllers that the loaded ones have, for hints.
   std::vector<std::string> names() const;
   std::string name_of(int id) const;
+  /// Id of the controller whose update the control thread is in; -1: none. Any thread.
+  int in_call() const noexcept { return in_call_.load(std::memory_order_relaxed); }
   /// Name of the active controller that claims the command, or "".
   std::string holder_of(const std::string& command) const;
 
@@ -183,6 +185,7 @@ class ControllerManager {
   hardware::Cycle now_;
   std::uint64_t epoch_ = 0;  // counts what the loop did by itself
   bool measuring_ = false;
+  std::atomic<int> in_call_{-1};
 };
 
 /// A switch on its way.

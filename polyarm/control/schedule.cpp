@@ -48,8 +48,11 @@ ReturnType ControllerManager::run_async(Slot& s, const hardware::Cycle& cycle,
 ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
                                   const controllers::Verdict& verdict) noexcept {
   if (s.runner) return run_async(s, cycle, verdict);
-  return overruns_.timed(s.options.budget, s.id, "update", cycle.index,
-                         [&] { return s.controller->update(cycle, verdict); });
+  in_call_.store(s.id, std::memory_order_relaxed);
+  const ReturnType out = overruns_.timed(s.options.budget, s.id, "update", cycle.index,
+                                         [&] { return s.controller->update(cycle, verdict); });
+  in_call_.store(-1, std::memory_order_relaxed);
+  return out;
 }
 
 void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {

@@ -84,8 +84,8 @@ struct HostOptions {
 };
 inline constexpr double kRealFollowingError = 0.35;
 inline constexpr Nanoseconds kFollowingTime = 250'000'000;
-/// Between two reads a joint's measured position changes by at most this many times what its velocity allows in
-/// the time that may lie between them, and kJumpFloor (rad or m) of noise and rounding. That time is the
+/// Between two reads a joint's measured position changes by at most this many times what its velocity allows
+/// in the time that may lie between them, and kJumpFloor (rad or m) of noise and rounding. That time is the
 /// period of the reads; with a thread, from where the exchange before began to the end of this one.
 inline constexpr double kJumpFactor = 5, kJumpFloor = 0.02;
 
@@ -111,8 +111,9 @@ class Hardware {
   /// Every component to its initial state, in order of addition. Throws Error that names component and step.
   void configure_and_activate();
   void configure_and_activate(Caller& caller);
-  /// active → inactive → finalized, in reverse order. Never throws. Components whose callbacks the caller
-  /// gives up waiting for are left behind, never freed; false when there are such.
+  /// active → inactive → finalized, in reverse order. Never throws. Components whose callbacks, or whose
+  /// thread's read or write, the caller gives up waiting for are left behind, never freed, and are no more
+  /// among these; false when there are such. The control thread has ended.
   bool shut_down() noexcept;
   bool shut_down(Caller& caller) noexcept;
 
@@ -255,6 +256,7 @@ class Hardware {
     FaultKind fallen = FaultKind::none;
   };
   class Letting;
+  static void leave_behind(std::unique_ptr<Hosted> hosted);
   std::shared_ptr<realtime::Job> let(Hosted& hosted, bool reading, bool writing);
   void require(const Hosted& hosted, LifecycleState state, const char* what) const;
   void require_idle(const Hosted& hosted) const;

@@ -132,7 +132,7 @@ std::string told(const std::exception_ptr& thrown) {
 class Here : public Caller {
  public:
   void start(std::shared_ptr<Transition> transition) override { transition->run(); }
-  bool await(const Transition&) override { return true; }
+  bool await(const Transition& transition) override { return transition.done(); }
 };
 Here here;
 }  // namespace
@@ -192,8 +192,10 @@ std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
   out->name_ = hosted.name;
   out->component_ = hosted.component.get();
   out->was_active_ = hosted.state.load() == LifecycleState::active;
-  if (hosted.own_clock && step != Step::activate && step != Step::deactivate)
-    out->exchanging_ = hosted.own_clock->exchanging();
+  if (step != Step::activate && step != Step::deactivate) {
+    if (hosted.own_clock) out->exchanging_ = hosted.own_clock->exchanging();
+    if (hosted.runner) out->exchanging_ = hosted.runner->busy();
+  }
   hosted.busy.store(true, std::memory_order_release);
   hosted.pending = out;
   return out;
@@ -265,7 +267,11 @@ void Hardware::settle_error(Hosted& hosted, const Transition& done) {
 void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {
   while (next) {
     caller.start(next);
-    if (!caller.await(*next)) return;
+    if (!caller.await(*next))
+      throw Error("given-up",
+                  "the hardware component '" + next->component() + "' is being " + done_word(next->step()) +
+                      " and has not come back from it",
+                  "check its device; polyarm drivers test opens one alone");
     next = finish(*next);
   }
 }
@@ -355,14 +361,11 @@ void Hardware::configure_and_activate(Caller& caller) {
   note_world();
 }
 
-namespace {
-/// Of a component that is still in a callback nothing may be freed: it stays until the process ends.
-void leave_behind(std::unique_ptr<Component> component, std::shared_ptr<Transition> pending) {
-  using Left = std::pair<std::unique_ptr<Component>, std::shared_ptr<Transition>>;
-  static auto* left = new std::vector<Left>;
-  left->emplace_back(std::move(component), std::move(pending));
+/// Of a component that is still in a call nothing may be freed: it stays until the process ends.
+void Hardware::leave_behind(std::unique_ptr<Hosted> hosted) {
+  static auto* left = new std::vector<std::unique_ptr<Hosted>>;
+  left->push_back(std::move(hosted));
 }
-}  // namespace
 
 bool Hardware::shut_down() noexcept {
   return shut_down(here);
@@ -372,19 +375,23 @@ bool Hardware::shut_down(Caller& caller) noexcept {
   bool all = true;
   for (auto each = hosted_.rbegin(); each != hosted_.rend(); ++each) {
     Hosted& hosted = **each;
-    hosted.runner.reset();
-    hosted.own_clock.reset();
+    if (hosted.own_clock) hosted.own_clock->close();
     if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
     const auto place = static_cast<std::size_t>(hosted_.rend() - each) - 1;
     if (!hosted.pending && hosted.state.load() != LifecycleState::finalized) {
-      const auto last = pend(place, Step::shutdown);
+      const auto last = pend(place, Step::shutdown);  // waits for an exchange that is under way
       caller.start(last);
       if (caller.await(*last)) hosted.pending.reset();
     }
     hosted.state = LifecycleState::finalized;
     if (!hosted.pending) continue;
-    leave_behind(std::move(hosted.component), std::exchange(hosted.pending, nullptr));
+    leave_behind(std::move(*each));
     all = false;
+  }
+  std::erase(hosted_, nullptr);
+  for (const auto& hosted : hosted_) {
+    hosted->runner.reset();
+    hosted->own_clock.reset();
   }
   return all;
 }

@@ -40,7 +40,7 @@ class Transition {
   std::size_t index_ = 0;
   std::string name_;
   Component* component_ = nullptr;
-  std::shared_ptr<const std::atomic<bool>> exchanging_;  // of a component with a clock of its own
+  std::shared_ptr<const std::atomic<bool>> exchanging_;  // of a component with a thread of its own
   bool was_active_ = false;                              // of a shutdown
   std::unique_ptr<Component> made_;                      // of an init
   std::unique_ptr<ComponentContext> context_;

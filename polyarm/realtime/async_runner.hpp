@@ -29,7 +29,8 @@ class AsyncRunner {
           if (rested_.exchange(false, std::memory_order_relaxed)) health_.pause();
           work_();
           health_.note(due, began, monotonic_now(), period_);
-          busy_.store(false, std::memory_order_release);
+          busy_->store(false, std::memory_order_release);
+          busy_->notify_all();
         }
       });
   }
@@ -43,7 +44,9 @@ class AsyncRunner {
   AsyncRunner& operator=(const AsyncRunner&) = delete;
 
   /// Real-time thread: no run is under way; what the work reads and writes may be touched.
-  bool idle() const noexcept { return !busy_.load(std::memory_order_acquire); }
+  bool idle() const noexcept { return !busy_->load(std::memory_order_acquire); }
+  /// True while a run is under way. Who has no more to trigger may wait for its end.
+  std::shared_ptr<const std::atomic<bool>> busy() const noexcept { return busy_; }
   /// Real-time thread, when idle.
   void trigger() noexcept {
     if (lock_step_) {
@@ -51,7 +54,7 @@ class AsyncRunner {
       return work_();
     }
     triggered_at_ = monotonic_now();
-    busy_.store(true, std::memory_order_release);
+    busy_->store(true, std::memory_order_release);
     go_.release();
   }
   /// Real-time thread: what was late before counts no more, and the time until the next run is no period.
@@ -70,7 +73,8 @@ class AsyncRunner {
   bool lock_step_;
   Nanoseconds period_;
   Nanoseconds triggered_at_ = 0;  // handed over with the trigger
-  std::atomic<bool> busy_{false}, ending_{false}, rested_{false};
+  std::shared_ptr<std::atomic<bool>> busy_ = std::make_shared<std::atomic<bool>>(false);
+  std::atomic<bool> ending_{false}, rested_{false};
   ThreadHealth health_;
   std::counting_semaphore<8> go_{0};
   std::thread thread_;

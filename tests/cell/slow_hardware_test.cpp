@@ -35,6 +35,16 @@ class SlowHardware : public ::testing::Test {
     }
     cell.tick();
   }
+  /// Until the component that a reload makes is called for the first time.
+  void come_to_init() {
+    while (!hardware().pending(0) || hardware().pending(0)->step() != hardware::Step::init) {
+      if (const hardware::Transition* pending = hardware().pending(0)) {
+        ASSERT_TRUE(pending->wait(60'000'000'000));
+      }
+      cell.cell().worker().drain();
+      cell.tick();
+    }
+  }
   /// An answer that comes in the meantime.
   Json at_once(const Json& request) {
     const auto answers = cell.give(request);
@@ -125,15 +135,27 @@ TEST_F(SlowHardware, WhoWaitsAMomentComesAfterIt) {
   EXPECT_EQ(other->front()["result"]["state"], "active");
 }
 
+TEST_F(SlowHardware, AReloadThatWaitsForTheDiskKeepsNobody) {
+  test::Gate disk;
+  disk.close();
+  cell.cell().worker().post([&disk] { disk.pass(); });
+  begin("hardware.reload");
+  for (int k = 0; k < 5; ++k) come_back();  // it is unconfigured, and nothing of it is pending
+  cell.run(1);
+  EXPECT_EQ(at_once({{"request", "health"}})["result"]["state"], "running");
+  EXPECT_EQ(hardware().state_of(0), LifecycleState::unconfigured);
+  EXPECT_TRUE(waiting->empty());
+  disk.open();
+  come_to_init();
+  for (int k = 0; k < 5; ++k) come_back();
+  ASSERT_EQ(waiting->size(), 1u);
+  EXPECT_EQ(waiting->front()["result"]["state"], "active") << waiting->front();
+}
+
 TEST_F(SlowHardware, AReloadIsMadeElsewhereToo) {
   FailingMock::initialising.close();
   begin("hardware.reload");
-  while (hardware().pending(0) && hardware().pending(0)->step() != hardware::Step::init) {
-    ASSERT_TRUE(hardware().pending(0)->wait(60'000'000'000));
-    cell.tick();
-    cell.tick();
-  }
-  ASSERT_TRUE(hardware().pending(0));
+  come_to_init();
   EXPECT_TRUE(at_once({{"request", "health"}})["ok"]);
   EXPECT_TRUE(waiting->empty());
   FailingMock::initialising.open();

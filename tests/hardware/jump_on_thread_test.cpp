@@ -121,8 +121,7 @@ TEST_P(JumpOnAThread, WhatAJointMovedDuringALongExchangeIsNone) {
   EXPECT_FALSE(rig.exchange());
 }
 
-INSTANTIATE_TEST_SUITE_P(OfItsOwnPeriodAndTriggered, JumpOnAThread,
-                         testing::Values(kPeriod, Nanoseconds{0}));
+INSTANTIATE_TEST_SUITE_P(OfItsOwnPeriodAndTriggered, JumpOnAThread, testing::Values(kPeriod, Nanoseconds{0}));
 
 TEST(JumpInTheLoop, WhatAJointMovedWhileCyclesWereSkippedIsNone) {
   for (const bool skipped : {true, false}) {
