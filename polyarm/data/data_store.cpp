@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "polyarm/base/text.hpp"
+
 namespace polyarm::data {
 
 void DataStore::declare_tag(const std::string& name, Value initial, TagRole role) {
@@ -95,13 +97,51 @@ bool DataStore::set(const std::string& name, Value value, const std::string& who
 
 bool DataStore::change(const std::string& name, Slot& slot, Value value, const std::string& who,
                        bool is_new) {
+  if (slot.behind) {
+    slot.behind = std::move(value);
+    return false;
+  }
   if (!is_new && slot.value == value) return false;
+  slot.changed_at = is_new ? -1 : now_;
+  slot.changed_by = who;
   std::optional<Value> old;
   if (!is_new) old = std::move(slot.value);
   slot.value = std::move(value);
   ++version_;
   record(name, std::move(old), slot.value, who);
   return true;
+}
+
+std::optional<NameFacts> DataStore::facts(const std::string& name) const {
+  const auto at = slots_.find(name);
+  if (at == slots_.end()) return std::nullopt;
+  const Slot& slot = at->second;
+  NameFacts out{slot.tag.has_value(), slot.behind.has_value(), slot.changed_at, slot.changed_by, {}};
+  for (const std::size_t set : slot.sets) out.sets.push_back(sets_[set]);
+  return out;
+}
+
+void DataStore::force(const std::string& name, Value value, const std::string& who) {
+  const auto at = slots_.find(name);
+  if (at == slots_.end())
+    throw Error("unknown-name", "there is no tag or variable '" + name + "'" + did_you_mean(name, names()),
+                "polyarm tags shows them");
+  Slot& slot = at->second;
+  if (slot.value.kind() != value.kind())
+    throw Error("bad-value",
+                "'" + name + "' is " + data::name(slot.value.kind()) + ", not " + data::name(value.kind()));
+  const Value behind = slot.behind.value_or(slot.value);
+  slot.behind.reset();
+  if (change(name, slot, std::move(value), who, false)) note_writes(name, slot);
+  slot.behind = behind;
+}
+
+void DataStore::release(const std::string& name, const std::string& who) {
+  const auto at = slots_.find(name);
+  if (at == slots_.end() || !at->second.behind) return;
+  Value behind = std::move(*at->second.behind);
+  at->second.behind.reset();
+  if (change(name, at->second, std::move(behind), who, false)) note_writes(name, at->second);
 }
 
 void DataStore::note_writes(const std::string& name, const Slot& slot, std::optional<std::size_t> except) {

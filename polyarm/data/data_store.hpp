@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "polyarm/base/time.hpp"
 #include "polyarm/data/data_set.hpp"
 
 namespace polyarm::data {
@@ -39,9 +40,28 @@ struct Change {
   std::string who;
 };
 
+/// What is known of a name beside its value.
+struct NameFacts {
+  bool tag = false;
+  bool forced = false;          ///< a person has forced the value; what others set waits behind it
+  Nanoseconds changed_at = -1;  ///< cell time of the last change; -1: it has had no other value
+  std::string changed_by;
+  std::vector<std::string> sets;
+};
+
 class DataStore {
  public:
   static constexpr std::size_t kChangesKept = 1024;
+
+  /// The time that changes from now on are noted with.
+  void set_now(Nanoseconds now) { now_ = now; }
+  /// Nothing where there is no such name.
+  std::optional<NameFacts> facts(const std::string& name) const;
+  /// Until release() the name has this value, whatever is set meanwhile. Throws Error("unknown-name" |
+  /// "bad-value") for a name that there is not, or another kind of value.
+  void force(const std::string& name, Value value, const std::string& who);
+  /// The name gets the value that was set last behind the forced one.
+  void release(const std::string& name, const std::string& who);
 
   /// Declares a tag. A name that a data set brought keeps its value and becomes the tag.
   void declare_tag(const std::string& name, Value initial, TagRole role = TagRole::plain);
@@ -79,6 +99,9 @@ class DataStore {
     Value value;
     std::vector<std::size_t> sets;
     std::optional<TagRole> tag;
+    std::optional<Value> behind;  ///< what would be the value if it were not forced
+    Nanoseconds changed_at = -1;
+    std::string changed_by;
   };
   struct NameHash {
     using is_transparent = void;
@@ -98,6 +121,7 @@ class DataStore {
   std::map<std::pair<std::size_t, std::string>, Value> writes_;
   std::deque<Change> changes_;
   std::uint64_t version_ = 0;
+  Nanoseconds now_ = 0;
 };
 
 }  // namespace polyarm::data

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/literal.hpp"
 
 namespace polyarm::data {
 
@@ -18,7 +20,8 @@ constexpr std::size_t kMostProblems = 200;
 using Form = PointFormat::Form;
 
 const std::vector<std::string>& keys() {
-  static const std::vector<std::string> list = {"Name", "Bool", "Num", "Text", "JS", "Pose", "Point"};
+  static const std::vector<std::string> list = {"Name", "Bool", "Num",   "Text",
+                                                "JS",   "Pose", "Point", "Value"};
   return list;
 }
 
@@ -85,6 +88,9 @@ std::string point_line(const Value& value, const PointFormat& format) {
   std::string out;
   for (const double number : numbers_of(value, format))
     out += (out.empty() ? "" : ", ") + format_number(number);
+  const Point* point = value.as_point();
+  if (const std::string taught = point && point->taught ? taught_text(*point->taught) : ""; !taught.empty())
+    out += "; " + taught;
   return "Point: " + out;
 }
 
@@ -105,7 +111,49 @@ bool keeps_as_joint_name(const std::string& joint) {
   return !joint.empty() && joint.find_first_of(" \t\r\n,#") == std::string::npos;
 }
 
+/// Has no form of its own, but one line all the same.
+bool is_awkward(const Value& value) {
+  if (value.as_list() || value.as_record()) return true;
+  if (const std::string* text = value.as_text())
+    return text->find_first_of("\r\n") != std::string::npos || trim(*text) != *text;
+  const JointState* joints = value.as_joints();
+  return joints && (joints->names.empty() ||
+                    !std::all_of(joints->names.begin(), joints->names.end(), keeps_as_joint_name));
+}
+
+bool is_finite(const Value& value) {
+  const auto all = [](const List& list) { return std::all_of(list.begin(), list.end(), is_finite); };
+  if (const Number* number = value.as_number()) return std::isfinite(number->value);
+  if (const List* list = value.as_list()) return all(*list);
+  if (const Record* record = value.as_record()) return all(record->values);
+  const auto finite = [](double number) { return std::isfinite(number); };
+  if (const JointState* joints = value.as_joints())
+    return std::all_of(joints->positions.begin(), joints->positions.end(), finite);
+  if (const Point* point = value.as_point()) {
+    const Pose& p = point->pose;
+    const double all_of_it[] = {p.position.x, p.position.y, p.position.z, p.rotation.x,
+                                p.rotation.y, p.rotation.z, p.rotation.w};
+    return std::all_of(std::begin(all_of_it), std::end(all_of_it), finite);
+  }
+  return true;
+}
+
+/// Where a comment begins, outside of quotes; npos where there is none.
+std::size_t comment_at(std::string_view line) {
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quoted && line[i] == '\\')
+      ++i;
+    else if (line[i] == '"')
+      quoted = !quoted;
+    else if (line[i] == '#' && !quoted)
+      return i;
+  }
+  return std::string_view::npos;
+}
+
 std::string plain_line(const Value& value) {
+  if (is_awkward(value)) return "Value: " + literal(value);
   if (value.as_boolean()) return "Bool: " + value.text();
   if (value.as_number()) return "Num: " + value.text();
   return *value.as_text() == "" ? "Text:" : "Text: " + value.text();
@@ -114,7 +162,7 @@ std::string plain_line(const Value& value) {
 /// " # why" at the end of a line whose value is neither a name nor a text.
 std::string comment_of(const std::string& line) {
   const std::string key = lower(trim(std::string_view(line).substr(0, line.find(':'))));
-  const auto at = line.find('#');
+  const auto at = comment_at(line);
   if (key == "text" || key == "name" || at == std::string::npos) return "";
   const auto start = line.find_last_not_of(" \t", at - 1);
   const auto first = start == std::string::npos ? 0 : start + 1;
@@ -138,15 +186,10 @@ void check_can_keep(const std::string& name, const Value& value, const std::stri
   };
   if (name.empty() || trim(name) != name || name.find_first_of("\r\n") != std::string::npos)
     refuse("a name here is one line without blanks around it");
-  if (value.as_list()) refuse("it has no form for lists");
-  if (const Number* number = value.as_number(); number && !std::isfinite(number->value))
-    refuse("it is no finite number");
-  if (const std::string* text = value.as_text(); text && (text->find_first_of("\r\n") != std::string::npos ||
-                                                          trim(*text) != *text || why_not_text(*text)))
-    refuse("a text here is one line without blanks around it");
+  if (!is_finite(value)) refuse("it has a number that is not finite");
+  if (const std::string* text = value.as_text(); text && why_not_text(*text)) refuse("it is no text");
   if (const JointState* joints = value.as_joints();
-      joints && (joints->names.empty() || joints->names.size() != joints->positions.size() ||
-                 !std::all_of(joints->names.begin(), joints->names.end(), keeps_as_joint_name)))
+      joints && !joints->names.empty() && joints->names.size() != joints->positions.size())
     refuse("its joints do not all have a name and a position");
 }
 
@@ -199,7 +242,10 @@ class ImportReader {
     const std::string_view key = trim(std::string_view(line).substr(0, colon));
     std::string_view value = std::string_view(line).substr(colon + 1);
     const std::string lowered = lower(key);
-    if (lowered != "text" && lowered != "name") value = value.substr(0, value.find('#'));
+    if (lowered == "value" || lowered == "point")
+      value = value.substr(0, comment_at(value));
+    else if (lowered != "text" && lowered != "name")
+      value = value.substr(0, value.find('#'));
     read_key(line, key, lowered, trim(value));
   }
 
@@ -212,6 +258,7 @@ class ImportReader {
     if (lowered == "num") return read_number(line, value);
     if (lowered == "text") return store(line, Value(std::string(value)));
     if (lowered == "point") return read_point(line, value);
+    if (lowered == "value") return read_literal(line, value);
     error(line, key.empty() ? std::string_view(line) : key, "unknown-key",
           quote(key) + " is no kind of data" + did_you_mean(key, keys()), "kinds are " + join(keys(), ", "));
   }
@@ -274,8 +321,36 @@ class ImportReader {
     name_used_ = true;
   }
 
+  void read_literal(const std::string& line, std::string_view value) {
+    std::string why;
+    if (auto read = parse_literal(value, why)) return store(line, std::move(*read));
+    error(line, value, "bad-value", quote(value) + " is no value: " + why,
+          "for example [1, 2], {name = \"x\", width = 40mm}, \"a text\"");
+    name_used_ = true;
+  }
+
+  /// What stands behind the numbers of a point.
+  bool read_taught(const std::string& line, std::string_view facts) {
+    Taught taught;
+    std::string why;
+    taught_.reset();
+    if (!parse_taught(facts, taught, why)) {
+      error(line, facts, "bad-point", "what this point remembers cannot be read: " + why,
+            "for example ; frame = \"table\", tool = \"suction_cup\", robot = \"universal_robots/ur3\"");
+      return false;
+    }
+    if (!(taught == Taught{})) taught_ = std::make_shared<Taught>(std::move(taught));
+    return true;
+  }
+
   void read_point(const std::string& line, std::string_view value) {
     name_used_ = true;
+    taught_.reset();
+    const auto facts = value.find(';');
+    if (facts != std::string_view::npos) {
+      if (!read_taught(line, trim(value.substr(facts + 1)))) return;
+      value = trim(value.substr(0, facts));
+    }
     if (format_.form == Form::none) {
       if (!format_broken_)
         error(line, value, "no-format", "a point needs a line 'JS:' or 'Pose:' before it",
@@ -345,7 +420,7 @@ class ImportReader {
     if (format_.form == Form::joints) return store(line, Value(JointState{format_.joints, n}));
     const Vec3 position{n[0], n[1], n[2]};
     if (format_.form == Form::rpy)
-      return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]})}));
+      return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]}), false, taught_}));
     const double length = std::hypot(std::hypot(n[3], n[4]), std::hypot(n[5], n[6]));
     if (!(length > 1e-6) || !std::isfinite(length))
       return error(line, value, "bad-point", "the quaternion of this point is zero or no rotation",
@@ -356,7 +431,7 @@ class ImportReader {
       problems_.warning("not-unit", place(1),
                         "the quaternion of this point has length " + format_number(length) +
                             ", it was made a unit quaternion");
-    store(line, Value(Point{{position, unit ? q : normalized(q)}, true}));
+    store(line, Value(Point{{position, unit ? q : normalized(q)}, true, taught_}));
   }
 
   void store(const std::string& line, Value value) {
@@ -391,6 +466,7 @@ class ImportReader {
   Problems& problems_;
   PointFormat format_;
   bool format_broken_ = false;
+  std::shared_ptr<const Taught> taught_;  ///< of the point that is being read
   std::string name_;
   std::size_t name_line_ = 0, line_ = 0, count_ = 0;
   bool name_used_ = false;
@@ -413,7 +489,7 @@ ImportFile ImportFile::load(const std::string& path) {
 std::string ImportFile::block(const Value& value, const PointFormat& format,
                               const std::string& old_line) const {
   const std::string indent = old_line.substr(0, old_line.find_first_not_of(" \t"));
-  if (!value.is_place()) return indent + plain_line(value) + comment_of(old_line);
+  if (!value.is_place() || is_awkward(value)) return indent + plain_line(value) + comment_of(old_line);
   const PointFormat own = format_for(value, format);
   const std::string line = indent + point_line(value, own) + comment_of(old_line);
   if (own == format) return line;

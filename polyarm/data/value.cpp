@@ -45,7 +45,7 @@ std::string text_of(const Point& point) {
   return "xyz(" + join_numbers({p.x, p.y, p.z}) +
          (point.quaternion_given ? ") quaternion(" + join_numbers({q.x, q.y, q.z, q.w})
                                  : ") rpy(" + join_numbers({rpy.x, rpy.y, rpy.z})) +
-         ")";
+         ")" + (point.frame().empty() ? "" : " in " + point.frame());
 }
 
 std::string text_of(const Record& record) {

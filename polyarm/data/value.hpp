@@ -1,6 +1,7 @@
 #pragma once
 /// What a name in a program or a data file can stand for.
 #include <concepts>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,12 +34,26 @@ struct JointState {
   friend bool operator==(const JointState& a, const JointState& b);
 };
 
-/// A pose of the tool centre point in the world, and whether it was written as a quaternion.
+/// What a point remembers of how it was taught; an empty text is not known.
+struct Taught {
+  std::string frame;  ///< that its pose is in; empty: the world
+  std::string tool;   ///< whose tool centre point it is
+  std::string robot;  ///< model of the robot
+  JointState joints;  ///< in which that robot stood there
+  friend bool operator==(const Taught&, const Taught&) = default;
+};
+
+/// A pose of the tool centre point, in the world unless it names a frame, and whether it was written as a
+/// quaternion.
 struct Point {
   Pose pose;
   bool quaternion_given = false;
+  std::shared_ptr<const Taught> taught = nullptr;  ///< shared between copies, which only read it
+  std::string frame() const { return taught ? taught->frame : std::string{}; }
   /// The way it was written does not matter.
-  friend bool operator==(const Point& a, const Point& b) { return a.pose == b.pose; }
+  friend bool operator==(const Point& a, const Point& b) {
+    return a.pose == b.pose && (a.taught == b.taught || (a.taught && b.taught && *a.taught == *b.taught));
+  }
 };
 
 class Value;

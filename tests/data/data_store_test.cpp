@@ -80,6 +80,26 @@ TEST(DataStore, ATagKeepsTheValueThatAFileBrought) {
   EXPECT_NE(store.find("A"), nullptr);
 }
 
+TEST(DataStore, AForcedNameKeepsItsValueUntilItIsReleased) {
+  DataStore store;
+  store.load("cycle", set_of({{"A", false}}), "t");
+  store.set_now(5);
+  store.force("A", true, "forced");
+  EXPECT_TRUE(store.facts("A")->forced);
+  EXPECT_EQ(store.facts("A")->changed_by, "forced");
+  EXPECT_EQ(store.facts("A")->changed_at, 5);
+  store.set("A", false, "program");
+  store.set("A", true, "program");
+  store.set("A", false, "program");
+  EXPECT_EQ(*store.find("A"), Value(true));
+  store.release("A", "released");
+  EXPECT_EQ(*store.find("A"), Value(false));
+  EXPECT_FALSE(store.facts("A")->forced);
+  EXPECT_THROW(store.force("A", 3, "forced"), Error);
+  EXPECT_THROW(store.force("B", true, "forced"), Error);
+  EXPECT_FALSE(store.facts("B"));
+}
+
 TEST(DataStore, KeepsOnlyTheLastChanges) {
   DataStore store;
   for (int i = 0; i < 5000; ++i) store.set("A", i, "x");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
 #include <random>
 
 #include "polyarm/base/file.hpp"
@@ -135,10 +137,39 @@ TEST(ImportFormat, APointOfAnotherFormDoesNotDisturbThoseBehindIt) {
 TEST(ImportFormat, RefusesWhatItCannotKeepAndStaysAsItWas) {
   ImportFile file = parsed(kFile);
   for (const Value& value :
-       {Value(List{1}), Value("two\nlines"), Value(" blank"), Value(JointState{{"a b"}, {1}})})
+       {Value(std::nan("")), Value(List{1, std::nan("")}), Value(JointState{{"a", "b"}, {1}}),
+        Value(Point{{{std::nan(""), 0, 0}, {}}, false})})
     EXPECT_THROW(file.set("a", value), Error);
   EXPECT_THROW(file.set(" x", true), Error);
   EXPECT_EQ(file.text(), kFile);
+}
+
+TEST(ImportFormat, ValuesOfEveryKindHaveALine) {
+  ImportFile file = parsed(kFile);
+  Point taught{pose_xyz_rpy({0.1, 0.2, 0.3}, {0, 0, 1}), false};
+  taught.taught = std::make_shared<Taught>(Taught{"table", "cup", "maker/model", {{"a", "b c"}, {1, 2}}});
+  const std::pair<const char*, Value> values[] = {
+      {"list", List{1, Number{0.04, Dimension::length}, "a # \"text\"", List{}, true}},
+      {"record", Record{{"kind", "odd name"}, {"red", List{taught}}}},
+      {"lines", "two\nlines"},
+      {"blank", " blank "},
+      {"unnamed", JointState{{}, {1, 2}}},
+      {"odd", JointState{{"a b"}, {1}}},
+      {"point", taught}};
+  for (const auto& [name, value] : values) file.set(name, value);
+  const ImportFile again = parsed(file.text());
+  for (const auto& [name, value] : values) EXPECT_EQ(*again.values().value(name), value) << file.text();
+  const Point& point = *again.values().value("point")->as_point();
+  EXPECT_EQ(point.taught->frame, "table");
+  EXPECT_EQ(point.taught->joints.positions.size(), 2u);
+}
+
+TEST(ImportFormat, WhatAPointRemembersStandsBehindItsNumbersAndIsChecked) {
+  const ImportFile file = parsed("Pose: RPY\nName: p\nPoint: 1, 2, 3, 0, 0, 0; frame = \"table\"  # why\n");
+  EXPECT_EQ(file.values().value("p")->as_point()->frame(), "table");
+  Problems problems;
+  ImportFile::parse("Pose: RPY\nName: p\nPoint: 1, 2, 3, 0, 0, 0; farme = \"table\"\n", "t", problems);
+  EXPECT_TRUE(problems.has_errors());
 }
 
 /// Whatever is set, the text reads back as the same values.
@@ -147,7 +178,7 @@ TEST(ImportFormat, WritingAndReadingAgainGivesTheSameValues) {
   const auto draw = [&](int below) { return std::uniform_int_distribution(0, below - 1)(random); };
   const auto real = [&] { return std::uniform_real_distribution(-3.0, 3.0)(random); };
   const auto value = [&]() -> Value {
-    switch (draw(6)) {
+    switch (draw(8)) {
       case 0:
         return draw(2) == 0;
       case 1:
@@ -159,6 +190,13 @@ TEST(ImportFormat, WritingAndReadingAgainGivesTheSameValues) {
       case 4:
         return draw(2) ? JointState{{"x", "y"}, {real(), real()}}
                        : JointState{{"y", "z", "x"}, {real(), real(), real()}};
+      case 5:
+        return List{real(), "a\n\"b\" # c", Record{{"x"}, {Number{real(), Dimension::angle}}}};
+      case 6: {
+        Point point{pose_xyz_rpy({real(), real(), real()}, {real(), real() / 2, real()}), draw(2) == 0};
+        point.taught = std::make_shared<Taught>(Taught{"t # \"", "", "r/m", {{"x"}, {real()}}});
+        return point;
+      }
       default:
         return Point{pose_xyz_rpy({real(), real(), real()}, {real(), real() / 2, real()}), draw(2) == 0};
     }
