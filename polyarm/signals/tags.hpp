@@ -11,15 +11,35 @@
 ///   cameras:
 ///     bin_camera: {camera: overhead, point: pinput, data: BINpoints, request: AskPickupPoint,
 ///                  done: PickupPointSet, noise: true, seed: 7}
+///   links:        # see links_file.hpp
+///   heartbeat: {tag: CellAlive, every: 500ms}     # toggles only while control loop and cell thread live
+///   watch: {PlcAlive: 2s}                         # a tag that does not change for so long: the cell holds
+///   points: {pinput: {within: [[0.1, -0.2, 0], [0.5, 0.4, 0.3]]}}   # what a pose from outside may be
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/time.hpp"
 #include "polyarm/data/data_store.hpp"
+#include "polyarm/signals/link.hpp"
 
 namespace polyarm::signals {
+
+/// What an output has while the cell is not as usual; nothing: it keeps its value.
+struct OutputRules {
+  std::optional<data::Value> on_stop;       ///< the program has ended, for whatever reason, and all stands
+  std::optional<data::Value> on_hold;       ///< the cell is held, or in a fault
+  std::optional<data::Value> on_link_loss;  ///< a link that the cell needs is lost
+  bool any() const { return on_stop || on_hold || on_link_loss; }
+};
+/// What holds of a cell now, for the rules of its outputs.
+struct Situation {
+  bool stopped = false, held = false, link_lost = false;
+  friend bool operator==(const Situation&, const Situation&) = default;
+};
 
 /// A name of the cell, and the interface that it is bound to, if any.
 struct Tag {
@@ -30,8 +50,12 @@ struct Tag {
   Type type = Type::boolean;
   double scale = 1;  ///< interface = scale * tag, for numbers
   data::Value initial = false;
+  std::string unit;  ///< as it is shown
+  OutputRules rules;
   Location where;
 
+  /// The value that goes out for the tag's `value`: another one where a rule says so.
+  const data::Value& output(const data::Value& value, const Situation& now) const;
   /// The interface's value for a value of the tag; nothing where the value is of another type.
   std::optional<double> to_interface(const data::Value& value) const;
   /// The tag's value for a value of the interface; a boolean is True from one half up.
@@ -47,6 +71,17 @@ struct CameraLink {
   std::string request, done;        ///< tags
   bool noise = false;
   std::uint64_t seed = 1;
+  std::string on;      ///< the robot whose flange carries it; empty: it stands where the scene has it
+  Pose mount;          ///< T_tool0_camera of such a one, z the way it looks
+  double view = 0.6;   ///< half of its angle of view, rad
+  double reach = 0.6;  ///< how far it sees, m
+  Location where;
+};
+
+/// A tag that shows that somebody lives: it changes again and again.
+struct Heartbeat {
+  std::string tag;
+  Nanoseconds period = 500'000'000;  ///< own: of its changes; watched: the longest without one
   Location where;
 };
 
@@ -54,6 +89,10 @@ struct Signals {
   std::vector<Tag> tags;
   std::vector<std::string> live;
   std::vector<CameraLink> cameras;
+  std::vector<LinkEntry> links;
+  std::optional<Heartbeat> heartbeat;
+  std::vector<Heartbeat> watched;
+  std::map<std::string, PoseRange> points;  ///< what poses from outside may be, by point
 };
 
 /// Reads signals.yaml; findings go to `problems`.

@@ -1,0 +1,175 @@
+#include <modbus.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+#include "links/modbus/port.hpp"
+#include "links/modbus/registers.hpp"
+
+namespace polyarm::modbus {
+
+namespace {
+using signals::Direction;
+using signals::LinkEntry;
+using signals::LinkNews;
+using signals::LinkTag;
+using signals::LinkValue;
+using Area = LinkTag::Area;
+
+constexpr std::size_t kMostClients = 16;
+
+class Server : public signals::LinkPort {
+ public:
+  explicit Server(const LinkEntry& entry) : entry_(entry), last_(entry.tags.size()) {
+    std::array<int, 4> size{1, 1, 1, 1};
+    for (const LinkTag& tag : entry.tags) {
+      int& most = size[static_cast<std::size_t>(tag.area)];
+      most = std::max(most, tag.address + tag.registers());
+    }
+    table_ = modbus_mapping_new(size[0], size[1], size[2], size[3]);
+    if (!table_) throw Error("link-lost", "out of memory");
+    for (std::size_t i = 0; i < entry_.tags.size(); ++i) last_[i] = words_at(entry_.tags[i]);
+  }
+  ~Server() override {
+    close();
+    modbus_mapping_free(table_);
+  }
+
+  void open() override {
+    close();
+    context_ = modbus_new_tcp_pi(entry_.host.c_str(), std::to_string(entry_.port).c_str());
+    if (!context_) throw Error("link-lost", "out of memory");
+    modbus_set_slave(context_, entry_.unit);
+    modbus_set_byte_timeout(context_, 0, 200'000);
+    listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(kMostClients));
+    if (listening_ < 0) {
+      const std::string why = modbus_strerror(errno);
+      throw Error("link-lost", entry_.address() + " cannot listen: " + why);
+    }
+    asked_at_ = -1;
+  }
+
+  void close() noexcept override {
+    for (const int client : clients_) ::close(client);
+    clients_.clear();
+    if (listening_ >= 0) ::close(listening_);
+    listening_ = -1;
+    if (context_) modbus_free(context_);
+    context_ = nullptr;
+  }
+
+  bool waits() const override { return true; }
+
+  void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
+                LinkNews& news) override {
+    for (const LinkValue& write : writes) put(write);
+    const bool asked = serve(patience);
+    if (asked) asked_at_ = now;
+    news.alive = asked_at_ >= 0 && now - asked_at_ <= entry_.timeout;
+    for (std::size_t i = 0; i < entry_.tags.size(); ++i) look(i, asked, news);
+  }
+
+ private:
+  std::vector<std::uint16_t> words_at(const LinkTag& tag) const {
+    if (tag.area == Area::coil) return {table_->tab_bits[tag.address]};
+    if (tag.area == Area::discrete) return {table_->tab_input_bits[tag.address]};
+    const std::uint16_t* at =
+        (tag.area == Area::holding ? table_->tab_registers : table_->tab_input_registers) + tag.address;
+    return {at, at + tag.registers()};
+  }
+
+  void put(const LinkValue& write) {
+    const LinkTag& tag = entry_.tags[write.tag];
+    const std::vector<std::uint16_t> words = words_of_value(tag, write.value, entry_.low_word_first);
+    if (words.empty()) return;
+    if (tag.area == Area::coil)
+      table_->tab_bits[tag.address] = words[0] != 0;
+    else if (tag.area == Area::discrete)
+      table_->tab_input_bits[tag.address] = words[0] != 0;
+    else
+      std::copy(
+          words.begin(), words.end(),
+          (tag.area == Area::holding ? table_->tab_registers : table_->tab_input_registers) + tag.address);
+    last_[write.tag] = words_at(tag);
+  }
+
+  /// Whether anybody asked anything that could be answered.
+  bool serve(Nanoseconds patience) {
+    std::vector<pollfd> waiting{{listening_, POLLIN, 0}};
+    for (const int client : clients_) waiting.push_back({client, POLLIN, 0});
+    if (::poll(waiting.data(), waiting.size(), static_cast<int>(patience / 1'000'000)) <= 0) return false;
+    bool asked = false;
+    for (std::size_t k = 1; k < waiting.size(); ++k)
+      if (waiting[k].revents != 0) asked |= answer(waiting[k].fd);
+    if (waiting[0].revents != 0) accept();
+    return asked;
+  }
+
+  void accept() {
+    int listening = listening_;
+    const int client = modbus_tcp_pi_accept(context_, &listening);
+    if (client < 0) return;
+    if (clients_.size() < kMostClients)
+      clients_.push_back(client);
+    else
+      ::close(client);
+  }
+
+  /// Who sends what is no request is sent away; what stood in the tables stays.
+  bool answer(int client) {
+    std::uint8_t request[MODBUS_TCP_MAX_ADU_LENGTH];
+    modbus_set_socket(context_, client);
+    const int length = modbus_receive(context_, request);
+    if (length > 0 && modbus_reply(context_, request, length, table_) >= 0) return true;
+    if (length > 0 && errno >= MODBUS_ENOBASE) return true;  // it was answered with an exception
+    ::close(client);
+    std::erase(clients_, client);
+    return false;
+  }
+
+  void look(std::size_t index, bool asked, LinkNews& news) {
+    const LinkTag& tag = entry_.tags[index];
+    std::vector<std::uint16_t> words = words_at(tag);
+    const bool ours = tag.direction == Direction::out;
+    if (words == last_[index]) {
+      if (asked && !ours) news.seen.push_back(index);
+      return;
+    }
+    if (ours) {  // written by somebody who only may read: it is put right
+      restore(index);
+      return;
+    }
+    std::string why;
+    auto value = value_of_words(tag, words.data(), entry_.low_word_first, why);
+    last_[index] = std::move(words);
+    if (!value) return news.refuse(index, why);
+    news.seen.push_back(index);
+    news.values.push_back({index, std::move(*value)});
+  }
+
+  void restore(std::size_t index) {
+    const LinkTag& tag = entry_.tags[index];
+    if (tag.area == Area::coil)
+      table_->tab_bits[tag.address] = static_cast<std::uint8_t>(last_[index][0]);
+    else if (tag.area == Area::holding)
+      std::copy(last_[index].begin(), last_[index].end(), table_->tab_registers + tag.address);
+  }
+
+  LinkEntry entry_;
+  modbus_mapping_t* table_ = nullptr;
+  modbus_t* context_ = nullptr;
+  int listening_ = -1;
+  std::vector<int> clients_;
+  std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: what both sides know
+  Nanoseconds asked_at_ = -1;
+};
+}  // namespace
+
+std::unique_ptr<signals::LinkPort> make_server(const LinkEntry& entry) {
+  return std::make_unique<Server>(entry);
+}
+
+}  // namespace polyarm::modbus

@@ -1,0 +1,165 @@
+#include <mosquitto.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "links/mqtt/payload.hpp"
+#include "links/mqtt/port.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::mqtt {
+
+namespace {
+using signals::Direction;
+using signals::LinkEntry;
+using signals::LinkNews;
+using signals::LinkTag;
+using signals::LinkValue;
+
+/// The library is begun once and stays.
+void begin_library() {
+  static const int begun = mosquitto_lib_init();
+  (void)begun;
+}
+
+class Client : public signals::LinkPort {
+ public:
+  explicit Client(const LinkEntry& entry) : entry_(entry), last_(entry.tags.size()) {
+    begin_library();
+    if (!entry_.password_file.empty()) password_ = trim(read_file(entry_.password_file));
+  }
+  ~Client() override { close(); }
+
+  bool waits() const override { return true; }
+
+  void open() override {
+    close();
+    const std::string id = entry_.client_id.empty()
+                               ? "polyarm-" + entry_.name + "-" + std::to_string(::getpid())
+                               : entry_.client_id;
+    client_ = mosquitto_new(id.c_str(), true, this);
+    if (!client_) throw Error("link-lost", "out of memory");
+    mosquitto_connect_callback_set(client_, &Client::on_connect);
+    mosquitto_message_callback_set(client_, &Client::on_message);
+    set_up();
+    connected_ = -1;
+    const int keep_alive =
+        static_cast<int>(std::clamp<Nanoseconds>(entry_.keep_alive / 1'000'000'000, 5, 65535));
+    check(mosquitto_connect(client_, entry_.host.c_str(), entry_.port, keep_alive), "cannot be reached");
+    await_answer();
+    for (const LinkTag& tag : entry_.tags)
+      if (tag.direction != Direction::out)
+        check(mosquitto_subscribe(client_, nullptr, tag.topic.c_str(), tag.qos),
+              "did not take a subscription");
+    for (auto& text : last_) text.reset();
+  }
+
+  void close() noexcept override {
+    if (!client_) return;
+    if (connected_ == 0) {  // so that the last will is not told
+      mosquitto_disconnect(client_);
+      mosquitto_loop(client_, 0, 1);
+    }
+    mosquitto_destroy(client_);
+    client_ = nullptr;
+  }
+
+  void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
+                LinkNews& news) override {
+    for (const LinkValue& write : writes) publish(write);
+    // Whatever has come in is taken in one round; the first look may wait.
+    check(mosquitto_loop(client_, static_cast<int>(patience / 1'000'000), 1), "is gone");
+    for (std::size_t k = 0; k < 100 && came_.size() != looked_; ++k) {
+      looked_ = came_.size();
+      check(mosquitto_loop(client_, 0, 1), "is gone");
+    }
+    looked_ = 0;
+    for (auto& [tag, text] : came_) take(tag, text, news);
+    came_.clear();
+  }
+
+ private:
+  void set_up() {
+    if (!entry_.user.empty())
+      mosquitto_username_pw_set(client_, entry_.user.c_str(),
+                                password_.empty() ? nullptr : password_.c_str());
+    if (!entry_.will_topic.empty())
+      check(mosquitto_will_set(client_, entry_.will_topic.c_str(), static_cast<int>(entry_.will_text.size()),
+                               entry_.will_text.data(), entry_.will_qos, entry_.will_retain),
+            "takes no such last will");
+    if (!entry_.tls) return;
+    const auto or_null = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
+    check(mosquitto_tls_set(client_, or_null(entry_.ca_file),
+                            entry_.ca_file.empty() ? "/etc/ssl/certs" : nullptr, or_null(entry_.certificate),
+                            or_null(entry_.key), nullptr),
+          "cannot be asked over TLS");
+  }
+
+  /// A broker may be reached and yet refuse.
+  void await_answer() {
+    using Clock = std::chrono::steady_clock;
+    for (const auto until = Clock::now() + std::chrono::nanoseconds(entry_.timeout);
+         connected_ < 0 && Clock::now() < until;)
+      check(mosquitto_loop(client_, 20, 1), "cannot be reached");
+    if (connected_ < 0) throw Error("link-lost", entry_.address() + " does not answer");
+    if (connected_ > 0)
+      throw Error("link-lost", entry_.address() + " refuses: " + mosquitto_connack_string(connected_));
+  }
+
+  void check(int code, const char* what) {
+    if (code == MOSQ_ERR_SUCCESS) return;
+    const std::string why = code == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(code);
+    throw Error("link-lost", entry_.address() + " " + what + ": " + why);
+  }
+
+  void publish(const LinkValue& write) {
+    const LinkTag& tag = entry_.tags[write.tag];
+    const std::string text = payload_of(tag, write.value);
+    if (tag.direction == Direction::both) last_[write.tag] = text;
+    check(mosquitto_publish(client_, nullptr, tag.topic.c_str(), static_cast<int>(text.size()), text.data(),
+                            tag.qos, tag.retain),
+          "did not take a message");
+  }
+
+  void take(std::size_t index, const std::string& text, LinkNews& news) {
+    const LinkTag& tag = entry_.tags[index];
+    if (tag.direction == Direction::both && last_[index] == text)
+      return news.seen.push_back(index);  // our own
+    std::string why;
+    auto value = value_of_payload(tag, text, why);
+    if (!value) return news.refuse(index, why);
+    last_[index] = text;
+    news.seen.push_back(index);
+    news.values.push_back({index, std::move(*value)});
+  }
+
+  static void on_connect(mosquitto*, void* self, int code) { static_cast<Client*>(self)->connected_ = code; }
+
+  static void on_message(mosquitto*, void* self, const mosquitto_message* message) {
+    Client& client = *static_cast<Client*>(self);
+    const auto length = static_cast<std::size_t>(std::max(0, message->payloadlen));
+    const std::string text(static_cast<const char*>(message->payload), length);
+    for (std::size_t i = 0; i < client.entry_.tags.size(); ++i)
+      if (client.entry_.tags[i].direction != Direction::out && client.entry_.tags[i].topic == message->topic)
+        client.came_.emplace_back(i, text);
+  }
+
+  LinkEntry entry_;
+  std::string password_;
+  mosquitto* client_ = nullptr;
+  int connected_ = -1;  ///< the broker's answer; -1: none yet
+  std::vector<std::pair<std::size_t, std::string>> came_;
+  std::size_t looked_ = 0;
+  std::vector<std::optional<std::string>> last_;  ///< both: what the two sides know
+};
+}  // namespace
+
+std::unique_ptr<signals::LinkPort> make_client(const LinkEntry& entry) {
+  return std::make_unique<Client>(entry);
+}
+
+}  // namespace polyarm::mqtt

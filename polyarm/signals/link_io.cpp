@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "polyarm/signals/link.hpp"
+
+namespace polyarm::signals {
+
+namespace {
+/// A port that waits for news looks for posts this often.
+constexpr Nanoseconds kPatience = 5'000'000;
+
+Nanoseconds steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+}  // namespace
+
+/// The thread's side: connects, exchanges, counts; and the two queues.
+class Link::Io {
+ public:
+  Io(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options)
+      : entry_(std::move(entry)),
+        port_(std::move(port)),
+        options_(options),
+        wanted_(entry_.tags.size()),
+        posted_(entry_.tags.size(), 0),
+        given_(entry_.tags.size(), 0),
+        heard_at_(entry_.tags.size(), -1),
+        refusals_(entry_.tags.size()) {
+    state_.reason = "it has not been connected yet";
+    state_.stale.assign(entry_.tags.size(), 0);
+    state_.heard.assign(entry_.tags.size(), 0);
+    pause_ = options_.first_pause;
+  }
+
+  ~Io() {
+    if (thread_.joinable()) {
+      {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+      }
+      wake_.notify_all();
+      thread_.join();
+    }
+    if (open_) {
+      const Nanoseconds until = steady_now() + entry_.timeout;
+      while (open_ && !idle() && steady_now() < until) round(steady_now(), 0);
+    }
+    port_->close();
+  }
+
+  const LinkEntry& entry() const { return entry_; }
+
+  void post(std::size_t tag, const data::Value& value) {
+    {
+      const std::lock_guard lock(mutex_);
+      wanted_[tag] = value;
+      ++posted_[tag];
+      news_ = true;
+    }
+    wake_.notify_all();
+  }
+
+  std::vector<LinkEvent> take_events() {
+    // What was posted before the first look is there when the far side first asks.
+    if (options_.thread && !thread_.joinable()) thread_ = std::thread([this] { run(); });
+    std::vector<LinkEvent> out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [event, known] : events_)
+      if (event.kind != LinkEvent::Kind::value || posted_[event.tag] <= known)
+        out.push_back(std::move(event));
+    events_.clear();
+    return out;
+  }
+
+  LinkState state() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+  bool idle() const {
+    const std::lock_guard lock(mutex_);
+    return posted_ == given_;
+  }
+
+  void step(Nanoseconds now) {
+    if (!open_) {
+      if (now < next_try_) return;
+      connect(now);
+    }
+    if (open_) round(now, 0);
+  }
+
+ private:
+  void run() {
+    for (std::unique_lock lock(mutex_); !ending_;) {
+      lock.unlock();
+      const Nanoseconds begun = steady_now();
+      if (!open_ && begun >= next_try_) connect(begun);
+      if (open_) round(begun, kPatience);
+      lock.lock();
+      if (open_ && port_->waits()) continue;
+      const Nanoseconds next = open_ ? begun + entry_.poll : std::max(next_try_, begun + 1'000'000);
+      // A post is handed over at once.
+      wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanoseconds>(0, next - steady_now())),
+                     [this] { return ending_ || (news_ && open_); });
+    }
+  }
+
+  void connect(Nanoseconds now) {
+    try {
+      port_->open();
+      open_ = true;
+      const std::lock_guard lock(mutex_);
+      std::fill(given_.begin(), given_.end(), 0);  // the far side may have forgotten
+      const bool first = !std::exchange(has_been_open_, true);
+      for (std::size_t i = 0; i < given_.size(); ++i) {
+        const LinkTag& tag = entry_.tags[i];
+        const bool theirs = first && tag.direction == Direction::both && !tag.cell_first && !entry_.server;
+        if (!wanted_[i] || theirs) given_[i] = posted_[i];
+      }
+    } catch (const Error& e) {
+      fall(now, e.problems().front().what);
+    }
+  }
+
+  /// Not connected: tells it once, and waits longer each time before trying again.
+  void fall(Nanoseconds now, const std::string& why) {
+    port_->close();
+    open_ = false;
+    next_try_ = (options_.thread ? steady_now() : now) + pause_;
+    pause_ = std::min(2 * pause_, options_.longest_pause);
+    const std::lock_guard lock(mutex_);
+    down(why);
+  }
+
+  void down(const std::string& why) {
+    state_.reason = why;
+    if (!state_.up) return;
+    state_.up = false;
+    ++state_.losses;
+    events_.push_back({{LinkEvent::Kind::lost, 0, {}, why}, 0});
+  }
+
+  void up() {
+    pause_ = options_.first_pause;
+    if (state_.up) return;
+    state_.up = state_.was_up = true;
+    state_.reason.clear();
+    events_.push_back({{LinkEvent::Kind::found, 0, {}, {}}, 0});
+  }
+
+  void round(Nanoseconds now, Nanoseconds patience) {
+    std::vector<LinkValue> writes;
+    std::vector<std::uint64_t> known;
+    {
+      const std::lock_guard lock(mutex_);
+      news_ = false;
+      known = posted_;
+      for (std::size_t i = 0; i < wanted_.size(); ++i)
+        if (wanted_[i] && given_[i] != posted_[i]) writes.push_back({i, *wanted_[i]});
+    }
+    LinkNews news;
+    const Nanoseconds begun = steady_now();
+    try {
+      port_->exchange(writes, now, patience, news);
+    } catch (const Error& e) {
+      fall(now, e.problems().front().what);
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    ++state_.exchanges;
+    state_.round_ns = steady_now() - begun;
+    for (const LinkValue& write : writes) given_[write.tag] = known[write.tag];
+    take(news, known, now);
+  }
+
+  void take(LinkNews& news, const std::vector<std::uint64_t>& known, Nanoseconds now) {
+    if (news.alive)
+      up();
+    else
+      down("nobody has asked for longer than its timeout");
+    for (const std::size_t tag : news.seen) heard_at_[tag] = now, state_.heard[tag] = 1;
+    for (auto& [tag, why] : news.refused) {
+      if (refusals_[tag] == why) continue;
+      refusals_[tag] = why;
+      events_.push_back({{LinkEvent::Kind::refused, tag, {}, why}, 0});
+    }
+    for (LinkValue& value : news.values) {
+      refusals_[value.tag].clear();
+      // Told by the far side, so it need not be told again when we connect anew.
+      if (entry_.tags[value.tag].direction == Direction::both && posted_[value.tag] == known[value.tag])
+        wanted_[value.tag].reset(), given_[value.tag] = posted_[value.tag];
+      const std::size_t tag = value.tag;
+      events_.push_back({{LinkEvent::Kind::value, tag, std::move(value.value), {}}, known[tag]});
+    }
+    for (std::size_t i = 0; i < heard_at_.size(); ++i) {
+      const Nanoseconds limit = entry_.tags[i].stale;
+      state_.stale[i] = limit > 0 && (heard_at_[i] < 0 || now - heard_at_[i] > limit);
+    }
+  }
+
+  const LinkEntry entry_;
+  std::unique_ptr<LinkPort> port_;
+  const LinkOptions options_;
+  // The port's thread.
+  bool open_ = false, has_been_open_ = false;
+  Nanoseconds next_try_ = 0, pause_;
+  // Both; under the lock.
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::vector<std::optional<data::Value>> wanted_;  ///< by tag: what the far side shall have
+  std::vector<std::uint64_t> posted_, given_;       ///< how many posts, and the last one handed over
+  std::vector<Nanoseconds> heard_at_;
+  std::vector<std::string> refusals_;
+  std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< and the posts of its tag known then
+  LinkState state_;
+  bool news_ = false, ending_ = false;
+  std::thread thread_;
+};
+
+Link::Link(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options)
+    : io_(std::make_unique<Io>(std::move(entry), std::move(port), options)) {}
+Link::~Link() = default;
+const LinkEntry& Link::entry() const {
+  return io_->entry();
+}
+void Link::post(std::size_t tag, const data::Value& value) {
+  io_->post(tag, value);
+}
+std::vector<LinkEvent> Link::take_events() {
+  return io_->take_events();
+}
+LinkState Link::state() const {
+  return io_->state();
+}
+bool Link::idle() const {
+  return io_->idle();
+}
+void Link::step(Nanoseconds now) {
+  io_->step(now);
+}
+
+}  // namespace polyarm::signals

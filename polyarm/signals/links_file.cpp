@@ -1,0 +1,288 @@
+#include "polyarm/signals/links_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::signals {
+
+namespace {
+[[noreturn]] void refuse(const Yaml& node, const std::string& what, const std::string& advice = {}) {
+  throw Error(Problem{"bad-link", node.where(), what, advice});
+}
+
+/// One of `names`, in their order; what stands there is told with the nearest name.
+std::size_t one_of(const Yaml& node, const std::vector<std::string>& names) {
+  const std::string word = node.text();
+  const auto found = std::find(names.begin(), names.end(), word);
+  if (found == names.end())
+    throw Error(Problem{"bad-value", node.where(),
+                        "'" + word + "' is not known here" + did_you_mean(word, names),
+                        "known are: " + join(names, ", ")});
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+int whole(const Yaml& node, int fallback, int lower, int upper) {
+  const double value = node.number(Dimension::none, fallback);
+  if (value != std::floor(value) || value < lower || value > upper)
+    throw Error(
+        Problem{"bad-value",
+                node.where(),
+                "this is a whole number from " + std::to_string(lower) + " to " + std::to_string(upper),
+                {}});
+  return static_cast<int>(value);
+}
+
+Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
+  const double value = node.number(Dimension::time, seconds(fallback));
+  if (!(value > 0) || value > 1e6)
+    throw Error(Problem{"bad-value", node.where(), "this is a time longer than none", "for example 50ms"});
+  return nanoseconds(value);
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+/// How many metres, or radians, in the unit that is named.
+double unit_scale(const Yaml& node, Dimension dimension) {
+  const Unit* unit = find_unit(node.text());
+  if (!unit || unit->dimension != dimension)
+    refuse(node, "'" + node.text() + "' is no unit of " + polyarm::name(dimension),
+           dimension == Dimension::length ? "mm, cm or m" : "deg or rad");
+  return unit->scale;
+}
+
+class TagReader {
+ public:
+  TagReader(const LinkEntry& link, const Yaml& node, const std::string& name, const Location& where,
+            Problems& problems)
+      : link_(link), node_(node), problems_(problems) {
+    tag_.name = name;
+    tag_.where = where;
+  }
+
+  LinkTag read() {
+    if (!node_.is_map())
+      throw Error(Problem{"bad-link", tag_.where, "'" + tag_.name + "' is not described",
+                          link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
+                                               : "write {coil: 0, direction: out}"});
+    if (link_.kind == "mqtt")
+      read_topic();
+    else
+      read_registers();
+    read_direction();
+    read_numbers();
+    return tag_;
+  }
+
+ private:
+  static const std::vector<std::string>& types() {
+    static const std::vector<std::string> names = {"bool", "number", "text", "pose"};
+    return names;
+  }
+
+  void read_registers() {
+    node_.check_keys({"coil", "discrete", "holding", "input", "type", "format", "direction", "first", "group",
+                      "scale", "offset", "range", "within", "length", "angle"},
+                     problems_);
+    const std::vector<std::string> areas = {"coil", "discrete", "holding", "input"};
+    int found = 0;
+    for (std::size_t k = 0; k < areas.size(); ++k) {
+      if (!node_.has(areas[k])) continue;
+      ++found;
+      tag_.area = static_cast<LinkTag::Area>(k);
+      tag_.address = whole(node_[areas[k]], 0, 0, 65535);
+    }
+    if (found != 1)
+      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+             "one of: " + join(areas, ", ") + ", with its address from 0");
+    const bool bits = tag_.area == LinkTag::Area::coil || tag_.area == LinkTag::Area::discrete;
+    tag_.type = bits ? LinkTag::Type::boolean : LinkTag::Type::number;
+    if (node_.has("type")) tag_.type = static_cast<LinkTag::Type>(one_of(node_["type"], types()));
+    if (tag_.type == LinkTag::Type::text) refuse(node_["type"], "Modbus carries no text");
+    if (bits != (tag_.type == LinkTag::Type::boolean) && (bits || tag_.type != LinkTag::Type::boolean))
+      refuse(node_["type"], "a bit holds a bool only");
+    if (node_.has("format"))
+      tag_.format = static_cast<LinkTag::Format>(
+          one_of(node_["format"], {"uint16", "int16", "uint32", "int32", "float32", "float64"}));
+    if (tag_.address + tag_.registers() > 65536)
+      refuse(node_, "'" + tag_.name + "' goes beyond address 65535");
+    tag_.group = node_["group"].text("");
+    if (!tag_.group.empty() && !link_.groups.contains(tag_.group)) {
+      std::vector<std::string> known;
+      for (const auto& [name, every] : link_.groups) known.push_back(name);
+      refuse(node_["group"], "there is no poll group '" + tag_.group + "'" + did_you_mean(tag_.group, known),
+             "add it to the link: groups: {" + tag_.group + ": 1s}");
+    }
+  }
+
+  void read_topic() {
+    node_.check_keys({"topic", "type", "direction", "first", "json", "field", "retain", "qos", "stale",
+                      "scale", "offset", "range", "within", "length", "angle"},
+                     problems_);
+    tag_.topic = node_.required("topic").text();
+    if (tag_.topic.empty() || tag_.topic.find_first_of("+#") != std::string::npos)
+      refuse(node_["topic"], "'" + tag_.topic + "' is no topic of one value", "+ and # do not stand here");
+    if (node_.has("type")) tag_.type = static_cast<LinkTag::Type>(one_of(node_["type"], types()));
+    tag_.field = node_["field"].text("");
+    tag_.json = node_["json"].boolean(!tag_.field.empty() || tag_.type == LinkTag::Type::pose);
+    tag_.retain = node_["retain"].boolean(false);
+    tag_.qos = whole(node_["qos"], 1, 0, 2);
+    if (node_.has("stale")) tag_.stale = time_of(node_["stale"], 0);
+    tag_.format = LinkTag::Format::float64;
+  }
+
+  void read_direction() {
+    const bool theirs =
+        link_.kind == "modbus" && (tag_.area == LinkTag::Area::discrete || tag_.area == LinkTag::Area::input);
+    const Direction only = link_.server ? Direction::out : Direction::in;
+    if (node_.has("direction"))
+      tag_.direction = static_cast<Direction>(one_of(node_["direction"], {"in", "out", "both"}));
+    else if (theirs)
+      tag_.direction = only;
+    else
+      refuse(node_, "'" + tag_.name + "' says no direction", "in (comes into the cell), out, or both");
+    if (theirs && tag_.direction != only)
+      refuse(node_["direction"], std::string("of a ") + (link_.server ? "server" : "client") +
+                                     ", discrete inputs and input registers go " + name(only) + " only");
+    if (node_.has("first")) tag_.cell_first = one_of(node_["first"], {"far", "cell"}) == 1;
+  }
+
+  void read_numbers() {
+    tag_.scale = node_["scale"].number(Dimension::none, 1);
+    tag_.offset = node_["offset"].number(Dimension::none, 0);
+    if (tag_.scale == 0) refuse(node_["scale"], "the scale cannot be 0");
+    if (node_.has("range")) {
+      const std::vector<double> range = node_["range"].numbers();
+      if (range.size() != 2 || range[0] > range[1]) refuse(node_["range"], "a range is [LOWEST, HIGHEST]");
+      tag_.range = {range[0], range[1]};
+    }
+    if (node_.has("length")) tag_.scale *= unit_scale(node_["length"], Dimension::length);
+    if (node_.has("angle")) tag_.angle_scale = unit_scale(node_["angle"], Dimension::angle);
+    if (node_.has("within")) tag_.within = read_range(node_);
+  }
+
+  const LinkEntry& link_;
+  const Yaml& node_;
+  Problems& problems_;
+  LinkTag tag_;
+};
+
+void read_host(const Yaml& node, LinkEntry& out, int fallback_port) {
+  out.host = node["host"].text(out.host);
+  if (!is_loopback(out.host) && !node["beyond_loopback"].boolean(false))
+    refuse(node["host"], "'" + out.host + "' is beyond this machine",
+           "say `beyond_loopback: true` where the link is meant to go there");
+  out.port = whole(node["port"], fallback_port, 1, 65535);
+  out.poll = time_of(node["poll"], out.poll);
+  out.timeout = time_of(node["timeout"], out.timeout);
+  if (node.has("on_loss"))
+    out.on_loss = static_cast<LinkEntry::OnLoss>(one_of(node["on_loss"], {"hold", "go_on"}));
+}
+
+void read_modbus(const Yaml& node, LinkEntry& out, Problems& problems) {
+  node.check_keys({"modbus", "host", "beyond_loopback", "port", "unit", "poll", "timeout", "word_order",
+                   "groups", "on_loss", "tags"},
+                  problems);
+  out.kind = "modbus";
+  out.server = one_of(node["modbus"], {"client", "server"}) == 1;
+  if (out.server) out.timeout = 2'000'000'000;
+  read_host(node, out, 502);
+  out.unit = whole(node["unit"], 1, 0, 255);
+  if (node.has("word_order"))
+    out.low_word_first = one_of(node["word_order"], {"high_first", "low_first"}) == 1;
+  for (const std::string& group : node["groups"].keys())
+    out.groups[group] = time_of(node["groups"][group], 0);
+}
+
+void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry& out, Problems& problems) {
+  node.check_keys({"mqtt", "host", "beyond_loopback", "port", "client_id", "user", "password_file", "will",
+                   "tls", "keep_alive", "poll", "timeout", "on_loss", "tags"},
+                  problems);
+  out.kind = "mqtt";
+  one_of(node["mqtt"], {"client"});
+  const auto file = [&](const Yaml& named) {
+    const std::string text = named.text("");
+    return text.empty() ? text : (folder / text).string();
+  };
+  out.tls = node.has("tls");
+  out.timeout = 2'000'000'000;
+  read_host(node, out, out.tls ? 8883 : 1883);
+  if (out.tls && node["tls"].is_map()) {
+    node["tls"].check_keys({"ca", "certificate", "key"}, problems);
+    out.ca_file = file(node["tls"]["ca"]);
+    out.certificate = file(node["tls"]["certificate"]);
+    out.key = file(node["tls"]["key"]);
+  }
+  out.client_id = node["client_id"].text("");
+  out.user = node["user"].text("");
+  out.password_file = file(node["password_file"]);
+  out.keep_alive = time_of(node["keep_alive"], out.keep_alive);
+  const Yaml will = node["will"];
+  if (!will.defined()) return;
+  will.check_keys({"topic", "text", "retain", "qos"}, problems);
+  out.will_topic = will.required("topic").text();
+  out.will_text = will["text"].text("");
+  out.will_retain = will["retain"].boolean(true);
+  out.will_qos = whole(will["qos"], 1, 0, 2);
+}
+
+/// Two tags in one place would fight.
+void check_places(const LinkEntry& link, Problems& problems) {
+  if (link.kind != "modbus") return;
+  for (std::size_t i = 0; i < link.tags.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const LinkTag &a = link.tags[k], &b = link.tags[i];
+      if (a.area == b.area && a.address < b.address + b.registers() && b.address < a.address + a.registers())
+        problems.error("bad-link", b.where,
+                       "'" + b.name + "' and '" + a.name + "' share an address of '" + link.name + "'",
+                       "a float32 takes two registers, a float64 four, a pose six numbers");
+    }
+}
+
+LinkEntry read_link(const std::string& name, const Yaml& node, const Location& where,
+                    const std::filesystem::path& folder, Problems& problems) {
+  LinkEntry out;
+  out.name = name;
+  out.where = where;
+  if (node.has("modbus") == node.has("mqtt"))
+    throw Error(Problem{"bad-link", where, "the link '" + name + "' says no protocol, or two",
+                        "write `modbus: client`, `modbus: server` or `mqtt: client`"});
+  if (node.has("modbus"))
+    read_modbus(node, out, problems);
+  else
+    read_mqtt(node, folder, out, problems);
+  const Yaml tags = node["tags"];
+  for (const std::string& tag : tags.keys())
+    collect(problems, [&] {
+      out.tags.push_back(TagReader(out, tags[tag], tag, tags.key_location(tag), problems).read());
+    });
+  check_places(out, problems);
+  return out;
+}
+}  // namespace
+
+PoseRange read_range(const Yaml& node) {
+  const Yaml within = node["within"];
+  const std::vector<Yaml> corners = within.items();
+  if (corners.size() != 2)
+    refuse(within, "a range of poses is [[x, y, z], [x, y, z]]", "two opposite corners");
+  const Vec3 a = corners[0].vec3(), b = corners[1].vec3();
+  PoseRange out;
+  out.lower = {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+  out.upper = {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+  return out;
+}
+
+std::vector<LinkEntry> read_links(const Yaml& node, const std::filesystem::path& folder, Problems& problems) {
+  std::vector<LinkEntry> out;
+  for (const std::string& name : node.keys())
+    collect(problems,
+            [&] { out.push_back(read_link(name, node[name], node.key_location(name), folder, problems)); });
+  return out;
+}
+
+}  // namespace polyarm::signals

@@ -1,0 +1,371 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+
+#include "links/modbus/port.hpp"
+#include "links/modbus/registers.hpp"
+#include "tests/links/running_link.hpp"
+
+namespace polyarm {
+namespace {
+
+using modbus::Format;
+using test::link_entry;
+using test::Peer;
+using test::RunningLink;
+
+TEST(ModbusRegisters, HoldEveryFormatInBothWordOrders) {
+  const std::pair<Format, std::vector<double>> cases[] = {{Format::uint16, {0, 1, 65535}},
+                                                          {Format::int16, {0, -1, -32768, 32767}},
+                                                          {Format::uint32, {0, 65536, 4294967295.0}},
+                                                          {Format::int32, {-1, -2147483648.0, 2147483647.0}},
+                                                          {Format::float32, {0, -1.5, 1048576.5}},
+                                                          {Format::float64, {0, 0.1, -1e300}}};
+  for (const auto& [format, numbers] : cases)
+    for (const double number : numbers)
+      for (const bool low : {false, true}) {
+        std::uint16_t words[4] = {};
+        modbus::number_into(number, words, format, low);
+        EXPECT_EQ(modbus::number_from(words, format, low), number);
+      }
+  std::uint16_t words[2];
+  modbus::number_into(1.0, words, Format::float32, false);
+  EXPECT_EQ(words[0], 0x3F80);  // IEEE 754: 1.0 is 3F80 0000, the high word first
+  modbus::number_into(1.0, words, Format::float32, true);
+  EXPECT_EQ(words[1], 0x3F80);
+}
+
+TEST(ModbusRegisters, WhatAFormatCannotHoldIsCutToItsRangeAndNotWrapped) {
+  signals::LinkTag tag;
+  tag.area = signals::LinkTag::Area::holding;
+  tag.type = signals::LinkTag::Type::number;
+  tag.format = Format::uint16;
+  EXPECT_EQ(modbus::words_of_value(tag, 1e9, false), std::vector<std::uint16_t>{65535});
+  EXPECT_EQ(modbus::words_of_value(tag, -5, false), std::vector<std::uint16_t>{0});
+  EXPECT_EQ(modbus::words_of_value(tag, std::nan(""), false), std::vector<std::uint16_t>{0});
+}
+
+constexpr const char* kLink = R"(
+plc:
+  modbus: client
+  port: PORT
+  poll: 5ms
+  timeout: 2s
+  groups: {slow: 50ms}
+  tags:
+    Start: {coil: 3, direction: in}
+    Gripper: {coil: 4, direction: both}
+    Held: {coil: 7, direction: out}
+    Door: {discrete: 2}
+    Speed: {holding: 0, direction: out, scale: 0.1}
+    Force: {holding: 10, format: float32, direction: out}
+    Level: {input: 5, format: int16, scale: 0.5, offset: 10, range: [-100, 100]}
+    Total: {input: 20, format: uint32, group: slow}
+    pick: {holding: 40, format: float32, type: pose, length: mm, angle: deg, direction: in,
+           within: [[0, -0.5, 0], [0.6, 0.5, 0.4]]}
+)";
+
+class ModbusClient : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::has_pymodbus()) GTEST_SKIP() << "python3-pymodbus is not installed";
+    start();
+  }
+  void start() {
+    plc = std::make_unique<Peer>(
+        std::vector<std::string>{test::python(), test::modbus_peer(), "server", std::to_string(port)});
+    ASSERT_EQ(plc->line(), "serving");
+    ASSERT_TRUE(test::eventually([&] { return test::listens(port); }));
+  }
+  void connect() {
+    const signals::LinkEntry entry = link_entry(kLink, port);
+    link = std::make_unique<RunningLink>(entry, modbus::make_client(entry));
+    ASSERT_TRUE(link->up());
+  }
+  void set_pose(const std::vector<float>& numbers) {
+    std::string words;
+    for (const float number : numbers) {
+      std::uint16_t pair[2];
+      modbus::number_into(number, pair, Format::float32, false);
+      words += " " + std::to_string(pair[0]) + " " + std::to_string(pair[1]);
+    }
+    plc->ask("set hr 40" + words);
+  }
+
+  int port = test::free_port();
+  std::unique_ptr<Peer> plc;
+  std::unique_ptr<RunningLink> link;
+};
+
+TEST_F(ModbusClient, ReadsEveryTableOfAServerOfAnother) {
+  plc->ask("set co 3 1");
+  plc->ask("set di 2 1");
+  plc->ask("set ir 5 65532");  // -4
+  plc->ask("set ir 20 1 2");   // 65538
+  connect();
+  EXPECT_TRUE(link->comes("Start", true));
+  EXPECT_TRUE(link->comes("Door", true));
+  EXPECT_TRUE(link->comes("Level", 8));
+  EXPECT_TRUE(link->comes("Total", 65538));
+  plc->ask("set co 3 0");
+  EXPECT_TRUE(link->comes("Start", false));
+}
+
+TEST_F(ModbusClient, WritesCoilsAndScaledRegisters) {
+  connect();
+  link->post("Held", true);
+  link->post("Speed", 12.3);
+  link->post("Force", 1.0);
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(plc->ask("get co 7 1"), "1");
+  EXPECT_EQ(plc->ask("get hr 0 1"), "123");
+  EXPECT_EQ(plc->ask("get hr 10 2"), "16256 0");
+}
+
+TEST_F(ModbusClient, ACoilOfBothSidesIsWhatWhoeverChangedItLastWants) {
+  plc->ask("set co 4 1");
+  link = nullptr;
+  const signals::LinkEntry entry = link_entry(kLink, port);
+  link = std::make_unique<RunningLink>(entry, modbus::make_client(entry));
+  link->post("Gripper", false);  // before the first connection: the far side's counts
+  ASSERT_TRUE(link->comes("Gripper", true));
+  link->post("Gripper", false);
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(plc->ask("get co 4 1"), "0");
+  plc->ask("set co 4 1");
+  EXPECT_TRUE(link->comes("Gripper", true));
+}
+
+TEST_F(ModbusClient, APoseComesWholeOrNotAtAll) {
+  set_pose({300, -100, 50, 180, 0, 90});
+  connect();
+  ASSERT_TRUE(test::eventually([&] { return link->look(), link->values.contains("pick"); }));
+  const Pose pose = link->values.at("pick").as_point()->pose;
+  EXPECT_NEAR(pose.position.x, 0.3, 1e-6);
+  EXPECT_NEAR(pose.position.y, -0.1, 1e-6);
+  const data::Value before = link->values.at("pick");
+  set_pose({std::numeric_limits<float>::quiet_NaN(), -100, 50, 180, 0, 90});
+  EXPECT_TRUE(link->refuses("not finite"));
+  set_pose({900, -100, 50, 180, 0, 90});
+  EXPECT_TRUE(link->refuses("x = 0.9 m is outside"));
+  EXPECT_EQ(link->values.at("pick"), before);
+}
+
+TEST_F(ModbusClient, ANumberOutOfItsRangeIsRefusedAndTheOldOneStays) {
+  plc->ask("set ir 5 20");
+  connect();
+  ASSERT_TRUE(link->comes("Level", 20));
+  plc->ask("set ir 5 2000");
+  EXPECT_TRUE(link->refuses("1010 is outside of -100 to 100"));
+  EXPECT_EQ(link->values.at("Level"), data::Value(20));
+}
+
+TEST_F(ModbusClient, ALostServerIsToldAndFoundAgainAndGetsWhatItMissed) {
+  connect();
+  link->post("Held", true);
+  ASSERT_TRUE(link->given());
+  plc->end(SIGKILL);
+  ASSERT_TRUE(link->down());
+  link->look();
+  ASSERT_EQ(link->losses.size(), 1u);
+  link->post("Speed", 5.0);
+  start();
+  ASSERT_TRUE(link->up());
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(plc->ask("get co 7 1"), "1") << "what it was told before, it is told again";
+  EXPECT_EQ(plc->ask("get hr 0 1"), "50");
+}
+
+TEST(ModbusLink, NobodyThereSaysWhereAndWhy) {
+  const int port = test::free_port();
+  const signals::LinkEntry entry = link_entry(kLink, port);
+  RunningLink link(entry, modbus::make_client(entry));
+  ASSERT_TRUE(test::eventually(
+      [&] { return link.look(), link.link().state().reason.find("refused") != std::string::npos; }));
+  EXPECT_NE(link.link().state().reason.find("127.0.0.1:" + std::to_string(port)), std::string::npos);
+}
+
+/// A far side that answers whatever is asked with bytes that mean nothing.
+class Babbler {
+ public:
+  Babbler() {
+    listening_ = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    if (::bind(listening_, reinterpret_cast<sockaddr*>(&address), length) != 0 ||
+        ::listen(listening_, 4) != 0 ||
+        ::getsockname(listening_, reinterpret_cast<sockaddr*>(&address), &length) != 0)
+      throw std::runtime_error("no port");
+    port = ntohs(address.sin_port);
+    thread_ = std::thread([this] { babble(); });
+  }
+  ~Babbler() {
+    ::shutdown(listening_, SHUT_RDWR);
+    thread_.join();
+    ::close(listening_);
+  }
+  int port = 0;
+
+ private:
+  void babble() {
+    for (unsigned k = 1;; ++k) {
+      const int client = ::accept(listening_, nullptr, nullptr);
+      if (client < 0) return;
+      char asked[300];
+      std::string rubbish;
+      for (unsigned i = 0; i < 1 + k * 17 % 300; ++i) rubbish += static_cast<char>(k * 91 + i * i * 7);
+      if (::recv(client, asked, sizeof asked, 0) > 0)
+        (void)!::send(client, rubbish.data(), rubbish.size(), MSG_NOSIGNAL);
+      ::close(client);
+    }
+  }
+  int listening_ = -1;
+  std::thread thread_;
+};
+
+TEST(ModbusLink, APlcThatSendsRubbishIsALostLinkAndNoValueComesOfIt) {
+  Babbler plc;
+  const signals::LinkEntry entry = link_entry(
+      "plc: {modbus: client, port: PORT, poll: 1ms, timeout: 200ms, tags: {A: {holding: 0, format: float32, "
+      "direction: "
+      "in, range: [0, 1]}, B: {coil: 0, direction: both}}}",
+      plc.port);
+  RunningLink link(entry, modbus::make_client(entry));
+  ASSERT_TRUE(test::eventually([&] {
+    return link.look(), link.link().state().losses + link.losses.size() > 0 ||
+                            link.link().state().reason.find("did not answer") != std::string::npos;
+  }));
+  link.look();
+  EXPECT_TRUE(link.values.empty());
+}
+
+constexpr const char* kServer = R"(
+master:
+  modbus: server
+  port: PORT
+  tags:
+    Start: {coil: 0, direction: in}
+    Gripper: {coil: 1, direction: both}
+    Running: {discrete: 0}
+    Count: {input: 0, format: uint32}
+    Wanted: {holding: 0, format: float32, direction: in, range: [0, 10]}
+    Ours: {holding: 8, direction: out}
+)";
+
+class ModbusServer : public testing::Test {
+ protected:
+  void SetUp() override {
+    const signals::LinkEntry entry = link_entry(kServer, port);
+    link = std::make_unique<RunningLink>(entry, modbus::make_server(entry));
+    link->look();
+    ASSERT_TRUE(test::eventually([&] { return test::listens(port); }));
+  }
+  int port = test::free_port();
+  std::unique_ptr<RunningLink> link;
+};
+
+class AskedModbusServer : public ModbusServer {
+ protected:
+  void SetUp() override {
+    if (!test::has_pymodbus()) GTEST_SKIP() << "python3-pymodbus is not installed";
+    ModbusServer::SetUp();
+    master = std::make_unique<Peer>(
+        std::vector<std::string>{test::python(), test::modbus_peer(), "client", std::to_string(port)});
+    ASSERT_EQ(master->line(), "connected");
+  }
+  std::unique_ptr<Peer> master;
+};
+
+TEST_F(AskedModbusServer, OffersWhatTheCellSetsAndTakesWhatIsWritten) {
+  link->post("Running", true);
+  link->post("Count", 65537);
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(master->ask("read di 0 1"), "1");
+  EXPECT_EQ(master->ask("read ir 0 2"), "1 1");
+  EXPECT_TRUE(link->up());
+  EXPECT_EQ(master->ask("write co 0 1"), "done");
+  EXPECT_TRUE(link->comes("Start", true));
+  EXPECT_EQ(master->ask("write hr 0 16256 0"), "done");
+  EXPECT_TRUE(link->comes("Wanted", 1));
+}
+
+TEST_F(AskedModbusServer, ACoilOfBothSidesGoesBothWays) {
+  EXPECT_EQ(master->ask("write co 1 1"), "done");
+  ASSERT_TRUE(link->comes("Gripper", true));
+  link->post("Gripper", false);
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(master->ask("read co 1 1"), "0");
+}
+
+TEST_F(AskedModbusServer, WhatIsTheCellsToSayIsPutRight) {
+  link->post("Ours", 7);
+  ASSERT_TRUE(link->given());
+  EXPECT_EQ(master->ask("write hr 8 99"), "done");
+  EXPECT_TRUE(test::eventually([&] { return master->ask("read hr 8 1") == "7"; }));
+}
+
+TEST_F(AskedModbusServer, AnAddressThatThereIsNotIsAnExceptionAndTheLinkStays) {
+  EXPECT_TRUE(master->ask("read hr 5000 2").starts_with("error"));
+  EXPECT_EQ(master->ask("read hr 8 1"), "0");
+  EXPECT_TRUE(link->up());
+}
+
+TEST_F(AskedModbusServer, RubbishIsNoRequestAndSpoilsNothing) {
+  EXPECT_EQ(master->ask("write hr 0 16256 0"), "done");
+  ASSERT_TRUE(link->comes("Wanted", 1));
+  for (int k = 0; k < 20; ++k) {
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ASSERT_EQ(::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    std::string rubbish;
+    for (int i = 0; i < 30 + 13 * k; ++i) rubbish += static_cast<char>(k * 37 + i * 101);
+    (void)!::send(fd, rubbish.data(), rubbish.size(), MSG_NOSIGNAL);
+    ::close(fd);
+  }
+  EXPECT_EQ(master->ask("write co 0 1"), "done");
+  EXPECT_TRUE(link->comes("Start", true));
+  link->look();
+  EXPECT_EQ(link->values.at("Wanted"), data::Value(1));
+}
+
+TEST_F(AskedModbusServer, AMasterThatWritesANumberThatIsNoneIsRefused) {
+  EXPECT_EQ(master->ask("write hr 0 32704 0"), "done");  // NaN
+  EXPECT_TRUE(link->refuses("no finite number"));
+  EXPECT_EQ(master->ask("write hr 0 17000 0"), "done");
+  EXPECT_TRUE(link->refuses("is outside of 0 to 10"));
+  EXPECT_FALSE(link->values.contains("Wanted"));
+}
+
+TEST(ModbusBothEnds, OneCellAsksAnother) {
+  const int port = test::free_port();
+  const signals::LinkEntry server = link_entry(kServer, port);
+  RunningLink there(server, modbus::make_server(server));
+  const signals::LinkEntry client = link_entry(R"(
+cell:
+  modbus: client
+  port: PORT
+  poll: 2ms
+  tags: {Go: {coil: 0, direction: out}, Gripper: {coil: 1, direction: both, first: cell}, Runs: {discrete: 0}}
+)",
+                                               port);
+  RunningLink here(client, modbus::make_client(client));
+  there.look();
+  here.post("Go", true);
+  here.post("Gripper", true);
+  here.look();
+  EXPECT_TRUE(there.comes("Start", true));
+  EXPECT_TRUE(there.comes("Gripper", true)) << "the cell's value counts first where the link says so";
+  there.post("Running", true);
+  EXPECT_TRUE(here.comes("Runs", true));
+}
+
+}  // namespace
+}  // namespace polyarm
