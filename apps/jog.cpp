@@ -237,6 +237,7 @@ class Keys {
     axis_ = -1;
     wanted["by"] = true;
     problem_.clear();
+    std::string typed;  // while it moved
     try {
       client_.send(with_robot(a_, std::move(wanted)));
       bool asked_to_end = false;
@@ -244,6 +245,7 @@ class Keys {
         for (const char key : Keyboard::wait(std::chrono::milliseconds(0))) {
           if (key == '\x03' || key == '\x04') Keyboard::end();
           asked_to_end = true;
+          typed += key;
         }
         if (asked_to_end || Keyboard::ended()) {
           client_.send(with_robot(a_, {{"request", "jog"}, {"end", true}}));
@@ -264,6 +266,9 @@ class Keys {
       for (; awaited_ > 0; --awaited_) client_.receive(kPatience);
       refuse(e);
     }
+    // A key ends the step; what it chooses holds for the next one.
+    for (const char key : typed)
+      if (choose(key)) show();
   }
 
   void let_go() {
