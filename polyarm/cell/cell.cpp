@@ -80,6 +80,9 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   std::vector<controllers::JointFacts> joints;
   for (const auto& robot : robots_) joints.insert(joints.end(), robot->joints.begin(), robot->joints.end());
   loop_->prepare(joints);
+  Problems told;  // with the hardware
+  for (const auto& robot : robots_)
+    loop_->limits().set_turns(robot->entry.name + "/", divisor_of(*robot, loop_->options().period, told));
   offer_named_states();
   collect(problems, [&] { build_programs(problems); });
   problems.throw_if_errors();

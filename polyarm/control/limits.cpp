@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace polyarm::control {
 
@@ -80,6 +81,15 @@ void CommandLimits::build(const hardware::InterfaceTable& table,
   records_ = std::make_unique<Record[]>(names_.size() * controllers::kLimits);
 }
 
+void CommandLimits::set_turns(const std::string& prefix, unsigned cycles) {
+  const auto set = [&](auto& one) {
+    if (names_[static_cast<std::size_t>(place_[one.command])].starts_with(prefix))
+      one.turns = std::max(1u, cycles);
+  };
+  std::for_each(plain_.begin(), plain_.end(), set);
+  std::for_each(full_.begin(), full_.end(), set);
+}
+
 void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit, double asked,
                          double given) noexcept {
   clamps_.store(clamps_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -98,6 +108,9 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
   const auto state = [&](std::int32_t place) {
     return place < 0 ? kNone : states[static_cast<std::size_t>(place)];
   };
+  f.since = std::min(f.since + 1, f.turns);
+  if (asked == f.given && f.since < f.turns && !still) return;  // it is not its turn
+  const double dt = dt_ * f.since;
   const controllers::JointNow now{state(f.position), state(f.velocity)};
   controllers::LimiterSettings settings = f.settings;
   settings.velocity *= share;
@@ -108,19 +121,19 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
         f.given = std::isfinite(now.position) ? now.position : asked;
         f.before = f.given;
       }
-      const double speed = (f.given - f.before) / dt_;
-      allowed = controllers::allow_position(settings, now, asked, f.given, speed, dt_);
+      const double speed = (f.given - f.before) / (dt_ * f.span);
+      allowed = controllers::allow_position(settings, now, asked, f.given, speed, dt);
       if (still && allowed.value != f.given) allowed = {f.given, Limit::held, allowed.fault};
       break;
     }
     case Quantity::velocity:
       if (std::isnan(f.given)) f.given = std::isfinite(now.velocity) ? now.velocity : 0;
-      allowed = controllers::allow_velocity(settings, now, asked, f.given, dt_);
+      allowed = controllers::allow_velocity(settings, now, asked, f.given, dt);
       if (still && leads_away(allowed.value, now.position - f.stood))
         allowed = {0, Limit::held, allowed.fault};
       break;
     case Quantity::acceleration:
-      allowed = controllers::allow_acceleration(settings, now, asked, f.given, dt_);
+      allowed = controllers::allow_acceleration(settings, now, asked, f.given, dt);
       break;
     case Quantity::effort:
       allowed = controllers::allow_effort(settings, now, asked);
@@ -129,6 +142,7 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
   judge(f.command, allowed.fault, f.outside);
   if (allowed.cause != Limit::none) note(cycle, f.command, allowed.cause, asked, allowed.value);
   f.before = f.given;
+  f.span = std::exchange(f.since, 0u);
   commands[f.command] = f.given = allowed.value;
 }
 
@@ -149,7 +163,10 @@ void CommandLimits::one(Plain& p, double share, std::span<double> commands, std:
         p.outside);
   double given = std::isfinite(asked) ? asked : p.given;
   const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
-  given = still ? p.given : std::clamp(inside, p.given - p.step * share, p.given + p.step * share);
+  p.since = std::min(p.since + 1, p.turns);
+  const double step = p.step * share * p.since;
+  given = still ? p.given : std::clamp(inside, p.given - step, p.given + step);
+  if (given != p.given) p.since = 0;
   if (given != asked)
     note(cycle, p.command,
          !std::isfinite(asked) ? Limit::not_a_number

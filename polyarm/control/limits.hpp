@@ -31,6 +31,9 @@ class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
+  /// Commands whose names begin with `prefix` change every so many cycles: a change may be as large as that
+  /// time allows, and no larger than what it is since the last one allows. After build().
+  void set_turns(const std::string& prefix, unsigned cycles);
   /// `still`: the loop is held, or at fault and no controller says that it still slows down.
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle,
                 bool still = false) noexcept;
@@ -54,6 +57,7 @@ class CommandLimits {
     double lower, upper, step;
     double given;  // last command, NaN before the first
     bool outside = false;
+    unsigned turns = 1, since = 1;  // cycles: between changes, and since the last one
   };
   enum class Quantity : std::uint8_t { position, velocity, acceleration, effort };
   struct Full {
@@ -64,6 +68,7 @@ class CommandLimits {
     double given, before;
     double stood;  // where it was measured when the loop came to stand still
     bool outside = false;
+    unsigned turns = 1, since = 1, span = 1;  // cycles; `span`: between before and given
   };
   struct Record {
     std::atomic<std::uint64_t> count{0}, cycle{0};
