@@ -211,6 +211,12 @@ bool takes_quick(const SixAxisClass& known) noexcept {
          known.family != ArmFamily::wrist && known.family != ArmFamily::parallel_234;
 }
 
+bool takes_quick(const QuickJob& job) noexcept {
+  const ArmFamily family = job.form.family;
+  const bool planar = family == ArmFamily::wrist_2_parallel_3 || family == ArmFamily::parallel_234_5_meets_6;
+  return family != ArmFamily::none && (job.planar.usable || !planar);
+}
+
 SixAxisForm form_for_quick(const SixAxisClass& known) {
   SixAxisForm f = form_of(known, true);
   f.wary = true;

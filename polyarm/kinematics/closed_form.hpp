@@ -127,25 +127,58 @@ struct JointWindow {
 };
 JointWindow window_of(double lower, double upper, double weight) noexcept;
 
+/// s * sine + c * cosine = b, of which all but b is known beforehand.
+struct PlanarCircle {
+  double s = 0, c = 0;  ///< divided by the square of the radius
+  double radius = 0;
+  double angle = 0;  ///< of (c, s), rad
+  bool usable = false;
+};
+/// still + cosine * ahead + sine * across
+struct TurnedVector {
+  Vec3 still, ahead, across;
+};
+/// Constants of an arm whose axes 2 and 3 are parallel (planar_form.hpp); made by planar_form().
+struct PlanarForm {
+  bool usable = false;
+  bool wrist = false;       ///< axes 4 to 6 meet; else axis 4 is parallel to 2 and 3, and 5 and 6 meet
+  Rotation into_base;       ///< from the world's axes to those of a frame whose z is axis 1
+  double rise = 0;          ///< axis 2 there, of which y is nothing: its x
+  double rise_along = 0;    ///< and its z
+  double height = 0;        ///< of the wrist's point along axis 2
+  Rotation into_plane;      ///< from there, axis 1 at zero, to a frame whose z is axis 2
+  Vec3 p12, p23, p34, p45;  ///< in that frame, between points of the axes
+  double side_3 = 1, side_4 = 1;
+  PlanarCircle elbow, bend;  ///< of axes 3 and 5
+  double elbow_half = 0;     ///< Reach::half
+  Rotation into_hub;         ///< from the plane's frame to one whose z is the axis that the bend is seen from
+  TurnedVector six, beside, across;  ///< axis 6 and what is square to it, turned about axis 5, in that frame
+  double least_length2 = 0, least_sine2 = 0, near_edge = 0;
+};
+
 /// What quick answers need: of an arm of six turning axes whose closed form is exact (takes_quick()).
 struct QuickJob {
   SixAxisForm form;                      ///< form_for_quick()
   std::array<JointWindow, 6> window;     ///< of the form's axes
   std::array<std::uint8_t, 6> to_arm{};  ///< for each axis of the form, the axis of the arm
   std::array<std::uint8_t, 6> joint{};   ///< and the joint, whose value in a seed answers come near to
+  PlanarForm planar;                     ///< a shorter way, where it is usable
+  double most_weight = 1;                ///< of the windows
 };
 /// Whether the family goes in steps.
 bool takes_quick(const SixAxisClass& known) noexcept;
+/// Whether the steps have what they hold on to.
+bool takes_quick(const QuickJob& job) noexcept;
 /// A form that tells whatever is near to singular, so that the quick way need not deal with it.
 SixAxisForm form_for_quick(const SixAxisClass& known);
 
 /// The eight branches of one pose, or one branch for each of eight poses, checked on the true arm.
 struct QuickAnswers {
-  alignas(64) double value[6][kBranches];  ///< of the arm's axes
-  alignas(64) double position_error2[kBranches];
-  alignas(64) double orientation_error2[kBranches];
-  alignas(64) double distance2[kBranches];
-  std::uint32_t good = 0;  ///< exact to kGoodEnough and within limits (bits)
+  alignas(64) double value[6][kBranches];           ///< of the arm's axes
+  alignas(64) double position_error[kBranches];     ///< m
+  alignas(64) double orientation_error[kBranches];  ///< rad
+  alignas(64) double distance[kBranches];           ///< weighted, from the seed
+  std::uint32_t good = 0;                           ///< exact to kGoodEnough and within limits (bits)
 };
 /// All branches of a pose. False where something is nearly singular, or not exact but near: the answer is
 /// then solve_branches()'s to give.

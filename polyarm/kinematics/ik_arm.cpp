@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/kinematics/planar_form.hpp"
 #include "polyarm/kinematics/random.hpp"
 
 namespace polyarm::kinematics {
@@ -72,12 +73,16 @@ void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6
       settings.orientation_tolerance < 1e-11)
     return;
   quick.form = form_for_quick(found);
+  planar_form(quick.form, quick.planar);
+  quick.most_weight = 0;
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<std::size_t>(six[k]);
     quick.to_arm[k] = static_cast<std::uint8_t>(i);
     quick.joint[k] = static_cast<std::uint8_t>(geometry.axes[i].joint);
     quick.window[k] = window_of(limits.lower[i], limits.upper[i], limits.weight[i]);
+    quick.most_weight = std::max(quick.most_weight, limits.weight[i]);
   }
+  if (!kinematics::takes_quick(quick)) quick.form.family = ArmFamily::none;
 }
 
 void InverseKinematics::Arm::find_form() {
@@ -115,14 +120,15 @@ void InverseKinematics::Arm::find_six() {
 
 namespace {
 
+constexpr int kStates = 4;
+
 /// Of a few states, how many the algebra finds again: arms whose axes are special to each other may suit it
-/// from one end only.
-int found_again(const ArmGeometry& arm, const GeneralSix& six) {
-  constexpr int kStates = 4;
+/// from one end only. Stops where `needed` cannot be had any more.
+int found_again(const ArmGeometry& arm, const GeneralSix& six, int needed) {
   Random random(7);
   int out = 0;
   std::array<GeneralSix::State, GeneralSix::kMost> found;
-  for (int i = 0; i < kStates; ++i) {
+  for (int i = 0; i < kStates && out + kStates - i >= needed; ++i) {
     GeneralSix::State q;
     for (double& value : q) value = random.between(-3, 3);
     PoseTarget target;
@@ -145,11 +151,11 @@ void InverseKinematics::Arm::find_general() {
   int most = 2;
   for (const bool from_tool : {false, true}) {
     auto six = std::make_unique<GeneralSix>(geometry, from_tool);
-    const int again = found_again(geometry, *six);
+    const int again = found_again(geometry, *six, most + 1);
     if (again <= most) continue;
     most = again;
     general = std::move(six);
-    if (again == 4) break;
+    if (again == kStates) break;
   }
 }
 
@@ -257,6 +263,7 @@ void InverseKinematics::Arm::find_seven() {
     if (less > 0 || (less == 0 && (best.exact() || !common.exact()))) continue;
     best = common;
     spare = static_cast<int>(k);
+    if (effort(best.family) == 0 && best.exact()) break;
   }
   if (spare < 0) {
     report = "no closed form: no joint whose hold leaves one";
@@ -268,6 +275,8 @@ void InverseKinematics::Arm::find_seven() {
   if (SrsArm::fits(geometry)) srs = std::make_unique<SrsArm>(geometry);
   report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
                        describe_known());
+  if (!srs) end = SpareEnd::of(geometry, limits);
+  if (end) report += fmt::format("; the nearest by axis {}, eight values side by side", end->axis() + 1);
   if (srs) report += "; the nearest by elbow angle, as shoulder and wrist are spherical";
 }
 

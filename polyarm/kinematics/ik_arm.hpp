@@ -10,6 +10,7 @@
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 #include "polyarm/kinematics/numeric_ik.hpp"
 #include "polyarm/kinematics/sliding_arm.hpp"
+#include "polyarm/kinematics/spare_end.hpp"
 #include "polyarm/kinematics/srs_arm.hpp"
 
 namespace polyarm::kinematics {
@@ -61,6 +62,7 @@ struct InverseKinematics::Arm {
   std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
   std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
   std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
+  std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
   LaneArm lanes;
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
@@ -107,6 +109,7 @@ struct InverseKinematics::Arm {
                  Gathered& out) const noexcept;
   void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
              Gathered& out) const noexcept;
+  void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;

@@ -45,9 +45,9 @@ void InverseKinematics::Arm::write_quick(const QuickAnswers& from, std::size_t l
                                          std::span<const double> seed, IkSolution& to) const noexcept {
   if (joints > 6) std::copy(seed.begin(), seed.end(), to.q.begin());
   for (std::size_t i = 0; i < 6; ++i) to.q[geometry.axes[i].joint] = from.value[i][lane];
-  to.position_error = std::sqrt(from.position_error2[lane]);
-  to.orientation_error = std::sqrt(from.orientation_error2[lane]);
-  to.distance = std::sqrt(from.distance2[lane]);
+  to.position_error = from.position_error[lane];
+  to.orientation_error = from.orientation_error[lane];
+  to.distance = from.distance[lane];
   to.exact = true;
   to.singular = false;
 }
@@ -119,6 +119,12 @@ void InverseKinematics::Arm::offer(BranchJob& job, std::span<const AxisValues> s
     polish_branches(job, branches);
     sift(job, branches, before, out);
   }
+}
+
+void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues& state,
+                                         Gathered& out) const noexcept {
+  BranchJob nearly = job;
+  offer(nearly, {&state, 1}, out.count, out);
 }
 
 /// All roots of the polynomial of degree 16.
@@ -211,7 +217,13 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.near = out.seed.data();
   job.worth_polishing = worth_polishing;
   if (formed() && spare < 0) solve_at(job, form, wary, out);
-  if (formed() && spare >= 0) sample(job, at, nearest_only, out);
+  if (formed() && spare >= 0) {
+    AxisValues state;
+    if (nearest_only && end &&
+        end->nearest({target.position, normalized(target.rotation)}, seed.data(), state))
+      offer_alone(job, state, out);
+    if (out.count == 0) sample(job, at, nearest_only, out);
+  }
   if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }
 
@@ -254,8 +266,7 @@ void InverseKinematics::Arm::take(const IkSolution& from, Gathered& out) const n
 void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
                                     Gathered& out) const noexcept {
   if (AxisValues state; nearest_only && srs && srs->nearest(job.target, limits, job.near, state)) {
-    BranchJob nearly = job;
-    offer(nearly, {&state, 1}, out.count, out);
+    offer_alone(job, state, out);
     if (out.count > 0) return;
   }
   const auto k = static_cast<std::size_t>(spare);
@@ -397,7 +408,7 @@ IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> s
   std::size_t best = static_cast<std::size_t>(std::countr_zero(found.good));
   for (std::uint32_t rest = found.good & (found.good - 1); rest != 0; rest &= rest - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(rest));
-    best = found.distance2[k] < found.distance2[best] ? k : best;
+    best = found.distance[k] < found.distance[best] ? k : best;
   }
   arm_->write_quick(found, best, seed, out);
   return IkOutcome::solved;
@@ -412,15 +423,15 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
   // Each goes to the place that the number of nearer ones tells: without branches, which nobody could guess.
   std::array<std::uint8_t, kBranches> lane;
   std::array<std::uint8_t, kBranches> place{};
-  std::array<double, kBranches> distance2;
+  std::array<double, kBranches> distance;
   std::size_t n = 0;
   for (std::uint32_t rest = found.good; rest != 0; rest &= rest - 1, ++n) {
     lane[n] = static_cast<std::uint8_t>(std::countr_zero(rest));
-    distance2[n] = found.distance2[lane[n]];
+    distance[n] = found.distance[lane[n]];
   }
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
-      const bool nearer = distance2[j] < distance2[i];
+      const bool nearer = distance[j] < distance[i];
       place[i] = static_cast<std::uint8_t>(place[i] + nearer);
       place[j] = static_cast<std::uint8_t>(place[j] + !nearer);
     }

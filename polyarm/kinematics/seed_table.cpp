@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
+#include "polyarm/kinematics/lanes.hpp"
 #include "polyarm/kinematics/random.hpp"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wpedantic"
 
 namespace polyarm::kinematics {
 
@@ -15,13 +20,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kPlaceWeight = 1.5;  // of lengths against directions
 constexpr std::size_t kRounds = 12;   // of sixteen states each from the table; then random ones
 constexpr double kWidth = 2 * kPi;    // of joints without limits; lengths of sliding ones
-
-/// The n-th number in [0, 1) of the additive sequence with this step, which fills the space evenly (the
-/// R-sequence: powers of the root of x^(d+1) = x + 1; Roberts 2018).
-double additive(std::uint64_t n, double step) {
-  const double at = 0.5 + static_cast<double>(n) * step;
-  return at - std::floor(at);
-}
 
 double generalized_golden(std::size_t dimensions) {
   double root = 2;
@@ -67,8 +65,6 @@ SeedTable::SeedTable(const DescentArm& arm, std::size_t size) : arm_(arm) {
 
 void SeedTable::find_symmetry() {
   point_in_end_ = {};
-  toward_in_end_ = {0, 0, 1};
-  beside_in_end_ = {1, 0, 0};
   if (arm_.axes.empty()) return;
   const auto alone = [&](const DescentArm::Axis& axis) {
     const auto uses = std::count_if(arm_.axes.begin(), arm_.axes.end(),
@@ -91,7 +87,7 @@ void SeedTable::find_symmetry() {
   point_in_end_ = point_in_end_ + Vec3{0, 0, dot(point - before.step, direction)};
 }
 
-double SeedTable::drawn(std::size_t k, double unit) const noexcept {
+SeedTable::Range SeedTable::range(std::size_t k) const noexcept {
   double low = arm_.lower[k], high = arm_.upper[k];
   if (low < -1e8 && high > 1e8) {
     low = -kWidth / 2, high = kWidth / 2;
@@ -100,7 +96,73 @@ double SeedTable::drawn(std::size_t k, double unit) const noexcept {
   } else if (high > 1e8) {
     high = low + kWidth;
   }
-  return low + unit * (high - low);
+  return {low, high - low};
+}
+
+namespace {
+
+/// rough_angle() of eight points.
+POLYARM_INLINE Lane rough_angles(Lane y, Lane x) {
+  const Lane ax = magnitude(x), ay = magnitude(y);
+  const Lane m = least_of(ax, ay) / most_of(most_of(ax, ay), splat(1e-200)), z = m * m;
+  Lane angle = m * (0.9998660 + z * (-0.3302995 + z * (0.1801410 + z * (-0.0851330 + z * 0.0208351))));
+  angle = select(below(ax, ay), kPi / 2 - angle, angle);
+  angle = select(below(x, Lane{}), kPi - angle, angle);
+  return with_sign(angle, y);
+}
+
+POLYARM_INLINE LaneVec column(const Descents& all, int at) {
+  LaneVec out;
+  __builtin_memcpy(&out.x, all.target[at], sizeof out.x);
+  __builtin_memcpy(&out.y, all.target[at + 1], sizeof out.y);
+  __builtin_memcpy(&out.z, all.target[at + 2], sizeof out.z);
+  return out;
+}
+
+}  // namespace
+
+/// place() and features() of eight ends, into rows from `row` on.
+void SeedTable::enter(const Descents& all, std::size_t row) {
+  LaneVec toward = column(all, 6), beside = column(all, 0);
+  const Vec3& in_end = point_in_end_;
+  LaneVec point = column(all, 9) +
+                  (splat(in_end.x) * beside + splat(in_end.y) * column(all, 3) + splat(in_end.z) * toward);
+  Lane turn{};
+  if (first_turns_) {
+    const Rotation base = transposed(arm_.first_turn);
+    const LaneVec at = base * (point - arm_.first_point);
+    const Lane radius = root(at.x * at.x + at.y * at.y);
+    const LaneMask off = below(splat(1e-9), radius);
+    const Lane safe = select(off, radius, splat(1.0));
+    const Lane c = select(off, at.x / safe, splat(1.0)), s = select(off, at.y / safe, Lane{});
+    turn = rough_angles(s, c);
+    const auto unturned = [&](const LaneVec& v) __attribute__((always_inline)) {
+      const LaneVec u = base * v;
+      return LaneVec{c * u.x + s * u.y, c * u.y - s * u.x, u.z};
+    };
+    point = {radius, at.z, Lane{}};
+    toward = unturned(toward);
+    beside = unturned(beside);
+  }
+  const Lane numbers[] = {kPlaceWeight * point.x,
+                          kPlaceWeight * point.y,
+                          kPlaceWeight * point.z,
+                          toward.x,
+                          toward.y,
+                          toward.z,
+                          beside.x,
+                          beside.y,
+                          beside.z};
+  std::size_t f = 0;
+  for (std::size_t i = 0; i < std::size(numbers); ++i) {
+    if ((i == 2 && first_turns_) || (i > 5 && last_turns_)) continue;
+    float* const to = table_.rows.data() + f++ * table_.count + row;
+    for (std::size_t lane = 0; lane < kDescents; ++lane) to[lane] = static_cast<float>(numbers[i][lane]);
+  }
+  for (std::size_t lane = 0; lane < kDescents; ++lane) {
+    turn_[row + lane] = turn[lane];
+    beside_[row + lane] = {beside.x[lane], beside.y[lane], beside.z[lane]};
+  }
 }
 
 void SeedTable::fill(std::size_t size) {
@@ -117,36 +179,34 @@ void SeedTable::fill(std::size_t size) {
   };
   std::size_t dimensions = 0;
   for (std::size_t k = 0; k < m; ++k) dimensions += !free(k);
-  std::vector<double> step(m, 0.0);
+  // Each joint's numbers are an additive sequence, which fills the space evenly (the R-sequence: powers of
+  // the root of x^(d+1) = x + 1; Roberts 2018).
+  std::vector<double> step(m, 0.0), unit(m, 0.5);
   const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
   double power = 1;
   for (std::size_t k = 0; k < m; ++k)
     if (!free(k)) step[k] = power /= root;
   for (std::size_t row = 0; row < size; row += kDescents) {
-    for (std::size_t lane = 0; lane < kDescents; ++lane)
-      for (std::size_t k = 0; k < m; ++k) {
-        const double value = free(k) ? 0.0 : drawn(k, additive(row + lane + 1, step[k]));
-        all.x[k][lane] = states_[(row + lane) * m + k] = value;
+    for (std::size_t k = 0; k < m; ++k) {
+      const Range wide = free(k) ? Range{} : range(k);
+      double at = unit[k];
+      for (std::size_t lane = 0; lane < kDescents; ++lane) {
+        at += step[k];
+        at -= at >= 1 ? 1.0 : 0.0;
+        all.x[k][lane] = states_[(row + lane) * m + k] = wide.low + at * wide.width;
       }
-    find_ends(arm_, all);
-    for (std::size_t lane = 0; lane < kDescents; ++lane) {
-      const auto vec = [&](int at) {
-        return Vec3{all.target[at][lane], all.target[at + 1][lane], all.target[at + 2][lane]};
-      };
-      const Place there = place({vec(0), vec(3), vec(6)}, vec(9));
-      turn_[row + lane] = there.turn;
-      beside_[row + lane] = there.beside;
-      const auto numbers = features(there);
-      for (std::size_t f = 0; f < table_.used; ++f) table_.rows[f * size + row + lane] = numbers[f];
+      unit[k] = at;
     }
+    find_ends(arm_, all);
+    enter(all, row);
   }
 }
 
 SeedTable::Place SeedTable::place(const Rotation& rotation, const Vec3& position) const noexcept {
   Place out;
   out.point = position + rotation * point_in_end_;
-  out.toward = rotation * toward_in_end_;
-  out.beside = rotation * beside_in_end_;
+  out.toward = rotation.z;
+  out.beside = rotation.x;
   if (!first_turns_) return out;
   const Rotation base = transposed(arm_.first_turn);
   const Vec3 at = base * (out.point - arm_.first_point);
@@ -212,7 +272,10 @@ void SeedTable::next(Search& search, double* x) const noexcept {
   } else {
     Random random(7);
     random.skip(m * search.drawn++);
-    for (std::size_t k = 0; k < m; ++k) x[k] = drawn(k, random.unit());
+    for (std::size_t k = 0; k < m; ++k) {
+      const Range wide = range(k);
+      x[k] = wide.low + random.unit() * wide.width;
+    }
   }
   for (const std::size_t k : {first_joint_, last_joint_}) {
     // A whole turn on may be inside where this turn is not.

@@ -46,15 +46,18 @@ class SeedTable {
   void find_symmetry();
   void fill(std::size_t size);
   std::array<float, FeatureTable::kFeatures> features(const Place& place) const noexcept;
-  double drawn(std::size_t joint, double unit) const noexcept;
+  void enter(const Descents& all, std::size_t row);
+  struct Range {
+    double low = 0, width = 0;
+  };
+  Range range(std::size_t joint) const noexcept;  ///< that states of the table are in
   void advance(Search& search) const noexcept;
 
   const DescentArm& arm_;
   bool first_turns_ = false, last_turns_ = false;  ///< so that their part in a pose can be split off
   double first_ratio_ = 1, last_ratio_ = 1;
   std::size_t first_joint_ = 0, last_joint_ = 0;
-  Vec3 point_in_end_;  ///< a point of the last axis, from the TCP, as seen behind that axis
-  Vec3 toward_in_end_, beside_in_end_;
+  Vec3 point_in_end_;  ///< a point of the last axis, from the TCP, as seen behind that axis, whose z it is
   FeatureTable table_;
   std::vector<double> states_;  ///< row after row
   std::vector<double> turn_;    ///< of each row's pose about the first axis

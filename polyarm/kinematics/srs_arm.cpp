@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "polyarm/kinematics/eightfold_search.hpp"
 #include "polyarm/kinematics/families.hpp"
 #include "polyarm/kinematics/lane_polish.hpp"
+#include "polyarm/kinematics/lane_turns.hpp"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -197,11 +199,7 @@ POLYARM_INLINE Lane SrsQuestion::triple(std::size_t first, const LaneVec& u, con
 
 /// Eight elbow angles: squared distances, and the angles of all joints but the elbow.
 POLYARM_INLINE Lane SrsQuestion::look(Lane angle, Lane* value) const {
-  LaneAngle by;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    by.s[k] = __builtin_sin(angle[k]);
-    by.c[k] = __builtin_cos(angle[k]);
-  }
+  const LaneAngle by = turn_by(angle);
   const Rotation back = transposed(before_wrist);
   for (std::size_t k = 0; k < 7; ++k) value[k] = splat(near[k]);
   const Lane upper =
@@ -219,17 +217,8 @@ struct Best {
   SrsArm::State state{};
 };
 
-POLYARM_INLINE void look_at(const SrsQuestion& question, const double* angles, const double* widths,
-                            Best& best) {
-  Lane value[7];
-  const Lane cost = question.look(load(angles), value) + question.elbow_cost;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    if (!(cost[k] < best.cost)) continue;
-    best.cost = cost[k];
-    best.angle = angles[k];
-    best.width = widths[k];
-    for (std::size_t i = 0; i < 7; ++i) best.state[i] = value[i][k];
-  }
+POLYARM_INLINE void keep(const Lane* value, std::size_t lane, SrsArm::State& state) {
+  for (std::size_t i = 0; i < 7; ++i) state[i] = value[i][lane];
 }
 
 /// One look into each stretch between borders.
@@ -246,21 +235,31 @@ POLYARM_INLINE void scan(const SrsQuestion& question, Best& best) {
     angles[k] = 0.5 * (ends[at] + ends[at + 1]);
     widths[k] = ends[at + 1] - ends[at];
   }
-  for (std::size_t k = 0; k < count; k += kLanes) look_at(question, angles + k, widths + k, best);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    Lane value[7];
+    const Lane cost = question.look(load(angles + first), value) + question.elbow_cost;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      if (!(cost[k] < best.cost)) continue;
+      best.cost = cost[k];
+      best.angle = angles[first + k];
+      best.width = widths[first + k];
+      keep(value, k, best.state);
+    }
+  }
 }
 
 POLYARM_INLINE void refine(const SrsQuestion& question, Best& best) {
-  constexpr int kMostRounds = 16;
-  constexpr double kFine = 1e-8;  // rad
-  double half = best.width;
-  for (int round = 0; round < kMostRounds && half > kFine; ++round, half *= 0.26) {
-    double angles[kLanes], widths[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      angles[k] = best.angle + half * (static_cast<double>(k) - 3.5) / 3.5;
-      widths[k] = half;
-    }
-    look_at(question, angles, widths, best);
+  constexpr double kFine = 1e-7;  // rad
+  EightfoldSearch search(best.angle, best.cost, best.width);
+  while (search.going(kFine)) {
+    double angles[kLanes], costs[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k)
+      angles[k] = search.first() + static_cast<double>(k) * search.step();
+    Lane value[7];
+    store(question.look(load(angles), value) + question.elbow_cost, costs);
+    if (const std::size_t k = search.see(costs); k < kLanes) keep(value, k, best.state);
   }
+  best.cost = search.cost();
 }
 
 POLYARM_INLINE bool find_nearest(SrsQuestion& question, const PoseTarget& target, SrsArm::State& out) {

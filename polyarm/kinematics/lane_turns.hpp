@@ -1,0 +1,44 @@
+#pragma once
+/// Sines and cosines of eight angles, of the compiler's own vectors (lanes.hpp without POLYARM_WIDTH). Used
+/// inside this room only.
+#include <numbers>
+
+#include "polyarm/kinematics/lanes.hpp"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#pragma GCC diagnostic ignored "-Wpedantic"
+
+namespace POLYARM_LANES {
+
+/// Sine and cosine to a few units in the last place, for angles up to 1e5: whole quarter turns are taken off
+/// in three pieces of pi/2 (Cody and Waite 1980); the polynomials are those of the rest, Taylor's to within
+/// rounding on [-pi/4, pi/4].
+POLYARM_INLINE LaneAngle turn_by(Lane a) {
+  constexpr double kHigh = 1.5707963267341256, kMiddle = 6.0771005063039e-11, kLow = 2.0222662487959506e-21;
+  const Lane quarters = rounded(a * (2 / std::numbers::pi));
+  const Lane r = ((a - quarters * kHigh) - quarters * kMiddle) - quarters * kLow;
+  const Lane z = r * r;
+  Lane s = z * 1.58938307283228937328e-10 - 2.50506947139990e-8;
+  s = s * z + 2.75573136213857245213e-6;
+  s = s * z - 1.98412698295895385996e-4;
+  s = s * z + 8.33333333332211858878e-3;
+  s = s * z - 1.66666666666666307295e-1;
+  s = r + r * (z * s);
+  Lane c = z * -1.13585365213876817300e-11 + 2.08757008419747316778e-9;
+  c = c * z - 2.75573141792967388112e-7;
+  c = c * z + 2.48015872888517045348e-5;
+  c = c * z - 1.38888888888730564116e-3;
+  c = c * z + 4.16666666666665929218e-2;
+  c = 1.0 - (0.5 * z - z * (z * c));
+  // The lowest bits of the number of quarters, from the rounding shift.
+  const LaneMask count = (LaneMask)(quarters + 6755399441055744.0);
+  const LaneMask odd = -(count & 1);
+  const LaneMask flip_sine = (count & 2) << 62, flip_cosine = ((count + 1) & 2) << 62;
+  const Lane sine = select(odd, c, s), cosine = select(odd, s, c);
+  return {(Lane)((LaneMask)sine ^ flip_sine), (Lane)((LaneMask)cosine ^ flip_cosine)};
+}
+
+}  // namespace POLYARM_LANES
+
+#pragma GCC diagnostic pop

@@ -1,0 +1,77 @@
+#include "polyarm/kinematics/planar_form.hpp"
+
+#include <cmath>
+
+namespace polyarm::kinematics {
+
+namespace {
+
+/// Rows x, y, z: coordinates in a frame whose z is `h`; x as near to `toward` as can be.
+Rotation into_frame(const Vec3& h, const Vec3& toward) noexcept {
+  Vec3 x = toward - dot(toward, h) * h;
+  if (norm(x) < 1e-6) {
+    const Vec3 other = std::abs(h.z) < 0.8 ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
+    x = other - dot(other, h) * h;
+  }
+  x = normalized(x);
+  return transposed(Rotation{x, cross(h, x), h});
+}
+
+PlanarCircle circle_of(double s, double c, double least) noexcept {
+  PlanarCircle out;
+  out.radius = std::hypot(s, c);
+  out.angle = std::atan2(s, c);
+  out.usable = out.radius > least;
+  const double scale = out.usable ? 1 / (out.radius * out.radius) : 0.0;
+  out.s = s * scale;
+  out.c = c * scale;
+  return out;
+}
+
+/// v turned about h by an angle: the part that stays, and what its cosine and sine are multiplied with.
+TurnedVector turned_vector(const Vec3& h, const Vec3& v) noexcept {
+  const Vec3 still = dot(h, v) * h;
+  return {still, v - still, cross(h, v)};
+}
+
+}  // namespace
+
+bool planar_form(const SixAxisForm& form, PlanarForm& out) noexcept {
+  out = {};
+  const bool wrist = form.family == ArmFamily::wrist_2_parallel_3;
+  if (!wrist && form.family != ArmFamily::parallel_234_5_meets_6) return false;
+  const Vec3 &h1 = form.h[0], &h2 = form.h[1];
+  out.wrist = wrist;
+  out.into_base = into_frame(h1, h2);
+  const Vec3 second = out.into_base * h2;
+  out.rise = second.x;
+  out.rise_along = second.z;
+  out.height = form.height;
+  const Rotation into_plane = into_frame(h2, form.p23);
+  out.into_plane = into_plane * transposed(out.into_base);
+  const auto flat = [&](const Vec3& v) { return into_plane * v; };
+  out.p12 = flat(form.p12);
+  out.p23 = flat(form.p23);
+  out.p34 = flat(form.p34);
+  out.p45 = flat(form.p45);
+  out.side_3 = form.side_3;
+  out.side_4 = form.side_4;
+  out.elbow = circle_of(form.elbow.s, form.elbow.c, form.elbow.least);
+  out.elbow_half = form.elbow.half;
+  const Vec3& hub = wrist ? form.h[3] : h2;
+  const Rotation into_hub = wrist ? into_frame(hub, form.h[4]) : into_plane;
+  out.into_hub = into_hub * transposed(into_plane);
+  const Vec3 fifth = into_hub * form.h[4];
+  const auto about_5 = [&](const Vec3& v) { return turned_vector(fifth, into_hub * v); };
+  out.six = about_5(form.h[5]);
+  out.beside = about_5(form.beside_6);
+  out.across = about_5(cross(form.h[5], form.beside_6));
+  out.bend = circle_of(out.six.across.z, out.six.ahead.z, 1e-6);
+  out.least_length2 = form.least_length * form.least_length;
+  out.least_sine2 = form.least_sine * form.least_sine;
+  out.near_edge = form.near_edge;
+  out.usable = out.bend.usable && out.elbow.usable && out.rise > 1e-6;
+  return out.usable;
+}
+
+}  // namespace polyarm::kinematics
