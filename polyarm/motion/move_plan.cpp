@@ -63,6 +63,7 @@ struct Part {
   double from = 0, to = 0, scale = 1;
   std::vector<Span> moves;
   bool joins = false;  ///< two moves: both are on all of it
+  bool curve = false;  ///< a spline of joint moves
 };
 
 /// Moves whose geometry comes from one builder.
@@ -104,9 +105,7 @@ class Planner {
     q_.assign(from.begin(), from.end());
     for (std::size_t i = 0; i < moves_.size();) {
       std::size_t last = i;
-      while (last + 1 < moves_.size() && moves_[last].blend > 0 &&
-             is_cartesian(moves_[last + 1]) == is_cartesian(moves_[i]))
-        ++last;
+      while (last + 1 < moves_.size() && belong_together(i, last)) ++last;
       add(geometry(i, last), i > 0 && moves_[i - 1].blend > 0);
       i = last + 1;
     }
@@ -117,6 +116,14 @@ class Planner {
 
  private:
   static bool is_cartesian(const Move& move) { return move.kind != MoveKind::joint; }
+  static bool goes_through(const Move& move) { return move.through && !is_cartesian(move); }
+  /// Is the move after `last` part of the geometry that begins with move `first`?
+  bool belong_together(std::size_t first, std::size_t last) const {
+    const Move& next = moves_[last + 1];
+    if (is_cartesian(next) != is_cartesian(moves_[first])) return false;
+    if (goes_through(moves_[first])) return goes_through(moves_[last]);
+    return moves_[last].blend > 0 && !goes_through(next);
+  }
   Pose pose_of(const MoveTarget& target) const {
     if (const Pose* pose = std::get_if<Pose>(&target.at)) return *pose;
     const Values& q = joints_of(target);
@@ -165,7 +172,9 @@ class Planner {
     }
     trajectory::JointPathOptions options;
     options.tcp_distance = distance_;
-    auto path = trajectory::joint_lines(points, options);
+    const bool curve = goes_through(moves_[run.first]) && points.size() > 2;
+    auto path = curve ? trajectory::joint_spline(points, options) : trajectory::joint_lines(points, options);
+    if (curve) pass_points(*path.sections.front(), run.first, points, ends);
     take_warnings(path.warnings, run);
     double begin = 0;
     for (auto& section : path.sections) {
@@ -173,11 +182,38 @@ class Planner {
       const double length = joints->length();
       const bool bounded = needs_tcp(run.first, run.last);
       Part part{joints, nullptr, nullptr, 0, length, 1, spans(run.first, ends, begin, begin + length)};
+      part.curve = curve;
       tcp_of(part, bounded);
       run.sections.push_back(std::move(part));
       begin += length;
     }
     q_ = points.back().q;
+  }
+
+  /// Finds where a spline passes its points, and that it stays within the joints' limits between them.
+  void pass_points(const Path& path, std::size_t first, std::span<const trajectory::JointWaypoint> points,
+                   std::vector<double>& ends) const {
+    std::size_t knot = 0;
+    for (std::size_t i = 1; i < points.size(); ++i) {  // points that repeat the one before have no knot
+      if (knot + 1 < path.breaks().size() && is_at(path, path.breaks()[knot + 1], points[i].q)) ++knot;
+      ends[i] = path.breaks()[knot];
+      for (int k = 1; k < kSamples && ends[i] > ends[i - 1]; ++k) {
+        const Values q = at(path, ends[i - 1] + (ends[i] - ends[i - 1]) * k / kSamples);
+        try {
+          check_joints(robot_, q, "the curve from " + points[i - 1].name + " to " + points[i].name);
+        } catch (const Error& why) {
+          throw MoveError(Error("limit", why.problems().front().what,
+                                "put another point between them, or come to rest at one of them"),
+                          first + i - 1);
+        }
+      }
+    }
+  }
+  static bool is_at(const Path& path, double s, const Values& q) {
+    const Values there = at(path, s);
+    for (std::size_t j = 0; j < q.size(); ++j)
+      if (!(std::abs(there[j] - q[j]) < 1e-9)) return false;
+    return true;
   }
 
   /// Are there bounds at the TCP of joint moves?
@@ -411,7 +447,7 @@ class Planner {
 
   // --- time -----------------------------------------------------------------------------------------------
 
-  /// What the joint limits allow the parameter of a straight joint move, and what is asked of it beyond.
+  /// What the joint limits allow the parameter of a joint move, and what is asked of it beyond.
   struct Pace {
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite;
   };
@@ -428,14 +464,18 @@ class Planner {
         (move.speed >= 1 && move.acceleration >= 1 && move.joint_speed <= 0 && move.joint_acceleration <= 0))
       return out;
     Values q(plan_.limits.size()), first(q.size());
-    part.joints->at((std::max(span.from, part.from) + std::min(span.to, part.to)) / 2, {q, first, {}, {}});
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite, fastest = 0;
-    for (std::size_t j = 0; j < first.size(); ++j) {
-      const double rate = std::abs(first[j]) / part.scale;
-      speed = std::min(speed, plan_.limits[j].max_velocity / rate);
-      acceleration = std::min(acceleration, plan_.limits[j].max_acceleration / rate);
-      jerk = std::min(jerk, plan_.limits[j].max_jerk / rate);
-      fastest = std::max(fastest, rate);
+    const double from = std::max(span.from, part.from), to = std::min(span.to, part.to);
+    const int places = part.curve ? kSamples : 1;  // a line is the same everywhere
+    for (int k = 0; k < places; ++k) {
+      part.joints->at(from + (to - from) * (k + 0.5) / places, {q, first, {}, {}});
+      for (std::size_t j = 0; j < first.size(); ++j) {
+        const double rate = std::abs(first[j]) / part.scale;
+        speed = std::min(speed, plan_.limits[j].max_velocity / rate);
+        acceleration = std::min(acceleration, plan_.limits[j].max_acceleration / rate);
+        jerk = std::min(jerk, plan_.limits[j].max_jerk / rate);
+        fastest = std::max(fastest, rate);
+      }
     }
     out.speed = std::min(out.speed, move.speed * speed);
     if (move.joint_speed > 0) out.speed = std::min(out.speed, move.joint_speed / fastest);

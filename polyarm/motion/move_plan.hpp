@@ -34,6 +34,10 @@ struct Move {
   /// m at the TCP: how far from its end the path may leave this move and be on the next; 0: it comes to rest
   /// there. Of no meaning for the last.
   double blend = 0;
+  /// The path goes exactly through the end and on to the next move without a stop. Joint moves alone; so many
+  /// in a row, with the one after them, are one natural cubic spline in joint space. Of no meaning for the
+  /// last.
+  bool through = false;
   double speed = 1;               ///< share of the joints' velocity limits, or of the TCP's, (0, 1]
   double acceleration = 1;        ///< share likewise, of acceleration and jerk
   double tcp_speed = 0;           ///< m/s, at most; 0: what TcpLimits say (of a joint move: any)
@@ -91,10 +95,11 @@ struct MovePlanOptions {
 /// Moves one after the other, each from where the one before ends, the first from the joint state `from`.
 /// Neighbours with a blend between them are one path, whatever their kinds: between moves of the same kind by
 /// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
-/// to the second derivative and stays within the radius at the TCP. Each path is then timed within the limits
-/// of joints and TCP. Deterministic. Throws MoveError with the codes of those parts, of joints_for() and
-/// check_joints(), "workspace" where the TCP would leave the robot's, and "payload" where
-/// a joint cannot hold the load.
+/// to the second derivative and stays within the radius at the TCP; joint moves through their ends are one
+/// trajectory::joint_spline. Each path is then timed within the limits of joints and TCP. Deterministic.
+/// Throws MoveError with the codes of those parts, of joints_for() and check_joints(), which holds between the
+/// points of a spline too, "workspace" where the TCP would leave the robot's, and "payload" where a joint
+/// cannot hold the load.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
 

@@ -12,6 +12,15 @@ constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
 /// Moves in step begin so long after the last of them is ready: the other robots' turns come in the next
 /// tick.
 constexpr Nanoseconds kInStepAhead = 10'000'000;
+
+/// Is the next move on the same path?
+bool goes_on(const Move& move) {
+  return move.blend > 0 || move.through;
+}
+void end_here(Move& move) {
+  move.blend = 0;
+  move.through = false;
+}
 }  // namespace
 
 std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
@@ -20,13 +29,13 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
   if (!waiting_.empty() && (step != waiting_.back().step || waiting_.back().with != with))
-    waiting_.back().move.blend = 0;
+    end_here(waiting_.back().move);
   waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
 }
 
 void RobotMotion::close() {
-  if (!waiting_.empty()) waiting_.back().move.blend = 0;
+  if (!waiting_.empty()) end_here(waiting_.back().move);
 }
 
 void RobotMotion::tick(Nanoseconds now) {
@@ -46,7 +55,7 @@ bool RobotMotion::idle() const {
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
   auto last =
-      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return w.move.blend <= 0; });
+      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
   if (const auto& step = waiting_.front().step)  // all of them together, come to rest where they say so
     last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
   else if (last == waiting_.end() && has_room())

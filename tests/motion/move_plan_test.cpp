@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/motion/arm_moves.hpp"
@@ -87,6 +88,109 @@ TEST(MovePlan, AJointMoveIsTheFastestThatItsLimitsAllow) {
   keeps_the_laws(plan, from);
   EXPECT_NEAR(plan.duration(), trajectory::fastest_duration(from, to, arm.facts->limits), 1e-3);
   EXPECT_EQ(plan.end, to);
+}
+
+/// Joint states in a row, all but the last to be gone through.
+std::vector<Move> through(const std::vector<Values>& points) {
+  std::vector<Move> out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.push_back(joint(points[i], "point " + std::to_string(i + 1)));
+    out.back().through = i + 1 < points.size();
+  }
+  return out;
+}
+/// How near the motion comes to a joint state, and when.
+std::pair<double, double> nearest(const PlannedMotion& motion, const Values& q) {
+  double best = 1e9, when = 0;
+  for (int i = 0; i <= 20000; ++i) {
+    const double t = motion.path.duration() * i / 20000;
+    const State now = at(motion, t);
+    double off = 0;
+    for (std::size_t j = 0; j < q.size(); ++j) off = std::max(off, std::abs(now.q[j] - q[j]));
+    if (off < best) best = off, when = t;
+  }
+  return {best, when};
+}
+std::vector<Values> zigzag(const Values& from) {
+  Values a = from, b = from, c = from;
+  a[0] += 0.5, a[2] -= 0.2;
+  b[0] += 0.7, b[1] += 0.3;
+  c[0] += 0.2, c[4] += 0.6;
+  return {a, b, c};
+}
+
+TEST(MovePlan, MovesThroughPointsAreOneMotionThatMeetsThemAllWithoutAStop) {
+  for (const char* name : {"universal_robots/ur5e", "fanuc/lr_mate_200id", "franka/fr3"}) {
+    const Arm arm(name);
+    const Values from = bent(arm);
+    const std::vector<Values> points = zigzag(from);
+    const MovePlan plan = plan_moves(*arm.facts, from, through(points));
+    ASSERT_EQ(plan.motions.size(), 1u) << name;
+    keeps_the_laws(plan, from);
+    double before = 0;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const auto [off, when] = nearest(plan.motions[0], points[i]);
+      EXPECT_LT(off, 1e-3) << name;
+      EXPECT_GT(when, before) << name << ": in their order";
+      before = when;
+      const State now = at(plan.motions[0], when);
+      EXPECT_GT(*std::max_element(now.v.begin(), now.v.end()), 0.05) << name << ": it does not stop there";
+    }
+  }
+}
+
+TEST(MovePlan, EachMoveThroughAPointTakesAsLongAsItSays) {
+  const Arm arm("universal_robots/ur5e");
+  const Values from = bent(arm);
+  std::vector<Move> moves = through(zigzag(from));
+  moves[0].duration = 1, moves[1].duration = 3, moves[2].duration = 2;
+  const MovePlan plan = plan_moves(*arm.facts, from, moves);
+  ASSERT_EQ(plan.motions.size(), 1u);
+  keeps_the_laws(plan, from);
+  const double first = nearest(plan.motions[0], zigzag(from)[0]).second;
+  const double second = nearest(plan.motions[0], zigzag(from)[1]).second;
+  EXPECT_GE(first, 1 - 1e-3);
+  EXPECT_GE(second - first, 3 - 1e-3);
+  EXPECT_GE(plan.duration() - second, 2 - 1e-3);
+  EXPECT_LT(plan.duration(), 6.8) << "and not much longer";
+  for (Move& move : moves) move.duration = 0, move.speed = 0.2;
+  const MovePlan slow = plan_moves(*arm.facts, from, moves);
+  double fastest = 0;
+  for (int i = 0; i <= 1000; ++i)
+    for (const double v : at(slow.motions[0], slow.duration() * i / 1000).v)
+      fastest = std::max(fastest, std::abs(v));
+  EXPECT_LE(fastest, 0.2 * 3 * (1 + 1e-3));
+  EXPECT_GT(fastest, 0.15 * 3);
+}
+
+TEST(MovePlan, APointThatComesTwiceIsGoneThroughOnce) {
+  const Arm arm("universal_robots/ur5e");
+  const Values from = bent(arm);
+  const std::vector<Values> p = zigzag(from);
+  const MovePlan once = plan_moves(*arm.facts, from, through(p));
+  const MovePlan twice = plan_moves(*arm.facts, from, through({from, p[0], p[0], p[1], p[2], p[2]}));
+  ASSERT_EQ(twice.motions.size(), 1u);
+  EXPECT_NEAR(twice.duration(), once.duration(), 1e-6);
+  EXPECT_EQ(twice.end, once.end);
+}
+
+TEST(MovePlan, ACurveThatWouldLeaveALimitBetweenItsPointsIsRefusedWithTheMove) {
+  const Arm arm("universal_robots/ur5e");
+  Values from = bent(arm);
+  const double top = arm.chain().upper()[2];
+  from[2] = top - 1;
+  Values a = from, b = from, c = from;
+  a[2] = top - 0.001, a[0] += 0.2;
+  b[2] = top - 0.001, b[0] += 0.9;
+  c[2] = top - 1, c[0] += 1.1;
+  try {
+    plan_moves(*arm.facts, from, through({a, b, c}));
+    FAIL() << "it was planned";
+  } catch (const MoveError& why) {
+    EXPECT_EQ(why.move, 1u);
+    EXPECT_EQ(why.problems().front().code, "limit");
+    EXPECT_NE(why.problems().front().what.find("from point 1 to point 2"), std::string::npos) << why.what();
+  }
 }
 
 TEST(MovePlan, NowhereToGoIsNoMotion) {

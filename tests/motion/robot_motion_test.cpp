@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -117,6 +118,32 @@ TEST(RobotMotion, ABlendWaitsForTheNextMoveOrForTheEnd) {
   rig.until_idle();
   EXPECT_EQ(rig.motion->state_of(last), MoveState::done);
   EXPECT_LE(norm(rig.tcp().position - up.position), 1e-9);
+}
+
+TEST(RobotMotion, AMoveThroughItsEndWaitsForTheNextOneOrForTheEnd) {
+  Rig rig;
+  Values a = rig.from, b = rig.from;
+  a[0] += 0.3;
+  b[0] += 0.4, b[1] += 0.2;
+  Move through = joint(a, "a");
+  through.through = true;
+  const auto first = rig.motion->queue(through);
+  rig.pass(100);
+  EXPECT_EQ(rig.commanded(), rig.from) << "nobody knows yet where it goes on";
+  const auto last = rig.motion->queue(joint(b, "b"));
+  double nearest = 1;
+  while (!rig.motion->idle()) {
+    rig.pass(1);
+    nearest = std::min(nearest, std::hypot(rig.commanded()[0] - a[0], rig.commanded()[1] - a[1]));
+  }
+  EXPECT_LT(nearest, 2e-3);
+  EXPECT_EQ(rig.motion->state_of(first), MoveState::done);
+  EXPECT_EQ(rig.motion->state_of(last), MoveState::done);
+  for (std::size_t j = 0; j < b.size(); ++j) EXPECT_NEAR(rig.commanded()[j], b[j], 1e-9);
+  rig.motion->queue(through);
+  rig.motion->close();
+  rig.until_idle();
+  EXPECT_NEAR(rig.commanded()[0], a[0], 1e-9);
 }
 
 TEST(RobotMotion, ANewTcpIsNotBlendedInto) {
