@@ -35,6 +35,15 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
   return out;
 }
 
+const data::Value* ProgramHost::find(std::string_view name) const {
+  const data::Value* value = c_.store->find(name);
+  const data::Point* point = value ? value->as_point() : nullptr;
+  if (!point || !c_.moves || point->frame().empty()) return value;
+  data::Value& out = in_world_[std::string(name)];
+  out = c_.moves->in_world(*point);
+  return &out;
+}
+
 void ProgramHost::set(const std::string& name, data::Value value, const Location&) {
   c_.store->set(name, std::move(value), c_.task);
 }

@@ -42,7 +42,8 @@ class ProgramHost : public program::Host {
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
-  const data::Value* find(std::string_view name) const override { return c_.store->find(name); }
+  /// A point that names a frame comes in the world, as that frame is now.
+  const data::Value* find(std::string_view name) const override;
   std::vector<std::string> names() const override { return c_.store->names(); }
   void set(const std::string& name, data::Value value, const Location& where) override;
   std::uint64_t data_version() const override { return c_.store->version(); }
@@ -73,6 +74,7 @@ class ProgramHost : public program::Host {
 
  private:
   Context c_;
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
 };
 
 /// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -41,14 +42,51 @@ std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where
   return found;
 }
 
-Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Location& where) const {
+/// What hangs on a robot: its base, its flange (tool0), its TCP.
+std::optional<Pose> ProgramMoves::frame_on_robot(const std::string& name) const {
+  const auto slash = name.find('/');
+  if (slash == std::string::npos) return std::nullopt;
+  const std::string part = name.substr(slash + 1);
+  for (const Arm& arm : arms_) {
+    const CellRobot& robot = *arm.robot.robot;
+    if (robot.entry.name != name.substr(0, slash)) continue;
+    if (part == "base") return robot.entry.base;
+    if (!arm.robot.motion || (part != "tcp" && part != "flange" && part != "tool0")) return std::nullopt;
+    if (!arm.robot.motion->idle())
+      throw Error("frame-moves",
+                  "the frame '" + name + "' is under way: '" + robot.entry.name + "' has moves to do",
+                  "let it arrive first: moveto, or `wait 0s` behind the move");
+    const Pose tcp = arm.robot.motion->robot().chain.forward(arm.robot.motion->planned());
+    return part == "tcp" ? tcp : tcp * inverse(robot.tool.tcp);
+  }
+  return std::nullopt;
+}
+
+Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Location& where,
+                               int depth) const {
+  constexpr int kDeepest = 16;
   if (name.empty() || name == "world") return {};
+  if (depth > kDeepest)
+    throw Error(Problem{"unknown-frame", where, "the frame '" + name + "' hangs on itself",
+                        "one frame of the chain must be in the world or on a robot"});
   if (const data::Value* value = store_.find(name))
-    if (const data::Point* point = value->as_point()) return point->pose;
+    if (const data::Point* point = value->as_point())
+      return frame_named(point->frame(), arm, where, depth + 1) * point->pose;
   if (name == "base") return arm.robot.robot->entry.base;
-  throw Error(Problem{"unknown-frame", where,
-                      "there is no frame '" + name + "'" + did_you_mean(name, store_.names()),
-                      "a frame is a point of the data (its pose in the world), 'world' or 'base'"});
+  if (const auto on_robot = frame_on_robot(name)) return *on_robot;
+  throw Error(
+      Problem{"unknown-frame", where, "there is no frame '" + name + "'" + did_you_mean(name, store_.names()),
+              "a frame is a point of the data, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp"});
+}
+
+data::Point ProgramMoves::in_world(const data::Point& point) const {
+  data::Point out = point;
+  if (point.frame().empty() || arms_.empty()) return out;
+  out.pose = frame_named(point.frame(), arms_.front(), {}) * point.pose;
+  data::Taught taught = *point.taught;
+  taught.frame = "world";
+  out.taught = std::make_shared<data::Taught>(std::move(taught));
+  return out;
 }
 
 Pose ProgramMoves::frame_of(const program::Move& move, const Arm& arm, const Location& where) const {
@@ -85,7 +123,11 @@ motion::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, 
                                            const Arm& arm, const Location& where) const {
   if (const data::JointState* joints = target.value.as_joints())
     return {joints_by_name(arm.robot.robot->model, *joints, target.name), target.name};
-  if (const data::Point* point = target.value.as_point()) return {frame * point->pose, target.name};
+  if (const data::Point* point = target.value.as_point()) {
+    // A point that names a frame is meant in that one, whatever frame the move is in.
+    const Pose own = point->frame().empty() ? frame : frame_named(point->frame(), arm, where);
+    return {own * point->pose, target.name};
+  }
   throw Error(Problem{"not-a-point",
                       where,
                       "'" + target.name + "' is " + data::name(target.value.kind()) + ", not a point",

@@ -28,6 +28,11 @@ class ProgramMoves {
   ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
                const data::DataStore& store);
 
+  /// The point with its pose in the world, as its frame is now: a point of the data (which may be in
+  /// another), `ROBOT/base`, `ROBOT/flange` or `ROBOT/tcp` (as they are when all that is queued has arrived).
+  /// Throws Error("unknown-frame").
+  data::Point in_world(const data::Point& point) const;
+
   // As of program::Host.
   program::Handle start(const program::Move& move, const Location& where);
   program::Progress poll(program::Handle handle);
@@ -80,7 +85,8 @@ class ProgramMoves {
 
   std::size_t arm_of(const std::string& robot, const Location& where) const;
   Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
-  Pose frame_named(const std::string& name, const Arm& arm, const Location& where) const;
+  Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
+  std::optional<Pose> frame_on_robot(const std::string& name) const;
   std::shared_ptr<const motion::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
   Pose tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const;
   motion::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,

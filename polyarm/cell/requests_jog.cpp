@@ -97,7 +97,12 @@ Pose frame_of(Cell& cell, const CellRobot& robot, const std::string& frame) {
   if (frame == "world") return {};
   if (frame == "base") return robot.entry.base;
   if (const data::Value* value = cell.store().find(frame))
-    if (const data::Point* point = value->as_point()) return point->pose;
+    if (const data::Point* point = value->as_point()) {
+      if (point->frame().empty()) return point->pose;
+      throw Error("unknown-frame",
+                  "'" + frame + "' is in the frame '" + point->frame() + "', not in the world",
+                  "jog in the world, the base or the tool");
+    }
   std::vector<std::string> names = {"base", "world", "tool"};
   for (const std::string& known : cell.store().names())
     if (cell.store().find(known)->as_point()) names.push_back(known);
@@ -158,6 +163,8 @@ Json state_of(Cell& cell, std::size_t i) {
   const Quaternion& r = tcp.rotation;
   const bool going = ours && status.session != 0 && !status.standing;
   return {{"robot", robot.entry.name},
+          {"model", robot.entry.model},
+          {"tool", robot.entry.tool},
           {"names", names},
           {"slides", slides},
           {"joints", joints},
