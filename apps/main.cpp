@@ -34,6 +34,7 @@ const std::vector<Verb>& verbs() {
       {"health", "how the control loop of a running cell is doing", run_health},
       {"limits", "which limits took hold of commands in a running cell", run_limits},
       {"data", "data sets: list, get, set, import, export, undo, frames, tools", run_data},
+      {"tags", "tags and links of a running cell: show, set, force", run_tags},
       {"send", "give a message to a controller of a running cell", run_send},
       {"watch", "show what a controller of a running cell puts out", run_watch},
       {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by so much", run_jog},

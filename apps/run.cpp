@@ -67,6 +67,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   bool* socket = &a.run.socket;
   app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
+  app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
   app.add_option_function<double>(

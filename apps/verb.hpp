@@ -37,6 +37,7 @@ int run_hardware(int argc, char** argv);
 int run_interfaces(int argc, char** argv);
 int run_health(int argc, char** argv);
 int run_limits(int argc, char** argv);
+int run_tags(int argc, char** argv);
 int run_data(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);

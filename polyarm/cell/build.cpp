@@ -369,7 +369,8 @@ void load_data_of(const program::Program& program, const CellFile& file, DataFil
 }
 }  // namespace
 
-Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems) {
+Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
+                       const std::function<void()>& more_names) {
   Programs out;
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {
     std::optional<program::Program> loaded;
@@ -391,6 +392,7 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
     });
   if (!file.plc.empty())
     collect(problems, [&] { out.plc = load_script(data::find_file(file.plc, file.folder, file.plc_where)); });
+  if (more_names) more_names();
   program::KnownNames known;
   known.add(store);
   known.folder = file.folder;

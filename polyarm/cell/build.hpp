@@ -1,5 +1,6 @@
 #pragma once
 /// The steps of building a cell from its files.
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,7 +64,8 @@ struct Programs {
 };
 
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
-/// and checks them against the names of the store.
-Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems);
+/// and checks them against the names of the store, which `more_names` may add to when the data are there.
+Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
+                       const std::function<void()>& more_names = {});
 
 }  // namespace polyarm::cell

@@ -30,16 +30,23 @@ Camera::Camera(Setup setup, const description::Scene& scene)
     if (camera.name == setup_.name) view_ = &camera;
 }
 
-int Camera::nearest(const hardware::WorldState& world) const {
+bool Camera::sees(const Vec3& p, const Pose& eye) const {
+  if (setup_.robot.empty())
+    return p.x >= view_->lower.x && p.x <= view_->upper.x && p.y >= view_->lower.y && p.y <= view_->upper.y &&
+           p.z >= view_->lower.z && p.z <= view_->upper.z;
+  const Vec3 from_eye = inverse(eye) * p;
+  return norm(from_eye) <= setup_.reach &&
+         std::atan2(std::hypot(from_eye.x, from_eye.y), from_eye.z) <= setup_.view;
+}
+
+int Camera::nearest(const hardware::WorldState& world, const Pose& eye) const {
   int best = -1;
   double best_distance = 1e300;
   for (std::size_t i = 0; i < world.parts.size(); ++i) {
     const hardware::PartState& part = world.parts[i];
     const Vec3& p = part.pose.position;
-    const bool seen = p.x >= view_->lower.x && p.x <= view_->upper.x && p.y >= view_->lower.y &&
-                      p.y <= view_->upper.y && p.z >= view_->lower.z && p.z <= view_->upper.z;
-    const double distance = norm(p - view_->eye);
-    if (!part.in_world || part.held_by >= 0 || !seen || distance >= best_distance) continue;
+    const double distance = norm(p - eye.position);
+    if (!part.in_world || part.held_by >= 0 || !sees(p, eye) || distance >= best_distance) continue;
     best = static_cast<int>(i);
     best_distance = distance;
   }
@@ -59,10 +66,11 @@ Pose Camera::grasp_of(const description::Part& part, const Pose& at) {
   return out;
 }
 
-bool Camera::tick(const hardware::WorldState& world, data::DataStore& store) {
+bool Camera::tick(const hardware::WorldState& world, data::DataStore& store, const Pose& tool0) {
   const data::Value* request = store.find(setup_.request);
-  if (!view_ || !request || !request->as_boolean() || !*request->as_boolean()) return false;
-  const int part = nearest(world);
+  const bool carried = !setup_.robot.empty();
+  if ((!view_ && !carried) || !request || !request->as_boolean() || !*request->as_boolean()) return false;
+  const int part = nearest(world, carried ? tool0 * setup_.mount : Pose{view_->eye, {}});
   if (part < 0) return false;  // keeps looking
   const auto i = static_cast<std::size_t>(part);
   const std::string who = "camera " + setup_.name;

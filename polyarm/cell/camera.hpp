@@ -20,14 +20,20 @@ class Camera {
     std::string request, done;
     bool noise = false;  ///< up to 2 mm and 2 degrees, evenly
     std::uint64_t seed = 1;
+    std::string robot;               ///< that carries it; empty: it stands where the scene has it
+    Pose mount;                      ///< T_tool0_camera, z the way it looks
+    double view = 0.6, reach = 0.6;  ///< half angle of view, rad; how far it sees, m
   };
+  const Setup& setup() const { return setup_; }
   Camera(Setup setup, const description::Scene& scene);
 
   /// True if it took a picture in this tick.
-  bool tick(const hardware::WorldState& world, data::DataStore& store);
+  /// `tool0`: of the robot that carries it, in the world, as it is measured now.
+  bool tick(const hardware::WorldState& world, data::DataStore& store, const Pose& tool0 = {});
 
  private:
-  int nearest(const hardware::WorldState& world) const;
+  int nearest(const hardware::WorldState& world, const Pose& eye) const;
+  bool sees(const Vec3& point, const Pose& eye) const;
   Pose grasp_of(const description::Part& part, const Pose& at);
 
   Setup setup_;

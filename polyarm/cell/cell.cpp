@@ -118,24 +118,68 @@ bool Cell::shut_hardware_down(Nanoseconds patience) {
   return false;
 }
 
+namespace {
+/// The inside boxes of the cell's workspace: what a pose from outside may be where nobody says more.
+signals::PoseRange range_of(const std::vector<motion::WorkspaceZone>& workspace) {
+  signals::PoseRange out;
+  for (const motion::WorkspaceZone& zone : workspace) {
+    if (zone.kind != motion::ZoneKind::inside) continue;
+    const double a[] = {zone.low.x, zone.low.y, zone.low.z}, b[] = {zone.high.x, zone.high.y, zone.high.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.lower[k] = std::max(out.lower[k], std::min(a[k], b[k]));
+      out.upper[k] = std::min(out.upper[k], std::max(a[k], b[k]));
+    }
+  }
+  return out;
+}
+
+/// Poses from outside keep to the range of their point, else to the workspace: in files and over links.
+void bound_poses(signals::Signals& signals, const std::vector<motion::WorkspaceZone>& zones,
+                 DataFiles& files) {
+  const signals::PoseRange workspace = range_of(zones), wide;
+  const auto range = [workspace, points = signals.points](const std::string& name) {
+    const auto stated = points.find(name);
+    return stated == points.end() ? workspace : stated->second;
+  };
+  files.check_poses([range](const std::string& name, const Pose& pose) { return range(name).refuses(pose); });
+  for (signals::LinkEntry& link : signals.links)
+    for (signals::LinkTag& tag : link.tags)
+      if (tag.within.lower == wide.lower && tag.within.upper == wide.upper) tag.within = range(tag.name);
+}
+}  // namespace
+
 void Cell::build_tags(Problems& problems) {
   pass_state_ = states_.add("program/pass");
   running_state_ = states_.add("program/running");
+  line_state_ = states_.add("program/line");
+  held_state_ = states_.add("cell/held");
+  fault_state_ = states_.add("cell/fault");
   for (const auto& robot : robots_)
     tcp_states_.push_back({states_.add(robot->entry.name + "/tcp/x"),
                            states_.add(robot->entry.name + "/tcp/y"),
                            states_.add(robot->entry.name + "/tcp/z")});
-  signals::Signals signals;
   collect(problems, [&] {
-    if (!file_.signals.empty()) signals = signals::load_signals((file_.folder / file_.signals).string());
+    if (!file_.signals.empty()) signals_ = signals::load_signals((file_.folder / file_.signals).string());
   });
+  const signals::Signals& signals = signals_;
   std::set<std::string> live(signals.live.begin(), signals.live.end());
   files_ = std::make_unique<DataFiles>(store_, StateFolder(file_.folder, live, options_.keep), *worker_,
                                        options_.lock_step);
+  bound_poses(signals_, file_.workspace, *files_);
+  for (const signals::LinkEntry& link : signals.links) {  // before the tags that are bound to them
+    states_.add("link/" + link.name + "/up");
+    states_.add("link/" + link.name + "/losses");
+  }
   tags_ = std::make_unique<TagBinding>(signals.tags, loop_->table(), states_, store_, problems);
-  for (const signals::CameraLink& link : signals.cameras)
-    cameras_.emplace_back(
-        Camera::Setup{link.camera, link.point, link.request, link.done, link.noise, link.seed}, scene_);
+  for (const signals::CameraLink& link : signals.cameras) {
+    if (!link.on.empty() && std::none_of(robots_.begin(), robots_.end(),
+                                         [&](const auto& robot) { return robot->entry.name == link.on; }))
+      problems.error("unknown-robot", link.where,
+                     "the cell has no robot '" + link.on + "' to carry the camera");
+    cameras_.emplace_back(Camera::Setup{link.camera, link.point, link.request, link.done, link.noise,
+                                        link.seed, link.on, link.mount, link.view, link.reach},
+                          scene_);
+  }
 }
 
 void Cell::build_controllers(Problems& problems) {
@@ -196,7 +240,11 @@ void Cell::build_programs(Problems& problems) {
   context.answers = &answers_;
   context.observer = &observer_;
   context.now = &now_;
-  Programs programs = load_programs(file_, *files_, store_, problems);
+  Programs programs = load_programs(file_, *files_, store_, problems, [&] {
+    links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
+                                         options_.lock_step && !options_.links, problems);
+    heartbeats_ = std::make_unique<Heartbeats>(signals_, store_, problems);
+  });
   if (programs.plc) {
     context.task = "plc";
     plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
@@ -232,10 +280,20 @@ Pose Cell::tcp(std::size_t robot) const {
   return r.facts->chain.forward({q.data(), r.joints.size()});
 }
 
+/// The flange that carries the camera, in the world.
+Pose Cell::carrier_of(const Camera& camera) const {
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (robots_[i]->entry.name == camera.setup().robot) return tcp(i) * inverse(robots_[i]->tool.tcp);
+  return {};
+}
+
 void Cell::update_states(const control::Snapshot& snapshot) {
   const bool running = program_ && !program_->ended();
   states_.set(pass_state_, program_ ? static_cast<double>(program_->status().passes + (running ? 1 : 0)) : 0);
   states_.set(running_state_, running ? 1 : 0);
+  states_.set(line_state_, running ? program_->status().where.line : 0);
+  states_.set(held_state_, snapshot.state == control::RunState::held ? 1 : 0);
+  states_.set(fault_state_, snapshot.state == control::RunState::fault ? 1 : 0);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Pose at = tcp(i);
     states_.set(tcp_states_[i][0], at.position.x);
@@ -435,6 +493,7 @@ void Cell::send_start_messages() {
 
 void Cell::tick(Nanoseconds now) {
   now_ = now;
+  store_.set_now(now);
   loop_->outbox().fetch();
   loop_->supervisor().heartbeat(now);
   const control::Snapshot& snapshot = loop_->outbox().value();
@@ -446,8 +505,10 @@ void Cell::tick(Nanoseconds now) {
   requests_->tick();
   follow_strangers(snapshot);
   update_states(snapshot);
+  links_->read(now);
   tags_->read(snapshot.states, states_);
-  for (Camera& camera : cameras_) camera.tick(snapshot.world, store_);
+  heartbeats_->tick(now, snapshot.cycle.index, store_);
+  for (Camera& camera : cameras_) camera.tick(snapshot.world, store_, carrier_of(camera));
   jogging_->tick(now);
   if (arming_->needed() || arming_->reduced()) {
     std::vector<Vec3> tcps;
@@ -455,13 +516,14 @@ void Cell::tick(Nanoseconds now) {
     arming_->govern(now, tcps, snapshot.commands,
                     program_ && (program_->ended() || program_->status().passes > 0), moves_as_planned_now());
   }
-  const bool may_run = !failure_ && arming_->armed();
+  watch_links(now, snapshot);
+  const bool may_run = !failure_ && arming_->armed() && links_ready_;
   tick_motions(now);
   if (may_run && plc_) plc_->tick();
   if (may_run && program_ && snapshot.state == control::RunState::running && !jogging_->engaged())
     program_->tick();
   tick_motions(now);
-  tags_->write();
+  write_outputs(now, snapshot);
   files_->exchange(now);
   for (const Problem& problem : files_->take_warnings()) observer_.on_problem(now, problem);
   parts_.update(now, snapshot.world);
@@ -472,6 +534,49 @@ void Cell::tick(Nanoseconds now) {
   watch_contacts(now, snapshot);
   watch_for_deadlock(now, snapshot);
   watch_end(now);
+}
+
+/// A link or a sign of life that is missed holds the cell; who resumes it meanwhile is held again.
+void Cell::watch_links(Nanoseconds now, const control::Snapshot& snapshot) {
+  for (const Problem& problem : links_->take_news()) observer_.on_problem(now, problem);
+  if (!links_ready_) {
+    links_ready_ = links_->ready();
+    if (!links_ready_ && now > 1'000'000'000 && !std::exchange(told_waiting_, true))
+      for (const CellLinks::Status& link : links_->status())
+        if (!link.state.was_up)
+          observer_.on_note("the programs begin when the link '" + link.entry->name +
+                            "' is there: " + link.state.reason);
+  }
+  const std::optional<std::string> lost = links_->lost();
+  const std::optional<std::string>& why = lost ? lost : heartbeats_->stopped();
+  missed_ = why.has_value();
+  const bool works = (program_ && !program_->ended()) || jogging_->engaged();
+  if (!missed_ || !works || snapshot.state != control::RunState::running) return;
+  if (loop_->supervisor().latch().requested() != realtime::StopKind::none) return;
+  observer_.on_problem(now, {"held", program_ ? program_->status().where : Location{}, *why,
+                             "mend it, then polyarm control resume", Severity::warning});
+  loop_->supervisor().latch().request(realtime::StopKind::controlled);
+}
+
+/// Tags to interfaces and links, or what their rules say.
+void Cell::write_outputs(Nanoseconds now, const control::Snapshot& snapshot) {
+  const bool over = failure_ || (program_ ? program_->ended() : plc_ && plc_->ended());
+  signals::Situation situation;
+  situation.stopped = over && snapshot.standing;
+  situation.held = snapshot.state == control::RunState::held || snapshot.state == control::RunState::fault;
+  situation.link_lost = missed_ || links_->any_down();
+  tags_->write(situation);
+  links_->write(situation);
+  if (!situation.stopped) stopped_at_ = -1;
+  if (situation.stopped && stopped_at_ < 0) stopped_at_ = now;
+}
+
+bool Cell::outputs_settled() const {
+  constexpr Nanoseconds kHardware = 3 * kTick, kFarSide = 500'000'000;
+  const bool ruled = std::any_of(signals_.tags.begin(), signals_.tags.end(),
+                                 [](const signals::Tag& tag) { return tag.rules.on_stop.has_value(); });
+  if (stopped_at_ < 0 || (!ruled && !links_->any())) return true;
+  return now_ - stopped_at_ > kHardware && (links_->idle() || now_ - stopped_at_ > kFarSide);
 }
 
 /// Before the programs, for what has arrived; after them, for what they want next.
@@ -662,7 +767,7 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
   const bool quiet = program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
                      snapshot.standing && snapshot.world.at_rest && !parts_.anything_moving() &&
                      snapshot.state == control::RunState::running && !files_->has_outside_writers() &&
-                     store_.version() == quiet_version_;
+                     !links_->any() && store_.version() == quiet_version_;
   quiet_version_ = store_.version();
   if (!quiet) quiet_since_ = now;
   if (now - quiet_since_ < kDeadlockPatience) return;
@@ -690,7 +795,7 @@ void Cell::watch_end(Nanoseconds now) {
   if (!program_ || !program_->ended()) return;
   if (ended_at_ < 0) ended_at_ = now;
   const bool settled = !parts_.anything_moving() && loop_->outbox().value().standing;
-  finished_ = settled || now - ended_at_ > kSettlePatience;
+  finished_ = (settled || now - ended_at_ > kSettlePatience) && outputs_settled();
 }
 
 std::optional<std::uint64_t> Cell::first_motion_cycle() const {

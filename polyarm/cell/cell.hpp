@@ -18,7 +18,9 @@
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/fault_record.hpp"
 #include "polyarm/cell/hardware_calls.hpp"
+#include "polyarm/cell/heartbeats.hpp"
 #include "polyarm/cell/jogging.hpp"
+#include "polyarm/cell/links.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
@@ -32,6 +34,7 @@ namespace polyarm::cell {
 
 struct CellOptions {
   bool lock_step = false;   ///< one thread, files inline, the cell cannot fall silent
+  bool links = false;       ///< lock-step: links to the outside are connected all the same
   bool keep = false;        ///< go on from what the last run left in .state/
   bool real = false;        ///< real hardware is driven, after somebody has armed it
   bool full_speed = false;  ///< real hardware moves as fast as it may from the first pass on
@@ -145,6 +148,12 @@ class Cell {
   /// Tells a person.
   void tell(const std::string& note) { observer_.on_note(note); }
   Requests& requests() { return *requests_; }
+  /// What signals.yaml declares, and the links at work.
+  const signals::Signals& signals() const { return signals_; }
+  const CellLinks& links() const { return *links_; }
+  const TagBinding& tags() const { return *tags_; }
+  /// Whether what outputs are to have at the end has gone out.
+  bool outputs_settled() const;
   /// For what takes longer than a tick may; in lock-step it is done at once.
   Worker& worker() { return *worker_; }
   /// Makes and configures a controller while the cell runs: with the type and parameters given, or with those
@@ -176,6 +185,7 @@ class Cell {
   void send_start_messages();
   void tell_overruns();
   void tell_threads();
+  Pose carrier_of(const Camera& camera) const;
   void update_states(const control::Snapshot& snapshot);
   void follow_strangers(const control::Snapshot& snapshot);
   void tick_motions(Nanoseconds now);
@@ -188,6 +198,8 @@ class Cell {
   bool waits_for_others() const { return !options_.lock_step && !program_ && file_.send.empty(); }
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
+  void watch_links(Nanoseconds now, const control::Snapshot& snapshot);
+  void write_outputs(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_stops(Nanoseconds now, const control::Snapshot& snapshot);
   void fail(Nanoseconds now, Problem problem);
 
@@ -206,7 +218,12 @@ class Cell {
   data::DataStore store_;
   std::unique_ptr<DataFiles> files_;
   CellStates states_;
+  signals::Signals signals_;
   std::unique_ptr<TagBinding> tags_;
+  std::unique_ptr<CellLinks> links_;
+  std::unique_ptr<Heartbeats> heartbeats_;
+  bool links_ready_ = false, told_waiting_ = false, missed_ = false;
+  Nanoseconds stopped_at_ = -1;  ///< since when outputs have what they are to have at the end
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
   std::unique_ptr<ProgramMoves> moves_;  ///< of the program
@@ -232,7 +249,7 @@ class Cell {
   std::vector<Problem> group_faults_;
   bool started_ = false, in_fault_ = false;
   Nanoseconds now_ = 0;
-  std::size_t pass_state_ = 0, running_state_ = 0;
+  std::size_t pass_state_ = 0, running_state_ = 0, line_state_ = 0, held_state_ = 0, fault_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;
   int findings_seen_ = 0, contacts_max_ = 0;
   double tracking_error_max_ = 0;

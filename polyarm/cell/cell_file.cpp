@@ -233,7 +233,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
   for (const std::string& name : yaml["robots"].keys())
     cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
-  if (cell.robots.empty())
+  if (cell.robots.empty() && !yaml.has("plc"))  // a PLC alone is the far side of a link
     problems.error("missing-key", yaml.where(), "the cell has no robots",
                    "add 'robots: {arm: {model: universal_robots/ur3}}'");
   const auto file = [&](const char* key, std::string& name, Location& where) {

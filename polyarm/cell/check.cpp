@@ -74,6 +74,7 @@ class Checker {
     program::KnownNames known;
     known.folder = file_.folder;
     for (const signals::Tag& tag : signals_.tags) known.names[tag.name] = program::type_of(tag.initial);
+    add_link_names(known);
     collect(problems_, [&] {  // tags that are written wrong are names all the same
       if (file_.signals.empty()) return;
       for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
@@ -92,6 +93,20 @@ class Checker {
     if (!file_.plc.empty())
       collect(problems_,
               [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
+  }
+
+  /// Names that only a link or the heartbeat has.
+  void add_link_names(program::KnownNames& known) const {
+    if (signals_.heartbeat) known.names.try_emplace(signals_.heartbeat->tag, program::type_of(false));
+    for (const signals::LinkEntry& link : signals_.links)
+      for (const signals::LinkTag& tag : link.tags) {
+        using Type = signals::LinkTag::Type;
+        const data::Value like = tag.type == Type::boolean  ? data::Value(false)
+                                 : tag.type == Type::number ? data::Value(0)
+                                 : tag.type == Type::text   ? data::Value("")
+                                                            : data::Value(data::Point{});
+        known.names.try_emplace(tag.name, program::type_of(like));
+      }
   }
 
   data::ImportFile take(const std::filesystem::path& from, program::KnownNames& known) {

@@ -91,8 +91,23 @@ void DataFiles::adopt(Load& load) {
   for (const data::ImportFile& points : load.files.points) bind(points, "load " + load.name);
 }
 
+/// A pose from outside is taken whole, or the old one stays.
+bool DataFiles::refuses(const std::string& file, const std::string& name, const data::Value& value) {
+  const data::Point* point = value.as_point();
+  const auto why = point && check_pose_ ? check_pose_(name, point->pose) : std::nullopt;
+  if (why)
+    warnings_.push_back({"refused-value",
+                         {file},
+                         "the pose that was written into '" + name + "' is not taken: " + *why,
+                         "the point stays as it was",
+                         Severity::warning});
+  return why.has_value();
+}
+
 void DataFiles::take_from(const std::string& set, signals::FileMailbox& box) {
   for (signals::MailboxEvent& event : box.take_events()) {
+    std::erase_if(event.values,
+                  [&](const auto& value) { return refuses(box.path(), value.first, value.second); });
     if (event.kind == signals::MailboxEvent::Kind::changed) store_.take_outside(set, event.values, "outside");
     for (Problem& problem : event.problems) {
       problem.severity = Severity::warning;

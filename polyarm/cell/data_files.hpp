@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -42,6 +43,9 @@ class DataFiles {
   std::optional<Error> take_failure();
   /// What the mailboxes complain of since the last call; each says a thing once and goes on trying.
   std::vector<Problem> take_warnings() { return std::exchange(warnings_, {}); }
+  /// Why a pose that somebody outside wrote may not be used, by the point's name; nothing where it may.
+  using PoseCheck = std::function<std::optional<std::string>(const std::string& name, const Pose& pose)>;
+  void check_poses(PoseCheck check) { check_pose_ = std::move(check); }
   const StateFolder& folder() const { return folder_; }
 
  private:
@@ -63,6 +67,7 @@ class DataFiles {
   void bind(const data::ImportFile& file, const std::string& who);
   void post(const std::shared_ptr<Load>& load);
   bool caught_up(const Load& load) const;
+  bool refuses(const std::string& file, const std::string& name, const data::Value& value);
   void take_from(const std::string& set, signals::FileMailbox& box);
   void write_dirty();
 
@@ -72,6 +77,7 @@ class DataFiles {
   bool lock_step_;
   std::map<std::string, Bound> files_;  ///< by set
   std::vector<Problem> warnings_;
+  PoseCheck check_pose_;
   std::set<std::string> dirty_;
   std::map<std::int64_t, std::shared_ptr<Load>> loads_;
   std::mutex failure_mutex_;

@@ -40,7 +40,8 @@ constexpr auto kMap = ArgumentType::map;
 const std::vector<RequestArgument> kName = {{"name", kText, true}};
 
 const char* const kJogState =
-    "{session, robot, names, slides, joints, position, rpy, orientation, speed, moving, held_back, reason, profile, control}; "
+    "{session, robot, model, tool, names, slides, joints, position, rpy, orientation, speed, moving, "
+    "held_back, reason, profile, control}; "
     "of a step also {done}";
 
 const std::vector<Row>& rows() {
@@ -126,6 +127,26 @@ const std::vector<Row>& rows() {
        control_discard},
       {{"control.recover", {}, "{asked}", "leave the fault state for held; nothing moves", true},
        control_recover},
+      {{"tags.list",
+        {{"names", kNames}},
+        "{tags: [{name, type, unit, value, text, direction, source, quality, forced, changed_s, changed_by, "
+        "output, "
+        "rules}], links: [{name, address, up, reason, losses, exchanges, round_ms, on_loss, tags}]}",
+        "every tag, or those named (variables of data, too), and the links",
+        false},
+       tags_list},
+      {{"tags.set",
+        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        "{name, value, …}, as in tags.list",
+        "change a tag or variable once, as a person",
+        true},
+       tags_set},
+      {{"tags.force",
+        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        "{name, value, …} again and again",
+        "the tag keeps the value whatever is set meanwhile, for as long as the asker is there",
+        true},
+       tags_force},
       {{"hardware.list",
         {},
         "[{name, type, plugin, group, state, being, rate, async, missed, states, commands: [{name, "
@@ -215,7 +236,8 @@ const std::vector<Row>& rows() {
          {"end", kFlag}},
         kJogState,
         "move joints or the TCP by hand: with velocities {elbow_joint: 0.1} or {z: 0.02} in `frame` (base, "
-        "world, tool or a point's name) for `hold` seconds (0.25) unless it comes again with the `session` of "
+        "world, tool or a point's name) for `hold` seconds (0.25) unless it comes again with the `session` "
+        "of "
         "the answer; with `by` by so much, answered until it is done; with `end` no more",
         true},
        jog},
@@ -269,7 +291,7 @@ const std::vector<RequestInfo>& request_table() {
 }
 
 const char* name(ArgumentType type) {
-  constexpr const char* kTypes[] = {"text", "number", "flag", "names", "map", "message"};
+  constexpr const char* kTypes[] = {"text", "number", "flag", "names", "map", "message", "any"};
   return kTypes[static_cast<std::size_t>(type)];
 }
 
@@ -370,6 +392,8 @@ bool fits(const Json& value, ArgumentType type) {
       return value.is_object();
     case ArgumentType::message:
       return value.is_string() || value.is_structured() || value.is_number();
+    case ArgumentType::any:
+      return true;
   }
   return false;
 }

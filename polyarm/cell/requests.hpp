@@ -11,8 +11,8 @@ namespace polyarm::cell {
 class Cell;
 
 /// What an argument of a request may be: a text, a number, true or false, names (one text or a list of
-/// them), a map, or a message (a map, or a text in YAML or JSON).
-enum class ArgumentType { text, number, flag, names, map, message };
+/// them), a map, a message (a map, or a text in YAML or JSON), or any JSON value.
+enum class ArgumentType { text, number, flag, names, map, message, any };
 const char* name(ArgumentType type);
 
 struct RequestArgument {

@@ -79,5 +79,8 @@ Poll jog(Cell&, const Json&);
 Poll jog_state(Cell&, const Json&);
 Poll target(Cell&, const Json&);
 Poll profile(Cell&, const Json&);
+Poll tags_list(Cell&, const Json&);
+Poll tags_set(Cell&, const Json&);
+Poll tags_force(Cell&, const Json&);
 
 }  // namespace polyarm::cell

@@ -319,7 +319,7 @@ class Runner {
       if (stop_since_ < 0) stop_since_ = clock;
       const bool standing = seen.standing && seen.state != control::RunState::stopping &&
                             seen.state != control::RunState::running;
-      over_ = standing || clock - stop_since_ > options_.patience;
+      over_ = (standing && cell_.outputs_settled()) || clock - stop_since_ > options_.patience;
     } else {
       over_ = cell_.finished() || now >= limit_;
       cut_short_ = over_ && !cell_.finished();
@@ -357,7 +357,8 @@ class Runner {
     out.clamps = loop.limits().clamps();
     out.parts = cell_.parts().report();
     out.stops = cell_.stops();
-    out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers();
+    out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers() &&
+                     !cell_.links().any();
     out.trace_hash = loop.trace().text();
     out.first_motion_s = first_motion_;
     for (const auto& robot : cell_.robots())

@@ -63,18 +63,25 @@ void TagBinding::read(std::span<const double> states, const CellStates& own) {
   }
 }
 
-void TagBinding::write() {
-  if (!io_ || store_.version() == seen_version_) return;
+void TagBinding::write(const signals::Situation& situation) {
+  if (!io_ || (store_.version() == seen_version_ && situation == seen_situation_)) return;
   seen_version_ = store_.version();
+  seen_situation_ = situation;
   bool changed = false;
   for (const Out& out : out_) {
     const data::Value* value = store_.find(out.tag.name);
-    const auto number = value ? out.tag.to_interface(*value) : std::nullopt;
+    const auto number = value ? out.tag.to_interface(out.tag.output(*value, situation)) : std::nullopt;
     if (!number || values_[out.index] == *number) continue;
     values_[out.index] = *number;
     changed = true;
   }
   if (changed) io_->send(values_);
+}
+
+std::optional<double> TagBinding::sent(const std::string& tag) const {
+  for (const Out& out : out_)
+    if (out.tag.name == tag && !std::isnan(values_[out.index])) return values_[out.index];
+  return std::nullopt;
 }
 
 }  // namespace polyarm::cell

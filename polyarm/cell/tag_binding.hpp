@@ -42,8 +42,10 @@ class TagBinding {
 
   /// States into tags.
   void read(std::span<const double> states, const CellStates& own);
-  /// Tags to commands; sends only when something changed.
-  void write();
+  /// Tags to commands, or what their rules say of the situation; sends only when something changed.
+  void write(const signals::Situation& situation = {});
+  /// What goes out for the tag now; nothing for a tag that is no output.
+  std::optional<double> sent(const std::string& tag) const;
 
  private:
   struct In {
@@ -62,6 +64,7 @@ class TagBinding {
   std::vector<std::string> command_names_;
   std::vector<double> values_;
   std::uint64_t seen_version_ = ~0ull;
+  signals::Situation seen_situation_;
   controllers::ForwardCommandController* io_ = nullptr;
 };
 

@@ -1,0 +1,170 @@
+/// Requests about tags, their forcing, and links.
+#include <algorithm>
+#include <memory>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+/// A force that is renewed this often shows whether its asker is still there.
+constexpr Nanoseconds kTellEvery = 200'000'000;
+
+Json json_of(const data::Value& value) {
+  if (const bool* flag = value.as_boolean()) return *flag;
+  if (const data::Number* number = value.as_number()) return number->value;
+  return value.text();
+}
+
+const signals::Tag* declared(const Cell& cell, const std::string& name) {
+  for (const signals::Tag& tag : cell.signals().tags)
+    if (tag.name == name) return &tag;
+  return nullptr;
+}
+
+/// Where the tag's value comes from or goes to, and how.
+void add_source(const Cell& cell, const std::string& name, const data::NameFacts& facts, Json& out) {
+  const signals::Tag* tag = declared(cell, name);
+  std::string direction = "internal", source = facts.sets.empty() ? "cell" : "data " + join(facts.sets, ", ");
+  std::string quality = "good";
+  if (tag && tag->role == data::TagRole::command) direction = "out", source = tag->interface;
+  if (tag && tag->role == data::TagRole::state) direction = "in", source = tag->interface;
+  if (const auto link = cell.links().source_of(name)) {
+    direction = direction == "internal" ? link->direction : direction + ", " + link->direction;
+    source += ", link " + link->link;
+    quality = link->quality;
+  }
+  out["unit"] = tag ? tag->unit : "";
+  out["direction"] = direction;
+  out["source"] = source;
+  out["quality"] = quality;
+  const auto sent = cell.tags().sent(name);
+  out["output"] = sent ? Json(*sent) : Json();
+  Json rules = Json::object();
+  const auto rule = [&](const char* key, const std::optional<data::Value>& value) {
+    if (value) rules[key] = json_of(*value);
+  };
+  if (tag) rule("on_stop", tag->rules.on_stop);
+  if (tag) rule("on_hold", tag->rules.on_hold);
+  if (tag) rule("on_link_loss", tag->rules.on_link_loss);
+  out["rules"] = rules;
+}
+
+Json tag_json(Cell& cell, const std::string& name) {
+  const data::Value& value = *cell.store().find(name);
+  const data::NameFacts facts = *cell.store().facts(name);
+  std::string type = data::name(value.kind());
+  Json out{{"name", name},
+           {"type", type.substr(type.find(' ') + 1)},
+           {"value", json_of(value)},
+           {"text", value.text()},
+           {"forced", facts.forced},
+           {"tag", facts.tag},
+           {"changed_s", Json()},
+           {"changed_by", facts.changed_by}};
+  if (facts.changed_at >= 0) out["changed_s"] = seconds(facts.changed_at);
+  add_source(cell, name, facts, out);
+  return out;
+}
+
+Json links_json(const Cell& cell) {
+  Json out = Json::array();
+  for (const CellLinks::Status& link : cell.links().status())
+    out.push_back({{"name", link.entry->name},
+                   {"address", link.entry->address()},
+                   {"up", link.state.up},
+                   {"reason", link.state.reason},
+                   {"losses", link.state.losses},
+                   {"exchanges", link.state.exchanges},
+                   {"round_ms", static_cast<double>(link.state.round_ns) * 1e-6},
+                   {"on_loss", link.entry->on_loss == signals::LinkEntry::OnLoss::hold ? "hold" : "go_on"},
+                   {"tags", link.entry->tags.size()}});
+  return out;
+}
+
+/// The value that a request says, of the kind that the name has.
+data::Value wanted_value(const data::Value& like, const Json& given) {
+  if (like.as_boolean()) {
+    if (given.is_boolean()) return given.get<bool>();
+    if (given.is_string() && equal_ignoring_case(given.get<std::string>(), "true")) return true;
+    if (given.is_string() && equal_ignoring_case(given.get<std::string>(), "false")) return false;
+  }
+  if (const data::Number* number = like.as_number()) {
+    if (given.is_number()) return data::Number{given.get<double>(), number->dimension};
+    if (given.is_string())
+      if (const auto value = parse_quantity(given.get<std::string>(), number->dimension))
+        return data::Number{*value, number->dimension};
+  }
+  if (like.as_text() && given.is_string()) return given.get<std::string>();
+  throw Error("bad-argument", "'value' is " + given.dump() + ", the tag is " + data::name(like.kind()),
+              like.as_boolean() ? "true or false" : "");
+}
+
+/// Released when the request ends, however it ends.
+class Force {
+ public:
+  Force(Cell& cell, std::string name, data::Value value) : cell_(cell), name_(std::move(name)) {
+    const auto facts = cell_.store().facts(name_);
+    if (facts && facts->forced) throw Error("in-use", "'" + name_ + "' is forced already", "end that first");
+    cell_.store().force(name_, std::move(value), "forced");
+    cell_.tell("'" + name_ + "' is forced to " + cell_.store().find(name_)->text());
+  }
+  ~Force() {
+    cell_.store().release(name_, "released");
+    cell_.tell("'" + name_ + "' is no longer forced");
+  }
+  Force(const Force&) = delete;
+  Force& operator=(const Force&) = delete;
+
+ private:
+  Cell& cell_;
+  std::string name_;
+};
+
+}  // namespace
+
+Poll tags_list(Cell& cell, const Json& arguments) {
+  std::vector<std::string> wanted = list_argument(arguments, "names");
+  const bool all = wanted.empty();
+  if (all) wanted = cell.store().names();
+  Json tags = Json::array();
+  for (const std::string& name : wanted) {
+    const auto facts = cell.store().facts(name);
+    if (!facts)
+      throw Error("unknown-name",
+                  "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
+    if (!all || facts->tag || cell.links().source_of(name)) tags.push_back(tag_json(cell, name));
+  }
+  return at_once({{"tags", tags}, {"links", links_json(cell)}});
+}
+
+Poll tags_set(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  const data::Value* like = cell.store().find(name);
+  if (!like)
+    throw Error("unknown-name",
+                "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
+  if (cell.store().tag_role(name) == data::TagRole::state)
+    throw Error("read-only", "'" + name + "' says what the hardware measures",
+                "polyarm tags force, as long as it runs");
+  cell.store().set(name, wanted_value(*like, arguments.value("value", Json())), "a person");
+  return at_once(tag_json(cell, name));
+}
+
+Poll tags_force(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  const data::Value* like = cell.store().find(name);
+  if (!like)
+    throw Error("unknown-name",
+                "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
+  auto force = std::make_shared<Force>(cell, name, wanted_value(*like, arguments.value("value", Json())));
+  return [force, name, told = Nanoseconds{-1}](Cell& c) mutable {
+    if (told >= 0 && c.now() - told < kTellEvery) return Progress{};
+    told = c.now();
+    return Progress::more(tag_json(c, name));
+  };
+}
+
+}  // namespace polyarm::cell
