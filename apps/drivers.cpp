@@ -94,6 +94,18 @@ struct Carrier {
   hardware::ComponentContext context;
 };
 
+/// The block that names the driver; where none does, the only one, as in a cell that says hardware: DRIVER.
+description::HardwareInfo block_for(const std::string& driver, const description::RobotModel& model,
+                                    const std::string& description) {
+  for (const description::HardwareInfo& block : model.hardware)
+    if (block.plugin == driver) return block;
+  if (model.hardware.size() == 1) return model.hardware.front();
+  throw Error("no-such-block",
+              description + " has " + (model.hardware.empty() ? "no" : "several") +
+                  " <ros2_control> blocks, and none with the plugin " + driver,
+              "write <plugin>" + driver + "</plugin> into the block that the driver is to play");
+}
+
 std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::string& description) {
   auto out = std::make_unique<Carrier>();
   out->context.name = driver;
@@ -106,11 +118,7 @@ std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::stri
   } else {
     Problems warnings;
     out->model = description::load_robot(description, open_catalogue(), warnings);
-    for (const description::HardwareInfo& block : out->model.hardware)
-      if (robot.hardware.empty() && block.plugin == driver) robot.hardware.push_back(block);
-    if (robot.hardware.empty())
-      throw Error("no-such-block", description + " has no <ros2_control> block with the plugin " + driver,
-                  "name one that has, or leave --description out");
+    robot.hardware.push_back(block_for(driver, out->model, description));
     out->context.parameters = robot.hardware.front().parameters;
   }
   robot.model = &out->model;

@@ -83,7 +83,9 @@ class Reader {
           add_wheel(robot.name, joint, {"velocity"}, {"position", "velocity"});
       for (const description::HardwareInfo& block : robot.hardware) declared(robot.name, block);
     }
-    if (out_.wheels.empty()) bad("there is no joint with a velocity command", "a board drives one to five");
+    if (out_.wheels.empty())
+      bad("there is no joint with a velocity command",
+          "a board drives one to five; name a description that has them (drivers test: --description FILE)");
     if (out_.wheels.size() > 5)
       bad(std::to_string(out_.wheels.size()) + " motors need more than 16 channels", "leave some out");
   }

@@ -50,7 +50,9 @@ std::string who_may(const std::string& path) {
     case ENOENT:
     case ENODEV:
     case ENXIO:
-      throw Error("no-such-port", "there is no serial port " + path, which_ports());
+      throw Error("no-such-port",
+                  path.empty() ? "no serial port is named" : "there is no serial port " + path,
+                  which_ports());
     case EACCES:
     case EPERM:
       throw Error("port-not-permitted", path + " may not be opened: " + reason, who_may(path));

@@ -299,7 +299,10 @@ BusSetup read_setup(const hardware::ComponentContext& context, const Family& fam
   merge(joints, context.parameters, read_calibration(context, family, context.parameters, problems), family,
         problems);
   for (const Declared& joint : joints) out.joints.push_back(read_joint(joint, family, problems));
-  if (out.joints.empty()) problems.error("no-joints", {}, context.name + " has no joints to drive");
+  if (out.joints.empty())
+    problems.error(
+        "no-joints", {}, context.name + " has no joints to drive",
+        "name a description whose <ros2_control> block has them (drivers test: --description FILE)");
   if (out.joints.size() > 32) problems.error("too-many-joints", {}, "a bus takes 32 joints at most");
   for (std::size_t i = 0; i < out.joints.size(); ++i)
     for (std::size_t j = i + 1; j < out.joints.size(); ++j)

@@ -139,6 +139,15 @@ TEST_F(SensorsInACell, ADriverIsTriedOnItsDeviceAndTheReportCanBeSent) {
   EXPECT_EQ(Yaml::load(file)["result"].text(), "failed");
 }
 
+TEST(DriversCommand, TakesTheOnlyBlockOfADescriptionAsACellDoes) {
+  const test::ExampleCopy copy("so101");
+  const auto tried =
+      run_command({"drivers", "test", "feetech_fake", "--description", copy.file("so101.urdf").string(),
+                   "--seconds", "0.3", "--report", copy.file("report.yaml").string()});
+  EXPECT_EQ(tried.exit_code, 0) << tried.output;
+  EXPECT_NE(tried.output.find("6 joints"), std::string::npos) << tried.output;
+}
+
 TEST(DriversCommand, ListsEachDriverWithItsParametersAndItsProof) {
   const auto said = run_command({"drivers", "--json"});
   ASSERT_EQ(said.exit_code, 0) << said.output;
