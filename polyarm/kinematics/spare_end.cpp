@@ -13,7 +13,11 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kScanned = 24;
-constexpr double kFine = 1e-6;  // rad: closer than this nothing is gained
+constexpr int kCloser = 96;  // where limits leave but a little of the range
+constexpr int kDips = 3;
+constexpr double kAsDeep = 1.4;  // of the best cost: what a search may still make better than it
+constexpr double kClose = 1.02;  // and after one look around
+constexpr double kFine = 1e-6;   // rad: closer than this nothing is gained
 
 }  // namespace
 
@@ -80,28 +84,51 @@ bool SpareEnd::nearest(const Pose& target, const double* seed, State& out) const
                most = std::min(upper_, least + kTurn), cell = (most - least) / (kScanned - 1);
   if (!(cell > 0)) return false;
   QuickAnswers found;
-  double costs[kBranches], best = EightfoldSearch::kNowhere, at = 0;
   const auto keep = [&](std::size_t lane, double value) {
     for (std::size_t i = 0; i < 6; ++i) out[i + (axis_ == 0)] = found.value[i][lane];
     out[axis_] = value;
   };
-  // The seed's own value is one of them.
-  double first = middle >= least && middle <= most ? least + std::fmod(middle - least, cell) : least;
-  for (; first <= most; first += kBranches * cell) {
-    ask(target, seed, first, cell, found, costs);
-    for (std::size_t k = 0; k < kBranches; ++k) {
-      if (!(costs[k] < best)) continue;
-      best = costs[k];
-      at = first + static_cast<double>(k) * cell;
-      keep(k, at);
+  constexpr std::size_t kMost = kCloser + 2 * kBranches;
+  std::array<double, kMost> costs;
+  std::size_t count = 0;
+  double best = EightfoldSearch::kNowhere;
+  const auto scan = [&](double first, double step) {
+    for (count = 0; count + kBranches <= kMost && first + static_cast<double>(count) * step <= most;
+         count += kBranches) {
+      const double from = first + static_cast<double>(count) * step;
+      ask(target, seed, from, step, found, costs.data() + count);
+      for (std::size_t k = 0; k < kBranches; ++k) {
+        if (!(costs[count + k] < best)) continue;
+        best = costs[count + k];
+        keep(k, from + static_cast<double>(k) * step);
+      }
     }
-  }
+  };
+  // The seed's own value is one of them.
+  double first = middle >= least && middle <= most ? least + std::fmod(middle - least, cell) : least,
+         step = cell;
+  scan(first, step);
+  if (best == EightfoldSearch::kNowhere) scan(first = least, step = (most - least) / (kCloser - 1));
   if (best == EightfoldSearch::kNowhere) return false;
-  EightfoldSearch search(at, best, cell);
-  while (search.going(kFine)) {
-    ask(target, seed, search.first(), search.step(), found, costs);
-    const std::size_t k = search.see(costs);
-    if (k < kBranches) keep(k, search.best());
+  // Around the best, and around other dips that might go as deep.
+  for (int dip = 0; dip < kDips; ++dip) {
+    std::size_t at = count;
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool low = (k == 0 || costs[k] <= costs[k - 1]) && (k + 1 == count || costs[k] <= costs[k + 1]);
+      if (low && costs[k] < kAsDeep * best && (at == count || costs[k] < costs[at])) at = k;
+    }
+    if (at == count) break;
+    EightfoldSearch search(first + static_cast<double>(at) * step, costs[at], step);
+    costs[at] = EightfoldSearch::kNowhere;
+    while (search.going(kFine)) {
+      double around[kBranches];
+      ask(target, seed, search.first(), search.step(), found, around);
+      const std::size_t k = search.see(around);
+      if (search.cost() > kClose * best) break;  // of another dip: no more than this is gained
+      if (k == kBranches || !(search.cost() < best)) continue;
+      best = search.cost();
+      keep(k, search.best());
+    }
   }
   return true;
 }
