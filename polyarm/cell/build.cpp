@@ -352,6 +352,18 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
   return nullptr;
 }
 
+controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
+                                                     const control::ControllerManager& manager) {
+  const std::string own = robot.entry.name + "/";
+  for (const auto& listed : manager.list()) {
+    auto* wheels = dynamic_cast<controllers::DiffDriveController*>(manager.find(listed.name));
+    if (wheels && !wheels->command_interfaces().empty() &&
+        wheels->command_interfaces().front().starts_with(own))
+      return wheels;
+  }
+  return nullptr;
+}
+
 namespace {
 /// What a script loads is there from the start, as with a script-information file, so that everything beside
 /// it knows the names. Files that there are not the checker complains of.

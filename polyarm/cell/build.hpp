@@ -12,6 +12,7 @@
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/program/ast.hpp"
 
@@ -58,6 +59,10 @@ std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const Ce
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
                                                                  const control::ControllerManager& manager,
                                                                  bool or_inactive = false);
+
+/// The controller that drives the wheels of the robot; null if none.
+controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
+                                                     const control::ControllerManager& manager);
 
 struct Programs {
   std::optional<program::Program> program, plc;

@@ -198,6 +198,9 @@ void Cell::build_controllers(Problems& problems) {
                                       [this](std::function<void()> job) { planner_->post(std::move(job)); })
                                 : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
+    controllers::DiffDriveController* wheels = base_controller_of(*robot, loop_->controllers());
+    bases_.push_back(wheels ? std::make_unique<motion::BaseMotion>(*wheels, seconds(loop_->options().period))
+                            : nullptr);
   }
 }
 
@@ -251,8 +254,11 @@ void Cell::build_programs(Problems& problems) {
   }
   if (!programs.program) return;
   std::vector<ProgramMoves::Robot> robots;
-  for (std::size_t i = 0; i < robots_.size(); ++i) robots.push_back({robots_[i].get(), motions_[i].get()});
-  if (std::none_of(motions_.begin(), motions_.end(), [](const auto& motion) { return motion != nullptr; }))
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
+  const auto there = [](const auto& motion) { return motion != nullptr; };
+  if (std::none_of(motions_.begin(), motions_.end(), there) &&
+      std::none_of(bases_.begin(), bases_.end(), there))
     problems.error("no-motion", file_.program_where,
                    "the program needs a robot whose joints a trajectory controller moves",
                    "give the cell a robot, and leave 'controllers' out or name a "
@@ -453,14 +459,22 @@ Problems Cell::load_controller(const std::string& name, const std::string& type,
 
 void Cell::unload_controller(const std::string& name) {
   const controllers::Controller* leaving = loop_->controllers().find(name);
+  const bool program_runs = program_ && !program_->ended();
   const auto in_use = [&](const std::string& by) {
     throw Error("in-use", "the controller '" + name + "' cannot be unloaded: " + by + " works through it");
   };
   if (leaving && name == kIoController) in_use("the cell's tags");
   for (std::size_t i = 0; leaving && i < trajectory_controllers_.size(); ++i)
-    if (trajectory_controllers_[i] == leaving && program_ && !program_->ended()) in_use("the program");
+    if (trajectory_controllers_[i] == leaving && program_runs) in_use("the program");
+  const auto led = [&](const auto& base) { return base && &base->controller() == leaving; };
+  const auto base = std::find_if(bases_.begin(), bases_.end(), led);
+  if (leaving && base != bases_.end() && program_runs) in_use("the program");
   loop_->controllers().unload(name);
   goal_events_.erase(name);
+  if (leaving && base != bases_.end()) {
+    if (moves_) moves_->forget(**base);
+    base->reset();
+  }
   for (std::size_t i = 0; i < trajectory_controllers_.size(); ++i)
     if (trajectory_controllers_[i] == leaving) {
       trajectory_controllers_[i] = nullptr;
@@ -581,6 +595,11 @@ bool Cell::outputs_settled() const {
 
 /// Before the programs, for what has arrived; after them, for what they want next.
 void Cell::tick_motions(Nanoseconds now) {
+  const control::Supervisor& supervisor = loop_->supervisor();
+  for (const auto& base : bases_)
+    if (base && !failure_)
+      base->tick(now, snapshot().state == control::RunState::running,
+                 supervisor.share() * supervisor.override_share());
   for (const auto& motion : motions_) {
     if (!motion || failure_) continue;
     motion->set_options(plan_options());
@@ -612,6 +631,11 @@ motion::JogLimits Cell::jog_limits() const {
   out.tcp_speed = std::min(out.tcp_speed, kReducedProfile.tcp_speed);
   out.tcp_turning = std::min(out.tcp_turning, kReducedProfile.tcp_turning);
   return out;
+}
+
+void Cell::drop_bases() {
+  for (const auto& base : bases_)
+    if (base) base->drop();
 }
 
 motion::MovePlanOptions Cell::plan_options() const {
@@ -651,6 +675,7 @@ void Cell::fail(Nanoseconds now, Problem problem) {
   failure_ = Failure{std::move(problem), now};
   for (const auto& motion : motions_)
     if (motion) motion->drop();
+  drop_bases();
   loop_->supervisor().latch().request(realtime::StopKind::controlled);
 }
 

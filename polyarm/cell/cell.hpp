@@ -141,6 +141,9 @@ class Cell {
   /// Who holds control: "program", "jog" or "nobody".
   const char* control_holder() const;
 
+  /// Forgets what bases have left to go, where they stand.
+  void drop_bases();
+
   // For requests; cell thread.
   StopWatch& stop_watch() { return stop_watch_; }
   const HeldPlace& held_place() const { return held_place_; }
@@ -226,8 +229,9 @@ class Cell {
   Nanoseconds stopped_at_ = -1;  ///< since when outputs have what they are to have at the end
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
-  std::unique_ptr<ProgramMoves> moves_;  ///< of the program
-  std::set<std::string> told_warnings_;  ///< of moves; a loop says them once
+  std::vector<std::unique_ptr<motion::BaseMotion>> bases_;  ///< by robot; null: it has no wheels to drive
+  std::unique_ptr<ProgramMoves> moves_;                     ///< of the program
+  std::set<std::string> told_warnings_;                     ///< of moves; a loop says them once
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;

@@ -20,7 +20,7 @@ ProgramMoves::ProgramMoves(std::string task, std::vector<Robot> robots, const Mo
   for (const Robot& robot : robots) arms_.push_back({robot, {}, {}});
 }
 
-std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where) const {
+std::size_t ProgramMoves::robot_of(const std::string& robot, const Location& where) const {
   if (arms_.empty())
     throw Error(
         Problem{"no-robot", where, "'" + task_ + "' moves no robot", "only the robot program can move"});
@@ -35,9 +35,16 @@ std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where
                         robot.empty() ? "the cell has several robots and the move names none"
                                       : "the cell has no robot '" + robot + "'" + did_you_mean(robot, names),
                         "write `use robot " + names.front() + "`, or a robot clause: " + join(names, ", ")});
+  return found;
+}
+
+/// With a controller that moves its joints.
+std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where) const {
+  const std::size_t found = robot_of(robot, where);
   if (!arms_[found].robot.motion)
     throw Error(
-        Problem{"no-motion", where, "no trajectory controller moves all joints of '" + names[found] + "'",
+        Problem{"no-motion", where,
+                "no trajectory controller moves all joints of '" + arms_[found].robot.robot->entry.name + "'",
                 "leave 'controllers' out of the cell, or name a joint_trajectory_controller for them"});
   return found;
 }
@@ -200,7 +207,42 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   return {index, moves_of(move, frame_of(move, arm, where), arm, where), std::move(facts)};
 }
 
+program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
+  const std::size_t index = robot_of(move.robot, where);
+  motion::BaseMotion* const base = arms_[index].robot.base;
+  if (!base)
+    throw Error(Problem{"no-base", where,
+                        "no diff_drive_controller drives '" + arms_[index].robot.robot->entry.name + "'",
+                        "drive and turn move a base with wheels; an arm has movej, movel and their like"});
+  motion::BaseMove out;
+  out.turns = move.kind == program::Move::Kind::turn;
+  out.amount = move.targets.front().value.as_number()->value;
+  const auto pace = [&](const std::optional<data::Number>& said, Dimension own, double& share, double& most,
+                        const char* what) {
+    if (!said) return;
+    if (said->dimension == Dimension::none) {
+      share = said->value;
+    } else if (said->dimension == own) {
+      most = said->value;
+    } else {
+      throw Error(Problem{"bad-move", where, std::string(what) + " is not one of what this does",
+                          out.turns ? "a turn has 30deg/s and 90deg/s2" : "a drive has 0.2m/s and 0.5m/s2"});
+    }
+  };
+  double whole = 1;
+  pace(move.speed, out.turns ? Dimension::angular_speed : Dimension::speed, out.share, out.speed,
+       "the speed");
+  pace(move.accel, out.turns ? Dimension::angular_acceleration : Dimension::acceleration, whole,
+       out.acceleration, "the acceleration");
+  if (move.duration) out.duration = move.duration->value;
+  const std::uint64_t id = base->start(out);
+  forget_ended();
+  asked_[++last_handle_] = {{index, id, id, true}};
+  return last_handle_;
+}
+
 program::Handle ProgramMoves::start(const program::Move& move, const Location& where) {
+  if (move.of_base()) return start_base(move, where);
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
@@ -228,6 +270,11 @@ std::shared_ptr<motion::InStep> ProgramMoves::step_of(const program::Move& move,
   }
   step_.arms.push_back(arm);
   return step_.shared;
+}
+
+void ProgramMoves::forget(const motion::BaseMotion& base) {
+  for (Arm& arm : arms_)
+    if (arm.robot.base == &base) arm.robot.base = nullptr;
 }
 
 /// Of moves that nobody waits for.
@@ -268,6 +315,17 @@ Progress ProgramMoves::poll(program::Handle handle) {
   bool arrived = true;
   for (const Moves& moves : found->second) {
     Arm& arm = arms_[moves.arm];
+    if (moves.base) {
+      using State = motion::BaseMotion::State;
+      const State state = arm.robot.base ? arm.robot.base->state_of(moves.last) : State::discarded;
+      if (state == State::running) return {};
+      Problem why{"discarded", {}, "the move of the base was discarded", {}};
+      if (state == State::failed && arm.robot.base->problem()) why = *arm.robot.base->problem();
+      asked_.erase(found);
+      return state == State::done     ? Progress::done()
+             : state == State::failed ? Progress::failed(std::move(why))
+                                      : Progress::ended(std::move(why));
+    }
     // A failure behind a move ends the wait for it too.
     if (auto bad = bad_end(arm, arm.robot.motion->last_id())) {
       asked_.erase(found);
@@ -281,8 +339,8 @@ Progress ProgramMoves::poll(program::Handle handle) {
 }
 
 bool ProgramMoves::has_room(const std::string& robot) {
-  const std::size_t index = arm_of(robot, {});
-  return arms_[index].robot.motion->has_room();
+  const Arm& arm = arms_[robot_of(robot, {})];
+  return !arm.robot.motion || arm.robot.motion->has_room();
 }
 
 /// Of one robot, or of all.
@@ -304,6 +362,7 @@ program::Travel ProgramMoves::travel(program::Handle handle) const {
   if (found == asked_.end() || found->second.empty())  // it is long over
     return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   const Moves& moves = found->second.front();
+  if (moves.base) return {0, std::numeric_limits<double>::infinity(), 0, kForever};
   const motion::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
   const auto time = [](double s) { return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : kForever; };
   if (way.left == 0 && way.remaining == 0 && way.covered == 0)  // it has arrived
@@ -314,7 +373,11 @@ program::Travel ProgramMoves::travel(program::Handle handle) const {
 void ProgramMoves::end(program::Handle handle) {
   const auto found = asked_.find(handle);
   if (found == asked_.end()) return;
-  for (const Moves& moves : found->second) arms_[moves.arm].robot.motion->end(moves.first);
+  for (const Moves& moves : found->second)
+    if (!moves.base)
+      arms_[moves.arm].robot.motion->end(moves.first);
+    else if (arms_[moves.arm].robot.base)
+      arms_[moves.arm].robot.base->drop();
 }
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
@@ -345,8 +408,9 @@ Location ProgramMoves::place_of(const motion::RobotMotion& motion, std::uint64_t
 }
 
 bool ProgramMoves::moving() const {
-  return std::any_of(arms_.begin(), arms_.end(),
-                     [](const Arm& arm) { return arm.robot.motion && !arm.robot.motion->idle(); });
+  return std::any_of(arms_.begin(), arms_.end(), [](const Arm& arm) {
+    return (arm.robot.motion && !arm.robot.motion->idle()) || (arm.robot.base && !arm.robot.base->idle());
+  });
 }
 
 }  // namespace polyarm::cell

@@ -11,6 +11,7 @@
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/data/data_store.hpp"
+#include "polyarm/motion/base_motion.hpp"
 #include "polyarm/motion/robot_motion.hpp"
 #include "polyarm/program/host.hpp"
 
@@ -22,6 +23,7 @@ class ProgramMoves {
   struct Robot {
     const CellRobot* robot = nullptr;
     motion::RobotMotion* motion = nullptr;  ///< null: no controller moves it
+    motion::BaseMotion* base = nullptr;     ///< null: it has no wheels that a controller drives
   };
   /// `robots`: those that the task may move; none: it moves nothing. `store` has the points that stand for
   /// frames and tools; it outlives this.
@@ -53,7 +55,8 @@ class ProgramMoves {
   data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
                       const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
 
-  /// Its controller is going to be unloaded.
+  /// Their controllers are going to be unloaded.
+  void forget(const motion::BaseMotion& base);
   void forget(const motion::RobotMotion& motion);
   /// Where the program asks for a move that is under way; empty for one that is not the program's.
   Location place_of(const motion::RobotMotion& motion, std::uint64_t move) const;
@@ -80,10 +83,13 @@ class ProgramMoves {
   struct Moves {
     std::size_t arm = 0;
     std::uint64_t first = 0, last = 0;
+    bool base = false;
   };
   using Asked = std::vector<Moves>;
 
+  std::size_t robot_of(const std::string& robot, const Location& where) const;
   std::size_t arm_of(const std::string& robot, const Location& where) const;
+  program::Handle start_base(const program::Move& move, const Location& where);
   Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
   Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
   std::optional<Pose> frame_on_robot(const std::string& name) const;

@@ -41,6 +41,7 @@ class Stage : public program::Host {
   std::uint64_t data_version() const override { return cell_.store().version(); }
 
   program::Handle start_move(const program::Move& move, const Location& where) override {
+    if (move.of_base()) return 1;
     try {
       queue(moves_.prepare(move, where), where);
     } catch (const Error& e) {

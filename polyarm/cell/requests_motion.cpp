@@ -95,6 +95,7 @@ Poll control_resume(Cell& cell, const Json& arguments) {
 
 Poll control_discard(Cell& cell, const Json&) {
   request(cell, control::Request::discard);
+  cell.drop_bases();
   return at_once({{"asked", "discard"}});
 }
 

@@ -265,6 +265,7 @@ class Runner {
       ask("control.override", {{"percent", *parse_number(percent_of(line))}});
     } else if (line == "discard") {
       cell_.loop().post(control::Request::discard);
+      cell_.drop_bases();
     } else if (line == "recover") {
       cell_.loop().post(control::Request::recover);
     } else if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {

@@ -31,6 +31,9 @@ class DiffDriveController : public Controller {
   std::string refuse_changes(const std::vector<ParameterChange>& changes) const override;
 
   const Odometry& odometry() const noexcept { return odometry_; }  ///< control thread
+  /// As configured.
+  const SpeedLimits& linear_limits() const noexcept { return linear_limits_; }
+  const SpeedLimits& angular_limits() const noexcept { return angular_limits_; }
 
  private:
   struct Speeds {

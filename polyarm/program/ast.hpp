@@ -155,7 +155,8 @@ struct Statement {
     run,
     expect
   };
-  enum class Motion { moveto, movej, movel, movec };
+  /// drive, turn: of a base, by so much.
+  enum class Motion { moveto, movej, movel, movec, drive, turn };
   Kind kind = Kind::stop;
   Motion motion = Motion::moveto;
   Place place;
@@ -176,6 +177,11 @@ struct Statement {
   Place handler_place;
   bool has_else = false;  ///< wait, meet … timeout … else
   std::vector<Branch> branches;
+
+  /// A move of a base, not of an arm.
+  bool moves_base() const {
+    return kind == Kind::move && (motion == Motion::drive || motion == Motion::turn);
+  }
 };
 
 struct Branch {

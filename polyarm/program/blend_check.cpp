@@ -75,7 +75,7 @@ class BlendCheck {
   }
 
   static const Clause* own_blend(const Statement& s) {
-    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto) return nullptr;
+    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto || s.moves_base()) return nullptr;
     const Clause* blend = nullptr;
     for (const Clause& clause : s.clauses) {
       if (clause.kind == Clause::Kind::exact || clause.kind == Clause::Kind::until) return nullptr;

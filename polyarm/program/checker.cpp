@@ -298,7 +298,21 @@ class Checker {
 
   void declare(const Statement& s, Type type) { scope_.declare(s.name, s.name_place, type); }
 
+  void check_base_move(const Statement& s) {
+    const bool turns = s.motion == Statement::Motion::turn;
+    const Expression& amount = *s.arguments.front();
+    const Type type = infer(amount);
+    const Dimension wanted = turns ? Dimension::angle : Dimension::length;
+    if (surely_other(type, number_of(wanted)))
+      error("bad-type", amount.place,
+            std::string("'") + (turns ? "turn" : "drive") + "' takes " + (turns ? "an angle" : "a length") +
+                ", here is " + described(type),
+            turns ? "write `turn 90deg`, to the left" : "write `drive 500mm`");
+    check_clauses(s);
+  }
+
   void check_move(const Statement& s) {
+    if (s.moves_base()) return check_base_move(s);
     const bool may_be_list = s.motion == Statement::Motion::movej || s.motion == Statement::Motion::movel;
     for (const ExpressionPtr& point : s.arguments) {
       const Type type = infer(*point);

@@ -94,6 +94,13 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
       (out.kind != Kind::move || out.motion != Statement::Motion::movel))
     throw SyntaxError{"bad-clause", clause.place, "'smooth' belongs to a movel through several points",
                       "write `movel [A, B, C], smooth`"};
+  using Kinds = Clause::Kind;
+  const bool of_base = clause.kind == Kinds::speed || clause.kind == Kinds::accel ||
+                       clause.kind == Kinds::robot || clause.kind == Kinds::duration;
+  if (out.moves_base() && !of_base)
+    throw SyntaxError{"bad-clause", clause.place,
+                      std::string("'") + spelling(clause.kind) + "' belongs to a move of an arm",
+                      "drive and turn take speed, accel, duration and robot"};
   if (clause.kind == Clause::Kind::at) {
     parse_at(cursor, clause);
   } else if (clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth) {
@@ -140,8 +147,13 @@ void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
   out.motion = line.word == "movej"   ? Motion::movej
                : line.word == "movel" ? Motion::movel
                : line.word == "movec" ? Motion::movec
+               : line.word == "drive" ? Motion::drive
+               : line.word == "turn"  ? Motion::turn
                                       : Motion::moveto;
   out.name_place = cursor.peek().place;
+  if (cursor.at_end() && out.moves_base())
+    throw SyntaxError{"no-value", cursor.peek().place, "how far was expected after '" + line.word + "'",
+                      out.motion == Motion::turn ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
   if (cursor.at_end())
     throw SyntaxError{
         "no-value", cursor.peek().place, "a point was expected after '" + line.word + "'",

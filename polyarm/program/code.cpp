@@ -463,7 +463,8 @@ class Compiler : private CodeWriter {
     code_.entries.push_back(std::move(entries));
     const bool moves = std::all_of(s.body.begin(), s.body.end(), [](const Statement& part) {
       const auto looks = [](const Clause& clause) { return clause.kind == Clause::Kind::until; };
-      return part.kind == Kind::move && std::none_of(part.clauses.begin(), part.clauses.end(), looks);
+      return part.kind == Kind::move && !part.moves_base() &&
+             std::none_of(part.clauses.begin(), part.clauses.end(), looks);
     });
     add(Op::together, s.place, static_cast<int>(code_.entries.size()) - 1, moves ? 1 : 0);
   }

@@ -169,7 +169,7 @@ void Interpreter::tell_assumptions(const StartingPoint& start, StartReport& out)
     const bool skipped = s.place.file == 0 && s.place.line < start.statement->place.line;
     const bool changes = s.kind == Kind::set || s.kind == Kind::set_literal;
     if (skipped && changes && is_host(s.name)) sets.insert(s.name);
-    if (skipped && s.kind == Kind::move && !s.arguments.empty())
+    if (skipped && s.kind == Kind::move && !s.moves_base() && !s.arguments.empty())
       out.last_point = spelled(*s.arguments.back());
     if (skipped) return;
     for_each_expression(s, [&](const Expression& e) {

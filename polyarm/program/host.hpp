@@ -30,9 +30,11 @@ struct Progress {
 
 /// A move as a program asks for it; what is not said is the cell's default.
 struct Move {
-  enum class Kind { joint, line, arc };
+  /// drive, turn: of a base, by so much.
+  enum class Kind { joint, line, arc, drive, turn };
+  bool of_base() const { return kind == Kind::drive || kind == Kind::turn; }
   struct Target {
-    data::Value value;  ///< a pose or a joint state
+    data::Value value;  ///< a pose or a joint state; of a base a length or an angle
     std::string name;   ///< how the program calls it, for messages
   };
   Kind kind = Kind::joint;

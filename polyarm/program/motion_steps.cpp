@@ -131,7 +131,20 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
                                          : Move::Kind::joint;
   out.speed = use.speed, out.accel = use.accel, out.blend = use.blend, out.payload = use.payload;
   out.robot = use.robot, out.tool = use.tool, out.frame = use.frame, out.frame_pose = use.frame_pose;
+  if (s.moves_base()) {
+    const bool turns = s.motion == Motion::turn;
+    const Slot& amount = task.stack[first++];
+    const Number* number = amount.value.as_number();
+    if (!number || number->dimension != (turns ? Dimension::angle : Dimension::length))
+      throw Refused{s.arguments.front()->place,
+                    std::string("'") + (turns ? "turn" : "drive") + "' takes " +
+                        (turns ? "an angle" : "a length") + ", here is " + described(amount.value),
+                    turns ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
+    out.kind = turns ? Move::Kind::turn : Move::Kind::drive;
+    out.targets.push_back({amount.value, (turns ? "turn " : "drive ") + spelled(*s.arguments.front())});
+  }
   for (const ExpressionPtr& point : s.arguments) {
+    if (s.moves_base()) break;
     add_targets(out, task.stack[first++], *point, s.motion == Motion::movej || s.motion == Motion::movel);
   }
   bool exact = use.exact, blends = false;
@@ -147,7 +160,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     first += values_of(clause);
   }
   out.step = task.step;
-  const bool thesis = s.motion == Motion::moveto;
+  const bool thesis = s.motion == Motion::moveto || s.moves_base();
   out.waits = out.waits || thesis;
   const bool said = std::any_of(s.clauses.begin(), s.clauses.end(),
                                 [](const Clause& c) { return c.kind == Clause::Kind::exact; });

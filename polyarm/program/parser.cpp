@@ -116,7 +116,8 @@ class Parser {
       Line line;
       line.word = keyword_of(source.tokens.front(), line.misspelt);
       line.source = std::move(source);
-      if (line.misspelt && is_call(line.source)) line.misspelt = false, line.word = "call";
+      const bool also_names = line.word == "drive" || line.word == "turn";
+      if ((line.misspelt || also_names) && is_call(line.source)) line.misspelt = false, line.word = "call";
       lines_.push_back(std::move(line));
     }
   }

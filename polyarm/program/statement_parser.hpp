@@ -28,7 +28,7 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
 
 /// The name of something that can be changed, with its dots; `statement` stands before it.
 std::string parse_target(TokenCursor& cursor, const char* statement);
-/// moveto, movej, movel, movec and use, with their clauses.
+/// moveto, movej, movel, movec, drive, turn and use, with their clauses.
 void parse_move(const Line& line, TokenCursor& cursor, Statement& out);
 void parse_use(TokenCursor& cursor, Statement& out);
 

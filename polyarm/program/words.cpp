@@ -63,6 +63,10 @@ std::vector<Word> motion_words() {
        "# given Via: point 0.4 0.1 0.3\n# given End: point 0.5 0 0.3\n"
        "movec Via, End, speed 100mm/s            # expect move: arc Via End speed 0.1m/s exact",
        ""},
+      {"drive", kStatement, "drive D {clause}", "A base with wheels goes so far ahead, or back, and stands.",
+       "drive 500mm, speed 100mm/s\ndrive -500mm", ""},
+      {"turn", kStatement, "turn A {clause}", "A base with wheels turns so far to the left and stands.",
+       "turn 90deg", ""},
       {"use", kStatement, "use clause, clause, …",
        "What moves take when they do not say it themselves, to the end of the block and in the functions it "
        "calls.",

@@ -134,7 +134,7 @@ class FakeHost : public Host {
   void log(const std::string& text, const Location& where) override { logs.emplace_back(where.line, text); }
 
   static std::string described(const Move& move) {
-    static constexpr const char* kKinds[] = {"joint", "line", "arc"};
+    static constexpr const char* kKinds[] = {"joint", "line", "arc", "drive", "turn"};
     std::string out = kKinds[static_cast<int>(move.kind)];
     for (const Move::Target& target : move.targets) out += " " + target.name;
     const auto number = [&](const char* word, const std::optional<data::Number>& value) {
