@@ -21,8 +21,11 @@ namespace {
 constexpr double kEnough = 1e-4, kEnoughOfNorms = 2e-5;
 constexpr double kHalve = 0.03;  // excess from which a piece is halved rather than made slower
 constexpr std::size_t kFinalSamples = 60, kCloseSamples = 32;  // of each piece
-constexpr double kUnsure = 3e-5;     // of a limit: more than that between places is looked at again
-constexpr double kFailed = 1.05;     // stretch with which another first guess is worth its time
+constexpr double kUnsure = 3e-5;  // of a limit: more than that between places is looked at again
+constexpr double kUneven = 0.3;   // squared speed at one end of a piece over that at the other
+constexpr double kFailed = 1.05;  // stretch with which another first guess is worth its time
+// Iterations times nodes after which it is not, unless the motion is of no use as it is.
+constexpr double kDear = 3e4, kHopeless = 2;
 constexpr int kRounds = 12;          // of solving and tightening
 constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
 constexpr double kMargin = 3e-7;     // to limits at the end, for rounding and peaks between samples
@@ -72,12 +75,12 @@ class Timer {
       checker_.look(timing_.profile, kFinalSamples, check_);
       return finish(1);
     }
-    first_guess(true, o_.fineness);
+    first_guess({});
     double factor = 1;
     for (int tries = 0;; ++tries) {
       solve(factor);
       if (o_.start_speed <= 0 && o_.end_speed <= 0) {
-        if (check_.stretch > kFailed) guess_again();
+        guess_again();
         return finish(check_.stretch * (1 + kMargin));
       }
       if (check_.stretch <= factor * (1 + 0.9 * kMargin)) return finish(factor);
@@ -87,18 +90,28 @@ class Timer {
   }
 
  private:
-  /// From another guess, if that is better.
+  /// From other guesses, while they are worth their time; the best of all stays.
   void guess_again() {
-    const Check check = check_;
-    Timing timing = timing_;
-    first_guess(false, o_.fineness);
-    solve(1);
-    timing.iterations = timing_.iterations;
-    if (timing_.profile.duration() * check_.stretch < timing.profile.duration() * check.stretch) return;
-    timing_ = std::move(timing), check_ = check;
+    const Guess others[] = {{.slow_places = true}, {.rounded = false}, {.slow_places = true, .fineness = 2}};
+    for (const Guess& guess : others) {
+      const bool dear = double(timing_.iterations) * double(timing_.grid.size()) > kDear;
+      if (check_.stretch <= kFailed || (dear && check_.stretch < kHopeless)) return;
+      const Check check = check_;
+      Timing timing = timing_;
+      first_guess(guess);
+      solve(1);
+      timing.iterations = timing_.iterations;
+      if (timing_.profile.duration() * check_.stretch < timing.profile.duration() * check.stretch) continue;
+      timing_ = std::move(timing), check_ = check;
+    }
   }
-  void first_guess(bool rounded, double fineness) {
-    TimingGrid grid = timing_grid(rows_, o_.start_speed, o_.end_speed, fineness, rounded);
+  struct Guess {
+    bool rounded = true, slow_places = false;
+    double fineness = 1;
+  };
+  void first_guess(const Guess& guess) {
+    TimingGrid grid = timing_grid(rows_, {o_.start_speed, o_.end_speed, guess.fineness * o_.fineness,
+                                          guess.rounded, guess.slow_places});
     motion_.s = std::move(grid.s), motion_.b = std::move(grid.b);
     motion_.a.assign(motion_.s.size(), 0.0);
     for (std::size_t k = 1; k + 1 < motion_.s.size(); ++k)
@@ -195,7 +208,9 @@ class Timer {
         const bool more = use_[k].above[kind] > powers[kind];
         unsure = unsure || (more && use_[k].above[kind] > use_[k].highest(kind) + kUnsure);
       }
-      if (unsure || k == 1 || k + 1 == use_.size()) pieces.push_back(k - 1);
+      // Places are even in s; where it goes from slow to fast, that is far from even in time.
+      const double b = motion_.b[k - 1], next = motion_.b[k];
+      if (unsure || std::min(b, next) < kUneven * std::max(b, next)) pieces.push_back(k - 1);
     }
     Check close;
     checker_.look(profile, kCloseSamples, close, pieces);

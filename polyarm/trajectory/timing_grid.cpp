@@ -183,9 +183,11 @@ void limit_accelerations(const PathRows& rows, std::vector<double>& b) {
 
 namespace {
 
+constexpr double kSlow = 1.6;  // of the time in which jerk adds half of the speed
+
 /// How long the intervals of the grid may be at every place of `rows`.
 std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b, double ramp_step,
-                             double fineness) {
+                             const GridRequest& request) {
   const std::size_t n = rows.places();
   double duration = 0;
   for (std::size_t i = 1; i < n; ++i)
@@ -195,7 +197,9 @@ std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b,
   std::vector<double> out(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double turn = turning(rows, i);
-    const double time = std::max(0.67 * ramp_at(rows, i).time, shortest);
+    const Ramp ramp = ramp_at(rows, i);
+    double time = std::max(0.67 * ramp.time, shortest);
+    if (request.slow_places) time = std::min(time, kSlow * std::sqrt(std::sqrt(b[i]) / ramp.jerk));
     const double length = rows.s(n - 1), near = 6 * ramp_step;  // near rest the law below holds alone
     const bool rests = (b.front() <= 0 && rows.s(i) < near) || (b.back() <= 0 && length - rows.s(i) < near);
     out[i] = rests ? length / 18 : std::min(length / 18, std::sqrt(b[i]) * time);
@@ -206,7 +210,7 @@ std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b,
     out[i] = std::min(out[i], out[i - 1] + 0.4 * (rows.s(i) - rows.s(i - 1)));
   for (std::size_t i = n - 1; i-- > 0;)
     out[i] = std::min(out[i], out[i + 1] + 0.4 * (rows.s(i + 1) - rows.s(i)));
-  for (double& x : out) x /= fineness;
+  for (double& x : out) x /= request.fineness;
   for (std::size_t i = 0; i < n; ++i) {
     if (b.front() <= 0) out[i] = std::min(out[i], ramp_step * rest_spacing(rows.s(i) / ramp_step));
     if (b.back() <= 0)
@@ -226,6 +230,19 @@ double first_step(const PathRows& rows, std::size_t end) {
   return std::clamp(0.5 * ramp.jerk * step * step * step, 1e-7 * length, 1e-2 * length);
 }
 
+/// Between two places where intervals are as long as `from` and `to` they grow evenly with the way.
+struct Cell {
+  double width, from, to;
+
+  double slope() const { return (to - from) / width; }
+  bool even() const { return std::abs(to - from) < 1e-6 * from; }
+  /// How many intervals there are in the cell, and after what way there are `n`.
+  double intervals() const { return even() ? width / from : std::log(to / from) / slope(); }
+  double way(double n) const {
+    return std::min(width, even() ? n * from : from * std::expm1(n * slope()) / slope());
+  }
+};
+
 std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spacing) {
   const std::span<const double> breaks = rows.path().breaks();
   std::vector<double> out{0};
@@ -238,14 +255,14 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
     while (end + 1 < n && rows.s(end) < end_s) ++end;
     std::vector<double> sum{0};
     for (std::size_t i = begin + 1; i <= end; ++i)
-      sum.push_back(sum.back() + (rows.s(i) - rows.s(i - 1)) * 0.5 * (1 / spacing[i] + 1 / spacing[i - 1]));
+      sum.push_back(sum.back() + Cell{rows.s(i) - rows.s(i - 1), spacing[i - 1], spacing[i]}.intervals());
     const auto count = std::size_t(std::clamp(std::ceil(sum.back()), 6.0, 2e4));
     for (std::size_t k = 1, i = 1; k <= count; ++k) {
       const double want = sum.back() * double(k) / double(count);
       while (i + 1 < sum.size() && sum[i] < want) ++i;
-      const double part = (want - sum[i - 1]) / (sum[i] - sum[i - 1]);
-      out.push_back(k == count ? rows.s(end)
-                               : rows.s(begin + i - 1) + part * (rows.s(begin + i) - rows.s(begin + i - 1)));
+      const std::size_t to = begin + i;
+      const Cell cell{rows.s(to) - rows.s(to - 1), spacing[to - 1], spacing[to]};
+      out.push_back(k == count ? rows.s(end) : rows.s(to - 1) + cell.way(want - sum[i - 1]));
     }
     begin = end;
   }
@@ -297,23 +314,24 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
 
 }  // namespace
 
-TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness, bool rounded) {
+TimingGrid timing_grid(PathRows& rows, const GridRequest& request) {
   const double length = rows.path().length();
   rows.look({0, length});
   const double step = std::min(first_step(rows, 0), first_step(rows, 1));
-  const bool rests[2] = {start_speed <= 0, end_speed <= 0};
+  const bool rests[2] = {request.start_speed <= 0, request.end_speed <= 0};
   rows.look(graded(cells(rows, step, rests[0], rests[1])));
-  const auto guess = [&] {
+  const auto guess = [&](bool rounded) {
     std::vector<double> b(rows.places());
     for (std::size_t i = 0; i < b.size(); ++i) b[i] = speed_ceiling(rows, i);
-    b.front() = start_speed * start_speed, b.back() = end_speed * end_speed;
+    b.front() = request.start_speed * request.start_speed, b.back() = request.end_speed * request.end_speed;
     limit_accelerations(rows, b);
     if (rounded) round_corners(rows, b);
     return b;
   };
-  const std::vector<double> spacing = spacings(rows, guess(), step, fineness);
+  const std::vector<double> spacing =
+      spacings(rows, guess(request.rounded && !request.slow_places), step, request);
   rows.look(nodes(rows, spacing));
-  TimingGrid out{std::vector<double>(rows.places()), guess()};
+  TimingGrid out{std::vector<double>(rows.places()), guess(request.rounded)};
   for (std::size_t i = 0; i < out.s.size(); ++i) out.s[i] = rows.s(i);
   return out;
 }

@@ -12,11 +12,19 @@ struct TimingGrid {
   std::vector<double> s, b;
 };
 
+/// What a grid is made for.
+struct GridRequest {
+  double start_speed, end_speed, fineness;
+  /// The guess has no corners, from which the solver is quick; not so where speeds differ by hundreds.
+  bool rounded;
+  /// Intervals also follow the time in which jerk changes the speed by a multiple, so that speeds that differ
+  /// by hundreds are far apart.
+  bool slow_places;
+};
+
 /// The grid is fine where the path turns, where it is slow, and towards an end at rest (there equal steps of
 /// time at constant jerk: s ~ k³). Neighbouring intervals are alike to a factor of about 1.5.
-/// `rounded`: the guess has no corners, from which the solver is quick; not so where speeds differ by
-/// hundreds.
-TimingGrid timing_grid(PathRows& rows, double start_speed, double end_speed, double fineness, bool rounded);
+TimingGrid timing_grid(PathRows& rows, const GridRequest& request);
 
 /// The highest ṡ² that velocity limits allow at a place of `rows`.
 double velocity_ceiling(const PathRows& rows, std::size_t place);

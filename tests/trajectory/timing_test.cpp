@@ -389,6 +389,48 @@ TEST(Timing, NodesDoNotMultiplyWithTightCorners) {
   }
 }
 
+/// From rest to rest along straight lines.
+double stop_and_go(const std::vector<std::vector<double>>& points, std::span<const MotionLimits> limits) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    sum += time_path(*straight_line(points[i], points[i + 1], 1), limits).profile.duration();
+  return sum;
+}
+
+/// Within a ten-thousandth of a line speed falls by hundreds; a first guess may be far from what is possible.
+TEST(Timing, PassesTinyBlendsNoSlowerThanWithAStopAtEachCorner) {
+  for (const std::uint64_t seed : {3, 5, 7, 32, 50, 98}) {
+    Draw draw(seed);
+    const std::size_t joints = draw.count(2, 8);
+    std::vector<std::vector<double>> points(draw.count(4, 8), std::vector<double>(joints));
+    for (auto& p : points)
+      for (double& x : p) x = draw.even(-1, 1);
+    const auto path = blended_lines(points, draw.logarithmic(1e-5, 3e-4));
+    const auto limits = random_limits(joints, draw, false);
+    const Timing timing = time_path(*path, limits);
+    EXPECT_LE(timing.profile.duration(), 1.01 * stop_and_go(points, limits)) << seed;
+    EXPECT_LE(most_used(*path, timing.profile, limits), 1 + 1e-6) << seed;
+  }
+}
+
+/// Forth and nearly the same way back: in the middle of such a corner the path hardly moves.
+TEST(Timing, PassesNearlyReversedBlendsWithoutManyNodes) {
+  const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(3, 12, 120));
+  for (const double aside : {1e-2, 1e-3, 1e-5}) {
+    const std::vector<std::vector<double>> points{{0, 0, 0, 0, 0, 0},
+                                                  {1, 0.5, -0.3, 0.2, 0.8, -1},
+                                                  {0, aside, 0, -aside, 0, 0},
+                                                  {0.3, 0.1, 1, 0, 0, 0.1}};
+    for (const double cut : {1e-1, 1e-2, 1e-3}) {
+      const auto path = blended_lines(points, cut);
+      const Timing timing = time_path(*path, limits);
+      EXPECT_LE(timing.grid.size(), 200u) << aside << " " << cut;
+      EXPECT_LE(timing.profile.duration(), 1.02 * stop_and_go(points, limits)) << aside << " " << cut;
+      EXPECT_LE(most_used(*path, timing.profile, limits), 1 + 1e-6) << aside << " " << cut;
+    }
+  }
+}
+
 TEST(Timing, NamesTheActiveLimitsAlongTheWholePath) {
   const auto path = random_spline(6, 10, 8);
   std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
