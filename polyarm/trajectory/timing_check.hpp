@@ -15,12 +15,7 @@ namespace polyarm::trajectory {
 
 /// What a check found.
 struct Check {
-  std::vector<PieceUse> use;  // of each piece
-  struct Bent {
-    std::size_t piece, kind;
-    double peak;
-  };
-  std::vector<Bent> bent;           // where samples change much and the value is high
+  std::vector<PieceUse> use;        // of each piece
   std::vector<ActiveLimit> active;  // the nearest limits along the way
   double stretch = 0;               // the factor of time that brings the nearest row to its limit
   double peak[3] = {0, 0, 0};       // of each kind
@@ -106,7 +101,6 @@ class Checker {
       const double before = ratio_[i - 1].value[kind], after = ratio_[i + 1].value[kind];
       const double bend = 2 * peak - before - after, slope = after - before;
       if (std::abs(slope) <= 2 * bend && bend > 0) peak += slope * slope / (8 * bend);
-      if (std::abs(bend) > 1e-4 && peak > 0.99 * power[kind]) out.bent.push_back({piece, kind, peak});
     }
     double& most = out.use[piece].most[ratio_[i].row[kind] >= rows_.joints()][kind];
     most = std::max(most, peak), out.peak[kind] = std::max(out.peak[kind], peak);
