@@ -19,7 +19,8 @@ constexpr const char* kOptions =
     "--maker --axes --reach --payload --mass --sort --names --plugins --vendor --folder --budget --move "
     "--report --real --full-speed --svg --csv --export --keep-times --blend --speed --program --joint --by "
     "--frame "
-    "--for --step";
+    "--for --step --continue --from --yes --stay --robots --jobs --junit --only --list --patience --follow "
+    "--clear";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc

@@ -17,8 +17,11 @@ struct Arguments {
   std::vector<std::string> activate, deactivate, parameters;
   std::string strictness = "strict", name, type, file, state;
   std::string percent;
+  std::vector<std::string> places;
+  std::string how;
   double category = 0, seconds = 0, distance = 0;
-  bool dry = false, anyway = false;
+  int line = 1;
+  bool dry = false, anyway = false, clear = false, follow = false, yes = false;
 };
 
 void list(const Json& controllers) {
@@ -127,6 +130,125 @@ int act(const CLI::App& app, const Arguments& a) {
   return a.dry && !result.value("ok", true) ? kFailed : kOk;
 }
 
+std::string place_of(const Json& where) {
+  return fmt::format("{}:{}", std::filesystem::path(where["file"].get<std::string>()).filename().string(),
+                     where["line"].get<int>());
+}
+
+std::string named_values(const Json& values) {
+  std::string out;
+  for (const Json& value : values)
+    out += (out.empty() ? "" : ", ") + value["name"].get<std::string>() + " = " +
+           value["value"].get<std::string>();
+  return out;
+}
+
+/// Where the program stands, task by task.
+void tell_program(const Json& p) {
+  fmt::print("{} {} at {}: {}\n", p["paused"].get<bool>() ? "paused" : "the program is",
+             p["paused"].get<bool>() ? "" : p["state"].get<std::string>(), place_of(p["where"]),
+             shown(p["source"]));
+  for (const Json& task : p["tasks"]) {
+    const std::string waits = task["waits_for"].get<std::string>();
+    fmt::print("  {:<10}{}{} {}: {}\n", task["name"].get<std::string>(), task["state"].get<std::string>(),
+               waits.empty() ? "" : " for " + waits, place_of(task["where"]), shown(task["source"]));
+    for (const Json& call : task["calls"])
+      if (call != task["calls"].back()) fmt::print("            called from {}\n", place_of(call));
+    if (const std::string variables = named_values(task["variables"]); !variables.empty())
+      fmt::print("            {}\n", variables);
+    std::string use;
+    for (const char* key : {"robot", "tool", "frame"})
+      if (!task[key].get<std::string>().empty())
+        use += fmt::format("{} {} ", key, task[key].get<std::string>());
+    if (!use.empty()) fmt::print("            moves use {}\n", use);
+    if (task.contains("problem")) fmt::print("            {}\n", task["problem"].get<std::string>());
+  }
+  if (!p["held"].empty()) fmt::print("  held: {}\n", shown(p["held"]));
+  for (const Json& place : p["breakpoints"]) fmt::print("  breakpoint {}\n", place_of(place));
+}
+
+/// Verbs that are about the program: what they ask.
+Json program_request(const std::string& action, const Arguments& a) {
+  Json out{{"request", action == "program" ? a.follow ? "program.watch" : "program" : "program." + action}};
+  if (action == "step" && !a.how.empty()) out["how"] = a.how;
+  if (action == "break" && !a.places.empty()) out["at"] = a.places;
+  if (action == "break" && a.clear) out["clear"] = true;
+  if (action == "from") out["line"] = a.line;
+  if (action == "end") out["request"] = "program.stop";
+  return out;
+}
+
+bool is_about_program(const std::string& action) {
+  for (const char* each : {"program", "pause", "go", "step", "break", "from", "end"})
+    if (action == each) return true;
+  return false;
+}
+
+/// Begins a program at a line, when a person has seen what it takes for given.
+int begin_from(Client& client, const Arguments& a) {
+  const Json seen = client.ask(program_request("from", a));
+  if (a.client.json)
+    fmt::print("{}\n", seen.dump(1));
+  else {
+    fmt::print("the program begins at {}: {}\n", place_of(seen["where"]), shown(seen["source"]));
+    for (const char* key : {"robot", "tool", "frame", "last_point"})
+      if (!seen[key].get<std::string>().empty())
+        fmt::print("  {:<22}{}\n", key, seen[key].get<std::string>());
+    for (const char* key : {"sets", "reads", "variables"})
+      if (const std::string values = named_values(seen[key]); !values.empty())
+        fmt::print("  {:<22}{}\n", key, values);
+    fmt::print("  {:<22}{}\n", "held part",
+               seen["held"].empty() ? "none that is known" : shown(seen["held"]));
+  }
+  if (!a.yes) {
+    if (::isatty(STDIN_FILENO) == 0) {
+      fmt::print("it waits: polyarm control go\n");
+      return kOk;
+    }
+    fmt::print("Is all of this so? Type yes to go on: ");
+    std::fflush(stdout);
+    std::string answer;
+    std::getline(std::cin, answer);
+    if (answer != "yes") {
+      fmt::print("it waits there: polyarm control go, or end\n");
+      return kFailed;
+    }
+  }
+  client.ask({{"request", "program.go"}});
+  return kOk;
+}
+
+int act_on_program(const std::string& action, const Arguments& a) {
+  Client client(a.client.cell);
+  if (action == "from") return begin_from(client, a);
+  const Json request = program_request(action, a);
+  if (action == "program" && a.follow) {
+    catch_interrupts();
+    client.send(request);
+    while (!interrupted()) {
+      const Json line = client.receive(200);
+      if (line.is_null()) continue;
+      const Json result = Client::result_of(line);
+      if (a.client.json)
+        fmt::print("{}\n", result.dump());
+      else
+        tell_program(result);
+      std::fflush(stdout);
+    }
+    return kOk;
+  }
+  const Json result = client.ask(request);
+  if (a.client.json) {
+    fmt::print("{}\n", result.dump(1));
+  } else if (action == "break") {
+    for (const Json& place : result["breakpoints"]) fmt::print("breakpoint {}\n", place_of(place));
+    if (result["breakpoints"].empty()) fmt::print("no breakpoints\n");
+  } else {
+    tell_program(result);
+  }
+  return kOk;
+}
+
 /// Shows what is measured beside what is expected, and lets a person at a terminal decide.
 int arm(const Arguments& a) {
   Client client(a.client.cell);
@@ -197,15 +319,34 @@ int run_control(int argc, char** argv) {
       ->add_option("percent", a.percent, "0% to 100%; without it: what it is now");
   add("discard", "forget what is left of a held motion");
   add("recover", "leave the fault state; nothing moves yet");
+  add("program", "where the program stands: tasks, calls, variables, what moves use")
+      ->add_flag("--follow", a.follow, "again whenever it has changed");
+  add("pause", "pause the program in front of its next statement; queued motion goes on");
+  add("go", "go on after a pause");
+  add("step", "one statement of a paused program")
+      ->add_option("how", a.how, "into functions, over them (otherwise), or out of this one")
+      ->check(CLI::IsMember({"into", "over", "out"}));
+  CLI::App* stop_at = add("break", "pause in front of lines; without any: which there are");
+  stop_at->add_option("at", a.places, "LINE or FILE:LINE");
+  stop_at->add_flag("--clear", a.clear, "none of those before");
+  CLI::App* from =
+      add("from",
+          "a program that is paused or has ended begins at a line; shows what it takes for given, and asks");
+  from->add_option("line", a.line)->check(CLI::PositiveNumber)->required();
+  from->add_flag("--yes", a.yes, "do not ask");
+  add("end", "end the program; its `on stop` is done");
   app.footer(
       examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
                 "polyarm control switch -a new --strictness force --dry",
                 "polyarm control load forward --type forward_command_controller/ForwardCommandController "
                 "-p joints=[joint_1] -p interface_name=position",
                 "polyarm control state forward active", "polyarm control override 50%",
-                "polyarm control back --time 0.5"}));
+                "polyarm control back --time 0.5", "polyarm control program --follow",
+                "polyarm control break 12 && polyarm control step into"}));
   return run_actions(app, argc, argv, [&] {
-    return app.get_subcommands().front()->get_name() == "arm" ? arm(a) : act(app, a);
+    const std::string action = app.get_subcommands().front()->get_name();
+    if (is_about_program(action)) return act_on_program(action, a);
+    return action == "arm" ? arm(a) : act(app, a);
   });
 }
 

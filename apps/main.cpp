@@ -17,7 +17,10 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table = {
       {"run", "run a cell: simulate, execute its program, report", run_run},
       {"check", "find every error of a cell's files; nothing moves", run_check},
+      {"test", "run the tests of programs in simulation, side by side", run_test},
+      {"compare", "which robots can run a program, how fast, how near to their limits", run_compare},
       {"fmt", "write programs in one form; comments stay", run_fmt},
+      {"language", "the words and functions of the language; the reference page", run_language},
       {"new", "write a starting point for hardware or a controller of your own", run_new},
       {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
       {"robots", "list the robots of the catalogue", run_robots},

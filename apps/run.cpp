@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -10,6 +11,8 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <iostream>
+#include <string>
 
 #include "apps/options.hpp"
 #include "apps/run_output.hpp"
@@ -32,7 +35,8 @@ struct RunArguments {
   cell::CellOptions cell_options;
   cell::RunOptions run;
   std::vector<std::string> faults;
-  bool json = false, quiet = false, ros2 = false;
+  bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
+  int line = 0;
 };
 
 void add_options(CLI::App& app, RunArguments& a) {
@@ -63,6 +67,13 @@ void add_options(CLI::App& app, RunArguments& a) {
                  "force an interface: NAME=VALUE (a number, on or off); may be repeated");
   app.add_flag("--allow-contact", a.cell_options.allow_contact, "contacts are reported, the run goes on");
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
+  app.add_flag(
+      "--continue", a.goes_on,
+      "go on where a run was cut off, by a loss of power or otherwise, with its data; says where and asks");
+  app.add_option("--from", a.line, "begin at this line of the program; says what it takes for given and asks")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--yes", a.yes, "do not ask");
+  app.add_flag("--stay", a.run.stay, "the cell stays when its program has ended: polyarm control from LINE");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
   app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
@@ -213,10 +224,62 @@ int report(const cell::RunResult& result, const std::string& folder, bool json) 
                                                     : kFailed;
 }
 
+/// What a program that begins in the middle takes for given.
+void tell_assumptions(cell::Cell& cell, const program::StartReport& report) {
+  const auto line = [](const char* what, const std::string& text) {
+    if (!text.empty()) fmt::print("  {:<22}{}\n", what, text);
+  };
+  const auto values = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> out;
+    for (const std::string& name : names) {
+      const data::Value* value = cell.store().find(name);
+      if (value && !value->is_place()) out.push_back(name + " = " + value->text());
+    }
+    return join(out, ", ");
+  };
+  const cell::Task& task = *cell.program();
+  std::vector<std::string> variables, held;
+  for (const auto& each : task.interpreter().variables(task.status().name))
+    variables.push_back(each.name + " = " + each.value.text());
+  const auto& parts = cell.snapshot().world.parts;
+  for (std::size_t i = 0; i < parts.size() && i < cell.scene().parts.size(); ++i)
+    if (parts[i].held_by >= 0) held.push_back(cell.scene().parts[i].name);
+  fmt::print("The program goes on at {}: {}\n", report.where.text(), task.status().source);
+  line("robot", report.robot);
+  line("tool", report.tool.empty() ? "the robot's own" : report.tool);
+  line("frame", report.frame.empty() ? "world" : report.frame);
+  line("held part", held.empty() ? "none that is known" : join(held, ", "));
+  line("last point before it", report.last_point);
+  line("it would have set", values(report.sets));
+  line("it reads", values(report.reads));
+  line("variables", join(variables, ", "));
+  std::fflush(stdout);
+}
+
+/// False where a person does not want to begin in the middle.
+bool begins_where_told(cell::Cell& cell, const RunArguments& a) {
+  if (!a.goes_on && a.line == 0) return true;
+  if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from say two places to begin at");
+  const program::StartReport report = a.goes_on ? cell.continue_program() : cell.prepare_program("", a.line);
+  if (!a.json) tell_assumptions(cell, report);
+  if (!a.yes) {
+    if (::isatty(STDIN_FILENO) == 0)
+      throw Error("nobody-there", "nobody can be asked whether the program may begin there", "say --yes");
+    fmt::print("Is all of this so? Type yes to go on: ");
+    std::fflush(stdout);
+    std::string answer;
+    std::getline(std::cin, answer);
+    if (answer != "yes") return false;
+  }
+  if (a.line > 0) cell.program()->interpreter().resume();
+  return true;
+}
+
 int execute(RunArguments& a, const std::string& command) {
   load_plugins(a.plugins);
   read_faults(a);
   a.cell_options.lock_step = a.run.fast;
+  a.cell_options.keep = a.cell_options.keep || a.goes_on;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
   const std::unique_ptr<cell::Observer> observer =
@@ -231,10 +294,14 @@ int execute(RunArguments& a, const std::string& command) {
     cell::CellFile file = open_cell(a);
     if (a.ros2) file.doors["ros2"];
     cell.emplace(file, open_catalogue(), a.cell_options, *observer);
+    if (!begins_where_told(*cell, a)) {
+      fmt::print("nothing was begun\n");
+      return kStopped;
+    }
   } catch (const Error& e) {  // nothing has moved
     cell::RunResult result;
     result.outcome = cell::Outcome::failed;
-    result.problems = all_problems(a, e);
+    result.problems = cell ? e.problems() : all_problems(a, e);
     if (a.json) return report(result, "", true);
     for (const Problem& problem : result.problems) fmt::print(stderr, "{}\n", problem.text());
     return kFailed;

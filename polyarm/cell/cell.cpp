@@ -12,8 +12,10 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/program_tests.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
+#include "polyarm/program/parser.hpp"
 #include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
@@ -163,8 +165,10 @@ void Cell::build_tags(Problems& problems) {
   });
   const signals::Signals& signals = signals_;
   std::set<std::string> live(signals.live.begin(), signals.live.end());
-  files_ = std::make_unique<DataFiles>(store_, StateFolder(file_.folder, live, options_.keep), *worker_,
-                                       options_.lock_step);
+  if (options_.test) live.clear();  // a test writes to no file of the user's
+  files_ = std::make_unique<DataFiles>(store_,
+                                       StateFolder(file_.folder, live, options_.keep, options_.state_folder),
+                                       *worker_, options_.lock_step);
   bound_poses(signals_, file_.workspace, *files_);
   for (const signals::LinkEntry& link : signals.links) {  // before the tags that are bound to them
     states_.add("link/" + link.name + "/up");
@@ -252,6 +256,11 @@ void Cell::build_programs(Problems& problems) {
     context.task = "plc";
     plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
   }
+  program_context_ = context;
+  if (options_.test) {
+    program::Program tests = program::load_program(options_.test->file.string());
+    test_ = std::make_unique<TestTask>(*this, std::move(tests), options_.test->index, context, problems);
+  }
   if (!programs.program) return;
   std::vector<ProgramMoves::Robot> robots;
   for (std::size_t i = 0; i < robots_.size(); ++i)
@@ -263,7 +272,19 @@ void Cell::build_programs(Problems& problems) {
                    "the program needs a robot whose joints a trajectory controller moves",
                    "give the cell a robot, and leave 'controllers' out or name a "
                    "joint_trajectory_controller for all joints");
+  if (test_) {
+    ready_program_ = std::move(programs.program);
+  } else {
+    start_program(std::move(*programs.program));
+  }
+}
+
+void Cell::start_program(program::Program program) {
+  std::vector<ProgramMoves::Robot> robots;
+  for (std::size_t i = 0; i < robots_.size(); ++i) robots.push_back({robots_[i].get(), motions_[i].get()});
+  program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
+  ProgramHost::Context context = program_context_;
   context.task = "program";
   context.moves = moves_.get();
   context.standing = [this] { return snapshot().standing; };
@@ -271,8 +292,76 @@ void Cell::build_programs(Problems& problems) {
     observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
     loop_->supervisor().latch().request(realtime::StopKind::controlled);
   };
-  program_ = std::make_unique<Task>("program", std::move(*programs.program), context);
+  program_ = std::make_unique<Task>("program", std::move(program), context);
   if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
+  ended_at_ = -1;
+  finished_ = false;
+  if (!options_.test && options_.state_folder.empty())
+    safe_points_ =
+        std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
+}
+
+bool Cell::all_idle() const {
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (!idle(i)) return false;
+  return true;
+}
+
+program::StartReport Cell::prepare_program(const std::string& name, int line) {
+  if (program_ && !program_->ended()) {  // its `on stop` is done: the robots stand
+    program_->interpreter().stop();
+    program_->tick();
+  }
+  std::unique_ptr<Task> before = std::exchange(program_, nullptr);
+  std::unique_ptr<ProgramMoves> moves = std::move(moves_);
+  try {
+    begin_program(name, {});
+    program::StartReport report = program_->interpreter().start_at(line);
+    program_->interpreter().pause_here();
+    program_->refresh();
+    return report;
+  } catch (const Error&) {  // the one before stays as it was, at its end
+    program_ = std::move(before);
+    moves_ = std::move(moves);
+    throw;
+  }
+}
+
+program::StartReport Cell::continue_program() {
+  const SafePoint point = SafePoints::read(file_.folder / ".state" / "program.json");
+  if (!program_) throw Error("no-program", "the cell has no program");
+  program::StartReport report = program_->interpreter().restore(point.state);
+  for (const auto& [name, value] : point.values)
+    if (store_.find(name) && !store_.is_tag(name)) store_.set(name, value, "continue");
+  program_->refresh();
+  return report;
+}
+
+void Cell::keep_safe_point() {
+  if (program_ && safe_points_) safe_points_->finish(*program_);
+}
+
+void Cell::begin_program(const std::string& name, const Location& where) {
+  if (program_ && !program_->ended())
+    throw Error(Problem{"still-running", where, "the program is still running: " + program_->sentence(),
+                        "wait for its end, or stop it"});
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (!idle(i))
+      throw Error(Problem{"moving", where, "the robot '" + robots_[i]->entry.name + "' still moves", {}});
+  if (name.empty() && ready_program_) {
+    start_program(std::move(*ready_program_));
+    return ready_program_.reset();
+  }
+  CellFile file = file_;
+  if (!name.empty()) file.program = name, file.program_where = where;
+  file.plc.clear();
+  if (file.program.empty())
+    throw Error(Problem{"no-program", where, "the cell has no program", "name one: program: NAME"});
+  files_->flush();
+  Problems problems;
+  Programs programs = load_programs(file, *files_, store_, problems);
+  problems.throw_if_errors();
+  start_program(std::move(*programs.program));
 }
 
 Pose Cell::tcp(std::size_t robot) const {
@@ -534,8 +623,9 @@ void Cell::tick(Nanoseconds now) {
   const bool may_run = !failure_ && arming_->armed() && links_ready_;
   tick_motions(now);
   if (may_run && plc_) plc_->tick();
+  if (test_) test_->tick();
   if (may_run && program_ && snapshot.state == control::RunState::running && !jogging_->engaged())
-    program_->tick();
+    tick_program(now);
   tick_motions(now);
   write_outputs(now, snapshot);
   files_->exchange(now);
@@ -591,6 +681,13 @@ bool Cell::outputs_settled() const {
                                  [](const signals::Tag& tag) { return tag.rules.on_stop.has_value(); });
   if (stopped_at_ < 0 || (!ruled && !links_->any())) return true;
   return now_ - stopped_at_ > kHardware && (links_->idle() || now_ - stopped_at_ > kFarSide);
+}
+
+void Cell::tick_program(Nanoseconds now) {
+  if (!safe_points_) return program_->tick();
+  const auto look = [&] { safe_points_->tick(now, *program_, store_); };
+  program_->tick(look);
+  look();
 }
 
 /// Before the programs, for what has arrived; after them, for what they want next.
@@ -789,7 +886,7 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
     return !task || task->ended() ||
            (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
   };
-  const bool quiet = program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
+  const bool quiet = !test_ && program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
                      snapshot.standing && snapshot.world.at_rest && !parts_.anything_moving() &&
                      snapshot.state == control::RunState::running && !files_->has_outside_writers() &&
                      !links_->any() && store_.version() == quiet_version_;

@@ -25,12 +25,21 @@
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/requests.hpp"
 #include "polyarm/cell/robots.hpp"
+#include "polyarm/cell/safe_points.hpp"
 #include "polyarm/cell/stops.hpp"
 #include "polyarm/cell/tag_binding.hpp"
 #include "polyarm/cell/task.hpp"
 #include "polyarm/control/control_loop.hpp"
 
 namespace polyarm::cell {
+
+class TestTask;
+
+/// A test of a file of tests, by its place among them.
+struct TestEntry {
+  std::filesystem::path file;
+  std::size_t index = 0;
+};
 
 struct CellOptions {
   bool lock_step = false;   ///< one thread, files inline, the cell cannot fall silent
@@ -46,6 +55,8 @@ struct CellOptions {
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
+  std::optional<TestEntry> test;         ///< stands beside the program, which begins when it says so
+  std::filesystem::path state_folder;    ///< where data files are kept; empty: .state/data of the cell
 };
 
 /// A component on its way from the files. Read it when it is done.
@@ -85,6 +96,18 @@ class Cell {
   Task* plc() { return plc_.get(); }
   /// The moves of the program; null without one.
   ProgramMoves* program_moves() { return moves_.get(); }
+  TestTask* test() { return test_.get(); }
+  /// Begins the program `name` (a script or a script-information file; empty: the cell's own), read anew from
+  /// its files. Throws Error while another one runs or robots move, and with what is wrong with it.
+  void begin_program(const std::string& name, const Location& where);
+  /// The same, and it stands paused in front of `line` of its file, whatever ran before.
+  program::StartReport prepare_program(const std::string& name, int line);
+  /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
+  /// there is nothing to go on from, or the program has changed.
+  program::StartReport continue_program();
+  bool all_idle() const;
+  /// At the end of a run: what lets the program go on later is on the disk.
+  void keep_safe_point();
   const std::optional<Failure>& failure() const { return failure_; }
   /// Faults that stopped one robot while the rest went on.
   const std::vector<Problem>& group_faults() const { return group_faults_; }
@@ -185,6 +208,7 @@ class Cell {
   void offer_named_states();
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
+  void start_program(program::Program program);
   void send_start_messages();
   void tell_overruns();
   void tell_threads();
@@ -193,6 +217,7 @@ class Cell {
   void follow_strangers(const control::Snapshot& snapshot);
   void tick_motions(Nanoseconds now);
   bool moves_as_planned_now() const;
+  void tick_program(Nanoseconds now);
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
@@ -235,6 +260,10 @@ class Cell {
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;
+  std::unique_ptr<TestTask> test_;
+  ProgramHost::Context program_context_;
+  std::unique_ptr<SafePoints> safe_points_;
+  std::optional<program::Program> ready_program_;  ///< it begins when a test says so
   PartTracker parts_{scene_};
   std::map<std::string, std::vector<controllers::GoalEvent>> goal_events_;
   std::map<std::string, std::vector<std::string>> fallen_;  // component → controllers

@@ -96,8 +96,19 @@ program::Handle ProgramHost::start_ask(const std::string& text, const Location& 
 
 program::Progress ProgramHost::poll_ask(program::Handle) {
   if (c_.answers->given().empty()) return {};
+  answer_ = c_.answers->given().front();
   c_.answers->given().pop_front();
   return program::Progress::done();
+}
+
+void ProgramHost::run_program(const std::string& name, const Location& where) {
+  if (!c_.run_program) return Host::run_program(name, where);
+  c_.run_program(name, where);
+}
+
+data::Value ProgramHost::call(std::string_view function, std::span<const data::Value> arguments,
+                              const Location& where) {
+  return c_.call ? c_.call(function, arguments, where) : Host::call(function, arguments, where);
 }
 
 }  // namespace polyarm::cell

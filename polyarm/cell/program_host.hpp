@@ -2,7 +2,9 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
@@ -36,6 +38,9 @@ class ProgramHost : public program::Host {
     /// Whether every robot stands, and what holds them; null where nobody can tell.
     std::function<bool()> standing;
     std::function<void(const std::string&, const Location&)> hold;
+    /// Of a test: what runs a program, and the functions of tests; null: it is none.
+    std::function<void(const std::string&, const Location&)> run_program;
+    std::function<data::Value(std::string_view, std::span<const data::Value>, const Location&)> call;
     Answers* answers = nullptr;
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
@@ -60,6 +65,10 @@ class ProgramHost : public program::Host {
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
   program::Progress poll_ask(program::Handle handle) override;
+  std::string answer() const override { return answer_; }
+  void run_program(const std::string& name, const Location& where) override;
+  data::Value call(std::string_view function, std::span<const data::Value> arguments,
+                   const Location& where) override;
 
   Nanoseconds now() const override { return *c_.now; }
   void log(const std::string& text, const Location& where) override {
@@ -75,6 +84,7 @@ class ProgramHost : public program::Host {
  private:
   Context c_;
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  std::string answer_;
 };
 
 /// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a

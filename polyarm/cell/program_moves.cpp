@@ -204,7 +204,11 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
   auto facts = tool_of(move.tool, arm, where);
-  return {index, moves_of(move, frame_of(move, arm, where), arm, where), std::move(facts)};
+  std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  check_payload(move, arm, where);
+  const motion::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
+  if (move.near) keep_near(*move.near, facts ? *facts : own, moves);
+  return {index, std::move(moves), std::move(facts)};
 }
 
 program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
@@ -257,6 +261,25 @@ program::Handle ProgramMoves::start(const program::Move& move, const Location& w
   forget_ended();
   asked_[++last_handle_] = {asked};
   return last_handle_;
+}
+
+/// Poses become the joint states that reach them nearest to `near`.
+void ProgramMoves::keep_near(const data::JointState& near, const motion::RobotFacts& robot,
+                             std::vector<motion::Move>& moves) const {
+  const std::vector<double> joints = joints_by_name(*robot.model, near, "'near'");
+  for (motion::Move& move : moves)
+    for (motion::MoveTarget& target : move.targets)
+      if (const Pose* pose = std::get_if<Pose>(&target.at))
+        target.at = motion::joints_for(robot, *pose, joints, target.name);
+}
+
+void ProgramMoves::check_payload(const program::Move& move, const Arm& arm, const Location& where) const {
+  const auto& rated = arm.robot.robot->model.provenance.payload_kg;
+  if (!move.payload || !rated || move.payload->value <= *rated) return;
+  throw Error(Problem{"limit", where,
+                      fmt::format("a payload of {:g} kg is more than the {:g} kg that {} may carry",
+                                  move.payload->value, *rated, arm.robot.robot->model.name),
+                      "carry less, or take a stronger robot"});
 }
 
 /// What the moves of a group share; a second move of the same robot comes after, in nobody's step.

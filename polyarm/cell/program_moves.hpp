@@ -100,6 +100,9 @@ class ProgramMoves {
   std::vector<motion::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
                                      const Location& where) const;
   void pace(const program::Move& from, motion::Move& to) const;
+  void keep_near(const data::JointState& near, const motion::RobotFacts& robot,
+                 std::vector<motion::Move>& moves) const;
+  void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
   std::shared_ptr<motion::InStep> step_of(const program::Move& move, std::size_t arm);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);

@@ -44,6 +44,12 @@ const char* const kJogState =
     "held_back, reason, profile, control}; "
     "of a step also {done}";
 
+const char* const kProgram =
+    "{file, state, paused, where: {file, line}, source, passes, breakpoints, control, held, tasks: [{name, "
+    "state, where, "
+    "source, waits_for, names, text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, "
+    "problem}]}";
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> table = {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
@@ -263,6 +269,45 @@ const std::vector<Row>& rows() {
         "the limits profile of the cell, or another: reduced (teaching) or full",
         true},
        profile},
+      {{"program", {}, kProgram, "where the program stands: tasks, calls, variables, what moves use", false},
+       program_state},
+      {{"program.watch",
+        {{"rate", kNumber}},
+        kProgram,
+        "the same whenever it has changed, at most `rate` times a second (10)",
+        false},
+       program_watch},
+      {{"program.pause",
+        {},
+        kProgram,
+        "pause in front of the next statement; motion that is queued goes on; answered when it stands",
+        true},
+       program_pause},
+      {{"program.go", {}, kProgram, "go on after a pause", true}, program_go},
+      {{"program.step",
+        {{"how", kText}},
+        kProgram,
+        "one statement of the task that is paused: `into` functions, `over` them (otherwise) or `out` of "
+        "this one; "
+        "answered when it stands again",
+        true},
+       program_step},
+      {{"program.break",
+        {{"at", kNames}, {"clear", kFlag}},
+        "{breakpoints: [{file, line}]}",
+        "pause in front of these lines, LINE or FILE:LINE, besides those there are; with `clear` of those no "
+        "more",
+        false},
+       program_break},
+      {{"program.from",
+        {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}},
+        "{where, source, robot, tool, frame, last_point, sets, reads, variables, held, next}",
+        "a program that has ended or is paused begins anew at `line` (1), read from its file: told is what "
+        "it takes for "
+        "given; it waits for program.go unless `confirmed`",
+        true},
+       program_from},
+      {{"program.stop", {}, kProgram, "end the program; its `on stop` is done", true}, program_stop},
   };
   return table;
 }

@@ -82,5 +82,16 @@ Poll profile(Cell&, const Json&);
 Poll tags_list(Cell&, const Json&);
 Poll tags_set(Cell&, const Json&);
 Poll tags_force(Cell&, const Json&);
+Poll program_state(Cell&, const Json&);
+Poll program_watch(Cell&, const Json&);
+Poll program_pause(Cell&, const Json&);
+Poll program_go(Cell&, const Json&);
+Poll program_step(Cell&, const Json&);
+Poll program_break(Cell&, const Json&);
+Poll program_from(Cell&, const Json&);
+Poll program_stop(Cell&, const Json&);
+/// The parts that grippers hold, and what a program that begins in the middle takes for given.
+Json held_parts(Cell& cell);
+Json assumed(Cell& cell, const program::StartReport& report);
 
 }  // namespace polyarm::cell

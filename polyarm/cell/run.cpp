@@ -322,7 +322,8 @@ class Runner {
                             seen.state != control::RunState::running;
       over_ = (standing && cell_.outputs_settled()) || clock - stop_since_ > options_.patience;
     } else {
-      over_ = cell_.finished() || now >= limit_;
+      const bool finished = cell_.finished() && !options_.stay;
+      over_ = finished || now >= limit_;
       cut_short_ = over_ && !cell_.finished();
     }
     if (now - told_pose_ >= 100'000'000) {
@@ -348,6 +349,7 @@ class Runner {
 
   RunResult result() {
     cell_.files().flush();
+    cell_.keep_safe_point();
     control::ControlLoop& loop = cell_.loop();
     RunResult out;
     out.sim_time_s = seconds(loop.cycle().time);

@@ -12,6 +12,7 @@ enum class Outcome { completed, stopped, failed };
 const char* name(Outcome outcome);
 
 struct RunOptions {
+  bool stay = false;         ///< it goes on when the program has ended, which then may begin anew
   bool fast = false;         ///< lock-step, as fast as the machine allows
   double seconds = 0;        ///< of cell time after which the run ends; 0: no limit
   int priority = 0;          ///< SCHED_FIFO priority of the control thread

@@ -6,8 +6,11 @@ namespace polyarm::cell {
 
 namespace fs = std::filesystem;
 
-StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool keep)
-    : folder_(std::move(cell_folder)), state_(folder_ / ".state" / "data"), live_(std::move(live)) {
+StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool keep,
+                         const fs::path& elsewhere)
+    : folder_(std::move(cell_folder)),
+      state_(elsewhere.empty() ? folder_ / ".state" / "data" : elsewhere),
+      live_(std::move(live)) {
   std::error_code error;
   if (!keep) fs::remove_all(state_, error);
 }
@@ -20,7 +23,8 @@ void StateFolder::bring(const fs::path& original) const {
   std::error_code error;
   fs::create_directories(state_, error);
   const fs::path ignore = state_.parent_path() / ".gitignore";
-  if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
+  const bool in_cell = state_.parent_path().filename() == ".state";
+  if (in_cell && !fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
   const fs::path copy = state_ / original.filename();
   if (!fs::exists(copy, error)) write_file_atomically(copy, read_file(original));
 }

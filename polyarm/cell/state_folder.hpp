@@ -13,8 +13,9 @@ namespace polyarm::cell {
 /// instead. Reads and writes disk: not for the cell thread, except in lock-step.
 class StateFolder {
  public:
-  /// Empties the folder unless `keep`.
-  StateFolder(std::filesystem::path cell_folder, std::set<std::string> live, bool keep);
+  /// Empties the folder unless `keep`. `elsewhere`: kept there instead, in a folder for this alone.
+  StateFolder(std::filesystem::path cell_folder, std::set<std::string> live, bool keep,
+              const std::filesystem::path& elsewhere = {});
 
   /// The data file called `name` as it is now, with its points; copied into the folder at first sight.
   data::LoadedFiles load(const std::string& name, const Location& where) const;

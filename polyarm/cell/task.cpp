@@ -8,12 +8,13 @@ namespace polyarm::cell {
 
 using program::TaskState;
 
-Task::Task(std::string name, program::Program program, ProgramHost::Context context)
+Task::Task(std::string name, program::Program program, ProgramHost::Context context,
+           std::optional<std::size_t> test)
     : name_(std::move(name)),
       observer_(context.observer),
       now_(context.now),
       host_(std::move(context)),
-      interpreter_(std::move(program), host_) {
+      interpreter_(std::move(program), host_, test) {
   look();
 }
 
@@ -25,11 +26,18 @@ void Task::look() {
 }
 
 void Task::tick() {
+  tick({});
+}
+
+void Task::tick(const std::function<void()>& between) {
   if (ended()) return;
-  for (int k = 0; k < kBudget; ++k) {
-    const program::StepResult result = interpreter_.step(1);
-    if (result.executed > 0 || result.state != status_.state) look();
+  for (int done = 0; done < kBudget;) {
+    const program::StepResult result = interpreter_.step(done < kTold ? 1 : kBudget - done);
+    const bool news = result.state != status_.state || interpreter_.paused() != status_.paused;
+    if (result.executed > 0 || news) look();
     if (result.executed == 0) break;
+    done += result.executed;
+    if (between) between();
   }
 }
 

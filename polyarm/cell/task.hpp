@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,12 +14,22 @@ class Task {
  public:
   /// Statements a task may execute in one tick.
   static constexpr int kBudget = 200;
+  /// Of those so many are told line by line; then the line that it has come to.
+  static constexpr int kTold = 20;
 
-  Task(std::string name, program::Program program, ProgramHost::Context context);
+  /// `test`: that of the program's tests, in the order of the text.
+  Task(std::string name, program::Program program, ProgramHost::Context context,
+       std::optional<std::size_t> test = {});
 
-  /// Runs until it waits, ends, or the budget is used up; tells the observer of each line it comes to.
+  /// Runs until it waits, ends, or the budget is used up; tells the observer of lines that it comes to.
   void tick();
+  /// The same; `between` is called behind statements, in front of the next: behind the first each, then the
+  /// last.
+  void tick(const std::function<void()>& between);
   program::Interpreter& interpreter() { return interpreter_; }
+  const program::Interpreter& interpreter() const { return interpreter_; }
+  /// After the interpreter was told where to begin.
+  void refresh() { look(); }
   const program::TaskStatus& status() const { return status_; }
   const std::string& name() const { return name_; }
   bool ended() const;

@@ -91,6 +91,10 @@ void Hardware::force(const std::string& interface_name, double value) {
                 "there is no interface '" + interface_name + "'" + did_you_mean(interface_name, names),
                 "interfaces are named robot/joint/interface, for example arm/tool/vacuum");
   }
+  std::erase_if(forced_, [&](const ForcedValue& forced) {
+    return forced.state ? state && *state == forced.index : command && *command == forced.index;
+  });
+  if (std::isnan(value)) return;
   if (state) forced_.push_back({true, *state, value});
   if (command) forced_.push_back({false, *command, value});
 }

@@ -149,8 +149,8 @@ class Hardware {
   /// interfaces; throws Error naming the first that differs.
   void replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context);
 
-  /// Forces every state and command interface with this name. Throws Error("unknown-interface") if there is
-  /// none.
+  /// Forces every state and command interface with this name, until NaN is forced on it; not while another
+  /// thread steps the loop. Throws Error("unknown-interface") if there is none.
   void force(const std::string& interface_name, double value);
 
   Fault read(const Cycle& cycle) noexcept;

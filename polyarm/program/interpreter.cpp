@@ -113,9 +113,13 @@ StepResult Interpreter::step(int budget) {
 bool Interpreter::run_task(Task& task, int& budget) {
   if (task.over()) return false;
   try {
+    const WaitKind waited = task.waiting.kind;
     if (task.state == TaskState::waiting && !poll(task)) return false;
+    // These waited in front of their step, which has begun already.
+    bool again = waited == WaitKind::arrival || waited == WaitKind::room || waited == WaitKind::lock;
     while (task.state == TaskState::running) {
-      if (code_.steps[task.pc].begins) {
+      const bool has_begun = std::exchange(again, false);
+      if (code_.steps[task.pc].begins && !has_begun) {
         if (budget <= 0) return true;
         if (looks_for_stops() && stops_here(task)) return false;
         --budget;

@@ -1,0 +1,119 @@
+#include "apps/apart.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+using Clock = std::chrono::steady_clock;
+
+struct Running {
+  std::size_t which = 0;
+  pid_t process = 0;
+  int pipe = -1;
+  std::string said;
+  Clock::time_point begun;
+  bool too_long = false;
+};
+
+double since(Clock::time_point begun) {
+  return std::chrono::duration<double>(Clock::now() - begun).count();
+}
+
+void write_all(int pipe, const std::string& text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const ssize_t n = ::write(pipe, text.data() + at, text.size() - at);
+    if (n <= 0 && errno != EINTR) return;
+    if (n > 0) at += static_cast<std::size_t>(n);
+  }
+}
+
+Running begin(std::size_t which, const std::function<std::string(std::size_t)>& job) {
+  int ends[2];
+  if (::pipe(ends) != 0) throw Error("no-process", std::string("no pipe: ") + std::strerror(errno));
+  std::fflush(nullptr);
+  const pid_t process = ::fork();
+  if (process < 0) throw Error("no-process", std::string("no process: ") + std::strerror(errno));
+  if (process == 0) {
+    ::close(ends[0]);
+    int code = 0;
+    try {
+      write_all(ends[1], job(which));
+    } catch (...) {
+      code = 1;
+      std::fprintf(stderr, "%s\n", what_was_thrown().c_str());
+    }
+    ::_exit(code);
+  }
+  ::close(ends[1]);
+  return {which, process, ends[0], {}, Clock::now(), false};
+}
+
+ApartResult end(Running& job, double patience) {
+  ::close(job.pipe);
+  int status = 0;
+  while (::waitpid(job.process, &status, 0) < 0 && errno == EINTR) {
+  }
+  ApartResult out;
+  out.seconds = since(job.begun);
+  if (job.too_long)
+    out.why = "it took more than " + format_number(patience) + " s";
+  else if (WIFSIGNALED(status))
+    out.why = std::string("it crashed: ") + ::strsignal(WTERMSIG(status));
+  else if (WEXITSTATUS(status) != 0)
+    out.why = "it ended with an unexpected error";
+  else
+    out.said = std::move(job.said);
+  return out;
+}
+
+/// True when the pipe has ended.
+bool read_some(Running& job) {
+  char text[4096];
+  const ssize_t n = ::read(job.pipe, text, sizeof text);
+  if (n > 0) job.said.append(text, static_cast<std::size_t>(n));
+  return n == 0 || (n < 0 && errno != EINTR);
+}
+}  // namespace
+
+unsigned processors() {
+  return std::max(1u, std::thread::hardware_concurrency());
+}
+
+void run_apart(std::size_t count, unsigned most, double patience,
+               const std::function<std::string(std::size_t)>& job,
+               const std::function<void(std::size_t, const ApartResult&)>& done) {
+  std::vector<Running> running;
+  for (std::size_t next = 0; next < count || !running.empty();) {
+    while (next < count && running.size() < std::max(1u, most)) running.push_back(begin(next++, job));
+    std::vector<pollfd> waits;
+    for (const Running& each : running) waits.push_back({each.pipe, POLLIN, 0});
+    ::poll(waits.data(), waits.size(), 200);
+    for (std::size_t i = running.size(); i-- > 0;) {
+      Running& each = running[i];
+      if (!each.too_long && since(each.begun) > patience) {
+        each.too_long = true;
+        ::kill(each.process, SIGKILL);
+      }
+      if (waits[i].revents == 0 || !read_some(each)) continue;
+      done(each.which, end(each, patience));
+      running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,25 @@
+#include <fmt/format.h>
+
+#include "apps/options.hpp"
+#include "polyarm/program/functions.hpp"
+#include "polyarm/program/words.hpp"
+
+namespace polyarm::apps {
+
+int run_language(int argc, char** argv) {
+  CLI::App app("The language of programs: its words and functions", "polyarm language");
+  CLI::App* page = app.add_subcommand("page", "the reference page, as docs/language-reference.md has it");
+  CLI::App* list = app.add_subcommand("words", "every word and function, one a line");
+  app.require_subcommand(1);
+  app.footer(examples({"polyarm language words", "polyarm language page"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  if (page->parsed()) fmt::print("{}", program::language_reference());
+  if (!list->parsed()) return kOk;
+  for (const program::Word& word : program::words())
+    if (word.role != program::WordRole::closer) fmt::print("{:<14}{}\n", word.name, word.meaning);
+  for (const program::Function& function : program::functions())
+    fmt::print("{:<14}{}: {}\n", std::string(function.name) + "()", function.signature, function.meaning);
+  return kOk;
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,107 @@
+#include "polyarm/cell/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/kinematics/inverse.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+/// Looks at every robot's joints, tick by tick.
+class Closeness {
+ public:
+  explicit Closeness(Cell& cell) : cell_(cell), places_(cell.robots(), cell.loop().table()) {}
+
+  void look(RobotVerdict& out) {
+    const std::vector<double> at = places_.commanded(cell_.snapshot());
+    const Location where = cell_.program() ? cell_.program()->status().where : Location{};
+    std::vector<double> q;
+    for (std::size_t robot = 0, next = 0; robot < cell_.robots().size(); ++robot) {
+      const CellRobot& r = *cell_.robots()[robot];
+      q.clear();
+      for (std::size_t j = 0; j < r.joints.size(); ++j, ++next) {
+        q.push_back(at[next]);
+        const double near = std::min(at[next] - r.joints[j].lower, r.joints[j].upper - at[next]);
+        if (!r.joints[j].continuous && std::isfinite(near)) take(out.limit, {near, r.joints[j].name, where});
+      }
+      if (q.size() >= 6 && q != looked_at_[robot])
+        take(out.singularity, {kinematics::smallest_singular_value(r.facts->chain, q), "", where});
+      looked_at_[robot] = q;
+    }
+  }
+
+ private:
+  static void take(std::optional<Nearest>& best, const Nearest& now) {
+    if (!best || now.value < best->value) best = now;
+  }
+
+  Cell& cell_;
+  JointPlaces places_;
+  std::vector<std::vector<double>> looked_at_ = std::vector<std::vector<double>>(cell_.robots().size());
+};
+
+class Quiet : public Observer {};
+
+void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
+  control::ControlLoop& loop = cell.loop();
+  Closeness closeness(cell);
+  std::vector<double> passes;
+  loop.begin();
+  Nanoseconds next_tick = 0;
+  while (!cell.finished() && !cell.failure() && seconds(loop.cycle().time) < limit_s) {
+    if (loop.cycle().time >= next_tick) {
+      next_tick = loop.cycle().time + Cell::kTick;
+      cell.tick(loop.cycle().time);
+      closeness.look(out);
+      if (cell.program() && cell.program()->status().passes > passes.size())
+        passes.push_back(seconds(loop.cycle().time));
+    }
+    loop.step_next();
+  }
+  loop.end();
+  out.time_s = seconds(loop.cycle().time);
+  out.cycles = passes.size();
+  if (passes.size() > 1)
+    out.cycle_s = (passes.back() - passes.front()) / static_cast<double>(passes.size() - 1);
+  if (cell.failure()) {
+    out.problem = cell.failure()->problem;
+    if (out.problem->where.file.empty() && cell.program())
+      out.problem->where = cell.program()->status().where;
+  } else if (!cell.finished()) {
+    out.problem = Problem{"too-long", cell.program() ? cell.program()->status().where : Location{},
+                          "the program has not ended in time", "say --seconds"};
+  }
+}
+
+}  // namespace
+
+RobotVerdict try_robot(const std::filesystem::path& path, const description::Catalogue& catalogue,
+                       const CompareOptions& options) {
+  RobotVerdict out;
+  out.robot = options.overrides.robot;
+  try {
+    const CellFile file = read_cell_file(path, options.overrides);
+    CellOptions cell_options;
+    cell_options.lock_step = true;
+    cell_options.cycles = options.cycles;
+    cell_options.state_folder = options.state_folder;
+    Quiet quiet;
+    Cell cell(file, catalogue, cell_options, quiet);
+    if (!cell.program()) throw Error("no-program", "the cell has no program", "name one with --program");
+    run_cell(cell, options.seconds, out);
+    if (!out.problem && !cell.group_faults().empty()) out.problem = cell.group_faults().front();
+    for (const std::string& part : cell.parts().failures(true))
+      if (!out.problem) out.problem = Problem{"part", {}, part, {}};
+  } catch (const Error& e) {
+    const auto is_error = [](const Problem& p) { return p.severity == Severity::error; };
+    const auto first = std::find_if(e.problems().begin(), e.problems().end(), is_error);
+    out.problem = first == e.problems().end() ? Problem{"failed", {}, e.what(), {}} : *first;
+  }
+  out.runs = !out.problem;
+  return out;
+}
+
+}  // namespace polyarm::cell

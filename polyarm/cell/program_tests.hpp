@@ -1,0 +1,69 @@
+#pragma once
+/// Tests of programs: `test` blocks that stand beside the program of a cell and run in lock-step.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/task.hpp"
+#include "polyarm/description/catalogue.hpp"
+
+namespace polyarm::cell {
+
+class Cell;
+
+/// One test and the cell that it belongs to.
+struct ProgramTest {
+  std::filesystem::path file;
+  std::size_t index = 0;  ///< among the tests of the file
+  std::string name;
+  int line = 0;
+  std::filesystem::path cell;  ///< folder with the cell.yaml: that of the file, or one above
+};
+
+/// The tests of every file of tests (*.script) at `path`, a file or a folder, in the order of the names of
+/// the files. What is wrong with a file of tests joins the problems, and its tests are left out.
+std::vector<ProgramTest> find_tests(const std::filesystem::path& path, Problems& problems);
+
+struct TestOptions {
+  Overrides overrides;
+  double seconds = 600;                ///< of cell time that a test may take
+  std::filesystem::path state_folder;  ///< where it keeps its data files
+};
+
+struct TestResult {
+  std::vector<Problem> problems;  ///< why it failed; none: it passed
+  std::vector<std::string> log;   ///< what program, PLC and test told
+  double cell_time_s = 0;
+};
+
+/// Runs one test in a cell of its own. The program starts where the test says `run`; the cell and its PLC run
+/// from the beginning. Not for two threads at the same time.
+TestResult run_test(const ProgramTest& test, const description::Catalogue& catalogue,
+                    const TestOptions& options);
+
+/// The test in a cell: a task that moves nothing, reads and sets every tag, and has the functions of tests.
+/// It sees the program as tags: program.running, program.state, program.line, program.passes, program.error.
+class TestTask {
+ public:
+  /// Makes those tags. The program may be begun by `begin`.
+  TestTask(Cell& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
+           Problems& problems);
+  void tick();
+  bool ended() const { return task_->ended(); }
+  std::optional<Problem> problem() const;
+
+ private:
+  data::Value call(std::string_view function, std::span<const data::Value> arguments, const Location& where);
+  void person(const std::string& words, const Location& where);
+  data::Value part(const std::string& name, const Location& where) const;
+  void tell_of_program();
+
+  Cell& cell_;
+  std::unique_ptr<Task> task_;
+  bool asks_for_error_ = false;  ///< it looks at program.error: a program that fails is what it wants
+};
+
+}  // namespace polyarm::cell

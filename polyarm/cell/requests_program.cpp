@@ -1,0 +1,213 @@
+/// Requests about the program of a cell: where it stands, and stepping it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+Task& program_of(Cell& cell) {
+  if (!cell.program()) throw Error("no-program", "this cell has no program");
+  return *cell.program();
+}
+
+Json shown_place(const Location& where) {
+  return {{"file", where.file}, {"line", where.line}};
+}
+
+const char* waits_for(program::WaitKind kind) {
+  static constexpr const char* kNames[] = {"",     "time",   "condition", "move",  "person",
+                                           "load", "motion", "room",      "until", "meet",
+                                           "lock", "tasks",  "next turn"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+Json task_json(const program::Interpreter& interpreter, const program::TaskStatus& status) {
+  Json variables = Json::array(), calls = Json::array();
+  for (const program::VariableValue& each : interpreter.variables(status.name))
+    variables.push_back({{"name", each.name}, {"value", each.value.text()}});
+  for (const Location& call : interpreter.calls(status.name)) calls.push_back(shown_place(call));
+  const program::MoveDefaults use = interpreter.uses(status.name);
+  Json out{{"name", status.name},
+           {"state", program::name(status.state)},
+           {"where", shown_place(status.where)},
+           {"source", status.source},
+           {"waits_for", waits_for(status.waiting.kind)},
+           {"names", status.waiting.names},
+           {"text", status.waiting.text},
+           {"passes", status.passes},
+           {"paused", status.paused},
+           {"calls", calls},
+           {"variables", variables},
+           {"robot", use.robot},
+           {"tool", use.tool},
+           {"frame", use.frame}};
+  if (status.problem) out["problem"] = status.problem->text();
+  return out;
+}
+
+Json program_json(Cell& cell) {
+  const Task& task = program_of(cell);
+  const program::Interpreter& interpreter = task.interpreter();
+  Json tasks = Json::array(), breakpoints = Json::array();
+  for (const program::TaskStatus& status : interpreter.status())
+    tasks.push_back(task_json(interpreter, status));
+  for (const Location& place : interpreter.breakpoints()) breakpoints.push_back(shown_place(place));
+  return {{"file", interpreter.program().file}, {"state", program::name(interpreter.state())},
+          {"paused", interpreter.paused()},     {"where", shown_place(task.status().where)},
+          {"source", task.status().source},     {"passes", task.status().passes},
+          {"breakpoints", breakpoints},         {"tasks", tasks},
+          {"held", held_parts(cell)},           {"control", control::name(cell.snapshot().state)}};
+}
+
+void require_running(const Task& task) {
+  if (task.ended())
+    throw Error("has-ended", std::string("the program has ended: ") + program::name(task.status().state),
+                "polyarm control from LINE begins it anew");
+}
+
+/// Until it stands in front of a statement, or has ended.
+Poll until_paused() {
+  return [](Cell& cell) {
+    Task& task = program_of(cell);
+    if (!task.interpreter().paused() && !task.ended()) return Progress{};
+    return Progress::done(program_json(cell));
+  };
+}
+
+}  // namespace
+
+Json held_parts(Cell& cell) {
+  Json out = Json::array();
+  const auto& seen = cell.snapshot().world.parts;
+  for (std::size_t i = 0; i < seen.size() && i < cell.scene().parts.size(); ++i)
+    if (seen[i].held_by >= 0) out.push_back(cell.scene().parts[i].name);
+  return out;
+}
+
+Json assumed(Cell& cell, const program::StartReport& report) {
+  const auto valued = [&](const std::vector<std::string>& names) {
+    Json out = Json::array();
+    for (const std::string& name : names)
+      if (const data::Value* value = cell.store().find(name))
+        if (!value->is_place()) out.push_back({{"name", name}, {"value", value->text()}});
+    return out;
+  };
+  Json variables = Json::array();
+  for (const program::VariableValue& each :
+       program_of(cell).interpreter().variables(program_of(cell).status().name))
+    variables.push_back({{"name", each.name}, {"value", each.value.text()}});
+  return {{"where", shown_place(report.where)},
+          {"source", program_of(cell).status().source},
+          {"robot", report.robot},
+          {"tool", report.tool},
+          {"frame", report.frame},
+          {"last_point", report.last_point},
+          {"sets", valued(report.sets)},
+          {"reads", valued(report.reads)},
+          {"variables", variables},
+          {"held", held_parts(cell)}};
+}
+
+Poll program_state(Cell& cell, const Json&) {
+  return at_once(program_json(cell));
+}
+
+Poll program_watch(Cell& cell, const Json& arguments) {
+  const double rate = number_argument(arguments, "rate", 10);
+  if (!(rate > 0)) throw Error("bad-argument", "'rate' must be above 0");
+  program_of(cell);
+  const auto between = static_cast<Nanoseconds>(1e9 / std::min(rate, 500.0));
+  return [between, next = Nanoseconds{0}, told = std::string{}](Cell& c) mutable {
+    if (c.now() < next) return Progress{};
+    next = c.now() + between;
+    Json now = program_json(c);
+    std::string text = now.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (text == told) return Progress{};
+    told = std::move(text);
+    return Progress::more(std::move(now));
+  };
+}
+
+Poll program_pause(Cell& cell, const Json&) {
+  Task& task = program_of(cell);
+  require_running(task);
+  if (!task.interpreter().paused()) task.interpreter().pause();
+  return until_paused();
+}
+
+Poll program_go(Cell& cell, const Json&) {
+  Task& task = program_of(cell);
+  require_running(task);
+  if (!task.interpreter().paused())
+    throw Error("not-paused", "the program is not paused", "a hold is left by polyarm control resume");
+  task.interpreter().resume();
+  return at_once(program_json(cell));
+}
+
+Poll program_step(Cell& cell, const Json& arguments) {
+  Task& task = program_of(cell);
+  require_running(task);
+  const std::string how = text_argument(arguments, "how", "over");
+  const std::vector<std::string> known = {"into", "over", "out"};
+  const auto at = std::find(known.begin(), known.end(), how);
+  if (at == known.end())
+    throw Error("bad-argument", "there is no step '" + how + "'" + did_you_mean(how, known),
+                "into, over or out");
+  if (!task.interpreter().paused())
+    throw Error("not-paused", "the program is not paused", "polyarm control pause, or a breakpoint");
+  task.interpreter().resume_for(static_cast<program::StepKind>(at - known.begin()));
+  return until_paused();
+}
+
+Poll program_break(Cell& cell, const Json& arguments) {
+  Task& task = program_of(cell);
+  std::vector<Location> places = task.interpreter().breakpoints();
+  if (flag_argument(arguments, "clear")) places.clear();
+  for (const std::string& text : list_argument(arguments, "at")) {
+    const auto colon = text.rfind(':');
+    const std::string number = colon == std::string::npos ? text : text.substr(colon + 1);
+    const auto line = parse_number(number);
+    if (!line || *line < 1 || *line != std::floor(*line))
+      throw Error("bad-argument", "'" + text + "' is no line", "write LINE or FILE:LINE");
+    const std::string file =
+        colon == std::string::npos ? task.interpreter().program().file : text.substr(0, colon);
+    places.push_back({file, static_cast<int>(*line), 0});
+  }
+  Json out = Json::array();
+  for (const Location& place : task.interpreter().set_breakpoints(places)) out.push_back(shown_place(place));
+  return at_once({{"breakpoints", out}});
+}
+
+Poll program_from(Cell& cell, const Json& arguments) {
+  const double line = number_argument(arguments, "line", 1);
+  Task& task = program_of(cell);
+  if (!task.ended() && !task.interpreter().paused())
+    throw Error("still-running", "the program is running: " + task.sentence(), "polyarm control pause");
+  if (!cell.snapshot().standing || !cell.all_idle())
+    throw Error("moving", "a robot still moves", "wait until it has arrived");
+  const program::StartReport report =
+      cell.prepare_program(text_argument(arguments, "program", ""), static_cast<int>(line));
+  Json out = assumed(cell, report);
+  if (!flag_argument(arguments, "confirmed"))
+    out["next"] = "the program stands in front of this line: program.go";
+  if (flag_argument(arguments, "confirmed")) cell.program()->interpreter().resume();
+  return at_once(std::move(out));
+}
+
+Poll program_stop(Cell& cell, const Json&) {
+  Task& task = program_of(cell);
+  require_running(task);
+  task.interpreter().stop();
+  return [](Cell& c) {
+    if (!program_of(c).ended()) return Progress{};
+    return Progress::done(program_json(c));
+  };
+}
+
+}  // namespace polyarm::cell

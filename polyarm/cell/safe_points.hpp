@@ -1,0 +1,56 @@
+#pragma once
+/// Where a program can go on after a loss of power: written to the cell's .state folder while it runs.
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "polyarm/cell/task.hpp"
+#include "polyarm/cell/worker.hpp"
+#include "polyarm/data/data_store.hpp"
+#include "polyarm/program/saved_state.hpp"
+
+namespace polyarm::cell {
+
+/// A program's state and the data of its sets at the same moment.
+struct SafePoint {
+  std::string program;  ///< file of the program
+  std::string line;     ///< "file:line" and its text, for people
+  program::SavedState state;
+  std::vector<std::pair<std::string, data::Value>> values;
+};
+std::string to_json(const SafePoint& point);
+/// Throws Error("bad-state").
+SafePoint safe_point_from_json(const std::string& text, const std::string& file);
+
+/// Cell thread; the disk is touched by the worker. In lock-step it is written at the end alone.
+class SafePoints {
+ public:
+  SafePoints(std::filesystem::path file, Worker& worker, bool lock_step)
+      : file_(std::move(file)), worker_(worker), lock_step_(lock_step) {}
+
+  /// Between statements and after each tick of the program: takes the state down at safe points, when it or
+  /// the data have changed; one write is under way at most, and the newest is written next.
+  void tick(Nanoseconds now, const Task& task, const data::DataStore& store);
+  /// What is not written yet. A program that has come to its own end leaves nothing.
+  void finish(const Task& task);
+
+  /// The one that an earlier run has left. Throws Error("no-state").
+  static SafePoint read(const std::filesystem::path& file);
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  void post();
+
+  std::filesystem::path file_;
+  Worker& worker_;
+  bool lock_step_;
+  std::optional<SafePoint> pending_;
+  std::shared_ptr<std::atomic<bool>> busy_ = std::make_shared<std::atomic<bool>>(false);
+  std::uint64_t seen_version_ = 0;
+  program::Place seen_at_;
+  Nanoseconds taken_ = -1;
+};
+
+}  // namespace polyarm::cell

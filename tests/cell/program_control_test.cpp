@@ -1,0 +1,273 @@
+/// The program of a cell, paused, stepped, begun in the middle and continued, asked for as people do.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/compare.hpp"
+#include "polyarm/cell/program_tests.hpp"
+#include "polyarm/cell/safe_points.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Json;
+using test::LockStepCell;
+
+const char* const kScript =
+    "load work\n"                                              // 1
+    "func shown(x)\n"                                          // 2
+    "  log(x)\n"                                               // 3
+    "  return x\n"                                             // 4
+    "end\n"                                                    // 5
+    "let step = 2\n"                                           // 6
+    "use speed 50%\n"                                          // 7
+    "movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"     // 8
+    "set Placed = Placed + step\n"                             // 9
+    "while Repeat\n"                                           // 10
+    "  movej joints(10deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"  // 11
+    "  set Placed = shown(Placed + 1)\n"                       // 12
+    "  movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"   // 13
+    "  wait 100ms\n"                                           // 14
+    "end\n"                                                    // 15
+    "on stop\n"                                                // 16
+    "  set Stopped = true\n"                                   // 17
+    "end\n";                                                   // 18
+
+class ProgramControl : public ::testing::Test {
+ protected:
+  ProgramControl() {
+    const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    folder.write("work.data", "Name: Placed\nNum: 0\nName: Repeat\nBool: True\nName: Stopped\nBool: False\n");
+    folder.write("job.script", kScript);
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf + ", hardware: mock}\nprogram: job\n");
+    begin();
+  }
+  void begin() { run = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path())); }
+  cell::Cell& cell() { return run->cell(); }
+  Json ask(const std::string& request, Json more = Json::object()) {
+    more["request"] = request;
+    return run->result(more);
+  }
+  double placed() { return cell().store().find("Placed")->as_number()->value; }
+  int line() { return cell().program()->status().where.line; }
+  void run_to(int wanted) {
+    for (int i = 0; i < 20000 && line() != wanted; ++i) run->tick();
+    ASSERT_EQ(line(), wanted);
+  }
+
+  test::Folder folder;
+  std::unique_ptr<LockStepCell> run;
+};
+
+TEST_F(ProgramControl, ShowsTasksCallsVariablesAndWhatMovesUse) {
+  ask("program.break", {{"at", "4"}});
+  run_to(4);
+  const Json told = ask("program");
+  EXPECT_TRUE(told["paused"].get<bool>());
+  EXPECT_EQ(told["where"]["line"], 4);
+  EXPECT_EQ(told["breakpoints"].size(), 1u);
+  const Json& task = told["tasks"][0];
+  EXPECT_EQ(task["name"], "main");
+  EXPECT_EQ(task["calls"].size(), 2u);
+  EXPECT_EQ(task["calls"][0]["line"], 12);
+  EXPECT_EQ(task["variables"][0], (Json{{"name", "x"}, {"value", "3"}}));
+}
+
+TEST_F(ProgramControl, PausesStepsAndGoesOn) {
+  run_to(14);
+  EXPECT_EQ(ask("program.pause")["paused"], true);
+  const int at = line();
+  run->run(3);
+  EXPECT_EQ(line(), at) << "it stands until somebody lets it go on";
+  ask("program.break", {{"at", Json::array({"12"})}});
+  ask("program.go");
+  run_to(12);
+  const double before = placed();
+  EXPECT_EQ(ask("program.step", {{"how", "into"}})["where"]["line"], 3);
+  EXPECT_EQ(ask("program.step", {{"how", "out"}})["where"]["line"], 13);
+  EXPECT_EQ(placed(), before + 1);
+  EXPECT_EQ(ask("program.step")["where"]["line"], 14);
+  EXPECT_EQ(ask("program.break", {{"clear", true}})["breakpoints"].size(), 0u);
+  EXPECT_EQ(run->ask({{"request", "program.step"}, {"how", "sideways"}})["error"]["code"], "bad-argument");
+}
+
+TEST_F(ProgramControl, BeginsAtALineAndSaysWhatItTakesForGiven) {
+  run_to(14);
+  EXPECT_EQ(run->ask({{"request", "program.from"}, {"line", 13}})["error"]["code"], "still-running");
+  ask("program.pause");
+  run->run(3);
+  const double before = placed();
+  const Json told = ask("program.from", {{"line", 12}});
+  EXPECT_EQ(told["where"]["line"], 12);
+  EXPECT_EQ(told["last_point"].get<std::string>().substr(0, 7), "joints(");
+  EXPECT_EQ(told["sets"][0]["name"], "Placed");
+  EXPECT_EQ(told["variables"][0], (Json{{"name", "step"}, {"value", "2"}}));
+  run->run(1);
+  EXPECT_EQ(placed(), before) << "nothing is done before a person says so";
+  ask("program.go");
+  run->run(0.01);
+  EXPECT_EQ(placed(), before + 1);
+  EXPECT_EQ(run->ask({{"request", "program.from"}, {"line", 999}})["error"]["code"], "still-running");
+}
+
+TEST_F(ProgramControl, EndsAndItsCleanUpIsDone) {
+  run_to(14);
+  EXPECT_EQ(ask("program.stop")["state"], "stopped");
+  EXPECT_TRUE(*cell().store().find("Stopped")->as_boolean());
+}
+
+TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
+  run_to(14);
+  const double before = placed();
+  EXPECT_EQ(before, 3);
+  cell().keep_safe_point();
+  cell().files().flush();
+  const std::string written = read_file(folder.path() / ".state" / "program.json");
+  begin();  // the data as the user wrote them; the state is taken from the file
+  EXPECT_EQ(placed(), 0);
+  const auto report = cell().continue_program();
+  EXPECT_EQ(report.where.line, 13) << "the move is done again";
+  EXPECT_EQ(placed(), before);
+  run_to(14);
+  run_to(12);
+  run_to(14);
+  EXPECT_EQ(placed(), before + 1) << "lines 1 to 9 were not done again";
+  EXPECT_EQ(cell::to_json(cell::safe_point_from_json(written, "")), written);
+}
+
+TEST_F(ProgramControl, DoesNotGoOnInAProgramThatHasChanged) {
+  run_to(14);
+  cell().keep_safe_point();
+  folder.write("job.script", std::string("log(1)\n") + kScript);
+  begin();
+  try {
+    cell().continue_program();
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "other-program");
+  }
+}
+
+TEST_F(ProgramControl, ADamagedStateIsRefusedWhole) {
+  run_to(14);
+  cell().keep_safe_point();
+  const std::string written = read_file(folder.path() / ".state" / "program.json");
+  for (std::size_t cut = 1; cut < written.size(); cut += written.size() / 50) {
+    folder.write(".state/program.json", written.substr(0, cut));
+    begin();
+    EXPECT_THROW(cell().continue_program(), Error) << cut;
+    EXPECT_EQ(line(), 1);
+  }
+}
+
+TEST_F(ProgramControl, WhatHasComeToItsEndLeavesNothingToGoOnFrom) {
+  folder.write("job.script", "load work\nset Placed = 1\n");
+  begin();
+  run->run(0.1);
+  cell().keep_safe_point();
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ".state" / "program.json"));
+}
+
+TEST_F(ProgramControl, TestsStandBesideTheProgramOnItsTags) {
+  folder.write("tests.script",
+               "test \"it counts\"\n"
+               "  expect not program.running\n"
+               "  run\n"
+               "  expect Placed == 3 timeout 30s\n"
+               "  person(\"hold\")\n"
+               "  wait 3s\n"
+               "  expect Placed <= 4\n"
+               "  person(\"resume\")\n"
+               "  expect Placed == 6 timeout 30s\n"
+               "  set Repeat False\n"
+               "  expect not program.running timeout 30s\n"
+               "  expect Stopped and program.state == \"finished\"\n"
+               "  run\n"
+               "  expect program.running timeout 1s\n"
+               "end\n"
+               "test \"wrong\"\n"
+               "  run\n"
+               "  expect Placed == 100 timeout 2s\n"
+               "end\n"
+               "test \"a hand that fails\"\n"
+               "  fault(\"arm/nothing\", 1)\n"
+               "end\n");
+  Problems problems;
+  const auto tests = cell::find_tests(folder.path(), problems);
+  ASSERT_EQ(tests.size(), 3u);
+  std::vector<cell::TestResult> results;
+  for (const cell::ProgramTest& test : tests) {
+    cell::TestOptions options;
+    options.state_folder = folder.path() / "scratch" / "data";
+    results.push_back(cell::run_test(test, description::Catalogue({}), options));
+  }
+  EXPECT_TRUE(results[0].problems.empty()) << results[0].problems.front().text();
+  EXPECT_FALSE(results[0].log.empty());
+  ASSERT_FALSE(results[1].problems.empty());
+  EXPECT_NE(results[1].problems.front().what.find("expected Placed == 100 within 2s; Placed is"),
+            std::string::npos)
+      << results[1].problems.front().text();
+  EXPECT_EQ(results[1].problems.front().where.line, 18);
+  ASSERT_FALSE(results[2].problems.empty());
+  EXPECT_EQ(results[2].problems.front().code, "unknown-interface");
+  EXPECT_EQ(read_file(folder.path() / "work.data").find("Num: 3"), std::string::npos);
+}
+
+TEST_F(ProgramControl, AProgramThatFailsFailsTheTestThatDoesNotExpectIt) {
+  folder.write("job.script", "load work\nwait 20ms\nraise \"out of parts\"\n");
+  folder.write("tests.script",
+               "test \"unaware\"\n  run\n  wait 1s\nend\n"
+               "test \"aware\"\n  run\n  expect program.error == \"out of parts\" timeout 1s\nend\n");
+  Problems problems;
+  const auto tests = cell::find_tests(folder.path(), problems);
+  ASSERT_EQ(tests.size(), 2u);
+  cell::TestOptions options;
+  options.state_folder = folder.path() / "scratch" / "data";
+  const auto unaware = cell::run_test(tests[0], description::Catalogue({}), options);
+  ASSERT_FALSE(unaware.problems.empty());
+  EXPECT_EQ(unaware.problems.front().what, "out of parts");
+  EXPECT_EQ(unaware.problems.front().where.line, 3);
+  const auto aware = cell::run_test(tests[1], description::Catalogue({}), options);
+  EXPECT_TRUE(aware.problems.empty()) << aware.problems.front().text();
+}
+
+TEST_F(ProgramControl, ComparesTellsTheFirstLineThatCannotBeDone) {
+  cell::CompareOptions options;
+  options.overrides.robot = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+  options.state_folder = folder.path() / "scratch" / "data";
+  const cell::RobotVerdict well = cell::try_robot(folder.path(), description::Catalogue({}), options);
+  EXPECT_TRUE(well.runs) << well.problem->text();
+  EXPECT_EQ(well.cycles, 3u);
+  ASSERT_TRUE(well.cycle_s);
+  EXPECT_GT(*well.cycle_s, 0.1);
+  ASSERT_TRUE(well.limit);
+  EXPECT_GT(well.limit->where.line, 0);
+  ASSERT_TRUE(well.singularity);
+  folder.write("job.script", "load work\nlog(1)\nmovel pose(20m)\n");
+  const cell::RobotVerdict badly = cell::try_robot(folder.path(), description::Catalogue({}), options);
+  EXPECT_FALSE(badly.runs);
+  ASSERT_TRUE(badly.problem);
+  EXPECT_EQ(badly.problem->where.line, 3);
+}
+
+TEST_F(ProgramControl, AMoveKeepsNearTheJointsThatItIsToldAndLiftsWhatTheRobotMay) {
+  folder.write("job.script",
+               "movej joints(0deg, -60deg, 60deg, 0deg, 60deg, 0deg)\n"
+               "let p = here()\n"
+               "movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"
+               "movej p, near joints(0deg, -60deg, 60deg, 0deg, 60deg, 0deg)\n"
+               "log(\"there\")\nwait 10s\n");
+  begin();
+  run_to(6);
+  const std::vector<double> wanted = {0, -M_PI / 3, M_PI / 3, 0, M_PI / 3, 0};
+  const auto at = cell().joint_places().commanded(cell().snapshot());
+  ASSERT_EQ(at.size(), 6u);
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(at[j], wanted[j], 1e-6) << j;
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,121 @@
+/// Tests, comparisons and cut-off runs of programs, as a user types them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "polyarm/base/file.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Finished;
+using test::Folder;
+using test::run_command;
+
+class Programs : public ::testing::Test {
+ protected:
+  Programs() {
+    folder.write("work.data", "Name: Placed\nNum: 0\nName: Repeat\nBool: True\n");
+    folder.write("job.script",
+                 "load work\nlet step = 1\nwhile Repeat\n"
+                 "  movej joints(10deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"
+                 "  set Placed = Placed + step\n"
+                 "  movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"
+                 "  if Placed == 20\n    set Repeat False\n  end\nend\n");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf + ", hardware: mock}\nprogram: job\n");
+  }
+  std::string placed() {
+    const std::string text = read_file(folder.path() / ".state" / "data" / "work.data");
+    const auto at = text.find("Num: ");
+    return text.substr(at + 5, text.find('\n', at) - at - 5);
+  }
+
+  Folder folder;
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+};
+
+TEST_F(Programs, TestsRunApartAndTellInEveryForm) {
+  folder.write("tests.script",
+               "test \"counts\"\n  run\n  expect Placed == 2 timeout 20s\nend\n"
+               "test \"counts <wrong>\"\n  run\n  expect Placed < 1 timeout 5s\n  wait 5s\n  expect Placed "
+               "== 99\nend\n"
+               "test \"counts again\"\n  expect Placed == 0\n  run\n  expect Placed == 1 timeout 20s\nend\n");
+  const std::string report = (folder.path() / "results.xml").string();
+  const Finished all = run_command({"test", folder.path().string(), "--junit", report, "-j", "2"});
+  EXPECT_EQ(all.exit_code, 1) << all.output;
+  EXPECT_NE(all.output.find("3 tests, 2 passed, 1 failed"), std::string::npos) << all.output;
+  EXPECT_NE(all.output.find("tests.script:9:"), std::string::npos) << all.output;
+  const std::string xml = read_file(report);
+  EXPECT_NE(xml.find("tests=\"3\" failures=\"1\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("name=\"counts &lt;wrong&gt;\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<failure message=\"expected Placed == 99; Placed is "), std::string::npos) << xml;
+  EXPECT_EQ(run_command({"test", folder.path().string(), "--only", "again"}).exit_code, 0);
+  EXPECT_EQ(read_file(folder.path() / "work.data").find("Num: 0"), std::string("Name: Placed\n").size());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ".state"));
+  const auto told = run_command({"test", folder.path().string(), "--only", "wrong", "--json"}).result();
+  EXPECT_EQ(told["passed"], false);
+}
+
+TEST_F(Programs, AFileOfTestsThatIsWrongFailsWithEveryError) {
+  folder.write("tests.script", "test \"one\"\n  movel A\n  expec True\nend\n");
+  const Finished told = run_command({"test", folder.path().string()});
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.output.find("did you mean 'expect'"), std::string::npos) << told.output;
+}
+
+TEST_F(Programs, ARunThatWasCutOffGoesOn) {
+  const std::string cell = folder.path().string();
+  EXPECT_EQ(run_command({"run", cell, "--fast", "--seconds", "4", "--quiet"}).exit_code, 0);
+  const std::string before = placed();
+  EXPECT_GT(std::stoi(before), 1);
+  EXPECT_LT(std::stoi(before), 19);
+  const Finished asks = run_command({"run", cell, "--fast", "--continue"});
+  EXPECT_NE(asks.exit_code, 0) << "nobody said that it may";
+  EXPECT_NE(asks.output.find("step = 1"), std::string::npos) << asks.output;
+  const Finished more = run_command({"run", cell, "--fast", "--continue", "--yes", "--seconds", "1"});
+  EXPECT_EQ(more.exit_code, 0) << more.output;
+  EXPECT_GE(std::stoi(placed()), std::stoi(before));
+  EXPECT_EQ(run_command({"run", cell, "--fast", "--continue", "--yes"}).exit_code, 0);
+  EXPECT_EQ(placed(), "20");
+  const Finished nothing = run_command({"run", cell, "--fast", "--continue", "--yes"});
+  EXPECT_NE(nothing.exit_code, 0);
+  EXPECT_NE(nothing.output.find("no program was cut off here"), std::string::npos) << nothing.output;
+}
+
+TEST_F(Programs, ARunBeginsAtALine) {
+  const Finished run =
+      run_command({"run", folder.path().string(), "--fast", "--from", "5", "--yes", "--seconds", "1"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_NE(run.output.find("last point before it"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("step = 1"), std::string::npos) << run.output;
+}
+
+TEST_F(Programs, RobotsAreComparedByWhatTheyCan) {
+  folder.write(
+      "far.script",
+      "load work\nmovej joints(10deg, -90deg, 0deg, 0deg, 0deg, 0deg)\nmovel offset(here(), z = 3m)\n");
+  const Finished well =
+      run_command({"compare", folder.path().string(), "--robots", urdf + "," + urdf, "--json"});
+  EXPECT_EQ(well.exit_code, 0) << well.output;
+  const auto told = nlohmann::json::parse(well.output);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0], told[1]);
+  EXPECT_TRUE(told[0]["runs"]);
+  EXPECT_GT(told[0]["cycle_s"], 0.1);
+  EXPECT_GE(told[0]["nearest_singularity"]["value"], 0);
+  const Finished badly = run_command({"compare", (folder.path() / "far.script").string(), "--robots", urdf});
+  EXPECT_EQ(badly.exit_code, 1);
+  EXPECT_NE(badly.output.find("far.script:3"), std::string::npos) << badly.output;
+}
+
+TEST_F(Programs, TheReferencePageIsWhatTheCommandWrites) {
+  EXPECT_EQ(run_command({"language", "page"}).output,
+            read_file(POLYARM_SOURCE_DIR "/docs/language-reference.md"));
+}
+
+}  // namespace
+}  // namespace polyarm
