@@ -92,7 +92,10 @@ class Timer {
  private:
   /// From other guesses, while they are worth their time; the best of all stays.
   void guess_again() {
-    const Guess others[] = {{.slow_places = true}, {.rounded = false}, {.slow_places = true, .fineness = 2}};
+    const Guess others[] = {{.slow_places = true},
+                            {.rounded = false},
+                            {.slow_places = true, .fineness = 2},
+                            {.rounded = false, .slow_places = true, .fineness = 2}};
     for (const Guess& guess : others) {
       const bool dear = double(timing_.iterations) * double(timing_.grid.size()) > kDear;
       if (check_.stretch <= kFailed || (dear && check_.stretch < kHopeless)) return;
