@@ -66,8 +66,10 @@ struct Wanted {
 };
 
 int list_robots(int argc, char** argv) {
-  CLI::App app("Finds robots of the catalogue; `add` adds one, `picture` draws one, `page` writes of all",
-               "polyarm robots");
+  CLI::App app(
+      "Finds robots of the catalogue; `add` adds one, `remove` removes one that was added, `picture` draws "
+      "one, `page` writes of all",
+      "polyarm robots");
   bool json = false, names = false;
   Wanted wanted;
   wanted.add_to(app);
@@ -101,6 +103,7 @@ int list_robots(int argc, char** argv) {
 int run_robots(int argc, char** argv) {
   const std::string verb = argc > 1 ? argv[1] : "";
   if (verb == "add") return run_robots_add(argc - 1, argv + 1);
+  if (verb == "remove") return run_robots_remove(argc - 1, argv + 1);
   if (verb == "picture") return run_robots_picture(argc - 1, argv + 1);
   if (verb == "page") return run_robots_page(argc - 1, argv + 1);
   return list_robots(argc, argv);

@@ -1,8 +1,9 @@
 #pragma once
-/// `polyarm robots add | picture | page`. argv[0] is that word.
+/// `polyarm robots add | remove | picture | page`. argv[0] is that word.
 namespace polyarm::apps {
 
 int run_robots_add(int argc, char** argv);
+int run_robots_remove(int argc, char** argv);
 int run_robots_picture(int argc, char** argv);
 int run_robots_page(int argc, char** argv);
 

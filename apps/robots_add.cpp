@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apps/options.hpp"
 #include "apps/robots.hpp"
 #include "polyarm/base/text.hpp"
@@ -73,6 +75,26 @@ int run_robots_add(int argc, char** argv) {
              model.links[static_cast<std::size_t>(model.tool_link())].name,
              arm ? "closed form: " + arm.report() : arm.report(), stored.string());
   if (!folder.empty()) fmt::print("  POLYARM_ROBOTS={} makes it known\n", where.string());
+  return kOk;
+}
+
+int run_robots_remove(int argc, char** argv) {
+  CLI::App app("Takes a robot that `polyarm robots add` has added out of the catalogue",
+               "polyarm robots remove");
+  std::string name, folder;
+  app.add_option("name", name, "maker/model")->required();
+  app.add_option("--folder", folder, "where from (by default ~/.config/polyarm/robots)");
+  app.footer(
+      examples({"polyarm robots remove acme/one", "polyarm robots remove acme/one --folder my_cell/robots"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  const std::filesystem::path where =
+      folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
+  if (where.empty()) throw Error("no-folder", "there is no home folder that robots are in", "say --folder");
+  const std::filesystem::path removed = description::remove_robot(name, where);
+  fmt::print("{}: {} removed\n", name, removed.string());
+  const std::vector<std::string> left = open_catalogue().names();
+  if (std::find(left.begin(), left.end(), name) != left.end())
+    fmt::print("  the catalogue has another robot of that name, which is used now\n");
   return kOk;
 }
 

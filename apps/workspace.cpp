@@ -1,13 +1,17 @@
+#include "apps/workspace.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "apps/options.hpp"
-#include "apps/workspace.hpp"
 #include "apps/workspace_map.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/robots.hpp"
 #include "polyarm/description/tools.hpp"
 
 namespace polyarm::apps {
@@ -36,14 +40,54 @@ std::string image_of(const std::filesystem::path& file, const WorkspaceMap& map,
               "name a file that ends so");
 }
 
+/// The arm that is asked about: alone, or as it stands in a cell.
+struct Subject {
+  std::string name;
+  std::optional<kinematics::Chain> chain;
+  std::vector<double> home;
+  motion::Workspace allowed;
+};
+
+Subject alone(const std::string& robot, const std::string& tool) {
+  Problems warnings;
+  const description::RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
+  Subject out;
+  out.name = model.name;
+  out.chain.emplace(model, model.tool_link(), Pose{}, description::find_tool(tool, ".").tcp);
+  const auto named = model.named_states.find("home");
+  out.home =
+      named != model.named_states.end() ? named->second : std::vector<double>(out.chain->joints(), 0.0);
+  return out;
+}
+
+/// The cell's robot called `name`; its only one where that is empty.
+Subject in_cell(const std::string& folder, const std::string& name) {
+  Problems problems;
+  std::vector<std::string> notes, names;
+  const cell::CellFile file = cell::read_cell_file(folder);
+  const cell::CellRobots robots = cell::resolve_robots(file, open_catalogue(), false, problems, notes);
+  problems.throw_if_errors();
+  for (const auto& robot : robots) {
+    names.push_back(robot->entry.name);
+    if (robot->entry.name != name && (!name.empty() || robots.size() > 1)) continue;
+    return {robot->entry.name, robot->facts->chain, robot->facts->home, robot->workspace};
+  }
+  throw Error("unknown-name",
+              name.empty() ? "this cell has several robots"
+                           : "the cell has no robot '" + name + "'" + did_you_mean(name, names),
+              "name one of them: " + join(names, ", "));
+}
+
 }  // namespace
 
 int run_workspace(int argc, char** argv) {
   CLI::App app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
-  std::string robot, tool = "none", orientation = "down", image, data;
+  std::string robot, folder, tool = "none", orientation = "down", image, data;
   std::vector<double> rpy;
   WorkspaceQuestion question;
-  app.add_option("robot", robot, "catalogue name, or a URDF or robot file")->required();
+  app.add_option("robot", robot, "catalogue name, or a URDF or robot file; with --cell one of its robots");
+  app.add_option("--cell", folder, "a cell: its robot where it stands, with its tool, limits and workspace")
+      ->check(CLI::ExistingPath);
   app.add_option("--plane", question.plane, "xz (the default), xy or yz")
       ->check(CLI::IsMember({"xz", "xy", "yz"}));
   app.add_option("--at", question.at, "where the plane lies along its third axis, m (0)");
@@ -56,26 +100,30 @@ int run_workspace(int argc, char** argv) {
   app.add_option("--data", data, "table, .csv: position, reached, manipulability, joint values");
   app.footer(examples(
       {"polyarm workspace universal_robots/ur5e --image ur5e.svg",
+       "polyarm workspace --cell my_cell --plane xy --at 0.1 --image cell.svg",
        "polyarm workspace abb/irb_120 --plane xy --at 0.2 --data irb.csv",
        "polyarm workspace kuka/lbr_iiwa_7_r800 --orientation any --resolution 60 --image iiwa.png"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!image.empty()) image_of(image, {}, question, {});
-  Problems warnings;
-  const description::RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
-  const kinematics::Chain chain(model, model.tool_link(), {}, description::find_tool(tool, ".").tcp);
-  const auto named = model.named_states.find("home");
-  const std::vector<double> home =
-      named != model.named_states.end() ? named->second : std::vector<double>(chain.joints(), 0.0);
+  if (robot.empty() && folder.empty())
+    throw Error("no-robot", "no robot is named", "say universal_robots/ur5e, or --cell and a folder");
+  if (!folder.empty() && app.count("--tool") > 0)
+    throw Error("bad-value", "--tool and --cell: the cell says which tool its robot has",
+                "leave one of them out");
+  const Subject subject = folder.empty() ? alone(robot, tool) : in_cell(folder, robot);
+  const kinematics::Chain& chain = *subject.chain;
+  const std::vector<double>& home = subject.home;
+  question.allowed = subject.allowed;
   question.rotation = rotation_of(orientation, rpy, chain, home);
   const WorkspaceMap map = map_workspace(chain, home, question, tell);
   if (!image.empty())
-    write_file_atomically(image,
-                          image_of(image, map, question,
-                                   fmt::format("{}: {} plane at {:g} m, tool {}", model.name, question.plane,
-                                               question.at, rpy.empty() ? orientation : "as given")));
+    write_file_atomically(
+        image, image_of(image, map, question,
+                        fmt::format("{}: {} plane at {:g} m, tool {}", subject.name, question.plane,
+                                    question.at, rpy.empty() ? orientation : "as given")));
   if (!data.empty()) write_file_atomically(data, csv_of(map, chain));
   fmt::print("{}: {} of {} cells of {:.3g} m reached ({:.3g} m²), best manipulability {:.3f}, by {}\n",
-             model.name, map.reached(), map.cells.size(), map.cell,
+             subject.name, map.reached(), map.cells.size(), map.cell,
              static_cast<double>(map.reached()) * map.cell * map.cell, map.best_manipulability(),
              map.closed_form ? "closed form" : "iteration");
   return kOk;

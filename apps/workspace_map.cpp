@@ -34,22 +34,23 @@ Vec3 placed(const std::array<int, 3>& axes, double across, double up, double thi
 class Asker {
  public:
   Asker(const Chain& chain, std::vector<double> home, const std::optional<Quaternion>& rotation)
-      : chain_(chain), solver_(chain, options_of(!rotation)), home_(std::move(home)), rotation_(rotation) {}
+      : solver_(chain, options_of(!rotation)), home_(std::move(home)), rotation_(rotation) {}
   bool closed_form() const { return closed() && closed().complete() && rotation_; }
 
-  /// A joint state for the TCP at `position`; empty where none was found.
-  std::vector<double> ask(const Vec3& position, const std::vector<double>& neighbour) const {
-    if (norm(position - chain_.reach_center()) > chain_.reach() * 1.001) return {};
-    const Pose target{position, rotation_.value_or(Quaternion{})};
-    const std::vector<double>& seed = neighbour.empty() ? home_ : neighbour;
-    if (closed_form()) {
-      kinematics::IkSolution found;
-      const auto outcome = closed().solve(target, seed, found);
-      if (outcome != kinematics::IkOutcome::solved) return {};
-      return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(chain_.joints())};
+  /// Joint states for the TCP at these places; empty where none was found. `above`: what was found for the
+  /// row before.
+  std::vector<std::vector<double>> ask(const std::vector<Vec3>& places,
+                                       const std::vector<std::vector<double>>& above) const {
+    if (closed_form()) return ask_at_once(places);
+    std::vector<std::vector<double>> out;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const std::vector<double>& seed = !above[k].empty()              ? above[k]
+                                        : k > 0 && !out[k - 1].empty() ? out[k - 1]
+                                                                       : home_;
+      const kinematics::IkResult found = solver_.solve({places[k], rotation_.value_or(Quaternion{})}, seed);
+      out.push_back(found ? found.q : std::vector<double>{});
     }
-    const kinematics::IkResult found = solver_.solve(target, seed);
-    return found ? found.q : std::vector<double>{};
+    return out;
   }
 
  private:
@@ -63,7 +64,19 @@ class Asker {
   }
   const kinematics::InverseKinematics& closed() const { return solver_.closed_form(); }
 
-  const Chain& chain_;
+  std::vector<std::vector<double>> ask_at_once(const std::vector<Vec3>& places) const {
+    std::vector<Pose> targets;
+    for (const Vec3& place : places) targets.push_back({place, *rotation_});
+    std::vector<kinematics::IkSolution> found(targets.size());
+    std::vector<kinematics::IkOutcome> outcomes(targets.size());
+    closed().solve_batch(targets, home_, found, outcomes);
+    std::vector<std::vector<double>> out(targets.size());
+    for (std::size_t k = 0; k < targets.size(); ++k)
+      if (outcomes[k] == kinematics::IkOutcome::solved)
+        out[k].assign(found[k].q.begin(), found[k].q.begin() + static_cast<std::ptrdiff_t>(home_.size()));
+    return out;
+  }
+
   kinematics::ArmSolver solver_;
   std::vector<double> home_;
   std::optional<Quaternion> rotation_;
@@ -190,21 +203,33 @@ WorkspaceMap map_workspace(const Chain& chain, const std::vector<double>& home,
   out.cell = 2 * chain.reach() / question.resolution;
   out.left = center[static_cast<std::size_t>(axes[0])] - chain.reach();
   out.top = center[static_cast<std::size_t>(axes[1])] + chain.reach();
+  const auto columns = static_cast<std::size_t>(out.columns);
+  std::vector<std::vector<double>> above(columns);
   for (int row = 0; row < out.rows; ++row) {
-    for (int column = 0; column < out.columns; ++column) {
+    std::vector<std::size_t> asked;
+    std::vector<Vec3> places;
+    std::vector<std::vector<double>> seeds;
+    for (std::size_t column = 0; column < columns; ++column) {
       WorkspaceCell cell;
-      cell.position =
-          placed(axes, out.left + (column + 0.5) * out.cell, out.top - (row + 0.5) * out.cell, question.at);
-      const std::size_t at = out.cells.size();
-      const std::vector<double> beside = column > 0 ? out.cells[at - 1].q : std::vector<double>{};
-      const std::vector<double> above =
-          row > 0 ? out.cells[at - static_cast<std::size_t>(out.columns)].q : std::vector<double>{};
-      cell.q = asker.ask(cell.position, above.empty() ? beside : above);
-      if (cell.reached()) {
-        cell.manipulability = manipulability_of(chain, cell.q);
-        cell.smallest_singular_value = kinematics::smallest_singular_value(chain, cell.q);
+      cell.position = placed(axes, out.left + (static_cast<double>(column) + 0.5) * out.cell,
+                             out.top - (row + 0.5) * out.cell, question.at);
+      const bool near = norm(cell.position - chain.reach_center()) <= chain.reach() * 1.001;
+      if (near && !question.allowed.check(cell.position)) {
+        asked.push_back(out.cells.size());
+        places.push_back(cell.position);
+        seeds.push_back(above[column]);
       }
       out.cells.push_back(std::move(cell));
+    }
+    std::vector<std::vector<double>> found = asker.ask(places, seeds);
+    above.assign(columns, {});
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (found[k].empty()) continue;
+      WorkspaceCell& cell = out.cells[asked[k]];
+      above[asked[k] % columns] = found[k];
+      cell.q = std::move(found[k]);
+      cell.manipulability = manipulability_of(chain, cell.q);
+      cell.smallest_singular_value = kinematics::smallest_singular_value(chain, cell.q);
     }
     progress((row + 1.0) / out.rows);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/motion/workspace.hpp"
 
 namespace polyarm::apps {
 
@@ -14,6 +15,7 @@ struct WorkspaceQuestion {
   double at = 0;                       ///< the third coordinate, m
   int resolution = 80;                 ///< cells along the longer edge
   std::optional<Quaternion> rotation;  ///< of the TCP; none: any
+  motion::Workspace allowed;           ///< where the TCP may be; what is outside is not asked for
 };
 
 /// One cell of the grid. What is not reached has no joint state and zeros.
@@ -37,9 +39,10 @@ struct WorkspaceMap {
   std::size_t reached() const;
 };
 
-/// Asks for every cell within the arm's reach, closed form where the arm has one and the rotation is given,
-/// else descent from the neighbour's solution, from `home` and from random seeds; deterministic. `progress`
-/// hears the share that is done, once a row. Throws Error("bad-value").
+/// Asks for every cell within the arm's reach, a row at a time: the solution nearest to `home` in closed form
+/// where the arm has one and the rotation is given, else by descent from the neighbour's solution, from
+/// `home` and from random seeds; deterministic. `progress` hears the share that is done, once a row. Throws
+/// Error("bad-value").
 WorkspaceMap map_workspace(const kinematics::Chain& chain, const std::vector<double>& home,
                            const WorkspaceQuestion& question, const std::function<void(double)>& progress);
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/description/urdf.hpp"
 
 namespace polyarm::description {
@@ -95,6 +96,39 @@ fs::path store_robot(const RobotModel& model, const std::string& name, const fs:
                 "say where with --folder");
   write_file_atomically(file, write_urdf(model));
   return file;
+}
+
+std::vector<std::string> robots_in(const fs::path& folder) {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (const auto& maker : fs::directory_iterator(folder, error)) {
+    if (!maker.is_directory(error)) continue;
+    for (const auto& file : fs::directory_iterator(maker.path(), error))
+      if (file.path().extension() == ".urdf" || file.path().extension() == ".yaml")
+        out.push_back((maker.path().filename() / file.path().stem()).generic_string());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+fs::path remove_robot(const std::string& name, const fs::path& folder) {
+  check_name(name);
+  std::error_code error;
+  fs::path removed;
+  for (const char* ending : {".urdf", ".yaml", ".srdf"}) {
+    const fs::path file = folder / (name + ending);
+    if (!fs::exists(file, error) || (removed.empty() && file.extension() == ".srdf")) continue;
+    if (!fs::remove(file, error))
+      throw Error("not-removed", file.string() + " cannot be removed: " + error.message());
+    if (removed.empty()) removed = file;
+  }
+  if (removed.empty()) {
+    const std::vector<std::string> known = robots_in(folder);
+    throw Error("unknown-robot", folder.string() + " has no robot '" + name + "'" + did_you_mean(name, known),
+                known.empty() ? "no robot has been added there" : "there are: " + join(known, ", "));
+  }
+  if (fs::is_empty(removed.parent_path(), error)) fs::remove(removed.parent_path(), error);
+  return removed;
 }
 
 }  // namespace polyarm::description

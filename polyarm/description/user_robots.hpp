@@ -2,6 +2,7 @@
 /// Robots that a user adds to the catalogue: descriptions in a folder of the user's own.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "polyarm/description/robot_model.hpp"
 
@@ -22,5 +23,12 @@ void complete_for_catalogue(RobotModel& model, const std::filesystem::path& sour
 /// and underscores. Throws Error("bad-name" | "exists").
 std::filesystem::path store_robot(const RobotModel& model, const std::string& name,
                                   const std::filesystem::path& folder, bool replace);
+
+/// Takes the robot `name` of `folder` away, its SRDF too, and the maker's folder where nothing else is in it.
+/// Returns the description's file. Throws Error("bad-name" | "unknown-robot").
+std::filesystem::path remove_robot(const std::string& name, const std::filesystem::path& folder);
+
+/// The robots of that folder, as maker/model, by name.
+std::vector<std::string> robots_in(const std::filesystem::path& folder);
 
 }  // namespace polyarm::description

@@ -1,4 +1,6 @@
 /// The catalogue as the command shows it: finding, adding, drawing.
+#include "polyarm/description/catalogue.hpp"
+
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -9,6 +11,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/tools.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/lock_step_cell.hpp"
@@ -84,6 +87,34 @@ TEST_F(RobotsAdd, TakesADescriptionThatThenLoadsEverywhere) {
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_NE(again.output.find("--replace"), std::string::npos) << again.output;
   EXPECT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one", "--replace"}).exit_code, 0);
+}
+
+using RobotsRemove = OwnConfiguration;
+
+TEST_F(RobotsRemove, TakesAwayWhatWasAddedAndNothingElse) {
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+  for (const char* name : {"acme/one", "acme/two"})
+    ASSERT_EQ(run_command({"robots", "add", urdf, "--name", name}).exit_code, 0);
+  const Finished removed = run_command({"robots", "remove", "acme/one"});
+  EXPECT_EQ(removed.exit_code, 0) << removed.output;
+  const auto left = found({"--maker", "acme"});
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(left[0]["name"], "acme/two");
+  EXPECT_EQ(run_command({"robots", "remove", "acme/two"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_.path() / "polyarm/robots/acme"));
+}
+
+TEST_F(RobotsRemove, SaysWhatThereIsWhereTheNameIsNone) {
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+  ASSERT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one"}).exit_code, 0);
+  for (const auto& [name, piece] : {std::array<const char*, 2>{"acme/oen", "did you mean 'acme/one'"},
+                                    {"universal_robots/ur5e", "there are: acme/one"},
+                                    {"../acme/one", "is no name"}}) {
+    const Finished asked = run_command({"robots", "remove", name});
+    EXPECT_NE(asked.exit_code, 0) << name;
+    EXPECT_NE(asked.output.find(piece), std::string::npos) << asked.output;
+  }
+  EXPECT_EQ(found({"--maker", "acme"}).size(), 1u);
 }
 
 TEST_F(RobotsAdd, RefusesWhatIsNoArmWithReasons) {
@@ -219,6 +250,38 @@ TEST(Workspace, CellsThatAreReachedAreReached) {
   EXPECT_GT(down, 30u);
   EXPECT_GT(any, down);
   EXPECT_GT(checked_map("trossen_robotics/px100", "any"), 20u);  // four axes, by iteration
+}
+
+/// The robot of a cell where it stands, with its tool; what its workspace forbids is not reached.
+TEST(Workspace, OfACellKeepsToItsPlaceItsToolAndItsZones) {
+  const Folder folder;
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n"
+               "  arm: {model: universal_robots/ur5e, tool: suction_cup, at: [1, 0, 0.5]}\n"
+               "workspace: {floor: {plane: [0, 0, 0.4], normal: [0, 0, 1]}}\n");
+  const std::string data = (folder.path() / "map.csv").string();
+  const Finished made =
+      run_command({"workspace", "--cell", folder.path().string(), "--resolution", "20", "--data", data});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const auto model = description::Catalogue({kRobots}).load("universal_robots/ur5e");
+  const kinematics::Chain chain(model, model.tool_link(), {{1, 0, 0.5}, {}},
+                                description::find_tool("suction_cup", ".").tcp);
+  const auto rows = rows_of(read_file(data));
+  std::size_t reached = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (rows[k].at(3) != "1") continue;
+    ++reached;
+    const Vec3 place{value(rows[k][0]), value(rows[k][1]), value(rows[k][2])};
+    EXPECT_GE(place.z, 0.4);
+    std::vector<double> q;
+    for (std::size_t i = 6; i < rows[k].size(); ++i) q.push_back(value(rows[k][i]));
+    EXPECT_LT(norm(chain.forward(q).position - place), 1e-4);
+  }
+  EXPECT_GT(reached, 30u);
+  const Finished other =
+      run_command({"workspace", "amr", "--cell", folder.path().string(), "--resolution", "4"});
+  EXPECT_NE(other.exit_code, 0);
+  EXPECT_NE(other.output.find("did you mean 'arm'"), std::string::npos) << other.output;
 }
 
 TEST(Workspace, WritesPicturesAndRefusesWhatIsNone) {
