@@ -70,7 +70,7 @@ Subject in_cell(const std::string& folder, const std::string& name) {
   for (const auto& robot : robots) {
     names.push_back(robot->entry.name);
     if (robot->entry.name != name && (!name.empty() || robots.size() > 1)) continue;
-    return {robot->entry.name, robot->facts->chain, robot->facts->home, robot->workspace};
+    return {robot->entry.name, robot->facts->chain, robot->facts->home, robot->facts->workspace};
   }
   throw Error("unknown-name",
               name.empty() ? "this cell has several robots"
