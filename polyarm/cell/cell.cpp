@@ -262,9 +262,6 @@ void Cell::build_programs(Problems& problems) {
     test_ = std::make_unique<TestTask>(*this, std::move(tests), options_.test->index, context, problems);
   }
   if (!programs.program) return;
-  std::vector<ProgramMoves::Robot> robots;
-  for (std::size_t i = 0; i < robots_.size(); ++i)
-    robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
   const auto there = [](const auto& motion) { return motion != nullptr; };
   if (std::none_of(motions_.begin(), motions_.end(), there) &&
       std::none_of(bases_.begin(), bases_.end(), there))
@@ -281,7 +278,8 @@ void Cell::build_programs(Problems& problems) {
 
 void Cell::start_program(program::Program program) {
   std::vector<ProgramMoves::Robot> robots;
-  for (std::size_t i = 0; i < robots_.size(); ++i) robots.push_back({robots_[i].get(), motions_[i].get()});
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
   ProgramHost::Context context = program_context_;
