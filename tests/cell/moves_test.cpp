@@ -39,7 +39,7 @@ TEST(Moves, TheCircleIsACircle) {
   const Vec3 start = way.back(), center = start - Vec3{0, 0, 0.1};
   double length = 0;
   std::size_t begin = 0;
-  while (norm(way[begin] - start) > 1e-9) ++begin;  // on the way there
+  while (norm(way[begin] - start) > 1e-7) ++begin;  // on the way there
   ASSERT_GT(way.size() - begin, 1000u);
   for (std::size_t i = begin + 1; i < way.size(); ++i) {
     EXPECT_NEAR(norm(way[i] - center), 0.1, 1e-6);
