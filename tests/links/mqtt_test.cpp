@@ -220,7 +220,7 @@ TEST_F(Broker, IsAskedOverTls) {
   broker = nullptr;
   configure("certfile " + at + "/cert.pem\nkeyfile " + at + "/key.pem\n");
   start();
-  const std::string cell = ": {mqtt: client, host: localhost, port: PORT, tls: {ca: " + at +
+  const std::string cell = ": {mqtt: client, host: 127.0.0.1, port: PORT, tls: {ca: " + at +
                            "/cert.pem}, tags: {Count: {topic: c, type: number, direction: both}}}";
   const auto first = linked("one" + cell), second = linked("two" + cell);
   first->post("Count", 4);

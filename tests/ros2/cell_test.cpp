@@ -199,6 +199,7 @@ TEST_F(Ros2Cell, SwitchesControllersAsTheToolsDo) {
   })) << states->latest();
   EXPECT_TRUE(wait([&] {
     const json latest = activity->latest();
+    if (!latest.is_object()) return false;
     for (const json& c : latest["controllers"])
       if (c["name"] == "forward" && c["state"]["label"] == "active") return true;
     return false;
