@@ -109,7 +109,9 @@ TEST_P(JumpOnAThread, IsAFaultOfARealThread) {
   Rig rig(GetParam(), false, 1e-3);  // so slow that no machine is late enough to permit it
   for (int k = 0; k < 5; ++k) ASSERT_FALSE(rig.exchange()) << k;
   rig.placed->at = 0.9;
-  EXPECT_EQ(rig.exchange().kind, FaultKind::jump);
+  FaultKind seen = FaultKind::none;  // an exchange that was under way may still have the place before
+  for (int k = 0; k < 3 && seen == FaultKind::none; ++k) seen = rig.exchange().kind;
+  EXPECT_EQ(seen, FaultKind::jump);
 }
 
 TEST_P(JumpOnAThread, WhatAJointMovedDuringALongExchangeIsNone) {
