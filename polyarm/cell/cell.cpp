@@ -1,7 +1,5 @@
 #include "polyarm/cell/cell.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,20 +13,9 @@
 #include "polyarm/cell/program_tests.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
-#include "polyarm/program/parser.hpp"
 #include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
-
-namespace {
-/// A run in which nothing can happen any more is given this long, in cell time, before it is called a
-/// deadlock.
-constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
-/// Parts that were let go of are given this long to come to rest after the program has ended.
-constexpr Nanoseconds kSettlePatience = 2'000'000'000;
-/// A cell that only sends messages ends when nothing has moved for this long.
-constexpr Nanoseconds kSendSettle = 500'000'000;
-}  // namespace
 
 Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
            Observer& observer)
@@ -240,128 +227,6 @@ std::shared_ptr<hardware::Transition> Cell::begin_reload(const Remaking& remade)
                                 std::move(remade.made.component), remade.made.context);
 }
 
-void Cell::build_programs(Problems& problems) {
-  ProgramHost::Context context;
-  context.store = &store_;
-  context.files = files_.get();
-  context.answers = &answers_;
-  context.observer = &observer_;
-  context.now = &now_;
-  Programs programs = load_programs(file_, *files_, store_, problems, [&] {
-    links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
-                                         options_.lock_step && !options_.links, problems);
-    heartbeats_ = std::make_unique<Heartbeats>(signals_, store_, problems);
-  });
-  if (programs.plc) {
-    context.task = "plc";
-    plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
-  }
-  program_context_ = context;
-  if (options_.test) {
-    program::Program tests = program::load_program(options_.test->file.string());
-    test_ = std::make_unique<TestTask>(*this, std::move(tests), options_.test->index, context, problems);
-  }
-  if (!programs.program) return;
-  const auto there = [](const auto& motion) { return motion != nullptr; };
-  if (std::none_of(motions_.begin(), motions_.end(), there) &&
-      std::none_of(bases_.begin(), bases_.end(), there))
-    problems.error("no-motion", file_.program_where,
-                   "the program needs a robot whose joints a trajectory controller moves",
-                   "give the cell a robot, and leave 'controllers' out or name a "
-                   "joint_trajectory_controller for all joints");
-  if (test_) {
-    ready_program_ = std::move(programs.program);
-  } else {
-    start_program(std::move(*programs.program));
-  }
-}
-
-void Cell::start_program(program::Program program) {
-  std::vector<ProgramMoves::Robot> robots;
-  for (std::size_t i = 0; i < robots_.size(); ++i)
-    robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
-  program_.reset();
-  moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
-  ProgramHost::Context context = program_context_;
-  context.task = "program";
-  context.moves = moves_.get();
-  context.standing = [this] { return snapshot().standing; };
-  context.hold = [this](const std::string& reason, const Location& where) {
-    observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
-    loop_->supervisor().latch().request(realtime::StopKind::controlled);
-  };
-  program_ = std::make_unique<Task>("program", std::move(program), context);
-  if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
-  ended_at_ = -1;
-  finished_ = false;
-  if (!options_.test && options_.state_folder.empty())
-    safe_points_ =
-        std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
-}
-
-bool Cell::all_idle() const {
-  for (std::size_t i = 0; i < robots_.size(); ++i)
-    if (!idle(i)) return false;
-  return true;
-}
-
-program::StartReport Cell::prepare_program(const std::string& name, int line) {
-  if (program_ && !program_->ended()) {  // its `on stop` is done: the robots stand
-    program_->interpreter().stop();
-    program_->tick();
-  }
-  std::unique_ptr<Task> before = std::exchange(program_, nullptr);
-  std::unique_ptr<ProgramMoves> moves = std::move(moves_);
-  try {
-    begin_program(name, {});
-    program::StartReport report = program_->interpreter().start_at(line);
-    program_->interpreter().pause_here();
-    program_->refresh();
-    return report;
-  } catch (const Error&) {  // the one before stays as it was, at its end
-    program_ = std::move(before);
-    moves_ = std::move(moves);
-    throw;
-  }
-}
-
-program::StartReport Cell::continue_program() {
-  const SafePoint point = SafePoints::read(file_.folder / ".state" / "program.json");
-  if (!program_) throw Error("no-program", "the cell has no program");
-  program::StartReport report = program_->interpreter().restore(point.state);
-  for (const auto& [name, value] : point.values)
-    if (store_.find(name) && !store_.is_tag(name)) store_.set(name, value, "continue");
-  program_->refresh();
-  return report;
-}
-
-void Cell::keep_safe_point() {
-  if (program_ && safe_points_) safe_points_->finish(*program_);
-}
-
-void Cell::begin_program(const std::string& name, const Location& where) {
-  if (program_ && !program_->ended())
-    throw Error(Problem{"still-running", where, "the program is still running: " + program_->sentence(),
-                        "wait for its end, or stop it"});
-  for (std::size_t i = 0; i < robots_.size(); ++i)
-    if (!idle(i))
-      throw Error(Problem{"moving", where, "the robot '" + robots_[i]->entry.name + "' still moves", {}});
-  if (name.empty() && ready_program_) {
-    start_program(std::move(*ready_program_));
-    return ready_program_.reset();
-  }
-  CellFile file = file_;
-  if (!name.empty()) file.program = name, file.program_where = where;
-  file.plc.clear();
-  if (file.program.empty())
-    throw Error(Problem{"no-program", where, "the cell has no program", "name one: program: NAME"});
-  files_->flush();
-  Problems problems;
-  Programs programs = load_programs(file, *files_, store_, problems);
-  problems.throw_if_errors();
-  start_program(std::move(*programs.program));
-}
-
 Pose Cell::tcp(std::size_t robot) const {
   const CellRobot& r = *robots_[robot];
   std::array<double, 64> q{};
@@ -405,81 +270,6 @@ void Cell::follow_strangers(const control::Snapshot& snapshot) {
       if (const auto index = loop_->table().find_command(robots_[i]->joints[j].name + "/position"))
         if (std::isfinite(snapshot.commands[*index])) at[j] = snapshot.commands[*index];
     motions_[i]->set_planned(at);
-  }
-}
-
-void Cell::tell_loop_events() {
-  using Kind = control::LoopEvent::Kind;
-  control::ControllerManager& manager = loop_->controllers();
-  for (const control::LoopEvent& event : manager.take_events()) {
-    const bool hardware = event.kind == Kind::component_failed || event.kind == Kind::component_deactivated;
-    const auto who = static_cast<std::size_t>(event.who);
-    const std::string name = hardware ? loop_->hardware().component_name(who) : manager.name_of(event.who);
-    constexpr const char* kTexts[] = {
-        "the controller {} failed and is inactive, with all that works through it",
-        "the controller {} was stopped with what it works on",
-        "the controller {} took over",
-        "the hardware component {} failed",
-        "the hardware component {} asked to be deactivated",
-        "nothing new comes for the controller {}: what it was sent last has ended"};
-    std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
-    if (const std::string reason = hardware ? loop_->hardware().reason(who) : ""; !reason.empty())
-      text += ": " + reason;
-    observer_.on_note(text);
-    if (hardware || event.kind == Kind::controller_failed) falling_ = hardware ? name : "";
-    if (event.kind == Kind::controller_stopped && !falling_.empty()) fallen_[falling_].push_back(name);
-    if (event.kind == Kind::component_failed) calls_.post(who, hardware::Step::error);
-    if (event.kind == Kind::component_deactivated) calls_.post(who, hardware::Step::deactivate);
-  }
-  calls_.tick(loop_->hardware(), now_);
-}
-
-namespace {
-/// 1, 10, 100, …: told at once, and then not a thousand times a second.
-bool is_worth_telling(std::uint64_t count) {
-  while (count % 10 == 0) count /= 10;
-  return count == 1;
-}
-}  // namespace
-
-void Cell::tell_overruns() {
-  const auto tell = [this](const std::string& name, const realtime::Overrun& overrun, const char* advice) {
-    const std::uint64_t count = ++overruns_[{name, overrun.callback}];
-    if (!is_worth_telling(count)) return;
-    observer_.on_note(fmt::format("{}: {} took {:.3f} ms in cycle {}, its budget is {:.3f} ms{} ({})", name,
-                                  overrun.callback, static_cast<double>(overrun.took) * 1e-6, overrun.cycle,
-                                  static_cast<double>(overrun.budget) * 1e-6,
-                                  count == 1 ? "" : fmt::format("; {} times now", count), advice));
-  };
-  realtime::Overrun overrun;
-  while (loop_->hardware().take_overrun(overrun))
-    tell(loop_->hardware().component_name(static_cast<std::size_t>(overrun.who)), overrun,
-         "is_async=\"true\" of its <ros2_control> gives it a thread of its own");
-  while (loop_->controllers().take_overrun(overrun))
-    tell(loop_->controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
-}
-
-/// What the machine refused a component's thread, and that it is late: once.
-void Cell::tell_threads() {
-  hardware::Hardware& hardware = loop_->hardware();
-  told_threads_.resize(hardware.size());
-  for (std::int32_t who = 0; hardware.take_late(who);) {
-    const auto i = static_cast<std::size_t>(who);
-    const realtime::ThreadHealth& health = *hardware.thread_health(i);
-    constexpr const char* kThen[] = {"it goes on", "the loop stops on the path and holds", "it is taken off"};
-    observer_.on_note(
-        fmt::format("the thread of {} is late: {} runs were, and {} missed their turn; {} "
-                    "('overrun' of its thread); polyarm health shows its times",
-                    hardware.component_name(i), std::uint64_t{health.late}, std::uint64_t{health.missed},
-                    kThen[static_cast<std::size_t>(hardware.when_late(i))]));
-  }
-  for (std::size_t i = 0; i < hardware.size(); ++i) {
-    const realtime::ThreadHealth* health = hardware.thread_health(i);
-    const unsigned refused = health ? health->refused.load(std::memory_order_acquire) : 0;
-    if (refused == 0 || std::exchange(told_threads_[i], 1)) continue;
-    for (const std::string& text : realtime::refusals(refused, hardware.thread_options(i),
-                                                      "the thread of " + hardware.component_name(i)))
-      observer_.on_note(text);
   }
 }
 
@@ -638,28 +428,6 @@ void Cell::tick(Nanoseconds now) {
   watch_end(now);
 }
 
-/// A link or a sign of life that is missed holds the cell; who resumes it meanwhile is held again.
-void Cell::watch_links(Nanoseconds now, const control::Snapshot& snapshot) {
-  for (const Problem& problem : links_->take_news()) observer_.on_problem(now, problem);
-  if (!links_ready_) {
-    links_ready_ = links_->ready();
-    if (!links_ready_ && now > 1'000'000'000 && !std::exchange(told_waiting_, true))
-      for (const CellLinks::Status& link : links_->status())
-        if (!link.state.was_up)
-          observer_.on_note("the programs begin when the link '" + link.entry->name +
-                            "' is there: " + link.state.reason);
-  }
-  const std::optional<std::string> lost = links_->lost();
-  const std::optional<std::string>& why = lost ? lost : heartbeats_->stopped();
-  missed_ = why.has_value();
-  const bool works = (program_ && !program_->ended()) || jogging_->engaged();
-  if (!missed_ || !works || snapshot.state != control::RunState::running) return;
-  if (loop_->supervisor().latch().requested() != realtime::StopKind::none) return;
-  observer_.on_problem(now, {"held", program_ ? program_->status().where : Location{}, *why,
-                             "mend it, then polyarm control resume", Severity::warning});
-  loop_->supervisor().latch().request(realtime::StopKind::controlled);
-}
-
 /// Tags to interfaces and links, or what their rules say.
 void Cell::write_outputs(Nanoseconds now, const control::Snapshot& snapshot) {
   const bool over = failure_ || (program_ ? program_->ended() : plc_ && plc_->ended());
@@ -679,13 +447,6 @@ bool Cell::outputs_settled() const {
                                  [](const signals::Tag& tag) { return tag.rules.on_stop.has_value(); });
   if (stopped_at_ < 0 || (!ruled && !links_->any())) return true;
   return now_ - stopped_at_ > kHardware && (links_->idle() || now_ - stopped_at_ > kFarSide);
-}
-
-void Cell::tick_program(Nanoseconds now) {
-  if (!safe_points_) return program_->tick();
-  const auto look = [&] { safe_points_->tick(now, *program_, store_); };
-  program_->tick(look);
-  look();
 }
 
 /// Before the programs, for what has arrived; after them, for what they want next.
@@ -751,55 +512,6 @@ bool Cell::moves_as_planned_now() const {
   return any;
 }
 
-const char* Cell::control_holder() const {
-  if (jogging_->engaged()) return "jog";
-  return program_ && !program_->ended() ? "program" : "nobody";
-}
-
-void Cell::tell_changes(Nanoseconds now) {
-  if (store_.version() == told_version_) return;
-  for (const data::Change& change : store_.changes_since(told_version_))
-    if (change.now && change.old && change.who != "state")
-      observer_.on_tag(now, change.name, change.now->text(), change.who);
-  told_version_ = store_.version();
-}
-
-void Cell::fail(Nanoseconds now, Problem problem) {
-  if (failure_) return;
-  observer_.on_problem(now, problem);
-  failure_ = Failure{std::move(problem), now};
-  for (const auto& motion : motions_)
-    if (motion) motion->drop();
-  drop_bases();
-  loop_->supervisor().latch().request(realtime::StopKind::controlled);
-}
-
-void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
-  const hardware::WorldState& world = snapshot.world;
-  const auto& names = loop_->hardware().world_names();
-  for (; findings_seen_ < world.finding_count; ++findings_seen_) {
-    if (findings_seen_ >= hardware::WorldState::kMaxFindings) continue;
-    const hardware::Contact& contact = world.findings[static_cast<std::size_t>(findings_seen_)];
-    const auto called = [&](int id) {
-      return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)]
-                                                            : "something";
-    };
-    Problem problem{"contact", program_ ? program_->status().where : Location{},
-                    fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", called(contact.a),
-                                called(contact.b), seconds(contact.time), 1e3 * contact.depth),
-                    "move the points or the obstacle, or run with --allow-contact"};
-    if (options_.allow_contact) {
-      problem.severity = Severity::warning;
-      observer_.on_problem(now, problem);
-    } else {
-      fail(now, std::move(problem));
-    }
-  }
-  watch_faults(now, snapshot);
-  watch_groups(now, snapshot);
-  if (const auto note = recorder_.tick(now, *loop_, *worker_)) observer_.on_note(*note);
-}
-
 void Cell::set_armed() {
   arming_->set_armed(now_);
   for (std::size_t i = 0; i < motions_.size(); ++i) {  // moves begin where the robot is
@@ -812,122 +524,11 @@ void Cell::set_armed() {
   }
 }
 
-/// A fault ends what works towards an end; a cell that waits for others is brought back by them.
-void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
-  const bool fault = snapshot.state == control::RunState::fault;
-  const bool news = fault && !std::exchange(in_fault_, fault);
-  in_fault_ = fault;
-  if (!news) return;
-  using Cause = control::StopCause;
-  const bool of_hardware = snapshot.cause == Cause::component || snapshot.cause == Cause::not_a_number ||
-                           snapshot.cause == Cause::jump || snapshot.cause == Cause::not_following ||
-                           snapshot.cause == Cause::late;
-  std::string who;
-  if (of_hardware && snapshot.culprit >= 0) {
-    const auto component = static_cast<std::size_t>(snapshot.culprit);
-    const std::string reason = loop_->hardware().reason(component);
-    who = " (" + loop_->hardware().component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
-  } else if (snapshot.cause == Cause::limits && snapshot.culprit >= 0) {
-    who = " (" + loop_->table().command_names()[static_cast<std::size_t>(snapshot.culprit)] + ")";
-  } else if (snapshot.cause == Cause::controller && snapshot.culprit >= 0) {
-    who = " (" + loop_->controllers().name_of(snapshot.culprit) + ")";
-  }
-  Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
-  const bool waits = waits_for_others();
-  problem.advice = !waits ? "see the recorded cycles of this run"
-                   : snapshot.cause == Cause::limits
-                       ? "polyarm control recover and resume; it may then be moved inwards only"
-                       : "polyarm hardware list and polyarm hardware recover";
-  if (!waits) return fail(now, std::move(problem));
-  observer_.on_problem(now, problem);
-  recorder_.begin(begin_record(*this, problem), now);
-}
-
-/// A fault of a robot whose fault stops nothing else: the run goes on, and does not end well.
-void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
-  hardware::Hardware& hardware = loop_->hardware();
-  fallen_seen_.resize(snapshot.fallen.size());
-  std::string told;  // what fell together is told once
-  for (std::size_t i = 0; i < snapshot.fallen.size(); ++i) {
-    const control::StopCause cause = snapshot.fallen[i];
-    const bool news = std::exchange(fallen_seen_[i], cause) == control::StopCause::none &&
-                      cause != control::StopCause::none;
-    if (!news || !hardware.contained(i) || snapshot.state == control::RunState::fault) continue;
-    if (std::exchange(told, hardware.group(i)) == hardware.group(i)) continue;
-    const std::string reason = hardware.reason(i), name = hardware.component_name(i);
-    Problem problem{
-        "fault",
-        {},
-        fmt::format("{} ({}{}); only what works on {} has stopped", control::name(cause), name,
-                    reason.empty() ? "" : ": " + reason, hardware.group(i)),
-        "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME"};
-    observer_.on_problem(now, problem);
-    group_faults_.push_back(problem);
-    if (waits_for_others()) recorder_.begin(begin_record(*this, problem), now);
-  }
-}
-
-void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
-  constexpr std::size_t kKept = 1000;
-  if (joint_places_.all().empty()) joint_places_ = JointPlaces(robots_, loop_->table());
-  held_place_.tick(snapshot, joint_places_);
-  const auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
-  if (!stop) return;
-  if (stops_.size() >= kKept) stops_.erase(stops_.begin());
-  stops_.push_back(*stop);
-  observer_.on_stop(now, *stop);
-  recorder_.note_stop(stop->sentence());
-}
-
-void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {
-  const auto stuck = [](const Task* task) {
-    return !task || task->ended() ||
-           (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
-  };
-  const bool quiet = !test_ && program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
-                     snapshot.standing && snapshot.world.at_rest && !parts_.anything_moving() &&
-                     snapshot.state == control::RunState::running && !files_->has_outside_writers() &&
-                     !links_->any() && store_.version() == quiet_version_;
-  quiet_version_ = store_.version();
-  if (!quiet) quiet_since_ = now;
-  if (now - quiet_since_ < kDeadlockPatience) return;
-  std::string waiting = program_->sentence();
-  if (plc_ && !plc_->ended()) waiting += "; " + plc_->sentence();
-  fail(now, {"deadlock", program_->status().where,
-             "every task waits, and no clock, link or motion can change what it waits for: " + waiting,
-             "check who is to set these tags"});
-}
-
-void Cell::watch_end(Nanoseconds now) {
-  for (Task* task : {program_.get(), plc_.get()})
-    if (task && task->failed())
-      fail(now, task->status().problem.value_or(
-                    Problem{"failed", task->status().where, task->name() + " failed", {}}));
-  if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
-  if (failure_) return;
-  if (!program_ && !file_.send.empty() && !started_) return;
-  if (!program_ && !file_.send.empty()) {  // what was sent has been done
-    if (!loop_->outbox().value().standing) ended_at_ = now;
-    finished_ = ended_at_ >= 0 && loop_->outbox().value().standing && now - ended_at_ > kSendSettle;
-    if (now - arming_->armed_at() > kSettlePatience && ended_at_ < 0) finished_ = true;
-    return;
-  }
-  if (!program_ || !program_->ended()) return;
-  if (ended_at_ < 0) ended_at_ = now;
-  const bool settled = !parts_.anything_moving() && loop_->outbox().value().standing;
-  finished_ = (settled || now - ended_at_ > kSettlePatience) && outputs_settled();
-}
-
 std::optional<std::uint64_t> Cell::first_motion_cycle() const {
   for (const controllers::JointTrajectoryController* follower : trajectory_controllers_)
     if (follower && follower->status().started_cycle.load() > 0)
       return follower->status().started_cycle.load() - 1;
   return std::nullopt;
-}
-
-void Cell::stop_programs() {
-  for (Task* task : {program_.get(), plc_.get()})
-    if (task) task->interpreter().stop();
 }
 
 }  // namespace polyarm::cell

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <utility>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/cell/build.hpp"
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/program_tests.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::cell {
+
+void Cell::build_programs(Problems& problems) {
+  ProgramHost::Context context;
+  context.store = &store_;
+  context.files = files_.get();
+  context.answers = &answers_;
+  context.observer = &observer_;
+  context.now = &now_;
+  Programs programs = load_programs(file_, *files_, store_, problems, [&] {
+    links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
+                                         options_.lock_step && !options_.links, problems);
+    heartbeats_ = std::make_unique<Heartbeats>(signals_, store_, problems);
+  });
+  if (programs.plc) {
+    context.task = "plc";
+    plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);
+  }
+  program_context_ = context;
+  if (options_.test) {
+    program::Program tests = program::load_program(options_.test->file.string());
+    test_ = std::make_unique<TestTask>(*this, std::move(tests), options_.test->index, context, problems);
+  }
+  if (!programs.program) return;
+  const auto there = [](const auto& motion) { return motion != nullptr; };
+  if (std::none_of(motions_.begin(), motions_.end(), there) &&
+      std::none_of(bases_.begin(), bases_.end(), there))
+    problems.error("no-motion", file_.program_where,
+                   "the program needs a robot whose joints a trajectory controller moves",
+                   "give the cell a robot, and leave 'controllers' out or name a "
+                   "joint_trajectory_controller for all joints");
+  if (test_) {
+    ready_program_ = std::move(programs.program);
+  } else {
+    start_program(std::move(*programs.program));
+  }
+}
+
+void Cell::start_program(program::Program program) {
+  std::vector<ProgramMoves::Robot> robots;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
+  program_.reset();
+  moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
+  ProgramHost::Context context = program_context_;
+  context.task = "program";
+  context.moves = moves_.get();
+  context.standing = [this] { return snapshot().standing; };
+  context.hold = [this](const std::string& reason, const Location& where) {
+    observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
+    loop_->supervisor().latch().request(realtime::StopKind::controlled);
+  };
+  program_ = std::make_unique<Task>("program", std::move(program), context);
+  if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
+  ended_at_ = -1;
+  finished_ = false;
+  if (!options_.test && options_.state_folder.empty())
+    safe_points_ =
+        std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
+}
+
+bool Cell::all_idle() const {
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (!idle(i)) return false;
+  return true;
+}
+
+program::StartReport Cell::prepare_program(const std::string& name, int line) {
+  if (program_ && !program_->ended()) {  // its `on stop` is done: the robots stand
+    program_->interpreter().stop();
+    program_->tick();
+  }
+  std::unique_ptr<Task> before = std::exchange(program_, nullptr);
+  std::unique_ptr<ProgramMoves> moves = std::move(moves_);
+  try {
+    begin_program(name, {});
+    program::StartReport report = program_->interpreter().start_at(line);
+    program_->interpreter().pause_here();
+    program_->refresh();
+    return report;
+  } catch (const Error&) {  // the one before stays as it was, at its end
+    program_ = std::move(before);
+    moves_ = std::move(moves);
+    throw;
+  }
+}
+
+program::StartReport Cell::continue_program() {
+  const SafePoint point = SafePoints::read(file_.folder / ".state" / "program.json");
+  if (!program_) throw Error("no-program", "the cell has no program");
+  program::StartReport report = program_->interpreter().restore(point.state);
+  for (const auto& [name, value] : point.values)
+    if (store_.find(name) && !store_.is_tag(name)) store_.set(name, value, "continue");
+  program_->refresh();
+  return report;
+}
+
+void Cell::keep_safe_point() {
+  if (program_ && safe_points_) safe_points_->finish(*program_);
+}
+
+void Cell::begin_program(const std::string& name, const Location& where) {
+  if (program_ && !program_->ended())
+    throw Error(Problem{"still-running", where, "the program is still running: " + program_->sentence(),
+                        "wait for its end, or stop it"});
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (!idle(i))
+      throw Error(Problem{"moving", where, "the robot '" + robots_[i]->entry.name + "' still moves", {}});
+  if (name.empty() && ready_program_) {
+    start_program(std::move(*ready_program_));
+    return ready_program_.reset();
+  }
+  CellFile file = file_;
+  if (!name.empty()) file.program = name, file.program_where = where;
+  file.plc.clear();
+  if (file.program.empty())
+    throw Error(Problem{"no-program", where, "the cell has no program", "name one: program: NAME"});
+  files_->flush();
+  Problems problems;
+  Programs programs = load_programs(file, *files_, store_, problems);
+  problems.throw_if_errors();
+  start_program(std::move(*programs.program));
+}
+
+void Cell::tick_program(Nanoseconds now) {
+  if (!safe_points_) return program_->tick();
+  const auto look = [&] { safe_points_->tick(now, *program_, store_); };
+  program_->tick(look);
+  look();
+}
+
+const char* Cell::control_holder() const {
+  if (jogging_->engaged()) return "jog";
+  return program_ && !program_->ended() ? "program" : "nobody";
+}
+
+void Cell::stop_programs() {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task) task->interpreter().stop();
+}
+
+}  // namespace polyarm::cell
