@@ -24,6 +24,10 @@ function(polyarm_room name)
   endif()
 endfunction()
 
+# Test programs whose files may be compiled together, some at a time: half the time of a clean build. Their files
+# share a name only for the same thing.
+set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics)
+
 # Tests are compiled in the least time, but for those that reckon much.
 set(POLYARM_RECKONING_TESTS kinematics trajectory motion catalogue)
 set(test_options "")
@@ -57,6 +61,9 @@ function(polyarm_test name)
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE ${ARGN} GTest::gtest_main)
   polyarm_compiled_as_test(test_${name} ${name})
+  if(name IN_LIST POLYARM_TESTS_TOGETHER)
+    set_target_properties(test_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+  endif()
   target_compile_definitions(test_${name} PRIVATE POLYARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   POLYARM_COMMAND="$<TARGET_FILE:polyarm>")
   # The live tests run on the wall clock, one after the other and with nothing beside them.

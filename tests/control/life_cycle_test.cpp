@@ -107,9 +107,9 @@ class Counter : public controllers::Controller {
   }
 };
 
-struct Bench {
+struct LifeCycleBench {
   ControlLoop loop{LoopOptions{}};
-  Bench(std::vector<std::string> parts = {"arm"}, hardware::HostOptions options = {}) {
+  LifeCycleBench(std::vector<std::string> parts = {"arm"}, hardware::HostOptions options = {}) {
     Part::scripts().clear();
     loop.supervisor().watch_cell = false;
     for (const std::string& part : parts) {
@@ -155,7 +155,7 @@ std::string code_of(const std::function<void()>& work) {
 // --- components -------------------------------------------------------------------------------------------
 
 TEST(ComponentLife, GoesThroughEveryState) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   hardware::Hardware& h = b.loop.hardware();
   EXPECT_EQ(h.state_of(0), LifecycleState::active);
@@ -175,7 +175,7 @@ TEST(ComponentLife, GoesThroughEveryState) {
 }
 
 TEST(ComponentLife, IsReadWhenInactiveAndWrittenOnlyWhenActive) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   b.loop.hardware().begin_deactivate(0);
   b.loop.hardware().finish_deactivate(0);
@@ -190,7 +190,7 @@ TEST(ComponentLife, IsReadWhenInactiveAndWrittenOnlyWhenActive) {
 }
 
 TEST(ComponentLife, TransitionsBeginWhereTheyBegin) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   hardware::Hardware& h = b.loop.hardware();
   EXPECT_EQ(code_of([&] { h.configure(0); }), "wrong-state");
@@ -199,7 +199,7 @@ TEST(ComponentLife, TransitionsBeginWhereTheyBegin) {
 }
 
 TEST(ComponentLife, AFailureLeavesItWhereItWas) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   hardware::Hardware& h = b.loop.hardware();
   h.begin_deactivate(0);
@@ -215,7 +215,7 @@ TEST(ComponentLife, AFailureLeavesItWhereItWas) {
 TEST(ComponentLife, AnErrorLetsOnErrorDecide) {
   for (const auto& [verdict, state] : {std::pair{CallbackReturn::success, LifecycleState::unconfigured},
                                        std::pair{CallbackReturn::failure, LifecycleState::finalized}}) {
-    Bench b;
+    LifeCycleBench b;
     b.go();
     hardware::Hardware& h = b.loop.hardware();
     h.begin_deactivate(0);
@@ -228,7 +228,7 @@ TEST(ComponentLife, AnErrorLetsOnErrorDecide) {
 }
 
 TEST(ComponentLife, AReadErrorStopsWhoWorksOnItAndNobodyElse) {
-  Bench b({"left", "right"});
+  LifeCycleBench b({"left", "right"});
   b.add("l", "left/j/position");
   b.add("r", "right/j/position");
   b.loop.controllers().switch_now({{"l", "r"}, {}});
@@ -257,7 +257,7 @@ TEST(ComponentLife, AReadErrorStopsWhoWorksOnItAndNobodyElse) {
 }
 
 TEST(ComponentLife, OneThatAsksToBeDeactivatedIsStillRead) {
-  Bench b;
+  LifeCycleBench b;
   b.add("c", "arm/j/position");
   b.loop.controllers().activate("c");
   b.go();
@@ -275,7 +275,7 @@ TEST(ComponentLife, OneThatAsksToBeDeactivatedIsStillRead) {
 TEST(ComponentLife, AGroupFailsTogether) {
   hardware::HostOptions options;
   options.group = "base";
-  Bench b({"left", "right"}, options);
+  LifeCycleBench b({"left", "right"}, options);
   b.add("r", "right/j/position");
   b.loop.controllers().activate("r");
   b.go();
@@ -285,7 +285,7 @@ TEST(ComponentLife, AGroupFailsTogether) {
 }
 
 TEST(ComponentLife, AReplacementMustOfferTheSame) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   hardware::Hardware& h = b.loop.hardware();
   hardware::ComponentContext same, other;
@@ -305,7 +305,7 @@ TEST(ComponentLife, AReplacementMustOfferTheSame) {
 TEST(ComponentLife, AtItsOwnRateItGetsItsOwnPeriod) {
   hardware::HostOptions options;
   options.divisor = 5;
-  Bench b({"arm"}, options);
+  LifeCycleBench b({"arm"}, options);
   b.go();
   const int reads = b.part().reads;
   b.run(100);
@@ -316,7 +316,7 @@ TEST(ComponentLife, AtItsOwnRateItGetsItsOwnPeriod) {
 TEST(ComponentLife, AnAsyncOneInLockStepIsOnePeriodLate) {
   hardware::HostOptions options;
   options.async = options.lock_step = true;
-  Bench b({"arm"}, options);
+  LifeCycleBench b({"arm"}, options);
   b.add("c", "arm/j/position");
   b.loop.controllers().activate("c");
   b.go();
@@ -332,7 +332,7 @@ TEST(ComponentLife, OnAClockOfItsOwnItCostsTheLoopNothingForbidden) {
     options.async = true;
     options.lock_step = lock_step;
     options.period = 700'000;
-    Bench b({"arm"}, options);
+    LifeCycleBench b({"arm"}, options);
     b.add("c", "arm/j/position");
     b.loop.controllers().activate("c");
     b.go();
@@ -346,7 +346,7 @@ TEST(ComponentLife, OnAClockOfItsOwnItCostsTheLoopNothingForbidden) {
 TEST(ComponentLife, AFaultThatIsContainedStopsWhatWorksOnItAndNothingElse) {
   hardware::HostOptions options;
   options.contained = true;
-  Bench b({"arm", "base"}, options);
+  LifeCycleBench b({"arm", "base"}, options);
   Counter& arm = b.add("a", "arm/j/position");
   b.add("b", "base/j/position");
   b.loop.controllers().switch_now({{"a", "b"}, {}});
@@ -370,7 +370,7 @@ TEST(ComponentLife, AFaultThatIsContainedStopsWhatWorksOnItAndNothingElse) {
 TEST(ComponentLife, AContainedFaultUnderAControllerThatCommandsAnotherIsAFaultOfAll) {
   hardware::HostOptions options;
   options.contained = true;
-  Bench b({"arm", "base"}, options);
+  LifeCycleBench b({"arm", "base"}, options);
   b.add("a", "arm/j/position").reads = "base/j/position";
   b.loop.controllers().cleanup("a");
   b.loop.controllers().configure("a");
@@ -385,7 +385,7 @@ TEST(ComponentLife, AContainedFaultUnderAControllerThatCommandsAnotherIsAFaultOf
 // --- controllers ------------------------------------------------------------------------------------------
 
 TEST(ControllerLife, GoesThroughEveryState) {
-  Bench b;
+  LifeCycleBench b;
   b.add("c", "arm/j/position");
   ControllerManager& m = b.loop.controllers();
   EXPECT_EQ(b.state("c"), LifecycleState::inactive);
@@ -404,7 +404,7 @@ TEST(ControllerLife, GoesThroughEveryState) {
 }
 
 TEST(ControllerLife, CallbackResultsDecide) {
-  Bench b;
+  LifeCycleBench b;
   const auto add = [&](const std::string& name, CallbackReturn configure, CallbackReturn error) {
     auto made = std::make_unique<Counter>();
     made->configure = configure;
@@ -422,7 +422,7 @@ TEST(ControllerLife, CallbackResultsDecide) {
 }
 
 TEST(ControllerLife, OneThatCannotBeActivatedStaysInactive) {
-  Bench b;
+  LifeCycleBench b;
   Counter& c = b.add("c", "arm/j/position");
   c.activate = CallbackReturn::failure;
   EXPECT_EQ(code_of([&] { b.loop.controllers().activate("c"); }), "controller-failed");
@@ -431,7 +431,7 @@ TEST(ControllerLife, OneThatCannotBeActivatedStaysInactive) {
 }
 
 TEST(ControllerLife, AnErrorStopsItsChainAndStartsItsFallback) {
-  Bench b;
+  LifeCycleBench b;
   LoadOptions with_fallback;
   with_fallback.fallback = {"rescue"};
   Counter& bottom = b.add("bottom", "arm/j/position", "bottom/r", with_fallback);
@@ -455,7 +455,7 @@ TEST(ControllerLife, AnErrorStopsItsChainAndStartsItsFallback) {
 }
 
 TEST(ControllerLife, WithoutAFallbackAnErrorIsAFault) {
-  Bench b;
+  LifeCycleBench b;
   Counter& c = b.add("c", "arm/j/position");
   b.loop.controllers().activate("c");
   b.go();
@@ -466,7 +466,7 @@ TEST(ControllerLife, WithoutAFallbackAnErrorIsAFault) {
 }
 
 TEST(ControllerLife, AChainPassesItsReferencesInTheSameCycle) {
-  Bench b;
+  LifeCycleBench b;
   Counter& bottom = b.add("bottom", "arm/j/position", "bottom/r");
   b.add("top", "bottom/r");
   b.loop.controllers().switch_now({{"bottom", "top"}, {}});
@@ -477,7 +477,7 @@ TEST(ControllerLife, AChainPassesItsReferencesInTheSameCycle) {
 }
 
 TEST(ControllerLife, AtItsOwnRateItGetsItsOwnPeriod) {
-  Bench b;
+  LifeCycleBench b;
   LoadOptions slow;
   slow.divisor = 4;
   Counter& c = b.add("c", "arm/j/position", "", slow);
@@ -489,7 +489,7 @@ TEST(ControllerLife, AtItsOwnRateItGetsItsOwnPeriod) {
 }
 
 TEST(ControllerLife, AnAsyncOneIsNeverWaitedForAndItsMissedTriggersAreCounted) {
-  Bench b;
+  LifeCycleBench b;
   LoadOptions async;
   async.async = true;
   Counter& c = b.add("c", "arm/j/position", "", async);
@@ -519,7 +519,7 @@ TEST(ControllerLife, AnAsyncOneIsNeverWaitedForAndItsMissedTriggersAreCounted) {
 }
 
 TEST(ControllerLife, InLockStepAnAsyncOneIsOnePeriodLateAndRepeats) {
-  Bench b;
+  LifeCycleBench b;
   LoadOptions async;
   async.async = async.lock_step = true;
   Counter& c = b.add("c", "arm/j/position", "", async);
@@ -531,7 +531,7 @@ TEST(ControllerLife, InLockStepAnAsyncOneIsOnePeriodLateAndRepeats) {
 }
 
 TEST(ControllerLife, ASwitchReachesARunningLoopBetweenTwoCycles) {
-  Bench b;
+  LifeCycleBench b;
   Counter& c = b.add("c", "arm/j/position");
   b.go();
   b.loop.begin();
@@ -547,7 +547,7 @@ TEST(ControllerLife, ASwitchReachesARunningLoopBetweenTwoCycles) {
 }
 
 TEST(ControllerLife, ASwitchThatWasPlannedBeforeAFailureIsPlannedAgain) {
-  Bench b;
+  LifeCycleBench b;
   Counter& c = b.add("c", "arm/j/position");
   b.add("d", "arm/j/velocity");
   b.loop.controllers().activate("c");
@@ -569,7 +569,7 @@ TEST(ControllerLife, ASwitchThatWasPlannedBeforeAFailureIsPlannedAgain) {
 }
 
 TEST(ControllerLife, LoadedIntoARunningCellItGetsItsOwnReferences) {
-  Bench b;
+  LifeCycleBench b;
   b.go();
   b.loop.begin();
   Counter& bottom = b.add("bottom", "arm/j/position", "bottom/r");

@@ -69,11 +69,11 @@ class Stubborn : public Controller {
   }
 };
 
-struct Bench {
+struct BaseBench {
   ControlLoop loop{LoopOptions{}};
   std::vector<controllers::JointFacts> joints;
 
-  explicit Bench(double acceleration = controllers::kUnlimited) {
+  explicit BaseBench(double acceleration = controllers::kUnlimited) {
     Base::at = {0, 0};
     loop.supervisor().watch_cell = false;
     loop.hardware().add(std::make_unique<Base>(), {});
@@ -107,7 +107,7 @@ struct Bench {
 
 TEST(StandStill, WhatAControllerThatFollowsNoStopCommandsDoesNotArrive) {
   for (const double acceleration : {controllers::kUnlimited, 50.0}) {
-    Bench bench(acceleration);
+    BaseBench bench(acceleration);
     bench.add("stubborn", {"r/arm/position", "r/wheel/velocity"}, {kNone, 1});
     bench.go("stubborn");
     bench.run(200);
@@ -139,7 +139,7 @@ TEST(StandStill, WhatAControllerThatFollowsNoStopCommandsDoesNotArrive) {
 }
 
 TEST(StandStill, AtAFaultToo) {
-  Bench bench;
+  BaseBench bench;
   bench.add("stubborn", {"r/arm/position", "r/wheel/velocity"}, {kNone, 1});
   bench.go("stubborn");
   bench.run(200);
@@ -152,7 +152,7 @@ TEST(StandStill, AtAFaultToo) {
 }
 
 TEST(StandStill, AVelocityMayBringAJointBackToWhereItStood) {
-  Bench bench;
+  BaseBench bench;
   Stubborn& corrects = bench.add("corrects", {"r/wheel/velocity"}, {0.0});
   bench.go("corrects");
   bench.run(10);
@@ -168,7 +168,7 @@ TEST(StandStill, AVelocityMayBringAJointBackToWhereItStood) {
 }
 
 TEST(SwitchedOff, AVelocityOrEffortThatNobodyCommandsAnyMoreEnds) {
-  Bench bench;
+  BaseBench bench;
   bench.add("drives", {"r/wheel/velocity", "r/wheel/effort", "r/arm/position"}, {1, 0.5, 0.3});
   bench.go("drives");
   bench.run(400);
@@ -180,7 +180,7 @@ TEST(SwitchedOff, AVelocityOrEffortThatNobodyCommandsAnyMoreEnds) {
 }
 
 TEST(SwitchedOff, WhatAnotherTakesOverInTheSameSwitchGoesOn) {
-  Bench bench;
+  BaseBench bench;
   bench.add("first", {"r/wheel/effort"}, {0.5});
   Stubborn& second = bench.add("second", {"r/wheel/effort"}, {0.7});
   bench.go("first");
@@ -195,7 +195,7 @@ TEST(SwitchedOff, WhatAnotherTakesOverInTheSameSwitchGoesOn) {
 }
 
 TEST(SwitchedOff, AControllerThatFailsLeavesNoVelocityBehind) {
-  Bench bench;
+  BaseBench bench;
   Stubborn& fails = bench.add("fails", {"r/wheel/velocity"}, {1});
   bench.go("fails");
   bench.run(50);

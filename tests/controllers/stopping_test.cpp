@@ -14,7 +14,7 @@
 namespace polyarm::controllers {
 namespace {
 
-constexpr double kDt = 1e-3;
+constexpr double kCycle = 1e-3;
 
 /// One that follows trajectories at 1 kHz and notes what its joints are made to do.
 struct Follower : TrajectoryRig {
@@ -48,9 +48,9 @@ struct Follower : TrajectoryRig {
     for (std::size_t j = 0; j < n; ++j) {
       at[j] = commanded(j);
       if (was.size() != n) continue;
-      speed[j] = (at[j] - was[j]) / kDt;
+      speed[j] = (at[j] - was[j]) / kCycle;
       fastest[j] = std::max(fastest[j], std::abs(speed[j]));
-      if (came.size() == n) hardest[j] = std::max(hardest[j], std::abs(speed[j] - came[j]) / kDt);
+      if (came.size() == n) hardest[j] = std::max(hardest[j], std::abs(speed[j] - came[j]) / kCycle);
     }
     if (jtc.status().active.load() == 0 || path.empty()) return;
     std::vector<double> on_path(n);

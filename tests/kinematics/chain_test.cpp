@@ -4,29 +4,24 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
+#include "tests/kinematics/sample_states.hpp"
 
 namespace polyarm::kinematics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 const Pose kSomewhere{{0.4, -0.3, 0.8}, from_rpy(0.2, -0.4, 2.1)};
 const Pose kTool{{0.01, 0.02, 0.1}, from_rpy(0.3, 0, 0.2)};
-
-std::vector<double> random_state(const Chain& chain, Random& random) {
-  std::vector<double> q;
-  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
-  return q;
-}
 
 /// The classic Denavit-Hartenberg product with the maker's numbers, turned by half a turn about z.
 Pose ur3_by_dh(const std::vector<double>& q) {
   const double a[] = {0, -0.24365, -0.21325, 0, 0, 0}, d[] = {0.1519, 0, 0, 0.11235, 0.08535, 0.0819};
-  const double alpha[] = {kPi / 2, 0, 0, kPi / 2, -kPi / 2, 0};
-  Pose t{{}, from_rpy(0, 0, kPi)};
+  const double alpha[] = {std::numbers::pi / 2, 0, 0, std::numbers::pi / 2, -std::numbers::pi / 2, 0};
+  Pose t{{}, from_rpy(0, 0, std::numbers::pi)};
   for (std::size_t i = 0; i < 6; ++i)
     t = t * Pose{{0, 0, d[i]}, from_rpy(0, 0, q[i])} * Pose{{a[i], 0, 0}, from_rpy(alpha[i], 0, 0)};
   return t;
@@ -37,7 +32,7 @@ TEST(Chain, AgreesWithTheMakersDhParameters) {
   const Chain chain(model, test::tip_of(model));
   Random random(1);
   for (int i = 0; i < 500; ++i) {
-    const auto q = random_state(chain, random);
+    const auto q = test::random_state(chain, random);
     EXPECT_LT(norm(chain.forward(q).position - ur3_by_dh(q).position), 1e-12);
     EXPECT_LT(angle_between(chain.forward(q).rotation, ur3_by_dh(q).rotation), 1e-7);
   }
@@ -59,7 +54,7 @@ TEST(Chain, JacobianIsTheDerivativeOfThePose) {
     Random random(2);
     std::vector<double> J(6 * n);
     for (int i = 0; i < 50; ++i) {
-      const auto q = random_state(chain, random);
+      const auto q = test::random_state(chain, random);
       const Pose at = chain.jacobian(q, J);
       EXPECT_EQ(at, chain.forward(q));
       for (std::size_t j = 0; j < n; ++j) {
@@ -82,7 +77,7 @@ TEST(Chain, BaseAndToolFrameTheChain) {
   const Chain bare(model, test::tip_of(model)), placed(model, test::tip_of(model), kSomewhere, kTool);
   Random random(3);
   for (int i = 0; i < 50; ++i) {
-    const auto q = random_state(bare, random);
+    const auto q = test::random_state(bare, random);
     const Pose expected = kSomewhere * bare.forward(q) * kTool;
     EXPECT_LT(norm(placed.forward(q).position - expected.position), 1e-14);
     EXPECT_LT(angle_between(placed.forward(q).rotation, expected.rotation), 1e-7);
@@ -97,7 +92,7 @@ TEST(Chain, LinkPosesPutTheTipWhereForwardDoes) {
     std::vector<Pose> links(chain.links());
     Random random(4);
     for (int i = 0; i < 50; ++i) {
-      const auto q = random_state(chain, random);
+      const auto q = test::random_state(chain, random);
       chain.link_poses(q, links);
       EXPECT_EQ(links[0], kSomewhere);
       EXPECT_LT(norm(links[tip].position - chain.forward(q).position), 1e-14);
@@ -139,7 +134,8 @@ TEST(Chain, NoPoseIsBeyondTheReachWhichIsWithinTheBound) {
     Random random(5);
     double most = 0;
     for (int i = 0; i < 50000; ++i)
-      most = std::max(most, norm(chain.forward(random_state(chain, random)).position - chain.reach_center()));
+      most = std::max(most,
+                      norm(chain.forward(test::random_state(chain, random)).position - chain.reach_center()));
     EXPECT_LE(most, chain.reach() + 1e-9) << model.name;
     EXPECT_GE(most, 0.9 * chain.reach()) << model.name;
   }
@@ -151,15 +147,15 @@ TEST(Chain, LimitsAndPeriodsAreTheModels) {
   model.joints[3].limits = {};
   const Chain chain(model, test::tip_of(model));
   EXPECT_EQ(chain.names()[2], "elbow");
-  EXPECT_EQ(chain.lower()[0], -2 * kPi);
+  EXPECT_EQ(chain.lower()[0], -2 * std::numbers::pi);
   EXPECT_EQ(chain.upper()[2], std::numeric_limits<double>::infinity());
   EXPECT_EQ(chain.upper()[5], std::numeric_limits<double>::infinity());
-  EXPECT_EQ(chain.period(0), 2 * kPi);
+  EXPECT_EQ(chain.period(0), 2 * std::numbers::pi);
   const auto sliding = test::gantry();
   const Chain gantry(sliding, test::tip_of(sliding));
   EXPECT_EQ(gantry.period(0), 0);  // slides
   EXPECT_EQ(gantry.period(1), 0);  // turns a mimic joint by half as much
-  EXPECT_EQ(gantry.period(2), 2 * kPi);
+  EXPECT_EQ(gantry.period(2), 2 * std::numbers::pi);
   EXPECT_TRUE(gantry.slides(0));
   EXPECT_FALSE(gantry.slides(1));
 }

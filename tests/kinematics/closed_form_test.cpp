@@ -11,22 +11,11 @@
 namespace polyarm::kinematics {
 namespace {
 
-constexpr ArmFamily kFamilies[] = {
-    ArmFamily::wrist_2_parallel_3,
-    ArmFamily::wrist_1_parallel_2,
-    ArmFamily::wrist_1_meets_2,
-    ArmFamily::wrist_2_meets_3,
-    ArmFamily::parallel_234_5_meets_6,
-    ArmFamily::parallel_123_5_meets_6,
-    ArmFamily::wrist,
-    ArmFamily::parallel_234,
-};
-
 /// What one processor finds another does too: the vector instructions here against those that all have.
 TEST(ClosedForm, IsTheSameWithAndWithoutTheInstructionsOfThisProcessor) {
   Random random(1);
   int exact = 0;
-  for (const ArmFamily family : kFamilies)
+  for (const ArmFamily family : test::kClosedFamilies)
     for (int i = 0; i < 40; ++i) {
       std::string why_not;
       const auto model = test::random_arm(test::random_axes(family, random), random);
@@ -60,7 +49,7 @@ TEST(ClosedForm, IsTheSameWithAndWithoutTheInstructionsOfThisProcessor) {
 TEST(ClosedForm, EightAtATimeFindTheSameWithEverySetOfInstructions) {
   Random random(2);
   int solved = 0;
-  for (const ArmFamily family : kFamilies) {
+  for (const ArmFamily family : test::kClosedFamilies) {
     for (int i = 0; i < 20; ++i) {
       std::string why_not;
       const auto model = test::random_arm(test::random_axes(family, random), random);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "polyarm/description/catalogue.hpp"
+#include "tests/kinematics/sample_states.hpp"
 #include "tests/kinematics/sample_trees.hpp"
 #include "tests/support/realtime_guard.hpp"
 
@@ -14,7 +15,6 @@ namespace polyarm::kinematics {
 namespace {
 
 using Values = std::vector<double>;
-const InstructionSet kSets[] = {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512};
 
 /// Trees at random and, where `robots`, every robot of the catalogue.
 std::vector<test::SampleTree> trees(bool robots) {
@@ -260,7 +260,7 @@ TEST(Dynamics, AMimicJointWeighsOnTheOneItFollows) {
 TEST(Dynamics, ABatchIsOneStateAfterTheOtherBitByBit) {
   Random random(7);
   for (const auto& sample : trees(false))
-    for (const InstructionSet set : kSets)
+    for (const InstructionSet set : test::kInstructionSets)
       for (const std::size_t count : {2u, 8u, 13u}) {
         Robot robot(sample, set);
         const std::size_t n = robot.n, m = robot.tree.positions();

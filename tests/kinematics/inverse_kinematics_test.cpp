@@ -7,17 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse.hpp"
 #include "polyarm/kinematics/numeric_ik.hpp"
 #include "tests/kinematics/sample_families.hpp"
+#include "tests/kinematics/sample_states.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::kinematics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// More by the environment's POLYARM_IK_POSES.
 int poses_per_arm(int usual) {
@@ -25,17 +25,11 @@ int poses_per_arm(int usual) {
   return given ? std::max(usual, std::atoi(given)) : usual;
 }
 
-std::vector<double> random_state(const Chain& chain, Random& random) {
-  std::vector<double> q;
-  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
-  return q;
-}
-
 /// Joint values at which arms are singular, where limits allow.
 std::vector<double> grid_state(const Chain& chain, Random& random) {
-  std::vector<double> q = random_state(chain, random);
+  std::vector<double> q = test::random_state(chain, random);
   for (std::size_t j = 0; j < q.size(); ++j) {
-    const double value = kPi / 2 * std::floor(random.between(-1, 3));
+    const double value = std::numbers::pi / 2 * std::floor(random.between(-1, 3));
     if (value >= chain.lower()[j] && value <= chain.upper()[j]) q[j] = value;
   }
   return q;
@@ -53,7 +47,7 @@ double difference(const Chain& chain, std::span<const double> a, std::span<const
   double most = 0;
   for (std::size_t j = 0; j < chain.joints(); ++j) {
     const double d = a[j] - b[j];
-    most = std::max(most, std::abs(chain.turns()[j] ? std::remainder(d, 2 * kPi) : d));
+    most = std::max(most, std::abs(chain.turns()[j] ? std::remainder(d, 2 * std::numbers::pi) : d));
   }
   return most;
 }
@@ -101,10 +95,6 @@ void expect_clean(const Tally& tally) {
   EXPECT_EQ(tally.unsorted, 0);
 }
 
-Chain chain_of(const description::RobotModel& model) {
-  return Chain(model, test::tip_of(model));
-}
-
 TEST(InverseKinematics, FindsEveryConfigurationOfEveryArmOfTheCatalogueThatHasAClosedForm) {
   const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
   Random random(1);
@@ -118,7 +108,7 @@ TEST(InverseKinematics, FindsEveryConfigurationOfEveryArmOfTheCatalogueThatHasAC
     ++arms;
     Tally& tally = arm.report().find("true within") == std::string::npos ? exact : near;
     for (int i = 0; i < poses_per_arm(200); ++i)
-      ask(chain, arm, random_state(chain, random), random_state(chain, random), robot, tally);
+      ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), robot, tally);
   }
   EXPECT_GE(arms, 286);
   EXPECT_EQ(exact.missed, 0) << "of " << exact.asked;
@@ -141,10 +131,11 @@ TEST(InverseKinematics, ABatchIsTheSameAsOneByOneAndAsItselfAgain) {
     ++arms;
     std::vector<Pose> targets;
     for (std::size_t i = 0; i < kPoses; ++i)
-      targets.push_back(chain.forward(i % 5 == 4 ? grid_state(chain, random) : random_state(chain, random)));
+      targets.push_back(
+          chain.forward(i % 5 == 4 ? grid_state(chain, random) : test::random_state(chain, random)));
     targets[3].position.x += 3 * chain.reach();
     targets[7].position.y = NAN;
-    const auto seed = random_state(chain, random);
+    const auto seed = test::random_state(chain, random);
     std::vector<IkSolution> out(kPoses), again(kPoses);
     std::vector<IkOutcome> outcomes(kPoses), outcomes_again(kPoses);
     const std::size_t count = arm.solve_batch(targets, seed, out, outcomes);
@@ -188,7 +179,7 @@ TEST(InverseKinematics, FindsTheSeedAtSingularPosesOfTheCatalogue) {
 }
 
 TEST(InverseKinematics, SolvesFiveAxesForPosesTheyReachAndGivesPositionFirstForOthers) {
-  const Chain chain = chain_of(test::five());
+  const Chain chain = test::chain_of(test::five());
   const InverseKinematics arm(chain);
   EXPECT_EQ(arm.report(),
             "five axes, solved as six of which axis 6 stands still: axes 2, 3 and 4 parallel, axes 5 "
@@ -196,7 +187,7 @@ TEST(InverseKinematics, SolvesFiveAxesForPosesTheyReachAndGivesPositionFirstForO
   Random random(11);
   Tally tally;
   for (int i = 0; i < 1000; ++i)
-    ask(chain, arm, random_state(chain, random), random_state(chain, random), "five", tally);
+    ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), "five", tally);
   EXPECT_EQ(tally.missed, 0);
   expect_clean(tally);
   Pose target = chain.forward(std::vector<double>{0, 0.4, -0.3, 0.5, 0.2});
@@ -220,7 +211,7 @@ TEST(InverseKinematics, SolvesSevenAxesByTheOneThatIsSpare) {
     ++arms;
     Tally tally;
     for (int i = 0; i < 20; ++i) {
-      const auto q = random_state(chain, random), seed = random_state(chain, random);
+      const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
       ask(chain, arm, q, q, robot, tally);
       IkSolution found;
       ++asked;
@@ -254,7 +245,7 @@ TEST(InverseKinematics, SphericalShouldersAndWristsComeNearerThanAnyOfManyDescen
     settings.goal = IkGoal::near_seed;
     const NumericIk numeric(chain, settings);
     for (int i = 0; i < 1000; ++i) {
-      const auto q = random_state(chain, random), seed = random_state(chain, random);
+      const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
       const Pose target = chain.forward(q);
       IkSolution one, other;
       ++asked;
@@ -290,7 +281,7 @@ TEST(InverseKinematics, SearchesArmsOfTheCatalogueThatHaveNoClosedForm) {
     if (arm.way() != IkWay::search) continue;
     ++arms;
     for (int i = 0; i < 150; ++i)
-      ask(chain, arm, random_state(chain, random), random_state(chain, random), robot, drawn);
+      ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), robot, drawn);
     for (int i = 0; i < 20; ++i) {
       const auto q = grid_state(chain, random);
       ask(chain, arm, q, q, robot, seeded);
@@ -312,11 +303,11 @@ TEST(InverseKinematics, NoBranchOfASearchIsLostAgainstDescentFromManySeeds) {
     const Chain chain(model, model.tool_link());
     const InverseKinematics arm(chain);
     for (int i = 0; i < 6; ++i) {
-      const Pose target = chain.forward(random_state(chain, random));
+      const Pose target = chain.forward(test::random_state(chain, random));
       IkSolutions found;
-      arm.solve_all(target, random_state(chain, random), found);
+      arm.solve_all(target, test::random_state(chain, random), found);
       for (int k = 0; k < 60; ++k) {
-        const IkResult one = solve_inverse(chain, target, random_state(chain, random));
+        const IkResult one = solve_inverse(chain, target, test::random_state(chain, random));
         if (!one || smallest_singular_value(chain, one.q) < 1e-3) continue;
         ++known;
         bool there = false;
@@ -373,11 +364,11 @@ TEST(InverseKinematics, SolvesScarasGantriesPalletisersAndArmsOfFewAxes) {
   Random random(33);
   for (const auto& model : {scara, gantry, rail, four, slanted, three, two}) {
     const InverseKinematics arm(model, test::tip_of(model));
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     Tally tally;
     int solved = 0;
     for (int i = 0; i < 60; ++i) {
-      const auto q = random_state(chain, random), seed = random_state(chain, random);
+      const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
       IkSolution one;
       solved += arm.solve(chain.forward(q), seed, one) == IkOutcome::solved && one.exact;
       if (arm.way() == IkWay::spare_axis)
@@ -397,7 +388,7 @@ TEST(InverseKinematics, FewAxesGiveTheLeastErrorWherePosesAreBeyondThem) {
       test::robot_of_axes("palletiser", {{z, {}}, {y, {0.1, 0, 0.4}}, {y, {0.1, 0, 1.0}}, {y, {0.7, 0, 1.1}}},
                           {{0.8, 0, 1.0}, {}});
   const InverseKinematics arm(model, test::tip_of(model));
-  const Chain chain = chain_of(model);
+  const Chain chain = test::chain_of(model);
   const std::vector<double> q{0.3, -0.2, 0.5, 0.4};
   Pose target = chain.forward(q);
   target.rotation = from_axis_angle({1, 0, 0}, 0.1) * target.rotation;
@@ -420,19 +411,19 @@ TEST(InverseKinematics, FindsEveryConfigurationOfSixAxesOfAnyKind) {
     if (i % 4 == 2) axes[3].point = axes[2].point;          // two in the middle that meet
     if (i % 4 == 3) axes[5].point = axes[3].point;          // and two that are no neighbours
     const auto model = test::random_arm(axes, random);
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const InverseKinematics arm(chain);
     ASSERT_EQ(arm.way(), IkWay::algebra) << arm.report();
     EXPECT_NE(arm.report().find("degree 16"), std::string::npos);
     for (int k = 0; k < 60; ++k)
-      ask(chain, arm, random_state(chain, random), random_state(chain, random), "any six", tally);
-    const Pose target = chain.forward(random_state(chain, random));
+      ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), "any six", tally);
+    const Pose target = chain.forward(test::random_state(chain, random));
     IkSolutions found;
-    arm.solve_all(target, random_state(chain, random), found);
+    arm.solve_all(target, test::random_state(chain, random), found);
     const NumericIk descent(chain);
     for (int k = 0; k < 40; ++k) {
       IkSolution one;
-      if (descent.solve(target, random_state(chain, random), one) != IkOutcome::solved) continue;
+      if (descent.solve(target, test::random_state(chain, random), one) != IkOutcome::solved) continue;
       if (smallest_singular_value(chain, {one.q.data(), 6}) < 1e-3) continue;
       ++known;
       bool there = false;
@@ -480,13 +471,13 @@ TEST(InverseKinematics, ScarasAndGantriesAreClosedWhateverTheOrderOfTheirJoints)
       model.joints[j].limits.lower = -0.8;
       model.joints[j].limits.upper = 0.8;
     }
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const InverseKinematics arm(chain);
     EXPECT_NE(arm.report().find(one.report), std::string::npos) << one.name << ": " << arm.report();
     EXPECT_EQ(arm.way(), IkWay::closed_form) << one.name;
     Tally tally;
     for (int k = 0; k < 500; ++k)
-      ask(chain, arm, random_state(chain, random), random_state(chain, random), one.name, tally);
+      ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), one.name, tally);
     for (int k = 0; k < 100; ++k) {
       const auto q = grid_state(chain, random);
       ask(chain, arm, q, q, one.name, tally);
@@ -499,13 +490,13 @@ TEST(InverseKinematics, ScarasAndGantriesAreClosedWhateverTheOrderOfTheirJoints)
 /// A joint that drives two axes, one of them at a rate of its own.
 TEST(InverseKinematics, AChainThatIsNoRowOfJointsIsSolvedByTheSameDoor) {
   const auto model = test::gantry();
-  const Chain chain = chain_of(model);
+  const Chain chain = test::chain_of(model);
   const InverseKinematics arm(chain);
   EXPECT_EQ(arm.way(), IkWay::descent);
   EXPECT_FALSE(arm);
   Random random(41);
   for (int i = 0; i < 50; ++i) {
-    const auto q = random_state(chain, random), seed = random_state(chain, random);
+    const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
     const Pose target = chain.forward(q);
     IkSolution one;
     IkSolutions all;
@@ -520,7 +511,7 @@ TEST(InverseKinematics, AChainThatIsNoRowOfJointsIsSolvedByTheSameDoor) {
 TEST(InverseKinematics, PartsOfPosesGoToTheNumericSolver) {
   IkSettings settings;
   settings.parts_of_poses = true;
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed{0.5, -1.4, 1.5, -1.5, -1.0, 2.0};
   Pose turned = chain.forward(q);
   turned.rotation = turned.rotation * from_axis_angle({0, 0, 1}, 0.7);
@@ -536,29 +527,19 @@ TEST(InverseKinematics, PartsOfPosesGoToTheNumericSolver) {
   EXPECT_FALSE(one.exact);
 }
 
-constexpr ArmFamily kFamilies[] = {
-    ArmFamily::wrist_2_parallel_3,
-    ArmFamily::wrist_1_parallel_2,
-    ArmFamily::wrist_1_meets_2,
-    ArmFamily::wrist_2_meets_3,
-    ArmFamily::parallel_234_5_meets_6,
-    ArmFamily::parallel_123_5_meets_6,
-    ArmFamily::wrist,
-    ArmFamily::parallel_234,
-};
-
 TEST(InverseKinematics, FindsEveryConfigurationOfRandomArmsOfEachFamilyAndTurnedRound) {
   Random random(3);
-  for (const ArmFamily family : kFamilies) {
+  for (const ArmFamily family : test::kClosedFamilies) {
     Tally tally;
     for (int i = 0; i < 40; ++i) {
       auto axes = test::random_axes(family, random);
       if (i % 2) axes = test::turned_round(axes);
-      const Chain chain = chain_of(test::random_arm(axes, random));
+      const Chain chain = test::chain_of(test::random_arm(axes, random));
       const InverseKinematics arm(chain);
       ASSERT_EQ(arm.family(), family) << arm.report();
       for (int k = 0; k < 100; ++k)
-        ask(chain, arm, random_state(chain, random), random_state(chain, random), describe(family), tally);
+        ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random),
+            describe(family), tally);
     }
     EXPECT_EQ(tally.missed, 0) << describe(family) << ", of " << tally.asked;
     expect_clean(tally);
@@ -569,15 +550,16 @@ TEST(InverseKinematics, CalibratedArmsLoseHardlyABranch) {
   Random random(4);
   Tally tally;
   for (const double size : {1e-4, 3e-4}) {
-    for (const ArmFamily family : kFamilies) {
+    for (const ArmFamily family : test::kClosedFamilies) {
       const int missed = tally.missed;
       for (int i = 0; i < 20; ++i) {
         const auto axes = test::spoiled(test::random_axes(family, random), size, random);
-        const Chain chain = chain_of(test::random_arm(axes, random));
+        const Chain chain = test::chain_of(test::random_arm(axes, random));
         const InverseKinematics arm(chain);
         if (!arm) continue;  // spoiled too much for so small an arm
         for (int k = 0; k < 100; ++k)
-          ask(chain, arm, random_state(chain, random), random_state(chain, random), describe(family), tally);
+          ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random),
+              describe(family), tally);
       }
       EXPECT_LE(tally.missed - missed, 8) << describe(family) << ", spoiled by " << size;
     }
@@ -588,7 +570,7 @@ TEST(InverseKinematics, CalibratedArmsLoseHardlyABranch) {
 }
 
 TEST(InverseKinematics, FindsAllEightOfAUr3AndNamesItsKind) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const InverseKinematics arm(chain);
   EXPECT_EQ(arm.family(), ArmFamily::parallel_234_5_meets_6);
   EXPECT_EQ(arm.report(), "axes 2, 3 and 4 parallel, axes 5 and 6 meet");
@@ -601,10 +583,10 @@ TEST(InverseKinematics, FindsAllEightOfAUr3AndNamesItsKind) {
 }
 
 TEST(InverseKinematics, JointsComeToTheTurnNearestTheSeedWithinLimits) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const InverseKinematics arm(chain);
   const std::vector<double> q{0.4, -1.2, 1.3, -1.5, -1.2, 0.3};
-  for (const double turn : {-2 * kPi, 2 * kPi}) {
+  for (const double turn : {-2 * std::numbers::pi, 2 * std::numbers::pi}) {
     auto seed = q;
     seed[5] = q[5] + turn * 0.99;
     IkSolution found;
@@ -614,7 +596,7 @@ TEST(InverseKinematics, JointsComeToTheTurnNearestTheSeedWithinLimits) {
 }
 
 TEST(InverseKinematics, WeightsDecideWhatIsNear) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed{3.2, -1.0, 1.8, -1.8, 0.2, 0.3};
   IkSettings settings;
   settings.weights = {1e3, 1, 1, 1, 1, 1};
@@ -628,7 +610,7 @@ TEST(InverseKinematics, WeightsDecideWhatIsNear) {
 
 TEST(InverseKinematics, SaysWhyNothingWasFound) {
   auto model = test::ur3();
-  const Chain chain = chain_of(model);
+  const Chain chain = test::chain_of(model);
   const InverseKinematics arm(chain);
   const std::vector<double> q{0.5, -1.2, 1.5, -1.8, -1.5, 0.3};
   IkSolution found;
@@ -642,13 +624,13 @@ TEST(InverseKinematics, SaysWhyNothingWasFound) {
   const Pose target = chain.forward(q);
   for (description::Joint& joint : model.joints)
     if (joint.moves()) joint.limits.lower = -0.1, joint.limits.upper = 0.1;
-  EXPECT_EQ(InverseKinematics(chain_of(model)).solve(target, std::vector<double>(6, 0.0), found),
+  EXPECT_EQ(InverseKinematics(test::chain_of(model)).solve(target, std::vector<double>(6, 0.0), found),
             IkOutcome::limits);
 }
 
 TEST(InverseKinematics, ALittleOutOfReachItGivesTheNearestAndSaysSo) {
   const Vec3 y{0, 1, 0}, z{0, 0, 1};
-  const Chain chain = chain_of(test::robot_of_axes(
+  const Chain chain = test::chain_of(test::robot_of_axes(
       "straight", {{z, {}}, {y, {}}, {y, {0, 0, 0.5}}, {z, {0, 0, 1}}, {y, {0, 0, 1}}, {z, {0, 0, 1}}},
       {{0, 0, 1.1}, {}}));
   const InverseKinematics arm(chain);
@@ -667,9 +649,9 @@ TEST(InverseKinematics, IsFitForTheControlLoop) {
   Random random(5);
   const auto any = test::random_arm(test::random_axes(ArmFamily::none, random), random);
   for (const auto& model : {test::ur3(), test::five(), test::seven(), any}) {
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const InverseKinematics arm(chain);
-    const auto q = random_state(chain, random), seed = random_state(chain, random);
+    const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
     const Pose reachable = chain.forward(q),
                singular = chain.forward(std::vector<double>(chain.joints(), 0.0));
     const Pose far{{9, 9, 9}, {}};

@@ -9,19 +9,10 @@
 #include "polyarm/kinematics/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
+#include "tests/kinematics/sample_states.hpp"
 
 namespace polyarm::kinematics {
 namespace {
-
-std::vector<double> random_state(const Chain& chain, Random& random) {
-  std::vector<double> q;
-  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
-  return q;
-}
-
-Chain chain_of(const description::RobotModel& model) {
-  return Chain(model, test::tip_of(model));
-}
 
 void expect_solves(const Chain& chain, const Pose& target, const IkResult& result) {
   ASSERT_TRUE(result) << result.reason;
@@ -47,21 +38,21 @@ bool says(const IkResult& result, const char* words) {
 
 TEST(Inverse, UndoesForwardOnEveryRandomReachablePose) {
   for (const auto& model : {test::ur3(), test::seven(), test::five()}) {
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     Random random(4);
     for (int i = 0; i < 3000; ++i) {
-      const Pose target = chain.forward(random_state(chain, random));
-      expect_solves(chain, target, solve_inverse(chain, target, random_state(chain, random)));
+      const Pose target = chain.forward(test::random_state(chain, random));
+      expect_solves(chain, target, solve_inverse(chain, target, test::random_state(chain, random)));
     }
   }
 }
 
 TEST(Inverse, SolvesWithMimicAndSlidingJointsAndLeavesOthersAlone) {
-  const Chain chain = chain_of(test::gantry());
+  const Chain chain = test::chain_of(test::gantry());
   Random random(5);
   for (int i = 0; i < 300; ++i) {
-    const Pose target = chain.forward(random_state(chain, random));
-    auto seed = random_state(chain, random);
+    const Pose target = chain.forward(test::random_state(chain, random));
+    auto seed = test::random_state(chain, random);
     seed[3] = 0.25;
     const IkResult result = solve_inverse(chain, target, seed);
     expect_solves(chain, target, result);
@@ -70,32 +61,32 @@ TEST(Inverse, SolvesWithMimicAndSlidingJointsAndLeavesOthersAlone) {
 }
 
 TEST(Inverse, PolishesFarBeyondTheTolerance) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   Random random(6);
   int fine = 0;
   for (int i = 0; i < 1000; ++i) {
-    const IkResult result =
-        solve_inverse(chain, chain.forward(random_state(chain, random)), random_state(chain, random));
+    const IkResult result = solve_inverse(chain, chain.forward(test::random_state(chain, random)),
+                                          test::random_state(chain, random));
     fine += result && result.position_error < 1e-9 && result.orientation_error < 1e-9;
   }
   EXPECT_GE(fine, 990);
 }
 
 TEST(Inverse, ReachesSingularPoses) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   Random random(7);
   for (int i = 0; i < 200; ++i) {
-    auto q = random_state(chain, random);
+    auto q = test::random_state(chain, random);
     q[4] = i % 2 ? 0 : M_PI;   // wrist
     if (i % 3 == 0) q[2] = 0;  // elbow
     const Pose target = chain.forward(q);
-    const IkResult result = solve_inverse(chain, target, random_state(chain, random));
+    const IkResult result = solve_inverse(chain, target, test::random_state(chain, random));
     expect_solves(chain, target, result);
   }
 }
 
 TEST(Inverse, TurnsComeNearestTheSeed) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> q{0.4, -1.2, 1.3, -1.5, -1.2, 0.3};
   for (const double turn : {-2 * M_PI, 2 * M_PI}) {
     auto seed = q;
@@ -107,7 +98,7 @@ TEST(Inverse, TurnsComeNearestTheSeed) {
 }
 
 TEST(Inverse, SaysHowFarAwayAPointIs) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const IkResult result = solve_inverse(chain, {{5, 1.7, 0.5}, {}}, std::vector<double>(6, 0.0));
   EXPECT_EQ(result.status, IkStatus::unreachable);
   EXPECT_TRUE(says(result, "5.30 m from the base, this robot reaches 0.74 m")) << result.reason;
@@ -116,7 +107,7 @@ TEST(Inverse, SaysHowFarAwayAPointIs) {
 
 TEST(Inverse, NamesTheJointWhoseLimitIsInTheWay) {
   auto model = test::ur3();
-  const Chain free_chain = chain_of(model);
+  const Chain free_chain = test::chain_of(model);
   const std::vector<double> q{0.5, -1.2, 1.5, -1.8, -1.5, 0.3};
   const Pose target = free_chain.forward(q);
   for (const std::size_t joint : {1, 2, 3}) {
@@ -124,13 +115,13 @@ TEST(Inverse, NamesTheJointWhoseLimitIsInTheWay) {
     model.joints[joint].limits.upper = q[joint - 1] + 0.2;
   }
   model.joints[3].limits.upper = q[2] - 0.05;
-  const IkResult result = solve_inverse(chain_of(model), target, q);
+  const IkResult result = solve_inverse(test::chain_of(model), target, q);
   EXPECT_EQ(result.status, IkStatus::limits);
   EXPECT_EQ(result.reason, "only with elbow 0.05 rad beyond its upper limit 1.45");
 }
 
 TEST(Inverse, SaysWhenOnlyTheOrientationIsInTheWay) {
-  const Chain chain = chain_of(test::five());
+  const Chain chain = test::chain_of(test::five());
   Pose target = chain.forward(std::vector<double>{0, 0.4, -0.3, 0.5, 0.2});
   target.rotation = from_axis_angle({0, 0, 1}, 0.2) * target.rotation;  // no joint turns the tool sideways
   const IkResult result = solve_inverse(chain, target, std::vector<double>(5, 0.1));
@@ -143,12 +134,12 @@ TEST(Inverse, SaysWhenOnlyTheOrientationIsInTheWay) {
 
 TEST(Inverse, EveryFailureHasAReasonAndNoStateOutsideLimits) {
   for (const auto& model : {test::ur3(), test::seven(), test::five(), test::gantry()}) {
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     Random random(8);
     for (int i = 0; i < 40; ++i) {
       const Pose target{{random.between(-1.2, 1.2), random.between(-1.2, 1.2), random.between(-1, 1)},
                         from_rpy(random.between(-3, 3), random.between(-1.5, 1.5), random.between(-3, 3))};
-      const IkResult result = solve_inverse(chain, target, random_state(chain, random));
+      const IkResult result = solve_inverse(chain, target, test::random_state(chain, random));
       EXPECT_EQ(result.reason.empty(), bool(result));
       ASSERT_EQ(result.q.size(), chain.joints());
       for (std::size_t j = 0; j < result.q.size(); ++j) {
@@ -160,7 +151,7 @@ TEST(Inverse, EveryFailureHasAReasonAndNoStateOutsideLimits) {
 }
 
 TEST(Inverse, SurvivesPosesAndSeedsThatAreNone) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> seed(6, 0.1), broken{0, NAN, INFINITY, -1e300, 0, 0};
   EXPECT_FALSE(solve_inverse(chain, {{NAN, 0, 0}, {}}, seed));
   EXPECT_FALSE(solve_inverse(chain, {{1e300, 0, 0}, {}}, seed));
@@ -177,7 +168,7 @@ TEST(Inverse, SurvivesPosesAndSeedsThatAreNone) {
 }
 
 TEST(Inverse, IsDeterministic) {
-  const Chain chain = chain_of(test::seven());
+  const Chain chain = test::chain_of(test::seven());
   const Pose target = chain.forward(std::vector<double>{0.3, 0.5, -0.4, 1.2, 0.3, 0.7, 0.1});
   const std::vector<double> seed(7, 0.0);
   EXPECT_EQ(solve_inverse(chain, target, seed).q, solve_inverse(chain, target, seed).q);
@@ -186,13 +177,13 @@ TEST(Inverse, IsDeterministic) {
 
 TEST(Inverse, AKeptSolverAnswersAsTheFunctionsDo) {
   for (const auto& model : {test::ur3(), test::seven(), test::five()}) {
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const ArmSolver solver(chain);
     Random random(10);
     for (int i = 0; i < 40; ++i) {
-      Pose target = chain.forward(random_state(chain, random));
+      Pose target = chain.forward(test::random_state(chain, random));
       if (i % 4 == 0) target.position.x += 0.6;
-      const auto seed = random_state(chain, random), home = random_state(chain, random);
+      const auto seed = test::random_state(chain, random), home = test::random_state(chain, random);
       const IkResult a = solver.solve(target, seed), b = solve_inverse(chain, target, seed);
       EXPECT_EQ(a.q, b.q);
       EXPECT_EQ(a.reason, b.reason);
@@ -203,7 +194,7 @@ TEST(Inverse, AKeptSolverAnswersAsTheFunctionsDo) {
 }
 
 TEST(Inverse, PartsOfPosesAreSolvedOrRefusedInWords) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const ArmSolver arm(chain);
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed(6, 0.3);
   Pose target = chain.forward(q);
@@ -227,13 +218,13 @@ TEST(Inverse, PartsOfPosesAreSolvedOrRefusedInWords) {
 }
 
 TEST(Inverse, TheNearestOfAFailureIsTheBestOfAFewerJointedArm) {
-  const Chain chain = chain_of(test::five());
+  const Chain chain = test::chain_of(test::five());
   Random random(12);
   for (int i = 0; i < 50; ++i) {
-    const auto q = random_state(chain, random);
+    const auto q = test::random_state(chain, random);
     Pose target = chain.forward(q);
     target.rotation = from_axis_angle({0, 0, 1}, 0.1) * target.rotation;
-    const IkResult result = solve_inverse(chain, target, random_state(chain, random));
+    const IkResult result = solve_inverse(chain, target, test::random_state(chain, random));
     if (result) continue;
     // As good as where the question came from: 0.1 rad beside it, at 1 m per rad.
     EXPECT_LT(std::hypot(result.position_error, result.orientation_error), 0.1 + 1e-3);
@@ -241,7 +232,7 @@ TEST(Inverse, TheNearestOfAFailureIsTheBestOfAFewerJointedArm) {
 }
 
 TEST(Inverse, FindsAllEightOfAUr3NearestFirst) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3};
   const Pose target = chain.forward(q);
   const auto found = find_solutions(chain, target, q);
@@ -254,7 +245,7 @@ TEST(Inverse, FindsAllEightOfAUr3NearestFirst) {
 }
 
 TEST(Inverse, NearestKeepsTheConfigurationAlongAPath) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> home{0.0, -1.2, 1.5, -1.87, -1.57, 0.0};
   std::vector<double> at = home;
   const Pose start = chain.forward(home);
@@ -270,12 +261,12 @@ TEST(Inverse, NearestKeepsTheConfigurationAlongAPath) {
 }
 
 TEST(Inverse, NearestIsTheNearestOfAll) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> home{0.0, -1.2, 1.5, -1.87, -1.57, 0.0};
   Random random(9);
   for (int i = 0; i < 50; ++i) {
-    const auto current = random_state(chain, random);
-    const Pose target = chain.forward(random_state(chain, random));
+    const auto current = test::random_state(chain, random);
+    const Pose target = chain.forward(test::random_state(chain, random));
     const IkResult result = solve_nearest(chain, target, current, home);
     expect_solves(chain, target, result);
     const auto all = find_solutions(chain, target, current);
@@ -293,10 +284,10 @@ TEST(Inverse, NearestIsTheNearestOfAll) {
 }
 
 TEST(Inverse, TheSingularValueVanishesAtSingularPosesOnly) {
-  const Chain ur3 = chain_of(test::ur3());
+  const Chain ur3 = test::chain_of(test::ur3());
   EXPECT_LT(smallest_singular_value(ur3, std::vector<double>{0.4, -1.2, 1.3, -1.5, 0, 0.3}), 1e-7);
   EXPECT_GT(smallest_singular_value(ur3, std::vector<double>{0.4, -1.2, 1.3, -1.5, -1.2, 0.3}), 0.05);
-  const Chain five = chain_of(test::five());
+  const Chain five = test::chain_of(test::five());
   EXPECT_GT(smallest_singular_value(five, std::vector<double>{0, 0.4, -0.3, 0.5, 0.2}), 0.02);
 }
 

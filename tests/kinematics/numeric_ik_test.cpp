@@ -14,20 +14,11 @@
 #include "polyarm/kinematics/numeric_core.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
+#include "tests/kinematics/sample_states.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::kinematics {
 namespace {
-
-Chain chain_of(const description::RobotModel& model) {
-  return Chain(model, test::tip_of(model));
-}
-
-std::vector<double> random_state(const Chain& chain, Random& random) {
-  std::vector<double> q;
-  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
-  return q;
-}
 
 std::span<const double> joints_of(const Chain& chain, const IkSolution& found) {
   return {found.q.data(), chain.joints()};
@@ -77,12 +68,12 @@ std::vector<description::RobotModel> all_kinds() {
 TEST(NumericIk, UndoesForwardOfEveryKindOfArm) {
   for (const auto& model : all_kinds()) {
     SCOPED_TRACE(model.name);
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const NumericIk ik(chain);
     Random random(31);
     for (int i = 0; i < 2000; ++i) {
-      const auto q = random_state(chain, random);
-      const auto seed = random_state(chain, random);
+      const auto q = test::random_state(chain, random);
+      const auto seed = test::random_state(chain, random);
       IkSolution found;
       ASSERT_EQ(ik.solve(chain.forward(q), seed, found), IkOutcome::solved) << testing::PrintToString(q);
       expect_there(chain, chain.forward(q), found);
@@ -110,7 +101,7 @@ TEST(NumericIk, SolvesEveryRobotOfTheCatalogue) {
     Random random(17);
     ++robots;
     for (int i = 0; i < poses; ++i) {
-      const auto q = random_state(chain, random), seed = random_state(chain, random);
+      const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
       IkSolution found;
       EXPECT_EQ(ik.solve(chain.forward(q), seed, found), IkOutcome::solved)
           << name << " misses the pose of q = " << testing::PrintToString(q)
@@ -122,16 +113,16 @@ TEST(NumericIk, SolvesEveryRobotOfTheCatalogue) {
 }
 
 TEST(NumericIk, SolvesAtSingularitiesAndLimits) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   Random random(32);
   for (int i = 0; i < 1000; ++i) {
-    auto q = random_state(chain, random);
+    auto q = test::random_state(chain, random);
     q[4] = i % 2 ? 0 : M_PI;
     if (i % 3 == 0) q[2] = 0;
     if (i % 5 == 0) q[2] = chain.upper()[2];
     IkSolution found;
-    ASSERT_EQ(ik.solve(chain.forward(q), random_state(chain, random), found), IkOutcome::solved) << i;
+    ASSERT_EQ(ik.solve(chain.forward(q), test::random_state(chain, random), found), IkOutcome::solved) << i;
     expect_there(chain, chain.forward(q), found);
   }
 }
@@ -139,15 +130,15 @@ TEST(NumericIk, SolvesAtSingularitiesAndLimits) {
 TEST(NumericIk, ABatchSolvesEachOfItsTargets) {
   for (const auto& model : all_kinds()) {
     SCOPED_TRACE(model.name);
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const NumericIk ik(chain);
     Random random(33);
     for (const std::size_t count : {0, 1, 7, 501}) {
       std::vector<Pose> targets;
       std::vector<double> seeds;
       for (std::size_t i = 0; i < count; ++i) {
-        targets.push_back(chain.forward(random_state(chain, random)));
-        for (const double v : random_state(chain, random)) seeds.push_back(v);
+        targets.push_back(chain.forward(test::random_state(chain, random)));
+        for (const double v : test::random_state(chain, random)) seeds.push_back(v);
       }
       std::vector<IkSolution> found(count);
       EXPECT_EQ(ik.solve_batch(targets, seeds, found), count);
@@ -158,11 +149,11 @@ TEST(NumericIk, ABatchSolvesEachOfItsTargets) {
 }
 
 TEST(NumericIk, ABatchTellsWhichOfItsTargetsCannotBeHad) {
-  const Chain chain = chain_of(test::seven());
+  const Chain chain = test::chain_of(test::seven());
   const NumericIk ik(chain, {.steps = 100});
   Random random(34);
   std::vector<Pose> targets;
-  for (int i = 0; i < 30; ++i) targets.push_back(chain.forward(random_state(chain, random)));
+  for (int i = 0; i < 30; ++i) targets.push_back(chain.forward(test::random_state(chain, random)));
   targets[3].position.x += 5;
   targets[11].rotation = {NAN, 0, 0, 0};
   targets[29].position.z -= 4;
@@ -174,7 +165,7 @@ TEST(NumericIk, ABatchTellsWhichOfItsTargetsCannotBeHad) {
 }
 
 TEST(NumericIk, FindsAllEightOfAUr3NearestFirst) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3};
   IkSolutions found;
@@ -188,7 +179,7 @@ TEST(NumericIk, FindsAllEightOfAUr3NearestFirst) {
 }
 
 TEST(NumericIk, TracksAPathOnOneBranch) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   std::vector<double> at{0.0, -1.2, 1.5, -1.87, -1.57, 0.0};
   const Pose start = chain.forward(at);
@@ -205,7 +196,7 @@ TEST(NumericIk, TracksAPathOnOneBranch) {
 }
 
 TEST(NumericIk, TurnsComeNearestTheSeed) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   const std::vector<double> q{0.4, -1.2, 1.3, -1.5, -1.2, 0.3};
   auto seed = q;
@@ -216,17 +207,17 @@ TEST(NumericIk, TurnsComeNearestTheSeed) {
 }
 
 TEST(NumericIk, LeavesFreeWhatTheTaskLeavesFree) {
-  const Chain chain = chain_of(test::five());
+  const Chain chain = test::chain_of(test::five());
   const NumericIk ik(chain);
-  const Chain arm = chain_of(test::ur3());
+  const Chain arm = test::chain_of(test::ur3());
   const NumericIk ur3(arm);
   const std::vector<double> home(6, 0.1);
   Random random(35);
   for (int i = 0; i < 500; ++i) {
-    Pose target = chain.forward(random_state(chain, random));
+    Pose target = chain.forward(test::random_state(chain, random));
     target.rotation = target.rotation * from_axis_angle({0, 0, 1}, random.between(-3, 3));
     IkSolution found;
-    const auto seed = random_state(chain, random);
+    const auto seed = test::random_state(chain, random);
     ASSERT_EQ(ik.solve(target, IkTask::free_spin(2), seed, found), IkOutcome::solved) << i;
     Pose there = chain.forward(joints_of(chain, found));
     const Vec3 z{0, 0, 1};
@@ -248,7 +239,7 @@ TEST(NumericIk, LeavesFreeWhatTheTaskLeavesFree) {
 }
 
 TEST(NumericIk, KeepsWithinToleranceBoxesOfToolAndWorld) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   Random random(36);
   IkTask task;
@@ -256,9 +247,9 @@ TEST(NumericIk, KeepsWithinToleranceBoxesOfToolAndWorld) {
   task.high = {0.02, 0, 0.05, 0, 0, 0.1};
   for (int i = 0; i < 500; ++i) {
     task.frame = i % 2 ? IkTask::Frame::tool : IkTask::Frame::world;
-    const Pose target = chain.forward(random_state(chain, random));
+    const Pose target = chain.forward(test::random_state(chain, random));
     IkSolution found;
-    ASSERT_EQ(ik.solve(target, task, random_state(chain, random), found), IkOutcome::solved) << i;
+    ASSERT_EQ(ik.solve(target, task, test::random_state(chain, random), found), IkOutcome::solved) << i;
     const Pose there = chain.forward(joints_of(chain, found));
     const Quaternion into = i % 2 ? inverse(target.rotation) : Quaternion{};
     const Vec3 off = into * (there.position - target.position);
@@ -272,7 +263,7 @@ TEST(NumericIk, KeepsWithinToleranceBoxesOfToolAndWorld) {
 }
 
 TEST(NumericIk, AToleranceMakesPosesReachableThatAreNot) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   const std::vector<double> straight{0.2, -0.7, 0, -0.8, -1.2, 0.3};
   Pose target = chain.forward(straight);
@@ -300,7 +291,7 @@ double goal_of(const Chain& chain, const IkSolution& found, std::span<const doub
 }
 
 TEST(NumericIk, GoalsAreFollowedWithJointsToSpare) {
-  const Chain chain = chain_of(test::seven());
+  const Chain chain = test::chain_of(test::seven());
   const NumericIk plain(chain);
   for (const IkGoal goal :
        {IkGoal::near_seed, IkGoal::mid_range, IkGoal::manipulability, IkGoal::away_from_singularities}) {
@@ -308,8 +299,8 @@ TEST(NumericIk, GoalsAreFollowedWithJointsToSpare) {
     Random random(37);
     double gained = 0;
     for (int i = 0; i < 100; ++i) {
-      const Pose target = chain.forward(random_state(chain, random));
-      const auto seed = random_state(chain, random);
+      const Pose target = chain.forward(test::random_state(chain, random));
+      const auto seed = test::random_state(chain, random);
       IkSolution with, without;
       ASSERT_EQ(ik.solve(target, seed, with), IkOutcome::solved);
       ASSERT_EQ(plain.solve(target, seed, without), IkOutcome::solved);
@@ -324,7 +315,7 @@ TEST(NumericIk, GoalsAreFollowedWithJointsToSpare) {
 
 TEST(NumericIk, SaysWhatFailed) {
   auto model = test::ur3();
-  const Chain free_chain = chain_of(model);
+  const Chain free_chain = test::chain_of(model);
   const std::vector<double> q{0.5, -1.2, 1.5, -1.8, -1.5, 0.3};
   IkSolution found;
   const NumericIk ik(free_chain);
@@ -337,7 +328,7 @@ TEST(NumericIk, SaysWhatFailed) {
     model.joints[joint].limits.upper = q[joint - 1] + 0.2;
   }
   model.joints[3].limits.upper = q[2] - 0.05;
-  const Chain chain = chain_of(model);
+  const Chain chain = test::chain_of(model);
   const NumericIk narrow(chain);
   EXPECT_EQ(narrow.solve(free_chain.forward(q), q, found), IkOutcome::limits);
   expect_within_limits(chain, found);
@@ -347,7 +338,7 @@ TEST(NumericIk, SaysWhatFailed) {
 }
 
 TEST(NumericIk, RefusesWhatIsNoQuestion) {
-  const Chain chain = chain_of(test::ur3());
+  const Chain chain = test::chain_of(test::ur3());
   const NumericIk ik(chain);
   const std::vector<double> seed(6, 0.1);
   IkSolution found;
@@ -363,12 +354,12 @@ TEST(NumericIk, RefusesWhatIsNoQuestion) {
 }
 
 TEST(NumericIk, IsTheSameEveryTime) {
-  const Chain chain = chain_of(test::seven());
+  const Chain chain = test::chain_of(test::seven());
   const NumericIk ik(chain), other(chain);
   Random random(38);
   for (int i = 0; i < 200; ++i) {
-    const Pose target = chain.forward(random_state(chain, random));
-    const auto seed = random_state(chain, random);
+    const Pose target = chain.forward(test::random_state(chain, random));
+    const auto seed = test::random_state(chain, random);
     IkSolution a, b;
     ik.solve(target, seed, a);
     other.solve(target, seed, b);
@@ -377,10 +368,10 @@ TEST(NumericIk, IsTheSameEveryTime) {
 }
 
 TEST(NumericIk, DoesNothingThatTheControlCycleMayNot) {
-  const Chain chain = chain_of(test::seven());
+  const Chain chain = test::chain_of(test::seven());
   const NumericIk ik(chain), going(chain, {.goal = IkGoal::manipulability});
   Random random(39);
-  const auto q = random_state(chain, random), seed = random_state(chain, random);
+  const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
   const Pose target = chain.forward(q);
   Pose far = target;
   far.position.x += 3;
@@ -405,14 +396,14 @@ TEST(NumericIk, DoesNothingThatTheControlCycleMayNot) {
 
 TEST(NumericIk, DescentsAreTheSameWithoutThisProcessorsVectorInstructions) {
   for (const auto& model : all_kinds()) {
-    const Chain chain = chain_of(model);
+    const Chain chain = test::chain_of(model);
     const NumericCore core(chain, {});
     Random random(40);
     for (int i = 0; i < 50; ++i) {
       NumericQuestion question;
       const IkTask task = IkTask::free_spin();
-      ASSERT_TRUE(core.read(chain.forward(random_state(chain, random)), i % 2 ? &task : nullptr,
-                            random_state(chain, random), question));
+      ASSERT_TRUE(core.read(chain.forward(test::random_state(chain, random)), i % 2 ? &task : nullptr,
+                            test::random_state(chain, random), question));
       Descents here;
       for (std::size_t lane = 0; lane < kDescents; ++lane) {
         core.set_target(question, lane, here);

@@ -10,6 +10,18 @@
 
 namespace polyarm::test {
 
+/// Those that are solved in quadratics or quartics.
+inline constexpr kinematics::ArmFamily kClosedFamilies[] = {
+    kinematics::ArmFamily::wrist_2_parallel_3,
+    kinematics::ArmFamily::wrist_1_parallel_2,
+    kinematics::ArmFamily::wrist_1_meets_2,
+    kinematics::ArmFamily::wrist_2_meets_3,
+    kinematics::ArmFamily::parallel_234_5_meets_6,
+    kinematics::ArmFamily::parallel_123_5_meets_6,
+    kinematics::ArmFamily::wrist,
+    kinematics::ArmFamily::parallel_234,
+};
+
 inline Vec3 random_vector(kinematics::Random& random, double size) {
   return {random.between(-size, size), random.between(-size, size), random.between(-size, size)};
 }

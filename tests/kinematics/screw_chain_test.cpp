@@ -10,12 +10,12 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
+#include "tests/kinematics/sample_states.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::kinematics {
 namespace {
 
-const InstructionSet kSets[] = {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512};
 const Pose kBase{{0.4, -0.3, 0.8}, from_rpy(0.2, -0.4, 2.1)};
 
 /// A chain of turning and sliding axes in any direction; some of the joints move two of them.
@@ -79,7 +79,7 @@ std::vector<double> state(std::size_t n, Random& random, double most = 4) {
 TEST(ScrewChain, PlacesTheTcpWhereQuaternionsDo) {
   Random random(6);
   for (const Sample& s : samples())
-    for (const InstructionSet set : kSets) {
+    for (const InstructionSet set : test::kInstructionSets) {
       const ScrewChain chain(s.axes, s.joints, s.tcp, {0.1, 0.2, -0.1}, set);
       for (int i = 0; i < 20; ++i) {
         const auto q = state(s.joints, random);
@@ -93,7 +93,7 @@ TEST(ScrewChain, PlacesTheTcpWhereQuaternionsDo) {
 
 TEST(ScrewChain, AnglesOfManyTurnsLoseNoMoreThanTheirOwnDigits) {
   Random random(7);
-  for (const InstructionSet set : kSets) {
+  for (const InstructionSet set : test::kInstructionSets) {
     const std::vector<ScrewAxis> one{{0, false, 1, {0, 0, 1}, {0, 0, 0}}};
     const ScrewChain chain(one, 1, {{1, 0, 0}, {}}, {}, set);
     for (const double most : {1e-9, 1.0, 1e3, 9e4, 1.1e5, 1e9, 1e15})
@@ -116,7 +116,7 @@ TEST(ScrewChain, JacobiansInAllFramesAreDerivatives) {
   Random random(8);
   constexpr double kStep = 1e-6;
   for (const Sample& s : samples())
-    for (const InstructionSet set : kSets) {
+    for (const InstructionSet set : test::kInstructionSets) {
       const ScrewChain chain(s.axes, s.joints, s.tcp, {}, set);
       const std::size_t n = s.joints;
       auto q = state(n, random);
@@ -145,7 +145,7 @@ TEST(ScrewChain, JacobiansInAllFramesAreDerivatives) {
 TEST(ScrewChain, ABatchIsOneStateAfterTheOtherBitByBit) {
   Random random(9);
   for (const Sample& s : samples())
-    for (const InstructionSet set : kSets) {
+    for (const InstructionSet set : test::kInstructionSets) {
       const ScrewChain chain(s.axes, s.joints, s.tcp, {0.3, 0, 0}, set);
       const std::size_t n = s.joints;
       for (const std::size_t count : {1u, 7u, 8u, 21u}) {
@@ -173,7 +173,7 @@ TEST(ScrewChain, ABatchIsOneStateAfterTheOtherBitByBit) {
 TEST(ScrewChain, WritesNothingBesideTheJacobian) {
   Random random(10);
   for (const Sample& s : samples())
-    for (const InstructionSet set : kSets) {
+    for (const InstructionSet set : test::kInstructionSets) {
       const ScrewChain chain(s.axes, s.joints, s.tcp, {}, set);
       std::vector<double> J(6 * s.joints + 16, 7.0);
       chain.jacobian(state(s.joints, random), std::span(J).subspan(8, 6 * s.joints));

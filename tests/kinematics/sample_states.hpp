@@ -1,0 +1,26 @@
+#pragma once
+/// Chains of sample robots, states drawn within their limits, and the instructions there may be.
+#include <vector>
+
+#include "polyarm/kinematics/chain.hpp"
+#include "polyarm/kinematics/instruction_set.hpp"
+#include "polyarm/kinematics/random.hpp"
+#include "tests/kinematics/sample_robots.hpp"
+
+namespace polyarm::test {
+
+inline constexpr kinematics::InstructionSet kInstructionSets[] = {kinematics::InstructionSet::portable,
+                                                                  kinematics::InstructionSet::avx2,
+                                                                  kinematics::InstructionSet::avx512};
+
+inline kinematics::Chain chain_of(const description::RobotModel& model) {
+  return kinematics::Chain(model, tip_of(model));
+}
+
+inline std::vector<double> random_state(const kinematics::Chain& chain, kinematics::Random& random) {
+  std::vector<double> q;
+  for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
+  return q;
+}
+
+}  // namespace polyarm::test
