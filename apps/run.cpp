@@ -8,14 +8,15 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
 #include <memory>
 #include <mutex>
-#include <thread>
-#include <iostream>
 #include <string>
+#include <thread>
 
 #include "apps/options.hpp"
 #include "apps/run_output.hpp"
+#include "apps/run_pendant.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
@@ -34,6 +35,7 @@ struct RunArguments {
   cell::Overrides overrides;
   cell::CellOptions cell_options;
   cell::RunOptions run;
+  PendantArguments pendant;
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
   int line = 0;
@@ -76,6 +78,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--stay", a.run.stay, "the cell stays when its program has ended: polyarm control from LINE");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
+  add_pendant_options(app, a.pendant);
   app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
@@ -282,8 +285,9 @@ int execute(RunArguments& a, const std::string& command) {
   a.cell_options.keep = a.cell_options.keep || a.goes_on;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
-  const std::unique_ptr<cell::Observer> observer =
-      a.json ? make_json_observer() : make_text_observer(a.quiet);
+  const std::unique_ptr<cell::Observer> shown = a.json ? make_json_observer() : make_text_observer(a.quiet);
+  const description::Catalogue catalogue = open_catalogue();
+  std::unique_ptr<server::Pendant> pendant;
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
@@ -293,7 +297,12 @@ int execute(RunArguments& a, const std::string& command) {
   try {
     cell::CellFile file = open_cell(a);
     if (a.ros2) file.doors["ros2"];
-    cell.emplace(file, open_catalogue(), a.cell_options, *observer);
+    if (a.pendant.on) {
+      pendant = open_pendant(a.pendant, catalogue, *shown);
+      a.run.doors.push_back(pendant.get());
+      a.run.stay = true;
+    }
+    cell.emplace(file, catalogue, a.cell_options, pendant ? pendant->observer() : *shown);
     if (!begins_where_told(*cell, a)) {
       fmt::print("nothing was begun\n");
       return kStopped;
@@ -306,7 +315,13 @@ int execute(RunArguments& a, const std::string& command) {
     for (const Problem& problem : result.problems) fmt::print(stderr, "{}\n", problem.text());
     return kFailed;
   }
-  const cell::RunResult result = cell::run(*cell, a.run, *observer);
+  cell::Observer& observer = pendant ? pendant->observer() : *shown;
+  if (pendant) {
+    pendant->attach(*cell);
+    announce(*pendant, a.pendant, *shown);
+  }
+  const cell::RunResult result = cell::run(*cell, a.run, observer);
+  if (pendant) pendant->detach();
   std::string folder;
   if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command);
   const int code = report(result, folder, a.json);

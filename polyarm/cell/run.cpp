@@ -159,7 +159,7 @@ class Runner {
       if (loop.cycle().time >= next_tick) {
         next_tick = loop.cycle().time + Cell::kTick;
         if (door) door->serve(cell_.requests());
-        for (const auto& other : doors) other->serve();
+        serve(doors);
         after_tick(loop.cycle().time);
         if (over_) break;
       }
@@ -179,7 +179,7 @@ class Runner {
       cell_.loop().outbox().fetch();
       const hardware::Cycle seen = cell_.snapshot().cycle;
       if (door) door->serve(cell_.requests());
-      for (const auto& other : doors) other->serve();
+      serve(doors);
       watch_loop();
       tell_refused(control.refused());
       after_tick(seen.time + seen.period);
@@ -210,6 +210,11 @@ class Runner {
         observer_.on_note(std::string(e.what()) + "; the door '" + name + "' stays shut");
       }
     return out;
+  }
+
+  void serve(const std::vector<std::unique_ptr<Door>>& doors) const {
+    for (const auto& door : doors) door->serve();
+    for (Door* const door : options_.doors) door->serve();
   }
 
   realtime::ThreadOptions thread_options() const {

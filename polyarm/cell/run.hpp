@@ -22,7 +22,8 @@ struct RunOptions {
   bool console = true;       ///< typed lines (resume, discard, stop, answers) are read
   /// So long a loop that has been asked to end, or a robot to stop, is waited for on the wall clock, ns.
   Nanoseconds patience = 6'000'000'000;
-  Nanoseconds started = 0;  ///< wall time at which the user gave the command; 0: unknown
+  std::vector<Door*> doors;  ///< served each tick beside those that the cell names; they outlive the run
+  Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
 };
 
 struct LoopHealth {

@@ -1,0 +1,24 @@
+#pragma once
+/// `polyarm run --pendant`: the options, the server, and the link that a person opens.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "polyarm/server/pendant.hpp"
+
+namespace polyarm::apps {
+
+struct PendantArguments {
+  bool on = false, open = false, listens = false;
+  int port = 8765;
+  std::string listen, page;
+};
+void add_pendant_options(CLI::App& app, PendantArguments& arguments);
+
+/// The catalogue outlives it. Throws Error.
+std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
+                                              const description::Catalogue& catalogue, cell::Observer& next);
+/// Prints the link (a QR code, too, where other machines are served), and opens it where that is asked for.
+void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
+
+}  // namespace polyarm::apps

@@ -1,0 +1,20 @@
+#pragma once
+/// The page's files, which are compiled into the command.
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace polyarm::server {
+
+struct Asset {
+  std::string_view data;
+  bool gzip = false;  ///< it is stored compressed
+};
+/// By path ("/index.html", "/assets/index-4f3a.js"). Empty where the command was built without a page.
+const std::map<std::string, Asset>& embedded_page();
+/// The same from a folder, read once; for who works on the page. Throws Error("no-file").
+std::map<std::string, Asset> page_in(const std::string& folder);
+/// What a browser is told a file is, by its ending.
+const char* media_type(std::string_view path);
+
+}  // namespace polyarm::server

@@ -1,0 +1,54 @@
+#pragma once
+/// What changes in a cell, told as JSON events. Cell thread.
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/server/client.hpp"
+#include "polyarm/server/journal.hpp"
+
+namespace polyarm::server {
+
+/// State in words, modes, program, alarms: {"event": "status", …} without what the port adds.
+nlohmann::json status_of(cell::Cell& cell, const Journal& journal);
+
+/// Tags and variables that are no places.
+class TagEvents {
+ public:
+  explicit TagEvents(cell::Cell& cell) : cell_(cell) {}
+  /// What has changed since the last call; null: nothing. `look`: at all of them, since forces and links
+  /// change without a value that does.
+  Text changes(bool look);
+  /// All of them.
+  Text full();
+
+ private:
+  nlohmann::json value_of(const std::string& name) const;
+
+  cell::Cell& cell_;
+  std::map<std::string, nlohmann::json> told_;
+  std::uint64_t version_ = ~0ull;
+};
+
+/// Where parts are: {"event": "parts", "parts": [{name, p, q, in_world, held_by}], "full"}.
+class PartEvents {
+ public:
+  explicit PartEvents(cell::Cell& cell) : cell_(cell) {}
+  Text changes();
+  Text full();
+
+ private:
+  Text tell(bool full);
+  cell::Cell& cell_;
+  std::vector<hardware::PartState> told_;
+};
+
+/// Lines after number `after`, {"event": "log"}; null: none.
+Text log_event(const Journal& journal, std::uint64_t after);
+/// {"event": "alarm", number, time, code, what, where: {file, line, column}, why, advice, severity}
+Text alarm_event(const Journal::Alarm& alarm);
+
+}  // namespace polyarm::server

@@ -1,0 +1,60 @@
+#include "polyarm/server/journal.hpp"
+
+#include <utility>
+
+#include "polyarm/cell/stops.hpp"
+
+namespace polyarm::server {
+
+void Journal::keep(double time, const char* level, std::string text) {
+  lines_.push_back({++last_line_, time, level, std::move(text)});
+  if (lines_.size() > kKept) lines_.pop_front();
+}
+
+void Journal::on_note(const std::string& text) {
+  keep(now_, "info", text);
+  next_.on_note(text);
+}
+
+void Journal::on_line(Nanoseconds time, const std::string& task, const Location& where,
+                      const std::string& source) {
+  next_.on_line(time, task, where, source);
+}
+
+void Journal::on_tag(Nanoseconds time, const std::string& name, const std::string& value,
+                     const std::string& who) {
+  next_.on_tag(time, name, value, who);
+}
+
+void Journal::on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {
+  next_.on_pose(time, robot, tcp);
+}
+
+void Journal::on_log(Nanoseconds time, const std::string& task, const std::string& text) {
+  keep(seconds(time), "log", task + ": " + text);
+  next_.on_log(time, task, text);
+}
+
+void Journal::on_state(Nanoseconds time, const std::string& state, const std::string& cause) {
+  keep(seconds(time), "info", state == "running" ? state : state + ": " + cause);
+  next_.on_state(time, state, cause);
+}
+
+void Journal::on_stop(Nanoseconds time, const cell::StopReport& stop) {
+  keep(seconds(time), "info", stop.sentence());
+  next_.on_stop(time, stop);
+}
+
+void Journal::on_question(const std::string& text) {
+  keep(now_, "question", text);
+  next_.on_question(text);
+}
+
+void Journal::on_problem(Nanoseconds time, const Problem& problem) {
+  keep(seconds(time), problem.severity == Severity::error ? "error" : "warning", problem.text());
+  alarms_.push_back({++last_alarm_, seconds(time), problem});
+  if (alarms_.size() > kKept) alarms_.pop_front();
+  next_.on_problem(time, problem);
+}
+
+}  // namespace polyarm::server

@@ -1,0 +1,437 @@
+#include "polyarm/server/port.hpp"
+
+#include <atomic>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::server {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace ws = beast::websocket;
+using tcp = net::ip::tcp;
+using Failure = boost::system::error_code;
+
+namespace {
+
+constexpr std::size_t kMostHead = 16 << 10, kMostMessage = 1 << 20, kBuffer = 64 << 10;
+/// So much the system may keep of what a WebSocket was sent: more would be old by the time it is read.
+constexpr int kSendBuffer = 128 << 10;
+constexpr double kFarewell_s = 0.5;
+
+std::chrono::nanoseconds duration(double seconds) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
+}
+
+double steady_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+const char* reason(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 302:
+      return "Found";
+    case 304:
+      return "Not Modified";
+    case 400:
+      return "Bad Request";
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 413:
+      return "Payload Too Large";
+    case 421:
+      return "Misdirected Request";
+    case 503:
+      return "Service Unavailable";
+    default:
+      return status < 400 ? "OK" : "Error";
+  }
+}
+
+std::string head_of(const HttpReply& reply, bool keep_alive) {
+  std::string out = "HTTP/1.1 " + std::to_string(reply.status) + " " + reason(reply.status) + "\r\n";
+  const auto line = [&](const std::string& name, const std::string& value) {
+    out += name + ": " + value + "\r\n";
+  };
+  line("Content-Type", reply.type);
+  line("Content-Length", std::to_string(reply.body ? reply.body->size() : 0));
+  line("Connection", keep_alive ? "keep-alive" : "close");
+  if (reply.gzip) line("Content-Encoding", "gzip");
+  line("X-Content-Type-Options", "nosniff");
+  line("Referrer-Policy", "no-referrer");
+  line("X-Frame-Options", "DENY");
+  line("Cross-Origin-Opener-Policy", "same-origin");
+  line("Cross-Origin-Resource-Policy", "same-origin");
+  line("Content-Security-Policy",
+       "default-src 'self'; script-src 'self'; connect-src 'self' blob:; img-src 'self' data: blob:; "
+       "style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; font-src 'self'; object-src 'none'; "
+       "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  for (const auto& [name, value] : reply.headers) line(name, value);
+  return out + "\r\n";
+}
+
+}  // namespace
+
+HttpReply plain(int status, const std::string& text) {
+  HttpReply out;
+  out.status = status;
+  out.body = std::make_shared<const std::string>(text + "\n");
+  out.headers.emplace_back("Cache-Control", "no-store");
+  return out;
+}
+
+class Port::Work {
+ public:
+  Work(PortOptions given, Site& behind) : site(behind), options(std::move(given)), acceptor_(context) {
+    listen();
+    GateRules& rules = options.rules;
+    if (rules.cookie.empty()) rules.cookie = "polyarm_token_" + std::to_string(number());
+    accept();
+    thread_ = std::thread([this] { context.run(); });
+  }
+
+  ~Work() {
+    net::post(context, [this] { say_goodbye(); });
+    thread_.join();
+  }
+
+  std::uint16_t number() const { return acceptor_number_; }
+
+  void wake();
+
+  class Http;
+  class Socket;
+
+  Site& site;
+  PortOptions options;
+
+ private:
+  std::size_t open_ = 0;  // connections; these two outlive the context, whose end ends sockets
+  std::set<Socket*> sockets_;
+
+ public:
+  net::io_context context{1};
+  std::atomic<std::uint64_t> connections{0}, refused{0}, requests{0}, timed_out{0};
+
+  void came() { ++open_; }
+  void left() { --open_; }
+  void add(Socket* socket) { sockets_.insert(socket); }
+  void remove(Socket* socket) { sockets_.erase(socket); }
+
+ private:
+  friend class Http;
+
+  void listen() {
+    Failure failed;
+    const auto address = net::ip::make_address(options.address, failed);
+    if (failed)
+      throw Error("no-port", "'" + options.address + "' is no address of this machine",
+                  "for example 0.0.0.0");
+    const tcp::endpoint where(address, options.port);
+    const auto step = [&](auto action) {
+      if (!failed) action();
+    };
+    acceptor_.open(where.protocol(), failed);
+    step([&] { acceptor_.set_option(net::socket_base::reuse_address(true), failed); });
+    if (address.is_v6()) step([&] { acceptor_.set_option(net::ip::v6_only(false), failed); });
+    step([&] { acceptor_.bind(where, failed); });
+    step([&] { acceptor_.listen(64, failed); });
+    if (failed)
+      throw Error(
+          "no-port",
+          "port " + std::to_string(options.port) + " of " + options.address +
+              " cannot be opened: " + failed.message(),
+          failed == net::error::address_in_use ? "another program has it: choose one with --port N" : "");
+    acceptor_number_ = acceptor_.local_endpoint().port();
+  }
+
+  void accept();
+  void say_goodbye();
+
+  tcp::acceptor acceptor_;
+  std::uint16_t acceptor_number_ = 0;
+  std::atomic<bool> woken_{false};
+  bool over_ = false;
+  std::unique_ptr<net::steady_timer> farewell_;
+  std::thread thread_;
+};
+
+/// A WebSocket and the client behind it.
+class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(Work& work, tcp::socket socket, std::shared_ptr<Client> client)
+      : work_(work), stream_(beast::tcp_stream(std::move(socket))), client_(std::move(client)) {
+    work_.add(this);
+  }
+  ~Socket() {
+    client_->leave();
+    work_.remove(this);
+    work_.left();
+  }
+
+  void accept(const http::request<http::string_body>& request) {
+    Failure ignored;
+    beast::get_lowest_layer(stream_).socket().set_option(net::socket_base::send_buffer_size(kSendBuffer),
+                                                         ignored);
+    beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true), ignored);
+    stream_.set_option(
+        ws::stream_base::timeout{duration(work_.options.head_s), duration(work_.options.idle_s), true});
+    stream_.read_message_max(kMostMessage);
+    stream_.async_accept(request, [self = this->shared_from_this()](Failure failed) {
+      if (failed) return self->client_->leave();
+      self->open_ = true;
+      self->read();
+      self->pump();
+    });
+  }
+
+  void pump() {
+    if (!open_ || closing_) return;
+    if (client_->gone()) return close(ws::close_code::policy_error, "it does not read what it asked for");
+    if (paused_ && client_->has_room()) read();
+    if (writing_) return;
+    auto out = client_->next();
+    if (!out) return;
+    writing_ = true;
+    stream_.text(!out->binary);
+    const auto buffer = net::buffer(*out->body);
+    stream_.async_write(
+        buffer, [self = this->shared_from_this(), body = std::move(out->body)](Failure failed, std::size_t) {
+          self->writing_ = false;
+          if (failed) return self->client_->leave();
+          self->pump();
+        });
+  }
+
+  void close(ws::close_code code, const char* why) {
+    if (!open_ || std::exchange(closing_, true)) return;
+    client_->leave();
+    stream_.async_close(ws::close_reason(code, why), [self = this->shared_from_this()](Failure) {});
+  }
+
+ private:
+  void read() {
+    paused_ = false;
+    stream_.async_read(
+        buffer_, [self = this->shared_from_this()](Failure failed, std::size_t) { self->took(failed); });
+  }
+
+  void took(Failure failed) {
+    if (failed) {
+      if (failed == beast::error::timeout) ++work_.timed_out;
+      return client_->leave();
+    }
+    if (!stream_.got_text()) return close(ws::close_code::unknown_data, "requests are text");
+    const bool kept = client_->take(beast::buffers_to_string(buffer_.data()), steady_now());
+    buffer_.consume(buffer_.size());
+    if (buffer_.capacity() > kBuffer) buffer_.shrink_to_fit();
+    if (!kept) return close(ws::close_code::policy_error, "too many requests a second");
+    if (client_->has_room())
+      read();
+    else
+      paused_ = true;
+  }
+
+  Work& work_;
+  ws::stream<beast::tcp_stream> stream_;
+  std::shared_ptr<Client> client_;
+  beast::flat_buffer buffer_;
+  bool open_ = false, closing_ = false, writing_ = false, paused_ = false;
+};
+
+/// A connection that asks for files, until it becomes a WebSocket.
+class Port::Work::Http : public std::enable_shared_from_this<Http> {
+ public:
+  Http(Work& work, tcp::socket socket) : work_(work), stream_(std::move(socket)), buffer_(kBuffer) {
+    work_.came();
+  }
+  ~Http() {
+    if (!handed_on_) work_.left();
+  }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMostHead);
+    stream_.expires_after(duration(first_ ? work_.options.head_s : work_.options.idle_s));
+    first_ = false;
+    http::async_read_header(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this()](Failure failed, std::size_t) { self->on_head(failed); });
+  }
+
+ private:
+  static std::string text(beast::string_view view) { return std::string(view.data(), view.size()); }
+  std::string header(http::field field) const { return text(parser_->get()[field]); }
+
+  void on_head(Failure failed) {
+    if (failed == beast::error::timeout) ++work_.timed_out;
+    if (failed == http::error::header_limit) return refuse(400, "the head of the request is too long");
+    if (failed) return;
+    ++work_.requests;
+    const auto& request = parser_->get();
+    head_ = {text(request.method_string()),  text(request.target()),      header(http::field::host),
+             header(http::field::origin),    header(http::field::cookie), header(http::field::authorization),
+             text(request["Sec-Fetch-Site"])};
+    path_ = path_of(head_.target);
+    if (path_.empty()) return refuse(400, "the path is malformed");
+    const bool upgrade = ws::is_upgrade(request);
+    const bool open = !upgrade && work_.site.is_open(head_.method, path_);
+    const bool changes = upgrade || (head_.method != "GET" && head_.method != "HEAD");
+    if (!host_allowed(head_.host, work_.options.rules)) return refuse(421, "this address is not served");
+    if (!open)
+      if (const Verdict verdict = judge(head_, work_.options.rules, changes); verdict.status != 200)
+        return refuse(verdict.status, verdict.why);
+    if (upgrade) return become_socket();
+    const std::size_t most = work_.site.most_body(head_.method, path_);
+    if (parser_->content_length() && *parser_->content_length() > most)
+      return refuse(413, "the body is too large");
+    parser_->body_limit(most);
+    if (parser_->is_done()) return on_body({});
+    if (lower(header(http::field::expect)) == "100-continue") return go_on();
+    read_body();
+  }
+
+  void go_on() {
+    static constexpr char kContinue[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    net::async_write(stream_, net::buffer(kContinue, sizeof kContinue - 1),
+                     [self = this->shared_from_this()](Failure failed, std::size_t) {
+                       if (!failed) self->read_body();
+                     });
+  }
+
+  void read_body() {
+    stream_.expires_after(duration(work_.options.body_s));
+    http::async_read(
+        stream_, buffer_, *parser_,
+        [self = this->shared_from_this()](Failure failed, std::size_t) { self->on_body(failed); });
+  }
+
+  void on_body(Failure failed) {
+    if (failed == http::error::body_limit) return refuse(413, "the body is too large");
+    if (failed) return;
+    keep_alive_ = parser_->get().keep_alive();
+    HttpRequest request;
+    request.method = head_.method;
+    request.target = head_.target;
+    request.path = path_;
+    request.if_none_match = header(http::field::if_none_match);
+    request.gzip = header(http::field::accept_encoding).find("gzip") != std::string::npos;
+    request.token = shown_token(head_, work_.options.rules);
+    request.body = std::move(parser_->get().body());
+    stream_.expires_never();
+    work_.site.handle(std::move(request), [self = this->shared_from_this()](HttpReply reply) {
+      net::post(self->work_.context,
+                [self, reply = std::move(reply)]() mutable { self->send(std::move(reply)); });
+    });
+  }
+
+  void refuse(int status, const char* why) {
+    ++work_.refused;
+    keep_alive_ = false;
+    send(plain(status, why));
+  }
+
+  void send(HttpReply reply) {
+    stream_.expires_after(duration(work_.options.send_s));
+    auto head = std::make_shared<const std::string>(head_of(reply, keep_alive_));
+    std::vector<net::const_buffer> parts{net::buffer(*head)};
+    if (reply.body && head_.method != "HEAD") parts.push_back(net::buffer(*reply.body));
+    net::async_write(stream_, parts,
+                     [self = this->shared_from_this(), head, body = reply.body](Failure failed, std::size_t) {
+                       if (failed) return;
+                       if (self->keep_alive_) return self->read();
+                       Failure ignored;
+                       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                     });
+  }
+
+  void become_socket() {
+    if (path_ != "/ws") return refuse(404, "the WebSocket is at /ws");
+    Failure failed;
+    const auto peer = stream_.socket().remote_endpoint(failed).address();
+    auto client = failed ? nullptr : work_.site.welcome(peer.to_string(), peer.is_loopback());
+    if (!client) return refuse(503, "too many are watching already");
+    stream_.expires_never();
+    handed_on_ = true;
+    const auto socket = std::make_shared<Socket>(work_, stream_.release_socket(), std::move(client));
+    socket->accept(parser_->get());
+  }
+
+  Work& work_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  Head head_;
+  std::string path_;
+  bool first_ = true, keep_alive_ = false, handed_on_ = false;
+};
+
+void Port::Work::accept() {
+  acceptor_.async_accept([this](Failure failed, tcp::socket socket) {
+    if (over_) return;
+    if (!failed && open_ < options.most_connections) {
+      ++connections;
+      std::make_shared<Http>(*this, std::move(socket))->read();
+    } else if (!failed) {
+      ++refused;  // closed without a word
+    }
+    accept();
+  });
+}
+
+void Port::Work::wake() {
+  if (woken_.exchange(true)) return;
+  net::post(context, [this] {
+    woken_ = false;
+    for (auto i = sockets_.begin(); i != sockets_.end();) (*i++)->pump();
+  });
+}
+
+void Port::Work::say_goodbye() {
+  over_ = true;
+  Failure ignored;
+  acceptor_.close(ignored);
+  for (auto i = sockets_.begin(); i != sockets_.end();)
+    (*i++)->close(ws::close_code::going_away, "the cell has ended");
+  farewell_ = std::make_unique<net::steady_timer>(context, duration(sockets_.empty() ? 0 : kFarewell_s));
+  farewell_->async_wait([this](Failure) { context.stop(); });
+}
+
+Port::Port(PortOptions options, Site& site) : work_(std::make_unique<Work>(std::move(options), site)) {}
+Port::~Port() = default;
+std::uint16_t Port::number() const {
+  return work_->number();
+}
+void Port::wake() {
+  work_->wake();
+}
+Port::Counts Port::counts() const {
+  return {work_->connections, work_->refused, work_->requests, work_->timed_out};
+}
+
+}  // namespace polyarm::server

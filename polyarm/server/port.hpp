@@ -1,0 +1,73 @@
+#pragma once
+/// The one port: HTTP and WebSockets on a thread of its own, which carries and owns nothing of a cell.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/server/client.hpp"
+#include "polyarm/server/gate.hpp"
+
+namespace polyarm::server {
+
+struct HttpRequest {
+  std::string method, target, path;  ///< path: decoded, without the query
+  std::string body, if_none_match;
+  bool gzip = false;  ///< the other side takes it
+  Shown token = Shown::nothing;
+};
+
+struct HttpReply {
+  int status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  Text body;
+  bool gzip = false;
+  std::vector<std::pair<std::string, std::string>> headers;
+};
+HttpReply plain(int status, const std::string& text);
+
+/// What is behind the port.
+class Site {
+ public:
+  virtual ~Site() = default;
+  /// May everybody see it, who has no token? The page itself and its files.
+  virtual bool is_open(const std::string& method, const std::string& path) const = 0;
+  /// Most bytes that a body may have there; 0: none.
+  virtual std::size_t most_body(const std::string& method, const std::string& path) const = 0;
+  /// I/O thread; `reply` is called once, from any thread.
+  virtual void handle(HttpRequest request, std::function<void(HttpReply)> reply) = 0;
+  /// I/O thread: a WebSocket was opened by somebody who may; null: there are too many.
+  virtual std::shared_ptr<Client> welcome(const std::string& from, bool local) = 0;
+};
+
+struct PortOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: any that is free
+  GateRules rules;         ///< an empty cookie name is made from the port
+  std::size_t most_connections = 128;
+  double head_s = 10, body_s = 60, idle_s = 20, send_s = 30;  ///< how long the other side may take
+};
+
+class Port {
+ public:
+  /// Listens. Throws Error("no-port") with what is wrong; `site` outlives it.
+  Port(PortOptions options, Site& site);
+  /// Says goodbye to every WebSocket, and waits a moment for it to be read.
+  ~Port();
+  std::uint16_t number() const;
+  /// Any thread: clients have been given something to send, or have room for more.
+  void wake();
+  struct Counts {
+    std::uint64_t connections = 0, refused = 0, requests = 0, timed_out = 0;
+  };
+  Counts counts() const;
+
+  class Work;
+
+ private:
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace polyarm::server

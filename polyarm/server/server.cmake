@@ -1,0 +1,38 @@
+# The pendant's server. Boost.Beast and Asio are headers alone; only port.cpp sees them.
+find_path(POLYARM_BEAST boost/beast/websocket.hpp)
+if(NOT POLYARM_BEAST)
+  message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
+endif()
+polyarm_room(server USES cell)
+target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
+set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it waits for sockets
+
+# The page is built by npm from pendant/ when something there has changed, and compiled into the library. Without npm, or
+# a Node.js older than 18, or a network at the first time, the server says so in its place.
+set(page ${PROJECT_SOURCE_DIR}/pendant)
+set(built ${CMAKE_BINARY_DIR}/pendant)
+set(steps ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake)
+set(page_made "")
+find_program(NPM npm)
+find_program(NODE NAMES node nodejs)
+if(EXISTS ${page}/package-lock.json AND NPM AND NODE)
+  execute_process(COMMAND ${NODE} -p "parseInt(process.versions.node)" OUTPUT_VARIABLE node_major ERROR_QUIET
+                  OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(node_major GREATER_EQUAL 18)
+    file(GLOB_RECURSE page_sources CONFIGURE_DEPENDS ${page}/src/* ${page}/public/*)
+    file(GLOB page_settings CONFIGURE_DEPENDS ${page}/*.json ${page}/*.ts ${page}/*.js ${page}/*.mjs ${page}/*.html)
+    set(page_made ${page_sources} ${page_settings})
+  else()
+    message(STATUS "Node.js ${node_major} is older than 18: the pendant has no page")
+  endif()
+elseif(EXISTS ${page}/package-lock.json)
+  message(STATUS "npm is missing: the pendant has no page")
+endif()
+add_custom_command(
+  OUTPUT ${built}/embedded_page.cpp
+  COMMAND ${CMAKE_COMMAND} -DPAGE=$<IF:$<BOOL:${page_made}>,${page},> -DOUT=${built} -DNPM=${NPM} -P ${steps}
+  DEPENDS ${page_made} ${steps}
+  COMMENT "The pendant's page"
+  VERBATIM)
+target_sources(polyarm_server PRIVATE ${built}/embedded_page.cpp)
+set_source_files_properties(${built}/embedded_page.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

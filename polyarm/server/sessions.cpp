@@ -1,0 +1,515 @@
+#include "polyarm/server/sessions.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "polyarm/realtime/periodic.hpp"
+#include "polyarm/server/control.hpp"
+#include "polyarm/server/documents.hpp"
+#include "polyarm/server/events.hpp"
+#include "polyarm/server/jog_watch.hpp"
+#include "polyarm/server/state_frames.hpp"
+
+namespace polyarm::server {
+
+namespace {
+
+constexpr int kDeepest = 64;
+constexpr std::size_t kLongestName = 60;
+constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
+                 kLogEvery = 0.1, kProgramAgain = 1;
+
+/// Brackets outside texts nested deeper than any request has: copying and printing JSON recurses.
+bool too_deep(const std::string& line) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '\\') ++i;
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepest) return true;
+  }
+  return false;
+}
+
+/// One that is connected, as the cell thread knows it.
+struct Seat {
+  std::shared_ptr<Client> client;
+  std::string name;
+  bool listens = false, greeted = false;  ///< it is told events; it has been told all there was
+  double rate = 0, due = 0;
+};
+
+Json error_of(const Error& error) {
+  const Problem& p = error.problems().front();
+  return {{"code", p.code}, {"what", p.what}, {"advice", p.advice}, {"where", p.where.text()}};
+}
+
+}  // namespace
+
+class Sessions::Work {
+ public:
+  Work(cell::Observer& next, std::string version) : journal(next), version_(std::move(version)) {
+    for (const cell::RequestInfo& info : cell::request_table())
+      moves_[info.name] =
+          info.moves && info.name != std::string("control.hold") && info.name != std::string("control.stop");
+  }
+
+  std::shared_ptr<Client> welcome(const std::string& from, bool local) {
+    const std::lock_guard lock(mutex_);
+    if (connected_ >= kMostClients) return nullptr;
+    ++connected_;
+    auto client = std::make_shared<Client>(++last_client_, from, local);
+    arrived_.push_back(client);
+    return client;
+  }
+
+  void attach(cell::Cell& cell) {
+    cell_ = &cell;
+    jogs_.emplace(cell, [this](std::uint64_t to, const Json& message) { tell(to, message); });
+    frames_.emplace(cell, ++layout_);
+    tags_.emplace(cell);
+    parts_.emplace(cell);
+    status_.clear();
+    program_ = std::make_shared<ProgramWatch>();
+    for (auto& [number, seat] : seats_) seat.greeted = false;
+  }
+
+  void detach() {
+    if (!cell_) return;
+    cell_ = nullptr;
+    jogs_.reset();
+    frames_.reset();
+    tags_.reset();
+    parts_.reset();
+    program_.reset();
+    status_.clear();
+  }
+
+  bool serve() {
+    now_ = seconds(realtime::monotonic_now());
+    if (cell_) journal.set_now(cell_->now());
+    look_at_clients();
+    std::size_t left = kLinesATick;
+    for (auto& [number, seat] : seats_) {
+      for (const std::string& line : seat.client->lines(std::min(kLinesOfEach, left))) {
+        --left;
+        ++requests;
+        take(seat, line);
+      }
+    }
+    if (jogs_) jogs_->tick();
+    control_.tick(now_);
+    tell_control();
+    tell_events();
+    send_frames();
+    bool wake = false;
+    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
+    return wake;
+  }
+
+  Pendant::Counts counts() const {
+    Pendant::Counts out;
+    out.clients = seats_.size();
+    out.requests = requests;
+    out.frames = frames_sent_;
+    out.frames_left_out = frames_left_out_;
+    out.events_left_out = events_left_out_;
+    for (const auto& [number, seat] : seats_) {
+      out.frames_left_out += seat.client->frames_left_out();
+      out.events_left_out += seat.client->events_left_out();
+    }
+    return out;
+  }
+
+  Journal journal;
+  std::uint64_t requests = 0;
+
+ private:
+  using Handler = Json (Work::*)(Seat&, const Json&);
+  struct ProgramWatch {
+    std::string text;
+    bool fresh = false, on = false;
+    double again = 0;
+  };
+
+  // --- coming and going
+
+  void look_at_clients() {
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto& client : arrived_) {
+        Seat seat;
+        seat.name = client->from;
+        const std::uint64_t number = client->number;
+        seat.client = std::move(client);
+        seats_.emplace(number, std::move(seat));
+      }
+      arrived_.clear();
+    }
+    for (auto each = seats_.begin(); each != seats_.end();) {
+      if (!each->second.client->gone()) {
+        ++each;
+        continue;
+      }
+      if (jogs_) jogs_->end_all(each->first, "gone");
+      control_.gone(each->first);
+      frames_left_out_ += each->second.client->frames_left_out();
+      events_left_out_ += each->second.client->events_left_out();
+      each = seats_.erase(each);
+      const std::lock_guard lock(mutex_);
+      --connected_;
+    }
+  }
+
+  // --- requests
+
+  void take(Seat& seat, const std::string& line) {
+    Json id;
+    try {
+      if (too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep");
+      const Json request = Json::parse(line, nullptr, false);
+      if (!request.is_object() || !request.contains("request") || !request["request"].is_string())
+        throw Error("bad-request", "a request is one JSON object with the text 'request'",
+                    "for example {\"id\": 1, \"request\": \"control.list\"}");
+      id = request.value("id", Json());
+      const std::string name = request["request"].get<std::string>();
+      if (name == "jog.beat") return beat(seat, request);
+      const auto own = handlers().find(name);
+      if (own == handlers().end()) return pass_on(seat, name, line);
+      if (const auto result = (this->*own->second)(seat, request); !result.is_discarded())
+        answer(seat, id, result);
+    } catch (const Error& e) {
+      refuse(seat, id, error_of(e));
+    } catch (const Json::exception& e) {
+      refuse(seat, id,
+             error_of(Error("bad-argument", std::string("an argument is of the wrong type: ") + e.what())));
+    }
+  }
+
+  static const std::map<std::string, Handler>& handlers() {
+    static const std::map<std::string, Handler> table = {{"session.hello", &Work::hello},
+                                                         {"session.watch", &Work::watch},
+                                                         {"session.take", &Work::take_control},
+                                                         {"session.release", &Work::release},
+                                                         {"session.answer", &Work::answer_asker},
+                                                         {"jog.begin", &Work::jog_begin},
+                                                         {"jog.end", &Work::jog_end},
+                                                         {"jog.step", &Work::jog_step}};
+    return table;
+  }
+
+  static void answer(Seat& seat, const Json& id, const Json& result) {
+    Json line{{"ok", true}, {"result", result}};
+    if (!id.is_null()) line["id"] = id;
+    seat.client->answer(dump(line));
+  }
+  static void refuse(Seat& seat, const Json& id, const Json& error) {
+    Json line{{"ok", false}, {"error", error}};
+    if (!id.is_null()) line["id"] = id;
+    seat.client->answer(dump(line));
+  }
+
+  void require_control(const Seat& seat, const std::string& what) const {
+    if (control_.holds(seat.client->number)) return;
+    const std::string who =
+        control_.holder() ? "'" + name_of(control_.holder()) + "' holds control" : "nobody holds control";
+    throw Error("no-control", "'" + what + "' is refused: " + who, "take control first: session.take");
+  }
+
+  void require_cell() const {
+    if (!cell_) throw Error("no-cell", "no cell is running now", "wait until it has started again");
+  }
+
+  /// To the cell's table.
+  void pass_on(Seat& seat, const std::string& name, const std::string& line) {
+    require_cell();
+    const auto found = moves_.find(name);
+    if (found != moves_.end() && found->second) require_control(seat, name);
+    cell_->requests().handle(
+        line, [client = seat.client](const std::string& text) { return client->answer(text); },
+        seat.client.get());
+  }
+
+  Json who(std::uint64_t client) const {
+    if (client == 0) return {};
+    return {{"client", client}, {"name", name_of(client)}};
+  }
+  std::string name_of(std::uint64_t client) const {
+    const auto found = seats_.find(client);
+    return found == seats_.end() ? "somebody who is gone" : found->second.name;
+  }
+
+  Json hello(Seat& seat, const Json& request) {
+    if (request.contains("name")) seat.name = request["name"].get<std::string>().substr(0, kLongestName);
+    seat.listens = true;
+    return {{"client", seat.client->number},
+            {"holder", who(control_.holder())},
+            {"you_hold", control_.holds(seat.client->number)},
+            {"version", version_},
+            {"token_ok", true},
+            {"cell", cell_ ? Json(cell_->file().name) : Json()},
+            {"local", seat.client->local}};
+  }
+
+  Json watch(Seat& seat, const Json& request) {
+    const double rate = request.value("rate", 30.0);
+    if (!(rate >= 0 && rate <= 1000))
+      throw Error("bad-argument", "'rate' is no number of frames a second", "0 to 60");
+    const bool news = seat.rate == 0 && rate > 0;
+    seat.rate = std::min(rate, kFastest);
+    seat.listens = true;
+    if (news && frames_ && seat.greeted) seat.client->put(Kind::layout, frames_->layout());
+    return {{"rate", seat.rate}};
+  }
+
+  Json take_control(Seat& seat, const Json& request) {
+    const std::uint64_t client = seat.client->number;
+    const bool at_once = request.value("force", false);
+    if (at_once && !seat.client->local && control_.holder() != 0)
+      throw Error("no-force", "control is taken without asking only at the machine itself",
+                  "ask: session.take");
+    const std::uint64_t before = control_.holder();
+    const Control::Taken taken = control_.take(client, at_once, now_);
+    if (taken == Control::Taken::others)
+      throw Error("asked-already", "'" + name_of(control_.asker()) + "' has asked for control already",
+                  "wait a moment");
+    if (taken == Control::Taken::yes && before != 0 && before != client && jogs_)
+      jogs_->end_all(before, "control");
+    return {{"you_hold", taken == Control::Taken::yes},
+            {"holder", who(control_.holder())},
+            {"seconds", control_.left(now_)}};
+  }
+
+  Json release(Seat& seat, const Json&) {
+    if (jogs_) jogs_->end_all(seat.client->number, "control");
+    control_.release(seat.client->number);
+    return {{"you_hold", false}, {"holder", who(control_.holder())}};
+  }
+
+  Json answer_asker(Seat& seat, const Json& request) {
+    const bool give = request.value("give", false);
+    if (!control_.answer(seat.client->number, give)) throw Error("not-asked", "nobody asks you for control");
+    if (give && jogs_) jogs_->end_all(seat.client->number, "control");
+    return {{"you_hold", control_.holds(seat.client->number)}, {"holder", who(control_.holder())}};
+  }
+
+  /// Answered once it moves.
+  Json jog_begin(Seat& seat, const Json& request) {
+    require_cell();
+    require_control(seat, "jog.begin");
+    jogs_->begin(seat.client->number, request);
+    return Json(Json::value_t::discarded);
+  }
+
+  void beat(Seat& seat, const Json& request) {
+    const Json jog = request.value("jog", Json());
+    if (jogs_ && jog.is_number_unsigned()) jogs_->beat(seat.client->number, jog.get<std::uint64_t>());
+  }
+
+  Json jog_end(Seat& seat, const Json& request) {
+    require_cell();
+    if (request.contains("jog"))
+      jogs_->end(seat.client->number, request["jog"].get<std::uint64_t>(), "released");
+    else
+      jogs_->end_all(seat.client->number, "released");
+    return Json::object();
+  }
+
+  /// Answered by the cell's request.
+  Json jog_step(Seat& seat, const Json& request) {
+    require_cell();
+    require_control(seat, "jog.step");
+    Json step = jogs_->step(request);
+    if (request.contains("id")) step["id"] = request["id"];
+    cell_->requests().handle(
+        dump(step), [client = seat.client](const std::string& text) { return client->answer(text); },
+        seat.client.get());
+    return Json(Json::value_t::discarded);
+  }
+
+  // --- telling
+
+  void tell(std::uint64_t to, const Json& message) {
+    if (const auto found = seats_.find(to); found != seats_.end())
+      found->second.client->answer(dump(message));
+  }
+
+  void tell_control() {
+    for (const ControlNews& news : control_.take_news()) {
+      constexpr const char* kWhats[] = {"asked", "given", "refused", "taken", "lost", "free"};
+      if (jogs_ && (news.what == ControlNews::What::lost || news.what == ControlNews::What::taken))
+        jogs_->end_all(news.to, "control");
+      const bool asked = news.what == ControlNews::What::asked;
+      const Json event{{"event", asked ? "asked" : "control"},
+                       {"what", kWhats[static_cast<std::size_t>(news.what)]},
+                       {"client", news.other},
+                       {"name", name_of(news.other)},
+                       {"seconds", asked ? Json(control_.left(now_)) : Json()},
+                       {"you_hold", control_.holds(news.to)}};
+      if (news.to != 0) tell(news.to, event);
+    }
+  }
+
+  bool due(double& last, double every) const {
+    if (now_ - last < every) return false;
+    last = now_;
+    return true;
+  }
+
+  void broadcast(Kind kind, const Text& text, const std::function<Text()>& whole = {}) {
+    if (!text) return;
+    Text all;
+    for (auto& [number, seat] : seats_) {
+      if (!seat.listens || !seat.greeted) continue;
+      if (whole && seat.client->waits(kind)) {
+        if (!all) all = whole();
+        if (all) seat.client->put(kind, all);
+      } else {
+        seat.client->put(kind, text);
+      }
+    }
+  }
+
+  Json status() {
+    Json out = cell_ ? status_of(*cell_, journal)
+                     : Json{{"event", "status"}, {"cell", Json()}, {"state", "no cell"}};
+    out["holder"] = who(control_.holder());
+    out["asker"] = who(control_.asker());
+    out["clients"] = seats_.size();
+    return out;
+  }
+
+  void tell_events() {
+    const bool anybody =
+        std::any_of(seats_.begin(), seats_.end(), [](const auto& each) { return each.second.listens; });
+    if (!anybody) return;
+    const std::uint64_t key =
+        cell_ ? (static_cast<std::uint64_t>(cell_->snapshot().state) << 8) + control_.holder() : ~0ull;
+    if (due(told_status_, kStatusEvery) || key != status_key_) {
+      status_key_ = key;
+      std::string text = dump(status());
+      if (text != status_) {
+        status_ = std::move(text);
+        broadcast(Kind::status, std::make_shared<const std::string>(status_));
+      }
+    }
+    if (due(told_log_, kLogEvery) && journal.last_line() != lines_told_) {
+      broadcast(Kind::log, log_event(journal, lines_told_));
+      lines_told_ = journal.last_line();
+    }
+    for (const Journal::Alarm& alarm : journal.alarms())
+      if (alarm.number > alarms_told_) broadcast(Kind::log, alarm_event(alarm));
+    alarms_told_ = journal.last_alarm();
+    if (cell_) tell_cell_events();
+    for (auto& [number, seat] : seats_)
+      if (seat.listens && !std::exchange(seat.greeted, true)) greet(seat);
+  }
+
+  void tell_cell_events() {
+    if (due(told_tags_, kTagsEvery))
+      broadcast(Kind::tags, tags_->changes(due(looked_, kLookEvery)), [this] { return tags_->full(); });
+    if (due(told_parts_, kPartsEvery))
+      broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
+    if (!program_->on && cell_->program() && due(program_->again, kProgramAgain)) watch_program();
+    if (std::exchange(program_->fresh, false)) broadcast(Kind::program, program_event());
+  }
+
+  /// The cell tells where its program stands, whenever that changes.
+  void watch_program() {
+    program_->on = true;
+    cell_->requests().handle(R"({"request": "program.watch", "rate": 10})",
+                             [watch = std::weak_ptr(program_)](const std::string& line) {
+                               const auto to = watch.lock();
+                               if (!to) return false;
+                               Json answer = Json::parse(line, nullptr, false);
+                               to->on = answer.value("ok", false);
+                               if (!to->on) return false;
+                               Json& result = answer["result"];
+                               result["event"] = "program";
+                               to->text = dump(result);
+                               return to->fresh = true;
+                             });
+  }
+  Text program_event() const { return std::make_shared<const std::string>(program_->text); }
+
+  /// All there is, to who has just come.
+  void greet(Seat& seat) {
+    const auto put = [&](Kind kind, const Text& text) {
+      if (text) seat.client->put(kind, text);
+    };
+    put(Kind::status, std::make_shared<const std::string>(status_.empty() ? dump(status()) : status_));
+    put(Kind::log, log_event(journal, 0));
+    for (const Journal::Alarm& alarm : journal.alarms()) put(Kind::log, alarm_event(alarm));
+    if (!cell_) return;
+    if (seat.rate > 0) put(Kind::layout, frames_->layout());
+    put(Kind::tags, tags_->full());
+    put(Kind::parts, parts_->full());
+    if (!program_->text.empty()) put(Kind::program, program_event());
+  }
+
+  void send_frames() {
+    if (!frames_) return;
+    Text frame;
+    for (auto& [number, seat] : seats_) {
+      if (seat.rate <= 0 || !seat.greeted || now_ < seat.due) continue;
+      const double every = 1 / seat.rate;
+      seat.due = now_ - seat.due > every ? now_ + every : seat.due + every;
+      if (!frame) frame = frames_->frame();
+      seat.client->put_state(frame);
+      ++frames_sent_;
+    }
+  }
+
+  std::string version_;
+  std::map<std::string, bool> moves_;
+  std::mutex mutex_;  // of the next three, which the I/O thread changes, too
+  std::vector<std::shared_ptr<Client>> arrived_;
+  std::uint64_t last_client_ = 0;
+  std::size_t connected_ = 0;
+
+  cell::Cell* cell_ = nullptr;
+  double now_ = 0;
+  std::map<std::uint64_t, Seat> seats_;
+  Control control_;
+  std::optional<JogWatch> jogs_;
+  std::optional<StateFrames> frames_;
+  std::optional<TagEvents> tags_;
+  std::optional<PartEvents> parts_;
+  std::shared_ptr<ProgramWatch> program_;
+  std::uint16_t layout_ = 0;
+  std::string status_;
+  std::uint64_t status_key_ = 0, lines_told_ = 0, alarms_told_ = 0;
+  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0;
+  std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
+};
+
+Sessions::Sessions(cell::Observer& next, std::string version)
+    : work_(std::make_unique<Work>(next, std::move(version))) {}
+Sessions::~Sessions() = default;
+std::shared_ptr<Client> Sessions::welcome(const std::string& from, bool local) {
+  return work_->welcome(from, local);
+}
+Journal& Sessions::journal() {
+  return work_->journal;
+}
+void Sessions::attach(cell::Cell& cell) {
+  work_->attach(cell);
+}
+void Sessions::detach() {
+  work_->detach();
+}
+bool Sessions::serve() {
+  return work_->serve();
+}
+Pendant::Counts Sessions::counts() const {
+  return work_->counts();
+}
+
+}  // namespace polyarm::server

@@ -1,0 +1,40 @@
+#pragma once
+/// Those who are connected: what they ask, who of them may move the cell, and what they are told.
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/server/client.hpp"
+#include "polyarm/server/journal.hpp"
+#include "polyarm/server/pendant.hpp"
+
+namespace polyarm::server {
+
+/// Everything but welcome() is the cell thread's.
+class Sessions {
+ public:
+  static constexpr std::size_t kMostClients = 32;
+  /// Lines taken in one tick, of all and of each; frames a second.
+  static constexpr std::size_t kLinesATick = 48, kLinesOfEach = 8;
+  static constexpr double kFastest = 60;
+
+  Sessions(cell::Observer& next, std::string version);
+  ~Sessions();
+  /// I/O thread; null: there are too many.
+  std::shared_ptr<Client> welcome(const std::string& from, bool local);
+
+  Journal& journal();
+  void attach(cell::Cell& cell);
+  void detach();
+  /// True when somebody has been given something to send.
+  bool serve();
+  Pendant::Counts counts() const;
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace polyarm::server

@@ -1,0 +1,180 @@
+#include "polyarm/server/site.hpp"
+
+#include <algorithm>
+
+#include "polyarm/server/documents.hpp"
+#include "polyarm/server/sessions.hpp"
+
+namespace polyarm::server {
+
+namespace {
+
+constexpr std::string_view kCatalogue = "/api/catalogue";
+/// What takes long is drawn one after the other; more than so much does not wait.
+constexpr int kMostWaiting = 64;
+
+constexpr const char* kNoPage =
+    "<!doctype html><meta charset=utf-8><title>Polyarm</title><body "
+    "style='font-family:sans-serif;margin:3em'>"
+    "<h1>The pendant's page is not part of this build</h1>"
+    "<p>The server runs: requests at <code>/ws</code>, files at <code>/api/…</code>. For the page install "
+    "Node.js 18 or "
+    "newer with npm (<code>tools/setup</code> does it) and build again.</p>";
+
+HttpReply document(Text body, const char* type = "application/json") {
+  HttpReply out;
+  out.type = type;
+  out.body = std::move(body);
+  out.headers.emplace_back("Cache-Control", "no-store");
+  return out;
+}
+
+Text text_of(std::string text) {
+  return std::make_shared<const std::string>(std::move(text));
+}
+
+}  // namespace
+
+PageSite::PageSite(const PendantOptions& options, Sessions& sessions)
+    : options_(options),
+      sessions_(sessions),
+      page_(options.page_folder.empty() ? embedded_page() : page_in(options.page_folder)),
+      documents_(std::make_shared<const Documents>()),
+      worker_(std::make_unique<cell::Worker>(false)) {}
+PageSite::~PageSite() = default;
+
+void PageSite::stop() {
+  worker_.reset();
+}
+
+void PageSite::show(cell::Cell& cell) {
+  auto made = std::make_shared<Documents>();
+  made->by_path["/api/cell"] = text_of(dump(cell_json(cell)));
+  made->by_path["/api/scene"] = text_of(dump(scene_json(cell)));
+  for (const auto& robot : cell.robots())
+    made->by_path["/api/model/" + robot->entry.name] = text_of(dump(model_json(*robot)));
+  made->meshes = meshes_of(cell);
+  const std::lock_guard lock(mutex_);
+  documents_ = std::move(made);
+}
+
+void PageSite::show_nothing() {
+  const std::lock_guard lock(mutex_);
+  documents_ = std::make_shared<const Documents>();
+}
+
+std::shared_ptr<const PageSite::Documents> PageSite::documents() const {
+  const std::lock_guard lock(mutex_);
+  return documents_;
+}
+
+bool PageSite::is_open(const std::string& method, const std::string& path) const {
+  return (method == "GET" || method == "HEAD") && !path.starts_with("/api/") && path != "/ws";
+}
+
+std::size_t PageSite::most_body(const std::string&, const std::string&) const {
+  return 0;
+}
+
+std::shared_ptr<Client> PageSite::welcome(const std::string& from, bool local) {
+  return sessions_.welcome(from, local);
+}
+
+HttpReply PageSite::page(const HttpRequest& request) const {
+  if (request.token == Shown::query) {
+    HttpReply out = plain(302, "go on at /");
+    out.headers.emplace_back("Location", "/");
+    out.headers.emplace_back("Set-Cookie", "polyarm_token_" + std::to_string(port_) + "=" + options_.token +
+                                               "; HttpOnly; SameSite=Strict; Path=/");
+    return out;
+  }
+  if (request.token == Shown::wrong && request.target.find("token=") != std::string::npos)
+    return plain(403, "the token is wrong: open the link that polyarm printed last");
+  const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
+  if (found == page_.end() && request.path == "/")
+    return document(text_of(kNoPage), "text/html; charset=utf-8");
+  if (found == page_.end()) return plain(404, "there is no such file");
+  HttpReply out;
+  out.type = media_type(found->first);
+  out.body = text_of(std::string(found->second.data));
+  out.gzip = found->second.gzip;
+  out.headers.emplace_back("Cache-Control", request.path.starts_with("/assets/")
+                                                ? "public, max-age=31536000, immutable"
+                                                : "no-cache");
+  return out;
+}
+
+void PageSite::handle(HttpRequest request, Reply reply) {
+  if (is_open(request.method, request.path)) return reply(page(request));
+  if (request.method != "GET" && request.method != "HEAD")
+    return reply(plain(405, "only GET is served here"));
+  if (request.path == "/api/requests") return reply(document(text_of(dump(requests_json()))));
+  const auto shown = documents();
+  if (const auto found = shown->by_path.find(request.path); found != shown->by_path.end())
+    return reply(document(found->second));
+  if (request.path == "/api/cell") return reply(plain(503, "no cell is running now"));
+  if (!later(request.path, reply)) reply(plain(404, "there is no such file"));
+}
+
+/// What takes longer than the port's thread has; false where it is nothing of that.
+bool PageSite::later(const std::string& path, const Reply& reply) {
+  std::function<HttpReply()> job;
+  if (options_.catalogue && path == kCatalogue) job = [this] { return catalogue(); };
+  if (options_.catalogue && options_.picture && path.starts_with("/api/catalogue/") && path.ends_with(".svg"))
+    job = [this, path] { return picture(path); };
+  if (!job) return false;
+  if (waiting_ >= kMostWaiting || !worker_) {
+    reply(plain(503, "too much is asked for at once"));
+    return true;
+  }
+  ++waiting_;
+  worker_->post([this, job, reply] {
+    HttpReply out;
+    try {
+      out = job();
+    } catch (const Error& e) {
+      out = plain(404, e.what());
+    } catch (...) {
+      out = plain(500, what_was_thrown());
+    }
+    --waiting_;
+    reply(std::move(out));
+  });
+  return true;
+}
+
+HttpReply PageSite::catalogue() {
+  if (!catalogue_) {
+    Json list = Json::array();
+    const auto maybe = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+    for (const description::CatalogueEntry& each : options_.catalogue->entries())
+      list.push_back({{"id", each.name},
+                      {"maker", each.maker},
+                      {"title", each.model},
+                      {"axes", each.axes},
+                      {"reach_m", maybe(each.reach_m)},
+                      {"payload_kg", maybe(each.payload_kg)},
+                      {"mass_kg", maybe(each.mass_kg)},
+                      {"picture", std::string(kCatalogue) + "/" + each.name + ".svg"}});
+    catalogue_ = text_of(dump({{"robots", list}}));
+  }
+  return document(catalogue_);
+}
+
+HttpReply PageSite::picture(const std::string& path) {
+  Text& kept = pictures_[path];
+  if (!kept) {
+    const std::string name = path.substr(kCatalogue.size() + 1, path.size() - kCatalogue.size() - 5);
+    const auto names = options_.catalogue->names();
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      pictures_.erase(path);
+      return plain(404, "there is no robot " + name);
+    }
+    kept = text_of(options_.picture(options_.catalogue->load(name)));
+  }
+  HttpReply out = document(kept, "image/svg+xml");
+  out.headers = {{"Cache-Control", "private, max-age=3600"}};
+  return out;
+}
+
+}  // namespace polyarm::server

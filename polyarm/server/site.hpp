@@ -1,0 +1,62 @@
+#pragma once
+/// What HTTP serves: the page, and what a page asks for beside requests.
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "polyarm/cell/worker.hpp"
+#include "polyarm/server/assets.hpp"
+#include "polyarm/server/pendant.hpp"
+#include "polyarm/server/port.hpp"
+
+namespace polyarm::server {
+
+class Sessions;
+
+class PageSite : public Site {
+ public:
+  /// Both outlive this.
+  PageSite(const PendantOptions& options, Sessions& sessions);
+  ~PageSite() override;
+  void set_port(std::uint16_t port) { port_ = port; }
+  /// Nothing more is answered from other threads than the port's.
+  void stop();
+
+  /// Cell thread.
+  void show(cell::Cell& cell);
+  void show_nothing();
+
+  bool is_open(const std::string& method, const std::string& path) const override;
+  std::size_t most_body(const std::string& method, const std::string& path) const override;
+  void handle(HttpRequest request, std::function<void(HttpReply)> reply) override;
+  std::shared_ptr<Client> welcome(const std::string& from, bool local) override;
+
+ private:
+  using Reply = std::function<void(HttpReply)>;
+  struct Documents {
+    std::map<std::string, Text> by_path;
+    std::map<std::string, description::Shape> meshes;
+  };
+  std::shared_ptr<const Documents> documents() const;
+  HttpReply page(const HttpRequest& request) const;
+  bool later(const std::string& path, const Reply& reply);
+  HttpReply catalogue();
+  HttpReply picture(const std::string& path);
+
+  const PendantOptions& options_;
+  Sessions& sessions_;
+  std::uint16_t port_ = 0;
+  std::map<std::string, Asset> page_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Documents> documents_;
+  // the worker's
+  Text catalogue_;
+  std::map<std::string, Text> pictures_;
+  std::unique_ptr<cell::Worker> worker_;
+  std::atomic<int> waiting_{0};
+};
+
+}  // namespace polyarm::server

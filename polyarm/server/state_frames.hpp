@@ -1,0 +1,44 @@
+#pragma once
+/// What moves, as binary frames: all numbers of a cell that a page shows many times a second.
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/server/client.hpp"
+
+namespace polyarm::server {
+
+/// Fields: every state interface under its name; every command as `<joint>/command_<interface>`; of each
+/// robot
+/// `<robot>/tcp/{x, y, z, qx, qy, qz, qw, speed}` (world; m, m/s); of the loop `loop/period_us`,
+/// `loop/cost_us` (medians so far), `loop/late`. Cell thread.
+class StateFrames {
+ public:
+  /// The cell outlives this. `layout`: a number that tells layouts apart.
+  StateFrames(cell::Cell& cell, std::uint16_t layout);
+
+  /// {"event": "layout", "id", "fields": [{name, unit}]}
+  const Text& layout() const { return layout_; }
+  /// Little-endian: u8 1, u8 0, u16 layout, u32 sequence, f64 cell time (s), f32 for each field; not a number
+  /// where it is not known.
+  Text frame();
+
+ private:
+  struct Field {
+    std::string name, unit;
+  };
+  void add(std::string name, std::string unit) { fields_.push_back({std::move(name), std::move(unit)}); }
+
+  cell::Cell& cell_;
+  std::uint16_t id_;
+  std::uint32_t sequence_ = 0;
+  std::vector<Field> fields_;
+  std::vector<Pose> before_;
+  double before_time_ = -1;
+  std::vector<double> speed_;
+  Text layout_;
+};
+
+}  // namespace polyarm::server
