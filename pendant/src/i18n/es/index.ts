@@ -1,0 +1,7 @@
+import type { en } from '../en';
+import { move } from './move';
+import { run } from './run';
+import { shell } from './shell';
+import { view } from './view';
+
+export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view };

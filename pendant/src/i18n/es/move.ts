@@ -1,0 +1,3 @@
+import type { move as en } from '../en/move';
+
+export const move: Record<keyof typeof en, string> = {};

@@ -1,0 +1,39 @@
+/** One table per language, in parts by page. A key that is missing in a language is an error of the type checker. */
+import { computed } from '@preact/signals';
+import { settings } from '../state/settings';
+import { en } from './en';
+import { es } from './es';
+
+export type Key = keyof typeof en;
+const tables: Record<string, Record<Key, string>> = { en, es };
+
+export const languages = [
+  { id: 'en', name: 'English' },
+  { id: 'es', name: 'Español' },
+] as const;
+
+export const language = computed<'en' | 'es'>(() => {
+  const chosen = settings.language.value;
+  if (chosen !== 'auto') return chosen;
+  return navigator.language?.toLowerCase().startsWith('es') ? 'es' : 'en';
+});
+
+/** The text of `key`, with {names} filled in. */
+export function t(key: Key, values: Record<string, string | number> = {}): string {
+  const text = tables[language.value]?.[key] ?? en[key];
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => (name in values ? String(values[name]) : whole));
+}
+
+/** The text of a word of the cell (`state.running`), or the word itself where no table knows it. */
+export function word(prefix: string, value: string): string {
+  const key = `${prefix}.${value}` as Key;
+  return key in en ? t(key) : value;
+}
+
+/** A number as the language writes it. */
+export function number(value: number, digits: number): string {
+  if (!Number.isFinite(value)) return '–';
+  const text = value.toFixed(digits);
+  const positive = Number(text) === 0 ? text.replace('-', '') : text;
+  return language.value === 'es' ? positive.replace('.', ',').replace('-', '−') : positive.replace('-', '−');
+}

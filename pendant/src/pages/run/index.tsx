@@ -1,0 +1,6 @@
+import { t } from '../../i18n';
+import { Empty } from '../../ui/controls';
+
+export default function Page() {
+  return <Empty icon="run" text={t('page.soon')} />;
+}

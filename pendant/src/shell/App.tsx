@@ -1,0 +1,85 @@
+import { type ComponentType, Component, type ComponentChildren } from 'preact';
+import { effect } from '@preact/signals';
+import { useEffect, useState } from 'preact/hooks';
+import { language, t } from '../i18n';
+import { type Page, pages } from '../pages';
+import { ShownDialog } from '../ui/ask';
+import { Button, Empty, Loading } from '../ui/controls';
+import { Toasts } from '../ui/Toasts';
+import { ControlQuestion } from './Control';
+import { Header } from './Header';
+import { LinkBanner } from './LinkBanner';
+import { RobotBar } from './RobotBar';
+import { pageId } from './route';
+
+effect(() => {
+  document.documentElement.lang = language.value;
+});
+
+export function App() {
+  const page = pages.find((each) => each.id === pageId.value) ?? pages[0]!;
+  return (
+    <>
+      <a class="skip" href="#page" onClick={(e) => (e.preventDefault(), document.getElementById('page')?.focus())}>
+        {t('app.skip')}
+      </a>
+      <Header />
+      <main id="page" tabIndex={-1} aria-label={t(page.label)}>
+        <LinkBanner />
+        <Shown key={page.id} page={page} />
+      </main>
+      <RobotBar />
+      <ShownDialog />
+      <ControlQuestion />
+      <Toasts />
+    </>
+  );
+}
+
+const loaded = new Map<string, ComponentType>();
+
+function Shown({ page }: { page: Page }) {
+  const [Body, setBody] = useState<ComponentType | null>(() => loaded.get(page.id) ?? null);
+  const [failed, setFailed] = useState(false);
+  const load = () => {
+    setFailed(false);
+    page.load().then(
+      (module) => {
+        loaded.set(page.id, module.default);
+        setBody(() => module.default);
+      },
+      () => setFailed(true),
+    );
+  };
+  useEffect(() => {
+    if (!Body) load();
+  }, []);
+  if (failed) return <Broken again={load} />;
+  if (!Body) return <Loading />;
+  return (
+    <Guard>
+      <Body />
+    </Guard>
+  );
+}
+
+function Broken({ again }: { again: () => void }) {
+  return (
+    <Empty icon="alarm" text={t('page.failed')}>
+      <Button label={t('page.again')} onClick={again} />
+    </Empty>
+  );
+}
+
+/** A page that throws takes only itself away: Stop and the bars stay. */
+class Guard extends Component<{ children: ComponentChildren }, { failed: boolean }> {
+  override state = { failed: false };
+  override componentDidCatch(error: unknown): void {
+    console.error(error);
+    this.setState({ failed: true });
+  }
+  override render() {
+    if (this.state.failed) return <Broken again={() => this.setState({ failed: false })} />;
+    return this.props.children;
+  }
+}

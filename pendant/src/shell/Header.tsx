@@ -1,0 +1,107 @@
+import { useEffect, useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { pages } from '../pages';
+import { cell, robot, unseenAlarms } from '../state/cell';
+import { open } from '../ui/ask';
+import { Button } from '../ui/controls';
+import { Dialog } from '../ui/Dialog';
+import { Icon } from '../ui/Icon';
+import { Alarms } from './Alarms';
+import { ControlButton } from './Control';
+import { Menu } from './Menu';
+import { pageId } from './route';
+
+export function Header() {
+  return (
+    <header class="top">
+      <div class="brand">
+        <img src="/icon.svg" alt="" width={32} height={32} />
+        <div>
+          <strong>{cell.value?.name ?? 'Polyarm'}</strong>
+          <small>{robot.value?.title ?? robot.value?.id ?? ''}</small>
+        </div>
+      </div>
+      <Navigation />
+      <div class="top-right">
+        <ControlButton />
+        <AlarmsButton />
+        <Button
+          label={t('menu.label')}
+          icon="settings"
+          bare
+          tone="quiet"
+          onClick={() => open((close) => <Menu onClose={close} />)}
+        />
+      </div>
+    </header>
+  );
+}
+
+function AlarmsButton() {
+  const count = unseenAlarms.value;
+  return (
+    <Button
+      label={count ? t('alarms.count', { count }) : t('alarms.label')}
+      icon="alarm"
+      bare
+      tone={count ? 'danger' : 'quiet'}
+      badge={count}
+      onClick={() => open((close) => <Alarms onClose={close} />)}
+    />
+  );
+}
+
+const kOnPhone = 4;
+const phone = matchMedia('(max-width: 719px)');
+
+function Navigation() {
+  const [narrow, setNarrow] = useState(phone.matches);
+  useEffect(() => {
+    const changed = () => setNarrow(phone.matches);
+    phone.addEventListener('change', changed);
+    return () => phone.removeEventListener('change', changed);
+  }, []);
+  const shown = narrow ? pages.slice(0, kOnPhone) : pages;
+  const rest = narrow ? pages.slice(kOnPhone) : [];
+  const inRest = rest.find((page) => page.id === pageId.value);
+  return (
+    <nav class="pages" aria-label={t('nav.label')}>
+      {shown.map((page) => (
+        <PageLink key={page.id} page={page} />
+      ))}
+      {rest.length > 0 && (
+        <button
+          type="button"
+          class={`page-link ${inRest ? 'here' : ''}`}
+          aria-haspopup="dialog"
+          onClick={() => open((close) => <MorePages onClose={close} pages={rest} />)}
+        >
+          <Icon name={inRest ? inRest.icon : 'more'} />
+          <span>{t(inRest ? inRest.label : 'nav.more')}</span>
+        </button>
+      )}
+    </nav>
+  );
+}
+
+function PageLink({ page, onClick }: { page: (typeof pages)[number]; onClick?: () => void }) {
+  const here = page.id === pageId.value;
+  return (
+    <a class={`page-link ${here ? 'here' : ''}`} href={`#/${page.id}`} aria-current={here ? 'page' : undefined} onClick={onClick}>
+      <Icon name={page.icon} />
+      <span>{t(page.label)}</span>
+    </a>
+  );
+}
+
+function MorePages(props: { pages: typeof pages; onClose: () => void }) {
+  return (
+    <Dialog title={t('nav.label')} onClose={props.onClose} side>
+      <nav class="more-pages" aria-label={t('nav.more')}>
+        {props.pages.map((page) => (
+          <PageLink key={page.id} page={page} onClick={props.onClose} />
+        ))}
+      </nav>
+    </Dialog>
+  );
+}

@@ -1,0 +1,31 @@
+/** Keys that hold everywhere. Escape stops whenever something goes on, before anything else sees it. */
+import { pages } from '../pages';
+import { hold, resume, somethingGoesOn, stop } from '../state/actions';
+import { mayMove, status } from '../state/cell';
+import { go } from './route';
+
+export function startKeys(): void {
+  addEventListener('keydown', take, { capture: true });
+}
+
+function take(event: KeyboardEvent): void {
+  if (event.key === 'Escape') {
+    if (!somethingGoesOn()) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (!event.repeat) void stop();
+    return;
+  }
+  if (event.key === 'F8' && !event.repeat) {
+    event.preventDefault();
+    if (status.peek()?.state === 'held') {
+      if (mayMove.peek()) void resume();
+    } else void hold();
+    return;
+  }
+  const page = event.altKey && !event.ctrlKey && !event.metaKey ? /^Digit([1-8])$/.exec(event.code) : null;
+  if (page) {
+    event.preventDefault();
+    go(pages[Number(page[1]) - 1]!.id);
+  }
+}

@@ -1,0 +1,46 @@
+/** The state of the cell in a word, with its colour and sign. */
+import { t } from '../i18n';
+import { link, status } from '../state/cell';
+import type { IconName } from '../ui/Icon';
+
+export interface StateWord {
+  text: string;
+  tone: 'good' | 'busy' | 'warn' | 'bad' | 'off';
+  icon: IconName;
+  /** Why it is so, where there is something to say. */
+  why: string;
+}
+
+export function stateWord(): StateWord {
+  const now = status.value;
+  if (!now) {
+    const text = link.value === 'connecting' ? t('link.connecting') : t('state.none');
+    return { text, tone: 'off', icon: 'link', why: '' };
+  }
+  const why = [now.cause, now.reason].filter((each) => each && each !== 'nothing').join(': ');
+  switch (now.state) {
+    case 'fault':
+      return { text: t('state.fault'), tone: 'bad', icon: 'alarm', why };
+    case 'stopping':
+      return { text: t('state.stopping'), tone: 'warn', icon: 'pause', why };
+    case 'held':
+      return { text: t('state.held'), tone: 'warn', icon: 'pause', why };
+    case 'backing':
+      return { text: t('state.backing'), tone: 'busy', icon: 'turnLeft', why };
+    default:
+      return runningWord();
+  }
+}
+
+function runningWord(): StateWord {
+  const now = status.value!;
+  const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({ text, tone, icon, why: '' });
+  if (!now.simulated && !now.armed) return word(t('state.notArmed'), 'warn', 'lock');
+  if (now.robots?.some((robot) => robot.jogging !== null && robot.jogging !== undefined))
+    return word(t('state.jogging'), 'busy', 'hand');
+  const program = now.program;
+  if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
+  if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
+  if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');
+  return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
+}

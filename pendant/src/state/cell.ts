@@ -1,0 +1,245 @@
+/** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
+import { computed, signal } from '@preact/signals';
+import { t } from '../i18n';
+import { Connection, type Json, type LinkState, RequestError } from '../wire/connection';
+import { type Field, Layout, parseFrame } from '../wire/frames';
+import type {
+  Alarm,
+  CellInfo,
+  Holder,
+  JogEvent,
+  LogLine,
+  PartPose,
+  Plan,
+  RobotInfo,
+  Status,
+  TagValue,
+} from '../wire/types';
+import { forgetFrames, takeFrame, takeLayout } from './live';
+import { settings } from './settings';
+import { toast } from './toasts';
+
+export const link = signal<LinkState>('connecting');
+export const client = signal(-1);
+export const version = signal('');
+export const cell = signal<CellInfo | null>(null);
+export const status = signal<Status | null>(null);
+export const holder = signal<Holder | null>(null);
+export const youHold = signal(false);
+/** Who asks for the control that is ours, and until when (performance.now()). */
+export const asked = signal<{ client: number; name: string; until: number } | null>(null);
+/** We have asked for control and wait for an answer until then. */
+export const waiting = signal<{ name: string; until: number } | null>(null);
+export const tags = signal<Record<string, TagValue>>({});
+export const parts = signal<Record<string, PartPose>>({});
+export const plans = signal<Record<string, Plan>>({});
+export const alarms = signal<Alarm[]>([]);
+export const log = signal<LogLine[]>([]);
+/** The whole program state as it comes (tasks, variables); the short one is `status.program`. */
+export const program = signal<Json | null>(null);
+export const jogEvents = signal<JogEvent | null>(null);
+/** The robot that Move and the 3D view look at. */
+export const robotName = signal('');
+
+export const robot = computed<RobotInfo | null>(() => {
+  const robots = cell.value?.robots ?? [];
+  return robots.find((r) => r.name === robotName.value) ?? robots[0] ?? null;
+});
+export const connected = computed(() => link.value === 'open' && status.value !== null);
+/** May this page move the robot now? */
+export const mayMove = computed(() => connected.value && youHold.value);
+export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).length);
+
+const kLogLines = 2000;
+const kFrameRate = 30;
+
+let connection: Connection | null = null;
+
+export function request<T = unknown>(name: string, args: Json = {}, timeout?: number): Promise<T> {
+  if (!connection) return Promise.reject(new RequestError(name, { code: 'not-connected', what: t('link.lost') }));
+  return connection.request<T>(name, args, timeout);
+}
+export function tell(name: string, args: Json = {}): boolean {
+  return connection?.tell(name, args) ?? false;
+}
+export function stream<T>(name: string, args: Json, each: (result: T) => void) {
+  if (!connection) throw new RequestError(name, { code: 'not-connected', what: t('link.lost') });
+  return connection.stream<T>(name, args, each);
+}
+
+/** Asks, and says in a toast what went wrong. True where it was done. */
+export async function attempt(name: string, args: Json = {}): Promise<boolean> {
+  try {
+    await request(name, args);
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  }
+}
+
+export function complain(error: unknown): void {
+  if (error instanceof RequestError) {
+    const control = error.code === 'no-control';
+    toast({
+      kind: control ? 'warning' : 'error',
+      text: control ? t('control.needed') : error.problem.what,
+      detail: control ? '' : [error.problem.where, error.problem.advice].filter(Boolean).join(' · '),
+    });
+  } else toast({ kind: 'error', text: String(error) });
+}
+
+export async function fetchJson<T>(path: string): Promise<T> {
+  const answer = await fetch(path, { credentials: 'same-origin' });
+  if (!answer.ok) {
+    const text = await answer.text().catch(() => '');
+    throw new RequestError(path, { code: `http-${answer.status}`, what: text.slice(0, 300) || answer.statusText });
+  }
+  return (await answer.json()) as T;
+}
+
+export async function loadCell(): Promise<void> {
+  cell.value = await fetchJson<CellInfo>('/api/cell');
+  document.title = `${cell.value.name} · Polyarm`;
+}
+
+async function greet(): Promise<void> {
+  try {
+    const hello = await request<Json>('session.hello', { name: settings.clientName.value });
+    client.value = Number(hello.client ?? -1);
+    version.value = String(hello.version ?? '');
+    holder.value = (hello.holder as Holder | null) ?? null;
+    youHold.value = hello.you_hold === true;
+    await loadCell();
+    await request('session.watch', { rate: kFrameRate });
+    // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched.
+    if (!holder.value && settings.takeWhenFree.value) await takeControl(false);
+  } catch (error) {
+    if (link.value === 'open') complain(error);
+  }
+}
+
+export async function takeControl(force: boolean): Promise<void> {
+  try {
+    const answer = await request<Json>('session.take', force ? { force: true } : {});
+    if (answer.you_hold === true) {
+      youHold.value = true;
+      waiting.value = null;
+    } else if (answer.asked === true) {
+      const within = Number(answer.within_s ?? 10);
+      waiting.value = { name: holder.value?.name ?? '', until: performance.now() + 1000 * within };
+    }
+  } catch (error) {
+    complain(error);
+  }
+}
+
+export async function releaseControl(): Promise<void> {
+  if (await attempt('session.release')) youHold.value = false;
+}
+
+export async function answerAsked(give: boolean): Promise<void> {
+  asked.value = null;
+  await attempt('session.answer', { give });
+}
+
+type Event = Json & { event: string };
+const events: Record<string, (event: Event) => void> = {
+  layout: (e) => takeLayout(new Layout(Number(e.id), e.fields as Field[])),
+  status: (e) => {
+    const next = e as unknown as Status;
+    status.value = next;
+    holder.value = next.holder ?? null;
+    youHold.value = next.you_hold === true;
+    if (youHold.value) waiting.value = null;
+    else asked.value = null;
+  },
+  tags: (e) => {
+    const values = e.values as Record<string, TagValue>;
+    tags.value = e.full === true ? values : { ...tags.value, ...values };
+  },
+  parts: (e) => {
+    const next: Record<string, PartPose> = e.full === true ? {} : { ...parts.value };
+    for (const part of e.parts as PartPose[]) next[part.name] = part;
+    parts.value = next;
+  },
+  log: (e) => {
+    log.value = [...log.value, ...(e.lines as LogLine[])].slice(-kLogLines);
+  },
+  alarm: (e) => {
+    const alarm = e as unknown as Alarm;
+    alarms.value = [...alarms.value, alarm].slice(-200);
+    toast({ kind: 'error', text: alarm.what, detail: [alarm.where, alarm.advice].filter(Boolean).join(' · ') });
+  },
+  program: (e) => {
+    program.value = e;
+  },
+  plan: (e) => {
+    const plan = e as unknown as Plan;
+    plans.value = { ...plans.value, [plan.robot]: plan };
+  },
+  jog: (e) => {
+    jogEvents.value = e as unknown as JogEvent;
+  },
+  asked: (e) => {
+    asked.value = {
+      client: Number(e.client),
+      name: String(e.name ?? ''),
+      until: performance.now() + 1000 * Number(e.within_s ?? 10),
+    };
+  },
+  session: (e) => {
+    holder.value = (e.holder as Holder | null) ?? null;
+    youHold.value = e.you_hold === true;
+    const why = String(e.why ?? '');
+    if (waiting.value) {
+      waiting.value = null;
+      toast(youHold.value ? { kind: 'ok', text: t('control.yours') } : { kind: 'warning', text: t('control.refused') });
+    } else if (!youHold.value && why !== '') {
+      toast({ kind: 'warning', text: t('control.taken', { name: holder.value?.name || t('control.someone') }) });
+    }
+    asked.value = null;
+  },
+};
+
+/** More events for pages: `onEvent('name', …)`; one listener a name. */
+export function onEvent(name: string, take: (event: Json) => void): void {
+  events[name] = take;
+}
+
+let wasOpen = false;
+function changeLink(state: LinkState): void {
+  link.value = state;
+  if (state === 'open') {
+    if (wasOpen) toast({ kind: 'ok', text: t('link.back') });
+    wasOpen = true;
+    forgetFrames();
+    void greet();
+    return;
+  }
+  if (state === 'connecting') return;
+  status.value = null;
+  youHold.value = false;
+  holder.value = null;
+  asked.value = null;
+  waiting.value = null;
+  plans.value = {};
+}
+
+export function connect(): void {
+  const address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`;
+  connection = new Connection({
+    open: () => new WebSocket(address),
+    onEvent: (event) => events[event.event]?.(event),
+    onFrame: (buffer) => {
+      const frame = parseFrame(buffer);
+      if (frame) takeFrame(frame);
+    },
+    onState: changeLink,
+  });
+  connection.start();
+  addEventListener('online', () => connection?.hurry());
+  document.addEventListener('visibilitychange', () => {
+    if (document.visibilityState === 'visible') connection?.hurry();
+  });
+}

@@ -1,0 +1,35 @@
+/** Numbers as an operator reads them. The wire is SI; pages show mm, degrees, s. */
+import { number } from '../i18n';
+import { settings } from '../state/settings';
+
+export const kMm = 1000;
+export const kDeg = 180 / Math.PI;
+
+export const mm = (metres: number, digits = 1) => number(metres * kMm, digits);
+export function angle(rad: number, digits = 1): string {
+  return settings.degrees.value ? number(rad * kDeg, digits) : number(rad, digits + 2);
+}
+export const angleUnit = () => (settings.degrees.value ? '°' : 'rad');
+
+/** A joint's value with its unit as the settings want it. */
+export function jointText(value: number, unit: string, digits = 1): string {
+  return unit === 'm' ? `${mm(value, digits)} mm` : `${angle(value, digits)} ${angleUnit()}`;
+}
+
+/** Seconds as 12.3 s, or 4:05 from a minute on, or 1:02:03. */
+export function duration(seconds: number): string {
+  if (!Number.isFinite(seconds)) return '–';
+  if (seconds < 60) return `${number(seconds, 1)} s`;
+  const whole = Math.floor(seconds);
+  const pad = (n: number) => String(n).padStart(2, '0');
+  const h = Math.floor(whole / 3600);
+  const m = Math.floor((whole % 3600) / 60);
+  return h > 0 ? `${h}:${pad(m)}:${pad(whole % 60)}` : `${m}:${pad(whole % 60)}`;
+}
+
+/** Cell time (s since it began) as 00:01:23.4. */
+export function clockTime(seconds: number): string {
+  const pad = (n: number) => String(Math.floor(n)).padStart(2, '0');
+  const rest = (seconds % 60).toFixed(1).padStart(4, '0');
+  return `${pad(seconds / 3600)}:${pad((seconds % 3600) / 60)}:${rest}`;
+}

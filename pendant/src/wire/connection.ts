@@ -1,0 +1,219 @@
+/**
+ * One WebSocket to the cell: requests by id, streams, events, binary frames; comes back by itself when it is lost.
+ * Knows nothing of pages or of what the requests mean.
+ */
+
+export interface Problem {
+  code: string;
+  what: string;
+  advice?: string;
+  where?: string;
+  all?: Problem[];
+}
+
+/** A request that was refused, or that was never answered. */
+export class RequestError extends Error {
+  constructor(
+    readonly request: string,
+    readonly problem: Problem,
+  ) {
+    super(problem.what);
+    this.name = 'RequestError';
+  }
+  get code(): string {
+    return this.problem.code;
+  }
+}
+
+export type Json = Record<string, unknown>;
+export type LinkState = 'connecting' | 'open' | 'lost' | 'refused';
+
+/** What of a WebSocket is used; tests hand in their own. */
+export interface Socket {
+  binaryType: string;
+  readyState: number;
+  bufferedAmount: number;
+  onopen: unknown;
+  onclose: unknown;
+  onerror: unknown;
+  onmessage: unknown;
+  send(text: string): void;
+  close(): void;
+}
+
+export interface ConnectionOptions {
+  open: () => Socket;
+  onEvent: (event: Json & { event: string }) => void;
+  onFrame: (buffer: ArrayBuffer) => void;
+  onState: (state: LinkState) => void;
+  /** ms until a lost connection is tried again, doubled up to `longestWait`. */
+  firstWait?: number;
+  longestWait?: number;
+  /** ms after which a connection that is not open yet is given up. */
+  openWithin?: number;
+}
+
+interface Open {
+  request: string;
+  resolve: (result: unknown) => void;
+  reject: (error: RequestError) => void;
+  more?: (result: unknown) => void;
+  timer?: ReturnType<typeof setTimeout>;
+}
+
+const kOpen = 1;
+/** Close codes with which the server says that this page may not be here: waiting will not help. */
+const kRefused = [4401, 4403, 1008];
+
+export class Connection {
+  private socket: Socket | null = null;
+  private next = 1;
+  private readonly open = new Map<number, Open>();
+  private wait: number;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private ended = false;
+
+  constructor(private readonly options: ConnectionOptions) {
+    this.wait = options.firstWait ?? 250;
+  }
+
+  start(): void {
+    this.ended = false;
+    this.connect();
+  }
+
+  end(): void {
+    this.ended = true;
+    clearTimeout(this.timer);
+    this.socket?.close();
+  }
+
+  /** Tries at once, where it would have waited. */
+  hurry(): void {
+    if (this.ended || this.socket) return;
+    clearTimeout(this.timer);
+    this.connect();
+  }
+
+  get isOpen(): boolean {
+    return this.socket?.readyState === kOpen;
+  }
+
+  /** Asks and answers with the result. `timeout` in ms; 0 waits for ever. */
+  request<T = unknown>(request: string, args: Json = {}, timeout = 10_000): Promise<T> {
+    return new Promise<T>((resolve, reject) => {
+      this.ask({ request, resolve: resolve as (r: unknown) => void, reject }, args, timeout);
+    });
+  }
+
+  /**
+   * A request that is answered again and again. `each` gets every answer; the promise resolves with the last.
+   * `stop` tells the server that no more is wanted.
+   */
+  stream<T = unknown>(request: string, args: Json, each: (result: T) => void): { done: Promise<T>; stop: () => void } {
+    let id = 0;
+    const done = new Promise<T>((resolve, reject) => {
+      const open: Open = {
+        request,
+        resolve: resolve as (r: unknown) => void,
+        reject,
+        more: each as (r: unknown) => void,
+      };
+      id = this.ask(open, args, 0);
+    });
+    done.catch(() => undefined);
+    return {
+      done,
+      stop: () => {
+        if (this.open.delete(id)) this.tell('session.end', { of: id });
+      },
+    };
+  }
+
+  /** Says something that has no answer. False where nobody hears it. */
+  tell(request: string, args: Json = {}): boolean {
+    if (!this.isOpen) return false;
+    this.socket!.send(JSON.stringify({ request, ...args }));
+    return true;
+  }
+
+  private ask(open: Open, args: Json, timeout: number): number {
+    const id = this.next++;
+    if (!this.isOpen) {
+      open.reject(lost(open.request));
+      return id;
+    }
+    if (timeout > 0) open.timer = setTimeout(() => this.giveUp(id), timeout);
+    this.open.set(id, open);
+    this.socket!.send(JSON.stringify({ id, request: open.request, ...args }));
+    return id;
+  }
+
+  private giveUp(id: number): void {
+    const open = this.open.get(id);
+    if (!open) return;
+    this.open.delete(id);
+    open.reject(new RequestError(open.request, { code: 'no-answer', what: 'the cell did not answer in time' }));
+  }
+
+  private connect(): void {
+    this.options.onState('connecting');
+    const socket = this.options.open();
+    this.socket = socket;
+    socket.binaryType = 'arraybuffer';
+    const late = setTimeout(() => socket.close(), this.options.openWithin ?? 5_000);
+    socket.onopen = () => {
+      clearTimeout(late);
+      this.wait = this.options.firstWait ?? 250;
+      this.options.onState('open');
+    };
+    socket.onmessage = (message: { data: unknown }) => this.take(message.data);
+    socket.onerror = () => undefined;
+    socket.onclose = (event: { code: number }) => {
+      clearTimeout(late);
+      if (this.socket === socket) this.lose(event.code);
+    };
+  }
+
+  private lose(code: number): void {
+    this.socket = null;
+    const open = [...this.open.values()];
+    this.open.clear();
+    for (const each of open) {
+      clearTimeout(each.timer);
+      each.reject(lost(each.request));
+    }
+    this.options.onState(kRefused.includes(code) ? 'refused' : 'lost');
+    if (this.ended) return;
+    this.timer = setTimeout(() => this.connect(), this.wait);
+    this.wait = Math.min(2 * this.wait, this.options.longestWait ?? 4_000);
+  }
+
+  private take(data: unknown): void {
+    if (data instanceof ArrayBuffer) return this.options.onFrame(data);
+    if (typeof data !== 'string') return;
+    let message: Json;
+    try {
+      message = JSON.parse(data) as Json;
+    } catch {
+      return;
+    }
+    if (typeof message.event === 'string') return this.options.onEvent(message as Json & { event: string });
+    if (typeof message.id === 'number') this.answer(message.id, message);
+  }
+
+  private answer(id: number, message: Json): void {
+    const open = this.open.get(id);
+    if (!open) return;
+    if (message.ok === true && message.more === true) return open.more?.(message.result);
+    this.open.delete(id);
+    clearTimeout(open.timer);
+    if (message.ok === true) return open.resolve(message.result);
+    const problem = (message.error ?? { code: 'unknown', what: 'refused' }) as Problem;
+    open.reject(new RequestError(open.request, problem));
+  }
+}
+
+function lost(request: string): RequestError {
+  return new RequestError(request, { code: 'not-connected', what: 'there is no connection to the cell' });
+}

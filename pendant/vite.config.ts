@@ -1,0 +1,13 @@
+import { defineConfig } from 'vite';
+
+// No plugin: esbuild turns JSX into preact calls, and the page has no server-side part.
+export default defineConfig({
+  base: '/',
+  esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
+  build: {
+    target: 'es2021',
+    modulePreload: { polyfill: false },
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 900,
+  },
+});
