@@ -145,6 +145,10 @@ std::string named_values(const Json& values) {
 
 /// Where the program stands, task by task.
 void tell_program(const Json& p) {
+  if (p["state"] == "none") {
+    fmt::print("the cell has no program\n");
+    return;
+  }
   fmt::print("{} {} at {}: {}\n", p["paused"].get<bool>() ? "paused" : "the program is",
              p["paused"].get<bool>() ? "" : p["state"].get<std::string>(), place_of(p["where"]),
              shown(p["source"]));

@@ -68,6 +68,10 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--fault", a.faults,
                  "force an interface: NAME=VALUE (a number, on or off); may be repeated");
   app.add_flag("--allow-contact", a.cell_options.allow_contact, "contacts are reported, the run goes on");
+  app.add_flag(
+      "--wait", a.cell_options.waits,
+      "begin the program when somebody asks for it (polyarm console, program.start), and stay when it "
+      "has ended");
   app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
   app.add_flag(
       "--continue", a.goes_on,

@@ -22,7 +22,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
     : file_(file),
       options_(std::move(options)),
       observer_(observer),
-      calls_(options_.lock_step, observer),
+      calls_(options_.lock_step, observer_),
       catalogue_(catalogue) {
   Problems problems;
   std::vector<std::string> notes = file_.notes;
@@ -246,7 +246,7 @@ Pose Cell::carrier_of(const Camera& camera) const {
 }
 
 void Cell::update_states(const control::Snapshot& snapshot) {
-  const bool running = program_ && !program_->ended();
+  const bool running = program_ && begun_ && !program_->ended();
   states_.set(pass_state_, program_ ? static_cast<double>(program_->status().passes + (running ? 1 : 0)) : 0);
   states_.set(running_state_, running ? 1 : 0);
   states_.set(line_state_, running ? program_->status().where.line : 0);
@@ -336,16 +336,16 @@ Problems Cell::load_controller(const std::string& name, const std::string& type,
 
 void Cell::unload_controller(const std::string& name) {
   const controllers::Controller* leaving = loop_->controllers().find(name);
-  const bool program_runs = program_ && !program_->ended();
+  const bool at_work = program_ && begun_ && !program_->ended();
   const auto in_use = [&](const std::string& by) {
     throw Error("in-use", "the controller '" + name + "' cannot be unloaded: " + by + " works through it");
   };
   if (leaving && name == kIoController) in_use("the cell's tags");
   for (std::size_t i = 0; leaving && i < trajectory_controllers_.size(); ++i)
-    if (trajectory_controllers_[i] == leaving && program_runs) in_use("the program");
+    if (trajectory_controllers_[i] == leaving && at_work) in_use("the program");
   const auto led = [&](const auto& base) { return base && &base->controller() == leaving; };
   const auto base = std::find_if(bases_.begin(), bases_.end(), led);
-  if (leaving && base != bases_.end() && program_runs) in_use("the program");
+  if (leaving && base != bases_.end() && at_work) in_use("the program");
   loop_->controllers().unload(name);
   goal_events_.erase(name);
   if (leaving && base != bases_.end()) {
@@ -412,7 +412,7 @@ void Cell::tick(Nanoseconds now) {
   tick_motions(now);
   if (may_run && plc_) plc_->tick();
   if (test_) test_->tick();
-  if (may_run && program_ && snapshot.state == control::RunState::running && !jogging_->engaged())
+  if (may_run && program_ && begun_ && snapshot.state == control::RunState::running && !jogging_->engaged())
     tick_program(now);
   tick_motions(now);
   write_outputs(now, snapshot);

@@ -16,6 +16,7 @@
 #include "polyarm/cell/camera.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
+#include "polyarm/cell/event_log.hpp"
 #include "polyarm/cell/fault_record.hpp"
 #include "polyarm/cell/hardware_calls.hpp"
 #include "polyarm/cell/heartbeats.hpp"
@@ -51,7 +52,9 @@ struct CellOptions {
   Nanoseconds hardware_patience = 5'000'000'000;
   /// While hardware starts: whether a person has asked to end it. Then what has not come back is left behind.
   std::function<bool()> start_given_up;
-  bool allow_contact = false;            ///< contacts are reported and do not end the run
+  bool allow_contact = false;  ///< contacts are reported and do not end the run
+  /// The program begins when somebody asks for it, and the cell goes on when it has ended.
+  bool waits = false;
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
@@ -102,6 +105,15 @@ class Cell {
   void begin_program(const std::string& name, const Location& where);
   /// The same, and it stands paused in front of `line` of its file, whatever ran before.
   program::StartReport prepare_program(const std::string& name, int line);
+  /// Puts this program in the place of the one there is, which has not begun or has ended; the cell goes on
+  /// when it ends. It begins when let_begin() says so. Throws Error where nothing can be moved.
+  void put_program(program::Program program);
+  void let_begin() { begun_ = true; }
+  bool program_begun() const { return begun_; }
+  /// Is the program under way, so that nobody else may move? While it is paused and all stands, it is not.
+  bool program_runs() const;
+  /// Ends the program where it is: its moves end on their paths. What it does on stop is still done.
+  void end_program();
   /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
   /// there is nothing to go on from, or the program has changed.
   program::StartReport continue_program();
@@ -164,6 +176,11 @@ class Cell {
   /// Who holds control: "program", "jog" or "nobody".
   const char* control_holder() const;
 
+  /// Of a robot; null where no trajectory controller moves all its joints.
+  motion::RobotMotion* motion(std::size_t robot) { return motions_[robot].get(); }
+  const MotionEntry& pace() const { return file_.motion; }
+  const EventLog& events() const { return observer_; }
+
   /// Forgets what bases have left to go, where they stand.
   void drop_bases();
 
@@ -209,6 +226,7 @@ class Cell {
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void start_program(program::Program program);
+  void end_moves();
   void send_start_messages();
   void tell_overruns();
   void tell_threads();
@@ -223,7 +241,9 @@ class Cell {
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_groups(Nanoseconds now, const control::Snapshot& snapshot);
   /// Is the cell brought back by people and programs outside after a fault?
-  bool waits_for_others() const { return !options_.lock_step && !program_ && file_.send.empty(); }
+  bool waits_for_others() const {
+    return options_.waits || (!options_.lock_step && !program_ && file_.send.empty());
+  }
   void watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_end(Nanoseconds now);
   void watch_links(Nanoseconds now, const control::Snapshot& snapshot);
@@ -233,7 +253,7 @@ class Cell {
 
   CellFile file_;
   CellOptions options_;
-  Observer& observer_;
+  EventLog observer_;
   HardwareCalls calls_;
   std::map<std::pair<std::string, std::string>, std::uint64_t> overruns_;  ///< by name and callback
   std::vector<char> told_threads_;  // by component: what the machine refused its thread was told
@@ -260,6 +280,8 @@ class Cell {
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;
+  bool begun_ = true;                 ///< the program
+  std::set<const Task*> told_ended_;  ///< in a cell that goes on
   std::unique_ptr<TestTask> test_;
   ProgramHost::Context program_context_;
   std::unique_ptr<SafePoints> safe_points_;

@@ -31,24 +31,26 @@ void Cell::build_programs(Problems& problems) {
     test_ = std::make_unique<TestTask>(*this, std::move(tests), options_.test->index, context, problems);
   }
   if (!programs.program) return;
-  const auto there = [](const auto& motion) { return motion != nullptr; };
-  if (std::none_of(motions_.begin(), motions_.end(), there) &&
-      std::none_of(bases_.begin(), bases_.end(), there))
-    problems.error("no-motion", file_.program_where,
-                   "the program needs a robot whose joints a trajectory controller moves",
-                   "give the cell a robot, and leave 'controllers' out or name a "
-                   "joint_trajectory_controller for all joints");
   if (test_) {
     ready_program_ = std::move(programs.program);
   } else {
-    start_program(std::move(*programs.program));
+    collect(problems, [&] { start_program(std::move(*programs.program)); });
+    begun_ = !options_.waits;
   }
 }
 
 void Cell::start_program(program::Program program) {
+  const auto there = [](const auto& motion) { return motion != nullptr; };
+  if (std::none_of(motions_.begin(), motions_.end(), there) &&
+      std::none_of(bases_.begin(), bases_.end(), there))
+    throw Error(Problem{"no-motion", file_.program_where,
+                        "the program needs a robot whose joints a trajectory controller moves",
+                        "give the cell a robot, and leave 'controllers' out or name a "
+                        "joint_trajectory_controller for all joints"});
   std::vector<ProgramMoves::Robot> robots;
   for (std::size_t i = 0; i < robots_.size(); ++i)
     robots.push_back({robots_[i].get(), motions_[i].get(), bases_[i].get()});
+  told_ended_.erase(program_.get());
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), file_.motion, store_);
   ProgramHost::Context context = program_context_;
@@ -61,11 +63,38 @@ void Cell::start_program(program::Program program) {
   };
   program_ = std::make_unique<Task>("program", std::move(program), context);
   if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);
+  begun_ = true;
   ended_at_ = -1;
   finished_ = false;
   if (!options_.test && options_.state_folder.empty())
     safe_points_ =
         std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
+}
+
+void Cell::put_program(program::Program program) {
+  if (program_ && begun_ && !program_->ended())
+    throw Error("program-runs", "a program is under way: " + program_->sentence(),
+                "end it first: program.stop");
+  options_.waits = true;
+  start_program(std::move(program));
+  begun_ = false;
+}
+
+bool Cell::program_runs() const {
+  if (!program_ || !begun_ || program_->ended()) return false;
+  return !program_->interpreter().paused() || !snapshot().standing || !all_idle();
+}
+
+void Cell::end_moves() {
+  for (const auto& motion : motions_)
+    if (motion) motion->end(1);
+  drop_bases();
+}
+
+void Cell::end_program() {
+  if (!program_ || !begun_ || program_->ended()) return;
+  program_->interpreter().stop();
+  end_moves();
 }
 
 bool Cell::all_idle() const {
@@ -75,7 +104,7 @@ bool Cell::all_idle() const {
 }
 
 program::StartReport Cell::prepare_program(const std::string& name, int line) {
-  if (program_ && !program_->ended()) {  // its `on stop` is done: the robots stand
+  if (program_ && begun_ && !program_->ended()) {  // its `on stop` is done: the robots stand
     program_->interpreter().stop();
     program_->tick();
   }
@@ -109,7 +138,7 @@ void Cell::keep_safe_point() {
 }
 
 void Cell::begin_program(const std::string& name, const Location& where) {
-  if (program_ && !program_->ended())
+  if (program_ && begun_ && !program_->ended())
     throw Error(Problem{"still-running", where, "the program is still running: " + program_->sentence(),
                         "wait for its end, or stop it"});
   for (std::size_t i = 0; i < robots_.size(); ++i)
@@ -140,7 +169,7 @@ void Cell::tick_program(Nanoseconds now) {
 
 const char* Cell::control_holder() const {
   if (jogging_->engaged()) return "jog";
-  return program_ && !program_->ended() ? "program" : "nobody";
+  return program_runs() ? "program" : "nobody";
 }
 
 void Cell::stop_programs() {

@@ -108,7 +108,7 @@ void Cell::watch_links(Nanoseconds now, const control::Snapshot& snapshot) {
   const std::optional<std::string> lost = links_->lost();
   const std::optional<std::string>& why = lost ? lost : heartbeats_->stopped();
   missed_ = why.has_value();
-  const bool works = (program_ && !program_->ended()) || jogging_->engaged();
+  const bool works = (program_ && begun_ && !program_->ended()) || jogging_->engaged();
   if (!missed_ || !works || snapshot.state != control::RunState::running) return;
   if (loop_->supervisor().latch().requested() != realtime::StopKind::none) return;
   observer_.on_problem(now, {"held", program_ ? program_->status().where : Location{}, *why,
@@ -151,6 +151,9 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     if (options_.allow_contact) {
       problem.severity = Severity::warning;
       observer_.on_problem(now, problem);
+    } else if (options_.waits) {  // somebody is there
+      observer_.on_problem(now, problem);
+      loop_->supervisor().latch().request(realtime::StopKind::controlled);
     } else {
       fail(now, std::move(problem));
     }
@@ -232,10 +235,10 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
     return !task || task->ended() ||
            (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
   };
-  const bool quiet = !test_ && program_ && !program_->ended() && stuck(program_.get()) && stuck(plc_.get()) &&
-                     snapshot.standing && snapshot.world.at_rest && !parts_.anything_moving() &&
-                     snapshot.state == control::RunState::running && !files_->has_outside_writers() &&
-                     !links_->any() && store_.version() == quiet_version_;
+  const bool quiet = !test_ && !options_.waits && program_ && !program_->ended() && stuck(program_.get()) &&
+                     stuck(plc_.get()) && snapshot.standing && snapshot.world.at_rest &&
+                     !parts_.anything_moving() && snapshot.state == control::RunState::running &&
+                     !files_->has_outside_writers() && !links_->any() && store_.version() == quiet_version_;
   quiet_version_ = store_.version();
   if (!quiet) quiet_since_ = now;
   if (now - quiet_since_ < kDeadlockPatience) return;
@@ -247,12 +250,19 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
 }
 
 void Cell::watch_end(Nanoseconds now) {
-  for (Task* task : {program_.get(), plc_.get()})
-    if (task && task->failed())
-      fail(now, task->status().problem.value_or(
-                    Problem{"failed", task->status().where, task->name() + " failed", {}}));
+  for (Task* task : {program_.get(), plc_.get()}) {
+    if (!task || !task->failed()) continue;
+    const Problem problem = task->status().problem.value_or(
+        Problem{"failed", task->status().where, task->name() + " failed", {}});
+    if (!options_.waits) {
+      fail(now, problem);
+    } else if (told_ended_.insert(task).second) {
+      observer_.on_problem(now, problem);
+      if (task == program_.get()) end_moves();
+    }
+  }
   if (const auto lost = files_->take_failure()) fail(now, lost->problems().front());
-  if (failure_) return;
+  if (failure_ || options_.waits) return;
   if (!program_ && !file_.send.empty() && !started_) return;
   if (!program_ && !file_.send.empty()) {  // what was sent has been done
     if (!loop_->outbox().value().standing) ended_at_ = now;

@@ -51,7 +51,7 @@ void Jogging::require_allowed(std::size_t i) const {
   if (snapshot.state == control::RunState::stopping)
     throw Error("stopping", "'" + name + "' is not jogged: the cell is stopping", "ask again when it stands");
   const bool running = snapshot.state == control::RunState::running;
-  if (running && cell_.program() && !cell_.program()->ended())
+  if (running && cell_.program_runs())
     throw Error("program-runs", "'" + name + "' is not jogged: the program is running and holds control",
                 "hold it first: polyarm control hold");
   if (!running && !robot(i).engaged && !cell_.idle(i))

@@ -40,15 +40,16 @@ constexpr auto kMap = ArgumentType::map;
 const std::vector<RequestArgument> kName = {{"name", kText, true}};
 
 const char* const kJogState =
-    "{session, robot, model, tool, names, slides, joints, position, rpy, orientation, speed, moving, "
+    "{session, robot, model, tool, names, slides, joints, limits, position, rpy, orientation, speed, moving, "
     "held_back, reason, profile, control}; "
     "of a step also {done}";
 
 const char* const kProgram =
-    "{file, state, paused, where: {file, line}, source, passes, breakpoints, control, held, tasks: [{name, "
-    "state, where, "
-    "source, waits_for, names, text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, "
-    "problem}]}";
+    "{state, control, cause, holder, folder, robots, held, events, file, paused, where: {file, line}, "
+    "source, "
+    "sentence, passes, breakpoints, question, problem, tasks: [{name, state, where, source, waits_for, "
+    "names, "
+    "text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, problem}]}";
 
 const std::vector<Row>& rows() {
   static const std::vector<Row> table = {
@@ -269,8 +270,52 @@ const std::vector<Row>& rows() {
         "the limits profile of the cell, or another: reduced (teaching) or full",
         true},
        profile},
-      {{"program", {}, kProgram, "where the program stands: tasks, calls, variables, what moves use", false},
+      {{"move",
+        {{"points", ArgumentType::message, true},
+         {"robot", kText},
+         {"kind", kText},
+         {"pace", kNumber},
+         {"speed", kNumber},
+         {"rests", kFlag}},
+        "{robot, cell, cause, elapsed_s, left_s, left_m}; at the end also {done}",
+        "to points, one path through all of them (with `rests` it comes to rest at each); a point is a name "
+        "of the cell's data, {joints: …} or {pose: {position, rpy or orientation}}, with a `duration` of the "
+        "way to it if it is to take at least that long; `kind` is joint (default) or line, `pace` s for each "
+        "rad of the way, `speed` a share of the limits. When nobody follows it any more it stops on the path",
+        true},
+       move},
+      {{"events",
+        {{"since", kNumber}},
+        "[{number, event, time_s, …}]",
+        "tell what happens: lines, logs, questions, tags, states, stops, problems and notes, those after "
+        "number `since` (0: all that are kept) first",
+        false},
+       events},
+      {{"program",
+        {{"data", kFlag}},
+        kProgram,
+        "where the program stands (none, ready, running, waiting, finished, stopped or failed): tasks, "
+        "calls, "
+        "variables, what moves use; with `data` also every value that it can read",
+        false},
        program_state},
+      {{"program.load",
+        {{"file", kText, true}},
+        "as of program, and {warnings}",
+        "read a script, or a data file that names one, with its data as the files are now, and check it; the "
+        "program that there is has not begun or has ended. It stands ready, and the cell goes on when it has "
+        "ended",
+        false},
+       program_load},
+      {{"program.start",
+        {{"passes", kNumber}, {"paused", kFlag}},
+        kProgram,
+        "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
+        "front of its first line",
+        true},
+       program_start},
+      {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},
+       program_answer},
       {{"program.watch",
         {{"rate", kNumber}},
         kProgram,
@@ -307,7 +352,12 @@ const std::vector<Row>& rows() {
         "given; it waits for program.go unless `confirmed`",
         true},
        program_from},
-      {{"program.stop", {}, kProgram, "end the program; its `on stop` is done", true}, program_stop},
+      {{"program.stop",
+        {},
+        kProgram,
+        "end the program where it is: moves end on their paths, and its `on stop` is done",
+        true},
+       program_stop},
   };
   return table;
 }

@@ -19,21 +19,6 @@ using Kind = motion::JogWish::Kind;
 constexpr Nanoseconds kRenewEvery = 50'000'000, kTellEvery = 100'000'000;
 constexpr double kMostHold = 10;
 
-std::size_t robot_argument(Cell& cell, const Json& arguments) {
-  const std::string wanted = text_argument(arguments, "robot", "");
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    names.push_back(cell.robots()[i]->entry.name);
-    if (names.back() == wanted) return i;
-  }
-  if (wanted.empty() && names.size() == 1) return 0;
-  if (wanted.empty())
-    throw Error("which-robot", "the cell has " + std::to_string(names.size()) + " robots",
-                "say which: " + join(names, ", "));
-  throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, names),
-              "there are: " + join(names, ", "));
-}
-
 std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
 }
@@ -149,7 +134,7 @@ Json json_of(const Vec3& v) {
 Json state_of(Cell& cell, std::size_t i) {
   const CellRobot& robot = *cell.robots()[i];
   const motion::JogStatus status = cell.jogging().status(i);
-  Json joints = Json::object(), names = Json::array(), slides = Json::array();
+  Json joints = Json::object(), names = Json::array(), slides = Json::array(), limits = Json::object();
   std::vector<double> q;
   const bool ours = cell.jogging().engaged(i);
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -158,6 +143,9 @@ Json state_of(Cell& cell, std::size_t i) {
     joints[short_name(robot.joints[j])] = q.back();
     names.push_back(short_name(robot.joints[j]));
     slides.push_back(robot.facts->chain.slides(j));
+    const double lower = robot.joints[j].lower, upper = robot.joints[j].upper;  // null: it turns without end
+    limits[short_name(robot.joints[j])] =
+        std::isfinite(lower) && std::isfinite(upper) && upper - lower < 1e6 ? Json{lower, upper} : Json();
   }
   const Pose tcp = robot.facts->chain.forward(q);
   const Quaternion& r = tcp.rotation;
@@ -168,6 +156,7 @@ Json state_of(Cell& cell, std::size_t i) {
           {"names", names},
           {"slides", slides},
           {"joints", joints},
+          {"limits", limits},
           {"position", json_of(tcp.position)},
           {"rpy", json_of(to_rpy(r))},
           {"orientation", {r.x, r.y, r.z, r.w}},
@@ -303,6 +292,21 @@ Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
 }
 
 }  // namespace
+
+std::size_t robot_argument(Cell& cell, const Json& arguments) {
+  const std::string wanted = text_argument(arguments, "robot", "");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    names.push_back(cell.robots()[i]->entry.name);
+    if (names.back() == wanted) return i;
+  }
+  if (wanted.empty() && names.size() == 1) return 0;
+  if (wanted.empty())
+    throw Error("which-robot", "the cell has " + std::to_string(names.size()) + " robots",
+                "say which: " + join(names, ", "));
+  throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, names),
+              "there are: " + join(names, ", "));
+}
 
 Poll jog(Cell& cell, const Json& arguments) {
   const std::size_t i = robot_argument(cell, arguments);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
@@ -51,21 +52,68 @@ Json task_json(const program::Interpreter& interpreter, const program::TaskStatu
   return out;
 }
 
+/// Of the cell, whether it has a program or not.
+Json surroundings(Cell& cell) {
+  Json robots = Json::array();
+  for (const auto& robot : cell.robots()) robots.push_back(robot->entry.name);
+  return {{"state", "none"},
+          {"control", control::name(cell.snapshot().state)},
+          {"cause", control::name(cell.snapshot().cause)},
+          {"holder", cell.control_holder()},
+          {"folder", std::filesystem::weakly_canonical(cell.file().folder).string()},
+          {"robots", robots},
+          {"held", held_parts(cell)},
+          {"events", cell.events().last()},
+          {"file", ""},
+          {"paused", false},
+          {"where", shown_place({})},
+          {"source", ""},
+          {"sentence", ""},
+          {"passes", 0},
+          {"breakpoints", Json::array()},
+          {"tasks", Json::array()},
+          {"question", Json()},
+          {"problem", Json()}};
+}
+
+Json json_of(const Problem& problem) {
+  return {{"code", problem.code},
+          {"what", problem.what},
+          {"advice", problem.advice},
+          {"where", problem.where.text()}};
+}
+
+}  // namespace
+
 Json program_json(Cell& cell) {
+  Json out = surroundings(cell);
+  if (!cell.program()) return out;
   const Task& task = program_of(cell);
   const program::Interpreter& interpreter = task.interpreter();
   Json tasks = Json::array(), breakpoints = Json::array();
   for (const program::TaskStatus& status : interpreter.status())
     tasks.push_back(task_json(interpreter, status));
   for (const Location& place : interpreter.breakpoints()) breakpoints.push_back(shown_place(place));
-  return {{"file", interpreter.program().file}, {"state", program::name(interpreter.state())},
-          {"paused", interpreter.paused()},     {"where", shown_place(task.status().where)},
-          {"source", task.status().source},     {"passes", task.status().passes},
-          {"breakpoints", breakpoints},         {"tasks", tasks},
-          {"held", held_parts(cell)},           {"control", control::name(cell.snapshot().state)}};
+  const program::TaskStatus& status = task.status();
+  const bool asks = cell.program_begun() && status.waiting.kind == program::WaitKind::user;
+  out.update({{"file", interpreter.program().file},
+              {"state", cell.program_begun() ? program::name(interpreter.state()) : "ready"},
+              {"paused", interpreter.paused()},
+              {"where", shown_place(status.where)},
+              {"source", status.source},
+              {"sentence", task.sentence()},
+              {"passes", status.passes},
+              {"breakpoints", breakpoints},
+              {"tasks", tasks},
+              {"question", asks ? Json(status.waiting.text) : Json()},
+              {"problem", status.problem ? json_of(*status.problem) : Json()}});
+  return out;
 }
 
-void require_running(const Task& task) {
+namespace {
+
+void require_running(Cell& cell, const Task& task) {
+  if (!cell.program_begun()) throw Error("not-begun", "the program has not begun", "begin it: program.start");
   if (task.ended())
     throw Error("has-ended", std::string("the program has ended: ") + program::name(task.status().state),
                 "polyarm control from LINE begins it anew");
@@ -114,14 +162,18 @@ Json assumed(Cell& cell, const program::StartReport& report) {
           {"held", held_parts(cell)}};
 }
 
-Poll program_state(Cell& cell, const Json&) {
-  return at_once(program_json(cell));
+Poll program_state(Cell& cell, const Json& arguments) {
+  Json out = program_json(cell);
+  if (!flag_argument(arguments, "data")) return at_once(std::move(out));
+  Json data = Json::object();
+  for (const std::string& name : cell.store().names()) data[name] = cell.store().find(name)->text();
+  out["data"] = std::move(data);
+  return at_once(std::move(out));
 }
 
 Poll program_watch(Cell& cell, const Json& arguments) {
   const double rate = number_argument(arguments, "rate", 10);
   if (!(rate > 0)) throw Error("bad-argument", "'rate' must be above 0");
-  program_of(cell);
   const auto between = static_cast<Nanoseconds>(1e9 / std::min(rate, 500.0));
   return [between, next = Nanoseconds{0}, told = std::string{}](Cell& c) mutable {
     if (c.now() < next) return Progress{};
@@ -136,14 +188,14 @@ Poll program_watch(Cell& cell, const Json& arguments) {
 
 Poll program_pause(Cell& cell, const Json&) {
   Task& task = program_of(cell);
-  require_running(task);
+  require_running(cell, task);
   if (!task.interpreter().paused()) task.interpreter().pause();
   return until_paused();
 }
 
 Poll program_go(Cell& cell, const Json&) {
   Task& task = program_of(cell);
-  require_running(task);
+  require_running(cell, task);
   if (!task.interpreter().paused())
     throw Error("not-paused", "the program is not paused", "a hold is left by polyarm control resume");
   task.interpreter().resume();
@@ -152,7 +204,7 @@ Poll program_go(Cell& cell, const Json&) {
 
 Poll program_step(Cell& cell, const Json& arguments) {
   Task& task = program_of(cell);
-  require_running(task);
+  require_running(cell, task);
   const std::string how = text_argument(arguments, "how", "over");
   const std::vector<std::string> known = {"into", "over", "out"};
   const auto at = std::find(known.begin(), known.end(), how);
@@ -186,9 +238,9 @@ Poll program_break(Cell& cell, const Json& arguments) {
 
 Poll program_from(Cell& cell, const Json& arguments) {
   const double line = number_argument(arguments, "line", 1);
-  Task& task = program_of(cell);
-  if (!task.ended() && !task.interpreter().paused())
-    throw Error("still-running", "the program is running: " + task.sentence(), "polyarm control pause");
+  const Task* const task = cell.program();
+  if (task && cell.program_begun() && !task->ended() && !task->interpreter().paused())
+    throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");
   if (!cell.snapshot().standing || !cell.all_idle())
     throw Error("moving", "a robot still moves", "wait until it has arrived");
   const program::StartReport report =
@@ -202,11 +254,13 @@ Poll program_from(Cell& cell, const Json& arguments) {
 
 Poll program_stop(Cell& cell, const Json&) {
   Task& task = program_of(cell);
-  require_running(task);
-  task.interpreter().stop();
-  return [](Cell& c) {
-    if (!program_of(c).ended()) return Progress{};
-    return Progress::done(program_json(c));
+  require_running(cell, task);
+  cell.end_program();
+  return [asked = cell.now()](Cell& c) {  // what it does on stop waits for a robot that is held
+    constexpr Nanoseconds kPatience = 2'000'000'000;
+    const bool waits = !program_of(c).ended() && c.now() - asked < kPatience &&
+                       c.snapshot().state == control::RunState::running;
+    return waits ? Progress{} : Progress::done(program_json(c));
   };
 }
 

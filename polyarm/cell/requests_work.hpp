@@ -36,6 +36,8 @@ std::string text_argument(const Json& arguments, const char* name, const std::st
 std::vector<std::string> list_argument(const Json& arguments, const char* name);
 bool flag_argument(const Json& arguments, const char* name);
 double number_argument(const Json& arguments, const char* name, double fallback);
+/// The index of the robot that 'robot' names; the only one where it names none.
+std::size_t robot_argument(Cell& cell, const Json& arguments);
 
 /// A switch that is begun again when the loop changed something by itself meanwhile.
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
@@ -90,6 +92,13 @@ Poll program_step(Cell&, const Json&);
 Poll program_break(Cell&, const Json&);
 Poll program_from(Cell&, const Json&);
 Poll program_stop(Cell&, const Json&);
+Poll program_load(Cell&, const Json&);
+Poll program_start(Cell&, const Json&);
+Poll program_answer(Cell&, const Json&);
+/// Where the program is, as all of these answer.
+Json program_json(Cell& cell);
+Poll move(Cell&, const Json&);
+Poll events(Cell&, const Json&);
 /// The parts that grippers hold, and what a program that begins in the middle takes for given.
 Json held_parts(Cell& cell);
 Json assumed(Cell& cell, const program::StartReport& report);

@@ -19,6 +19,8 @@ class StateFolder {
 
   /// The data file called `name` as it is now, with its points; copied into the folder at first sight.
   data::LoadedFiles load(const std::string& name, const Location& where) const;
+  /// Replaces the copies of what `name` names by the files as the user has them now. Throws as load().
+  void renew(const std::string& name, const Location& where) const;
   /// Where the set called `name` is read and written.
   std::filesystem::path folder_of(const std::string& name) const;
   bool is_live(const std::string& set) const { return live_.contains(set); }
@@ -26,7 +28,7 @@ class StateFolder {
   const std::filesystem::path& path() const { return state_; }
 
  private:
-  void bring(const std::filesystem::path& original) const;
+  void bring(const std::filesystem::path& original, bool again = false) const;
 
   std::filesystem::path folder_, state_;
   std::set<std::string> live_;

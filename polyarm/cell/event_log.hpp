@@ -1,0 +1,50 @@
+#pragma once
+/// What has happened in a cell, kept for those who ask from outside.
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "polyarm/cell/observer.hpp"
+
+namespace polyarm::cell {
+
+/// Passes everything on, and keeps the newest events but poses. Cell thread.
+class EventLog : public Observer {
+ public:
+  static constexpr std::size_t kKept = 1000;
+
+  /// `next` outlives this.
+  explicit EventLog(Observer& next) : next_(next) {}
+
+  struct Event {
+    std::uint64_t number = 0;  ///< counts up from 1
+    /// {event: note | line | tag | log | state | stop | question | problem, time_s, …}
+    nlohmann::json json;
+  };
+  const std::deque<Event>& events() const { return events_; }
+  /// Of the newest; 0: nothing has happened.
+  std::uint64_t last() const { return last_; }
+
+  void on_note(const std::string& text) override;
+  void on_line(Nanoseconds time, const std::string& task, const Location& where,
+               const std::string& source) override;
+  void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
+              const std::string& who) override;
+  void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override;
+  void on_log(Nanoseconds time, const std::string& task, const std::string& text) override;
+  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override;
+  void on_stop(Nanoseconds time, const StopReport& stop) override;
+  void on_question(const std::string& text) override;
+  void on_problem(Nanoseconds time, const Problem& problem) override;
+
+ private:
+  void keep(nlohmann::json event);
+
+  Observer& next_;
+  std::deque<Event> events_;
+  std::uint64_t last_ = 0;
+};
+
+}  // namespace polyarm::cell

@@ -1,0 +1,180 @@
+/// Requests that bring programs into a running cell, begin them and answer them, and what happens meanwhile.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/build.hpp"
+#include "polyarm/cell/requests_work.hpp"
+#include "polyarm/data/file_lookup.hpp"
+#include "polyarm/program/checker.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+namespace fs = std::filesystem;
+/// A program on its way into a cell. The worker writes, then sets `ready`; the cell thread reads.
+struct Loading {
+  std::string name;
+  fs::path folder;
+  StateFolder files;
+  std::optional<program::Program> program;
+  std::vector<std::pair<std::string, Location>> sets;  ///< data that are there from the start
+  program::KnownNames known;
+  Problems problems;
+  std::optional<Error> error;
+  std::atomic<bool> ready{false};
+
+  Loading(std::string named, const Cell& cell, StateFolder state)
+      : name(std::move(named)), folder(cell.file().folder), files(std::move(state)) {}
+
+  void read() {
+    fs::path path = data::find_file(name, folder);
+    if (path.extension() != ".script") {
+      const std::string set = path.stem().string();
+      if (!fs::equivalent(path.parent_path().empty() ? "." : path.parent_path(), folder))
+        throw Error("elsewhere", path.string() + " is not in the folder of the cell",
+                    "copy it and what it names to " + fs::weakly_canonical(folder).string());
+      files.renew(set, {});
+      const fs::path script = data::load_files(set, folder).script;
+      if (script.empty())
+        throw Error(Problem{"no-script",
+                            {path.string()},
+                            "'" + name + "' names no script",
+                            "add 'Name: ScriptFile' and 'Text: <script>' to it, or load a .script"});
+      sets.push_back({set, {path.string()}});
+      path = script;
+    }
+    program = program::load_program(path.string());
+    for (const program::Statement* load : program::loads(*program)) {
+      const Location where = program->at(load->name_place);
+      const bool known_already =
+          std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == load->name; });
+      if (known_already) continue;
+      try {
+        files.renew(load->name, where);
+        sets.push_back({load->name, where});
+      } catch (const Error& e) {
+        if (e.problems().front().code != "no-file") throw;  // of those that there are not the checker tells
+      }
+    }
+  }
+  void check() {
+    program::check(*program, known, problems);
+    problems.throw_if_errors();
+  }
+};
+
+/// Runs a step of it on the worker; true when that is done. Throws what it threw.
+bool done(Cell& cell, const std::shared_ptr<Loading>& loading, bool& posted, void (Loading::*step)()) {
+  if (!std::exchange(posted, true)) {
+    loading->ready = false;
+    cell.worker().post([loading, step] {
+      try {
+        ((*loading).*step)();
+      } catch (const Error& e) {
+        loading->error = e;
+      } catch (const std::exception& e) {
+        loading->error = Error("unreadable", loading->name + ": " + e.what());
+      }
+      loading->ready.store(true, std::memory_order_release);
+    });
+  }
+  if (!loading->ready.load(std::memory_order_acquire)) return false;
+  if (loading->error) throw *loading->error;
+  return true;
+}
+
+void require_may_begin(Cell& cell) {
+  if (!cell.arming().armed())
+    throw Error("disarmed", "nothing moves: real hardware that nobody has armed", "polyarm control arm");
+  const control::RunState state = cell.snapshot().state;
+  if (state == control::RunState::fault)
+    throw Error("fault", "the cell is in a fault", "polyarm control recover, then resume");
+  if (state != control::RunState::running)
+    throw Error("held", std::string("the cell is ") + control::name(state),
+                "go on: polyarm control resume; or forget the motion: polyarm control discard");
+}
+
+}  // namespace
+
+Poll program_load(Cell& cell, const Json& arguments) {
+  if (cell.program() && cell.program_begun() && !cell.program()->ended())
+    throw Error("program-runs", "a program is under way: " + cell.program()->sentence(),
+                "end it first: program.stop");
+  auto loading = std::make_shared<Loading>(text_argument(arguments, "file"), cell, cell.files().folder());
+  enum class At { reading, data, checking } at = At::reading;
+  return [loading, at, posted = false, next = std::size_t{0}, handle = std::int64_t{0}](Cell& c) mutable {
+    if (at == At::reading) {
+      if (!done(c, loading, posted, &Loading::read)) return Progress{};
+      at = At::data;
+    }
+    for (; at == At::data && next < loading->sets.size(); ++next) {
+      if (handle == 0) handle = c.files().start_load(loading->sets[next].first, loading->sets[next].second);
+      if (!c.files().poll_load(handle)) return Progress{};
+      handle = 0;
+    }
+    if (at == At::data) {
+      loading->known.add(c.store());
+      loading->known.folder = loading->folder;
+      posted = false;
+      at = At::checking;
+    }
+    if (!done(c, loading, posted, &Loading::check)) return Progress{};
+    c.put_program(std::move(*loading->program));
+    Json out = program_json(c);
+    out["warnings"] = Json::array();
+    for (const Problem& problem : loading->problems.list()) out["warnings"].push_back(problem.text());
+    return Progress::done(std::move(out));
+  };
+}
+
+Poll program_start(Cell& cell, const Json& arguments) {
+  require_may_begin(cell);
+  if (!cell.program())
+    throw Error("no-program", "the cell has no program", "load one: program.load, polyarm console");
+  if (cell.program_begun())
+    throw Error("program-begun", "the program has begun already: " + cell.program()->sentence(),
+                cell.program()->ended() ? "load it again: program.load" : "go on: program.go");
+  const double passes = number_argument(arguments, "passes", 0);
+  if (!(passes >= 0 && passes < 1e15 && passes == std::floor(passes)))
+    throw Error("bad-argument", "'passes' is " + format_number(passes), "a whole number; 0: no limit");
+  if (!cell.all_idle()) throw Error("moving", "a robot still moves", "wait until it has arrived");
+  program::Interpreter& interpreter = cell.program()->interpreter();
+  if (passes > 0) interpreter.limit_passes(static_cast<std::uint64_t>(passes));
+  if (flag_argument(arguments, "paused")) interpreter.pause_here();
+  cell.program()->refresh();
+  cell.let_begin();
+  return at_once(program_json(cell));
+}
+
+Poll program_answer(Cell& cell, const Json& arguments) {
+  const bool asks = cell.program() && cell.program_begun() && !cell.program()->ended() &&
+                    cell.program()->status().waiting.kind == program::WaitKind::user;
+  if (!asks) throw Error("no-question", "the program asks nothing now", "program tells what it waits for");
+  cell.answers().give(text_argument(arguments, "text", ""));
+  return at_once({{"asked", "answer"}});
+}
+
+/// Told in bundles, so that who comes late gets what is kept at once.
+Poll events(Cell& cell, const Json& arguments) {
+  const double since = number_argument(arguments, "since", static_cast<double>(cell.events().last()));
+  return [told = since >= 0 ? static_cast<std::uint64_t>(since) : 0, first = true](Cell& c) mutable {
+    Json out = Json::array();
+    for (const EventLog::Event& event : c.events().events()) {
+      if (event.number <= told) continue;
+      out.push_back(event.json);
+      out.back()["number"] = event.number;
+    }
+    told = std::max(told, c.events().last());
+    if (out.empty() && !std::exchange(first, false)) return Progress{};
+    first = false;
+    return Progress::more(std::move(out));
+  };
+}
+
+}  // namespace polyarm::cell

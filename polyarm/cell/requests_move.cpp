@@ -1,0 +1,271 @@
+/// The request that moves a robot to points, one after the other, and follows it there.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "polyarm/base/quantity.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/program_host.hpp"
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+constexpr Nanoseconds kTellEvery = 100'000'000;
+/// A jog that has just ended gives the robot back within this time.
+constexpr Nanoseconds kJogPatience = 2'000'000'000;
+constexpr std::size_t kMostPoints = 1000;
+
+double quantity(const Json& value, const std::string& of, Dimension dimension) {
+  if (value.is_number() && std::isfinite(value.get<double>())) return value.get<double>();
+  if (value.is_string())
+    if (const auto number = parse_quantity(value.get<std::string>(), dimension)) return *number;
+  throw Error("bad-argument",
+              of + " is " + (value.is_string() ? value.get<std::string>() : value.dump()) + ", not " +
+                  name(dimension),
+              "bare numbers are m, rad and s");
+}
+
+std::vector<double> numbers(const Json& list, const std::string& of, std::initializer_list<Dimension> as) {
+  if (!list.is_array() || list.size() != as.size())
+    throw Error("bad-argument", fmt::format("{} is no list of {} numbers", of, as.size()));
+  std::vector<double> out;
+  for (const Dimension dimension : as) out.push_back(quantity(list[out.size()], of, dimension));
+  return out;
+}
+
+Pose pose_of(const Json& map, const std::string& of) {
+  constexpr auto m = Dimension::length;
+  constexpr auto rad = Dimension::angle;
+  constexpr auto one = Dimension::none;
+  const bool rpy = map.is_object() && map.contains("rpy");
+  if (!map.is_object() || !map.contains("position") || rpy == map.contains("orientation") || map.size() != 2)
+    throw Error("bad-argument", of + " is no pose",
+                "{position: [x, y, z], rpy: [roll, pitch, yaw]} or with orientation: [x, y, z, w]");
+  const std::vector<double> p = numbers(map["position"], "the position of " + of, {m, m, m});
+  if (rpy) {
+    const std::vector<double> r = numbers(map["rpy"], "the rotation of " + of, {rad, rad, rad});
+    return {{p[0], p[1], p[2]}, from_rpy(r[0], r[1], r[2])};
+  }
+  const std::vector<double> q = numbers(map["orientation"], "the quaternion of " + of, {one, one, one, one});
+  if (!(std::abs(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) - 1) < 1e-3))
+    throw Error("bad-argument", "the quaternion of " + of + " has not the length 1",
+                "x, y, z, w; no rotation is 0, 0, 0, 1");
+  return {{p[0], p[1], p[2]}, normalized(Quaternion{q[0], q[1], q[2], q[3]})};
+}
+
+data::JointState joints_of(const Json& map, const CellRobot& robot, const std::string& of) {
+  if (!map.is_object()) throw Error("bad-argument", of + " is no map of joints", "{elbow_joint: 1.2, …}");
+  const std::vector<std::string> known = robot.model.joint_names();
+  data::JointState out;
+  for (const auto& [joint, value] : map.items()) {
+    const auto at = std::find(known.begin(), known.end(), joint);
+    const bool slides =
+        at != known.end() && robot.facts->chain.slides(static_cast<std::size_t>(at - known.begin()));
+    out.names.push_back(joint);
+    out.positions.push_back(
+        quantity(value, joint + " of " + of, slides ? Dimension::length : Dimension::angle));
+  }
+  return out;
+}
+
+/// Where a value of the data, a joint state or a pose puts the robot.
+motion::MoveTarget target_of(Cell& cell, const CellRobot& robot, const Json& point, const std::string& what) {
+  if (point.contains("joints"))
+    return {joints_by_name(robot.model, joints_of(point["joints"], robot, what), what), what};
+  if (point.contains("pose")) return {pose_of(point["pose"], what), what};
+  const std::string name = point.value("point", "");
+  const data::Value* value = cell.store().find(name);
+  if (!value)
+    throw Error("unknown-point",
+                "there is no point '" + name + "'" + did_you_mean(name, cell.store().names()),
+                "name a point of the cell's data, or say {joints: …} or {pose: …}");
+  if (const data::JointState* joints = value->as_joints())
+    return {joints_by_name(robot.model, *joints, name), name};
+  if (const data::Point* place = value->as_point()) return {place->pose, name};
+  throw Error("not-a-point", "'" + name + "' is " + data::name(value->kind()) + ", not a point");
+}
+
+void check_keys(const Json& point, const std::string& what) {
+  const std::vector<std::string> known = {"joints", "pose", "point", "name", "duration"};
+  int places = 0;
+  for (const auto& [key, value] : point.items()) {
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw Error("bad-argument", what + " has no '" + key + "'" + did_you_mean(key, known),
+                  "it takes " + join(known, ", "));
+    if (key == "name" && !value.is_string())
+      throw Error("bad-argument", "the name of " + what + " is no text");
+    if (key == "point" && !value.is_string())
+      throw Error("bad-argument", "the point of " + what + " is no name");
+    places += key == "joints" || key == "pose" || key == "point" ? 1 : 0;
+  }
+  if (places != 1) throw Error("bad-argument", what + " needs one of joints, pose and point");
+}
+
+/// Through points that the TCP goes to on lines it goes on one curve.
+std::vector<motion::Move> one_curve(std::vector<motion::Move> lines) {
+  motion::Move curve = lines.front();
+  curve.kind = motion::MoveKind::spline;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    curve.targets.push_back(lines[i].targets.front());
+    curve.duration += lines[i].duration;
+  }
+  return {curve};
+}
+
+std::vector<motion::Move> read_move(Cell& cell, const CellRobot& robot, const Json& arguments) {
+  const std::vector<std::string> kinds = {"joint", "line"};
+  const std::string kind = text_argument(arguments, "kind", "joint");
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+    throw Error("bad-argument", "there is no move '" + kind + "'" + did_you_mean(kind, kinds),
+                "joint or line");
+  const double pace = number_argument(arguments, "pace", 0), share = number_argument(arguments, "speed", 1);
+  if (!(pace >= 0))
+    throw Error("bad-argument", "'pace' is " + format_number(pace), "s for each rad, at least 0");
+  if (!(share > 0 && share <= 1))
+    throw Error("bad-argument", "'speed' is " + format_number(share), "a share of the limits: 0.01 to 1");
+  const Json& given = arguments["points"];
+  const Json points = given.is_array() ? given : Json::array({given});
+  if (points.empty() || points.size() > kMostPoints)
+    throw Error("bad-argument", fmt::format("'points' has {} points", points.size()),
+                fmt::format("1 to {}", kMostPoints));
+  const bool rests = flag_argument(arguments, "rests");
+  std::vector<motion::Move> out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Json point = points[i].is_string() ? Json{{"point", points[i]}} : points[i];
+    const std::string number = fmt::format("point {}", i + 1);
+    if (!point.is_object()) throw Error("bad-argument", number + " is neither a name nor a map");
+    check_keys(point, number);
+    motion::Move move;
+    move.kind = kind == "line" ? motion::MoveKind::line : motion::MoveKind::joint;
+    move.targets = {target_of(cell, robot, point, point.value("name", number))};
+    move.speed = share * (move.kind == motion::MoveKind::joint ? cell.pace().speed : 1);
+    if (move.kind == motion::MoveKind::joint) move.joint_pace = pace;
+    if (point.contains("duration"))
+      move.duration = quantity(point["duration"], "the duration of " + number, Dimension::time);
+    if (!(move.duration >= 0))
+      throw Error("bad-argument", fmt::format("the duration of {} is {} s", number, move.duration),
+                  "a time above 0");
+    move.through = !rests && i + 1 < points.size();
+    out.push_back(std::move(move));
+  }
+  return kind == "line" && !rests && out.size() > 1 ? one_curve(std::move(out)) : out;
+}
+
+void require_may_move(Cell& cell, std::size_t i) {
+  const std::string& robot = cell.robots()[i]->entry.name;
+  if (!cell.arming().armed())
+    throw Error("disarmed", "'" + robot + "' is not moved: real hardware that nobody has armed",
+                "polyarm control arm");
+  if (!cell.motion(i))
+    throw Error("no-motion", "no trajectory controller moves all joints of '" + robot + "'",
+                "leave 'controllers' out of the cell, or name a joint_trajectory_controller for them");
+  const control::RunState state = cell.snapshot().state;
+  if (state == control::RunState::fault)
+    throw Error("fault", "'" + robot + "' is not moved: the cell is in a fault",
+                "polyarm control recover, resume");
+  if (state != control::RunState::running)
+    throw Error("held", "'" + robot + "' is not moved: the cell is " + control::name(state),
+                "go on: polyarm control resume; or forget the motion: polyarm control discard");
+  if (cell.program_runs())
+    throw Error("program-runs", "'" + robot + "' is not moved: the program is running and holds control",
+                "pause it: program.pause");
+  if (!cell.idle(i)) throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");
+}
+
+/// Who asked for a move is followed as long as it is there: when it has gone, the robot stops on its path.
+class UnderWay {
+ public:
+  explicit UnderWay(Cell& cell) : cell_(cell) {}
+  UnderWay(const UnderWay&) = delete;
+  UnderWay& operator=(const UnderWay&) = delete;
+  ~UnderWay() {
+    if (first != 0 && !over) cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
+  }
+  std::uint64_t first = 0, last = 0;
+  bool over = false;
+
+ private:
+  Cell& cell_;
+};
+
+Json progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
+  const motion::Travel way = cell.motion(i)->travel(moves.first, moves.last);
+  const bool planned = std::isfinite(way.remaining);
+  return {{"robot", cell.robots()[i]->entry.name},
+          {"cell", control::name(cell.snapshot().state)},
+          {"cause", control::name(cell.snapshot().cause)},
+          {"elapsed_s", seconds(cell.now() - begun)},
+          {"left_s", planned ? Json(way.remaining) : Json()},
+          {"left_m", planned ? Json(way.left) : Json()}};
+}
+
+/// The first that did not end well, if any. What failed says more than what was discarded for that reason.
+void throw_bad_end(const motion::RobotMotion& motion, UnderWay& moves) {
+  std::optional<motion::MoveState> worst;
+  for (std::uint64_t id = moves.first; id <= moves.last; ++id) {
+    const motion::MoveState state = motion.state_of(id);
+    if (state == motion::MoveState::failed || state == motion::MoveState::refused) {
+      moves.over = true;
+      throw Error(motion.problem_of(id).value_or(
+          Problem{"refused", {}, "the controller refused the move: it would have begun with a jump", {}}));
+    }
+    if (state == motion::MoveState::discarded) worst = state;
+  }
+  if (!worst) return;
+  moves.over = true;
+  throw Error("discarded", "the rest of the motion was discarded", "the robot stands where it was stopped");
+}
+
+Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
+  return [i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
+          asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, told = Nanoseconds{0}](Cell& cell) mutable {
+    if (asked_at < 0) asked_at = cell.now();
+    if (!moves) {  // a robot that was jogged comes back first, and moves begin where it is
+      const bool free = !cell.jogging().engaged(i) && cell.snapshot().standing;
+      if (!free && cell.now() - asked_at > kJogPatience)
+        throw Error("jogged",
+                    "'" + cell.robots()[i]->entry.name + "' is moved by hand or by somebody else now",
+                    "wait until they let go");
+      if (!free || !std::exchange(stood, true)) return Progress{};
+      require_may_move(cell, i);
+      moves = std::make_shared<UnderWay>(cell);
+      for (motion::Move& move : asked) {
+        moves->last = cell.motion(i)->queue(std::move(move));
+        if (moves->first == 0) moves->first = moves->last;
+      }
+      cell.motion(i)->close();
+      begun = told = cell.now();
+      return Progress{};
+    }
+    if (!cell.motion(i)) {
+      moves->over = true;
+      throw Error("discarded", "the controller that moved it was unloaded");
+    }
+    throw_bad_end(*cell.motion(i), *moves);
+    Json out = progress_of(cell, i, *moves, begun);
+    if (cell.motion(i)->state_of(moves->last) == motion::MoveState::done && cell.snapshot().standing) {
+      moves->over = true;
+      out["done"] = true;
+      return Progress::done(std::move(out));
+    }
+    if (cell.now() - told < kTellEvery) return Progress{};
+    told = cell.now();
+    return Progress::more(std::move(out));
+  };
+}
+
+}  // namespace
+
+Poll move(Cell& cell, const Json& arguments) {
+  const std::size_t i = robot_argument(cell, arguments);
+  require_may_move(cell, i);
+  return follow_moves(i, read_move(cell, *cell.robots()[i], arguments));
+}
+
+}  // namespace polyarm::cell

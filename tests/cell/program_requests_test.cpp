@@ -1,0 +1,372 @@
+/// Programs that are loaded, begun, paused, stepped and ended in a running cell, asked for as people do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Folder;
+using test::Json;
+using test::LockStepCell;
+
+constexpr const char* kPoints =
+    "JS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\n"
+    "Name: A\nPoint: 0.3, 0, 0, 0, 0, 0\nName: B\nPoint: -0.3, 0.2, 0, 0, 0, 0\n";
+constexpr const char* kInformation =
+    "Name: PointFile\nText: places\nName: ScriptFile\nText: work\nName: Repeat\nBool: True\n"
+    "Name: Ready\nBool: False\n";
+constexpr const char* kScript =
+    "load work_data\nwhile Repeat\nmoveto A\nmoveto B\nendwhile\nlog \"at the end\"\n";
+
+/// The arm of examples/r6bot in a folder with data and a script.
+class ProgramRequests : public ::testing::Test {
+ protected:
+  ProgramRequests() {
+    folder.write("places.points", kPoints);
+    folder.write("work_data.data", kInformation);
+    folder.write("work.script", kScript);
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " POLYARM_SOURCE_DIR
+                              "/examples/r6bot/r6bot.urdf, hardware: mock}\n");
+    cell = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));
+    cell->run(0.01);
+  }
+  Json state() { return cell->result({{"request", "program"}}); }
+  /// Its state; "paused" once it stands so.
+  std::string word() {
+    const Json now = state();
+    return now.value("paused", false) && now["state"] != "ready" ? "paused" : now["state"].get<std::string>();
+  }
+  Json load(const std::string& file) { return cell->ask({{"request", "program.load"}, {"file", file}}); }
+  Json ask(const std::string& request) { return cell->ask({{"request", request}}); }
+  static std::string error_of(const Json& answer) {
+    return answer.contains("error") ? answer["error"].value("code", "") : "none";
+  }
+  double joint(const std::string& name) { return cell->value_of("states", "arm/" + name + "/position"); }
+  void until(const std::string& wanted, double most = 60) {
+    for (double t = 0; word() != wanted && t < most; t += 0.02) cell->run(0.02);
+    ASSERT_EQ(word(), wanted) << state().dump(1);
+  }
+
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+};
+
+TEST_F(ProgramRequests, ALoadedProgramBeginsWhenSomebodySaysSo) {
+  EXPECT_EQ(word(), "none");
+  const Json loaded = load("work_data");
+  ASSERT_TRUE(loaded["ok"].get<bool>()) << loaded;
+  EXPECT_EQ(loaded["result"]["state"], "ready");
+  const double before = joint("joint_1");
+  cell->run(1);
+  EXPECT_EQ(word(), "ready");
+  EXPECT_EQ(joint("joint_1"), before);
+  EXPECT_TRUE(cell->ask({{"request", "program.start"}, {"passes", 2}})["ok"].get<bool>());
+  until("finished");
+  EXPECT_EQ(state()["passes"], 2);
+  EXPECT_NEAR(joint("joint_1"), -0.3, 1e-6);
+  EXPECT_FALSE(cell->cell().finished()) << "the cell goes on";
+  EXPECT_EQ(error_of(ask("program.start")), "program-begun");
+}
+
+TEST_F(ProgramRequests, ACellWithoutAProgramSaysSoAndBeginsOneAtALine) {
+  const Json now = state();
+  EXPECT_EQ(now["state"], "none");
+  EXPECT_EQ(now["robots"], Json::array({"arm"}));
+  EXPECT_TRUE(now["tasks"].empty());
+  EXPECT_EQ(error_of(ask("program.go")), "no-program");
+  const Json told = cell->ask({{"request", "program.from"}, {"program", "work_data"}, {"line", 4}});
+  ASSERT_TRUE(told["ok"].get<bool>()) << told;
+  EXPECT_EQ(word(), "paused");
+  EXPECT_EQ(state()["where"]["line"], 4);
+}
+
+TEST_F(ProgramRequests, EachLoadTakesTheFilesAsTheyAreThen) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}, {"passes", 1}});
+  until("finished");
+  std::string moved = kPoints;
+  moved.replace(moved.find("-0.3"), 4, "-0.5");
+  folder.write("places.points", moved);
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}, {"passes", 1}});
+  until("finished");
+  EXPECT_NEAR(joint("joint_1"), -0.5, 1e-6);
+}
+
+TEST_F(ProgramRequests, AScriptAloneFindsWhatItLoads) {
+  const Json loaded = load("work.script");
+  ASSERT_TRUE(loaded["ok"].get<bool>()) << loaded;
+  cell->ask({{"request", "program.start"}, {"passes", 1}});
+  until("finished");
+  EXPECT_NEAR(joint("joint_2"), 0.2, 1e-6);
+}
+
+TEST_F(ProgramRequests, EveryMistakeOfAScriptIsToldAndTheOldOneStays) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  folder.write("wrong.script", "load work_data\nmoveto Aa\nmoveto Nowhere\n");
+  const Json refused = load("wrong.script");
+  ASSERT_FALSE(refused["ok"].get<bool>());
+  ASSERT_TRUE(refused["error"].contains("all")) << refused;
+  EXPECT_EQ(refused["error"]["all"].size(), 2u);
+  EXPECT_NE(refused["error"]["where"].get<std::string>().find("wrong.script:"), std::string::npos);
+  EXPECT_NE(state()["file"].get<std::string>().find("work.script"), std::string::npos);
+  EXPECT_EQ(error_of(load("nowhere")), "no-file");
+}
+
+TEST_F(ProgramRequests, APausedProgramStandsIsSteppedAndGoesOn) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}, {"paused", true}, {"passes", 1}});
+  until("paused");
+  EXPECT_EQ(state()["where"]["line"], 1);
+  std::vector<int> lines;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(cell->ask({{"request", "program.step"}, {"how", "into"}})["ok"].get<bool>());
+    cell->run(0.01);
+    until("paused");
+    lines.push_back(state()["where"]["line"]);
+  }
+  EXPECT_EQ(lines, (std::vector<int>{2, 3, 4}));
+  EXPECT_NEAR(joint("joint_1"), 0.3, 1e-6) << "the move of the line has arrived";
+  EXPECT_EQ(error_of(cell->ask({{"request", "program.step"}, {"how", "int"}})), "bad-argument");
+  // While it stands a person may teach; the program goes on from there.
+  const Json jogged = cell->ask({{"request", "jog"}, {"joints", {{"joint_3", 0.1}}}, {"by", true}});
+  ASSERT_TRUE(jogged["ok"].get<bool>()) << jogged;
+  EXPECT_NEAR(joint("joint_3"), 0.1, 1e-4);
+  cell->run(1);
+  ASSERT_TRUE(ask("program.go")["ok"].get<bool>());
+  EXPECT_EQ(error_of(cell->ask({{"request", "jog"}, {"joints", {{"joint_3", 0.1}}}, {"by", true}})),
+            "program-runs");
+  until("finished");
+  EXPECT_NEAR(joint("joint_1"), -0.3, 1e-6);
+  EXPECT_NEAR(joint("joint_3"), 0, 1e-6);
+}
+
+TEST_F(ProgramRequests, PausesAtABreakpoint) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  EXPECT_EQ(cell->result({{"request", "program.break"}, {"at", "4"}})["breakpoints"][0]["line"], 4);
+  cell->ask({{"request", "program.start"}});
+  until("paused");
+  EXPECT_EQ(state()["where"]["line"], 4);
+}
+
+TEST_F(ProgramRequests, EndingAProgramStopsItsMoveAndKeepsTheCell) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}});
+  cell->run(0.3);
+  EXPECT_EQ(error_of(load("work_data")), "program-runs");
+  ASSERT_TRUE(ask("program.stop")["ok"].get<bool>());
+  EXPECT_EQ(word(), "stopped");
+  cell->run(2);
+  const double stands = joint("joint_1");
+  cell->run(1);
+  EXPECT_EQ(joint("joint_1"), stands);
+  EXPECT_FALSE(cell->cell().finished());
+  EXPECT_FALSE(cell->cell().failure());
+  EXPECT_TRUE(load("work_data")["ok"].get<bool>());
+}
+
+TEST_F(ProgramRequests, AProgramThatFailsIsToldAndTheCellGoesOn) {
+  folder.write("far.points", "Pose: RPY\nName: Far\nPoint: 5, 3, 2, 0, 0, 0\n");
+  folder.write("far.script", "load far\nmoveto Far\n");
+  const auto events = cell->give(Json{{"request", "events"}});
+  ASSERT_TRUE(load("far.script")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}});
+  until("failed");
+  const Json problem = state()["problem"];
+  EXPECT_NE(problem["what"].get<std::string>().find("Far"), std::string::npos) << problem;
+  EXPECT_NE(problem["where"].get<std::string>().find("far.script:2"), std::string::npos) << problem;
+  EXPECT_FALSE(cell->cell().failure());
+  int told = 0;
+  for (const Json& answer : *events)
+    for (const Json& event : answer["result"]) told += event["event"] == "problem" ? 1 : 0;
+  EXPECT_EQ(told, 1);
+}
+
+TEST_F(ProgramRequests, AQuestionWaitsForItsAnswer) {
+  folder.write("ask.script", "wait user \"part in place?\"\nlog \"thanks\"\n");
+  ASSERT_TRUE(load("ask.script")["ok"].get<bool>());
+  EXPECT_EQ(error_of(ask("program.answer")), "no-question");
+  cell->cell().answers().somebody_there = true;
+  cell->ask({{"request", "program.start"}});
+  cell->run(1);
+  EXPECT_EQ(state()["question"], "part in place?");
+  ASSERT_TRUE(cell->ask({{"request", "program.answer"}, {"text", "yes"}})["ok"].get<bool>());
+  until("finished");
+}
+
+TEST_F(ProgramRequests, ABeginningInTheMiddleSaysWhatItTakesForGranted) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  const Json told =
+      cell->ask({{"request", "program.from"}, {"program", "work_data"}, {"line", 6}, {"confirmed", true}});
+  ASSERT_TRUE(told["ok"].get<bool>()) << told;
+  EXPECT_EQ(told["result"]["last_point"], "B");
+  const double before = joint("joint_1");
+  until("finished");
+  EXPECT_EQ(joint("joint_1"), before) << "the moves before it are not made";
+}
+
+TEST_F(ProgramRequests, EventsTellLinesAndLogsOnceEach) {
+  const auto events = cell->give(Json{{"request", "events"}});
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}, {"passes", 1}});
+  until("finished");
+  std::vector<int> lines, numbers;
+  std::string logged;
+  for (const Json& answer : *events)
+    for (const Json& event : answer["result"]) {
+      numbers.push_back(event["number"]);
+      if (event["event"] == "line") lines.push_back(event["line"]);
+      if (event["event"] == "log") logged += event["text"];
+    }
+  EXPECT_EQ(logged, "at the end");
+  for (const int line : {3, 4}) EXPECT_EQ(std::count(lines.begin(), lines.end(), line), 1) << line;
+  for (std::size_t i = 1; i < numbers.size(); ++i) EXPECT_EQ(numbers[i], numbers[i - 1] + 1);
+  const Json again = cell->give(Json{{"request", "events"}, {"since", 0}})->front();
+  EXPECT_EQ(again["result"].size(), cell->cell().events().events().size());
+}
+
+TEST_F(ProgramRequests, VariablesAndDataCanBeLookedAt) {
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  const Json now = cell->result({{"request", "program"}, {"data", true}});
+  EXPECT_EQ(now["data"]["Repeat"], "True");
+}
+
+// --- moves without a program ------------------------------------------------------------------------------
+
+class MoveRequest : public ProgramRequests {
+ protected:
+  Json to(double a, double b) {
+    return {
+        {"joints",
+         {{"joint_1", a}, {"joint_2", b}, {"joint_3", 0}, {"joint_4", 0}, {"joint_5", 0}, {"joint_6", 0}}}};
+  }
+  Json move(Json points, Json more = Json::object()) {
+    more["request"] = "move";
+    more["points"] = std::move(points);
+    return cell->ask(more);
+  }
+  /// How often all stands while the move is under way, not counting before and after.
+  int stops(Json request) {
+    request["request"] = "move";
+    const auto answers = cell->give(request);
+    int stops = 0;
+    bool moved = false, stood = true;
+    for (int ticks = 0; ticks < 20000; ++ticks) {
+      cell->tick();
+      const bool standing = cell->cell().snapshot().standing;
+      moved = moved || !standing;
+      if (moved && standing && !stood) ++stops;
+      stood = standing;
+      if (!answers->empty() && !answers->back().value("more", false)) break;
+    }
+    EXPECT_TRUE(answers->back()["ok"].get<bool>()) << answers->back();
+    return stops;
+  }
+};
+
+TEST_F(MoveRequest, GoesToJointsPosesAndNamedPoints) {
+  const Json there = move({to(0.4, 0.1)});
+  ASSERT_TRUE(there["ok"].get<bool>()) << there;
+  EXPECT_TRUE(there["result"]["done"].get<bool>());
+  EXPECT_NEAR(joint("joint_1"), 0.4, 1e-9);
+  const Json at = cell->result({{"request", "jog.state"}});
+  ASSERT_TRUE(move({to(0, 0)})["ok"].get<bool>());
+  ASSERT_TRUE(move({{{"pose", {{"position", at["position"]}, {"rpy", at["rpy"]}}}}})["ok"].get<bool>());
+  const Json back = cell->result({{"request", "jog.state"}});
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(back["position"][k].get<double>(), at["position"][k].get<double>(), 1e-5);
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  ASSERT_TRUE(move("A")["ok"].get<bool>());
+  EXPECT_NEAR(joint("joint_1"), 0.3, 1e-9);
+}
+
+TEST_F(MoveRequest, SeveralPointsAreOnePathUnlessItIsToRestAtEach) {
+  const Json points = {to(0.4, 0.1), to(0.6, -0.3), to(0.1, 0.2)};
+  EXPECT_EQ(stops({{"points", points}}), 1) << "at the end alone";
+  EXPECT_NEAR(joint("joint_2"), 0.2, 1e-9);
+  EXPECT_EQ(stops({{"points", points}, {"rests", true}}), 3);
+}
+
+TEST_F(MoveRequest, TakesAsLongAsItIsTold) {
+  Json slow = to(0.4, 0);
+  slow["duration"] = 3;
+  EXPECT_GE(move({slow})["result"]["elapsed_s"].get<double>(), 3 - 1e-6);
+  const double paced = move({to(0, 0)}, {{"pace", 5}})["result"]["elapsed_s"];
+  EXPECT_NEAR(paced, 0.4 * 5, 0.1);
+  EXPECT_LT(move({to(0.4, 0)})["result"]["elapsed_s"].get<double>(), 2);
+}
+
+TEST_F(MoveRequest, SaysWhyItDoesNotMove) {
+  const auto why = [](const Json& answer) { return error_of(answer); };
+  EXPECT_EQ(why(move("Nowhere")), "unknown-point");
+  EXPECT_EQ(why(move({{{"joints", {{"joint_9", 1}}}}})), "unknown-joint");
+  EXPECT_EQ(why(move({{{"joints", {{"joint_1", 1}}}}})), "missing-joint");
+  EXPECT_EQ(why(move({to(99, 0)})), "limit");
+  EXPECT_EQ(why(move({{{"pose", {{"position", {5, 3, 2}}, {"rpy", {0, 0, 0}}}}}})), "unreachable");
+  EXPECT_EQ(why(move({{{"pose", {{"position", {0.1, 0, 0.2}}}}}})), "bad-argument");
+  EXPECT_EQ(why(move({{{"pose", {{"position", {0.1, 0, 0.2}}, {"orientation", {0, 0, 0, 3}}}}}})),
+            "bad-argument");
+  EXPECT_EQ(why(move(Json::array())), "bad-argument");
+  EXPECT_EQ(why(move({to(0, 0)}, {{"kind", "circle"}})), "bad-argument");
+  EXPECT_EQ(why(move({to(0, 0)}, {{"pace", -1}})), "bad-argument");
+  Json wrong = to(0, 0);
+  wrong["duraton"] = 1;
+  EXPECT_NE(move({wrong})["error"]["what"].get<std::string>().find("did you mean 'duration'"),
+            std::string::npos);
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}});
+  EXPECT_EQ(why(move({to(0, 0)})), "program-runs");
+  ask("program.stop");
+  ask("control.hold");
+  cell->run(2);
+  EXPECT_EQ(why(move({to(0, 0)})), "held");
+}
+
+TEST_F(MoveRequest, AHeldMoveGoesOnOrIsForgotten) {
+  const auto first = cell->give(Json{{"request", "move"}, {"points", {to(0.8, 0)}}, {"pace", 5}});
+  cell->run(0.3);
+  ask("control.hold");
+  cell->run(1.5);
+  EXPECT_EQ(first->back()["result"]["cell"], "held");
+  ask("control.resume");
+  cell->run(6);
+  EXPECT_TRUE(first->back()["result"].value("done", false)) << first->back();
+  const auto second = cell->give(Json{{"request", "move"}, {"points", {to(0, 0)}}, {"pace", 5}});
+  cell->run(0.3);
+  ask("control.hold");
+  cell->run(1.5);
+  ask("control.discard");
+  cell->run(0.1);
+  EXPECT_EQ(error_of(second->back()), "discarded") << second->back();
+  ask("control.resume");
+  cell->run(0.5);
+  EXPECT_GT(joint("joint_1"), 0.1);
+  EXPECT_TRUE(move({to(0, 0)})["ok"].get<bool>()) << "and the next begins where it stands";
+}
+
+TEST_F(MoveRequest, WhenNobodyFollowsItAnyMoreItStopsOnItsPath) {
+  int told = 0;
+  cell->cell().requests().handle(Json{{"request", "move"}, {"points", {to(0.8, 0)}}, {"pace", 5}}.dump(),
+                                 [&told](const std::string&) { return ++told < 2; });
+  cell->run(3);
+  EXPECT_EQ(told, 2);
+  EXPECT_EQ(state()["control"], "held");
+  EXPECT_LT(joint("joint_1"), 0.79);
+}
+
+TEST_F(MoveRequest, ComesAfterAJogOnceTheRobotIsBack) {
+  ASSERT_TRUE(
+      cell->ask({{"request", "jog"}, {"joints", {{"joint_1", 0.2}}}, {"by", true}})["ok"].get<bool>());
+  const Json moved = move({to(0, 0)});
+  ASSERT_TRUE(moved["ok"].get<bool>()) << moved;
+  EXPECT_NEAR(joint("joint_1"), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace polyarm
