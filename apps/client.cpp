@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -45,13 +46,30 @@ void ClientOptions::add_to(CLI::App& app) {
 }
 
 Client::Client(const std::string& cell) {
-  const auto path = find_cell(cell);
+  connect(find_cell(cell));
+}
+
+std::unique_ptr<Client> Client::at(const std::filesystem::path& socket) {
+  std::unique_ptr<Client> out(new Client);
+  out->connect(socket);
+  return out;
+}
+
+void Client::connect(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
   fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (fd_ < 0 || ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    throw Error("no-cell", "the cell at " + path.string() + " does not answer: " + std::strerror(errno));
+  if (fd_ >= 0 && ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return;
+  const std::string why = std::strerror(errno);
+  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+  throw Error("no-cell", "the cell at " + path.string() + " does not answer: " + why);
+}
+
+pid_t Client::peer() const {
+  ucred who{};
+  socklen_t size = sizeof who;
+  return ::getsockopt(fd_, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : -1;
 }
 
 Client::~Client() {
@@ -91,8 +109,13 @@ Json Client::receive(int timeout_ms) {
 Json Client::result_of(const Json& answer) {
   if (answer.value("ok", false)) return answer.value("result", Json());
   const Json error = answer.value("error", Json::object());
-  throw Error(error.value("code", "refused"), error.value("what", "the cell refused"),
-              error.value("advice", ""));
+  std::vector<Problem> problems;
+  for (const Json& each : error.contains("all") ? error["all"] : Json::array({error}))
+    problems.push_back({each.value("code", "refused"),
+                        {each.value("where", ""), 0, 0},
+                        each.value("what", "the cell refused"),
+                        each.value("advice", "")});
+  throw Error(std::move(problems));
 }
 
 Json Client::ask(Json request) {

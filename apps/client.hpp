@@ -1,6 +1,10 @@
 #pragma once
 /// The other end of a running cell's socket, for the verbs that ask and tell.
+#include <sys/types.h>
+
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,6 +28,11 @@ class Client {
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
+  /// To the cell that listens at this socket.
+  static std::unique_ptr<Client> at(const std::filesystem::path& socket);
+  /// The process of the cell.
+  pid_t peer() const;
+  int descriptor() const { return fd_; }
 
   void send(const Json& request);
   /// The next line; null after `timeout_ms` (-1: none) or when a signal came. Throws Error("cell-gone") at
@@ -35,6 +44,9 @@ class Client {
   static Json result_of(const Json& answer);
 
  private:
+  Client() = default;
+  void connect(const std::filesystem::path& socket);
+
   int fd_ = -1;
   std::string in_;
 };

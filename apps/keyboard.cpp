@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
@@ -18,6 +19,8 @@ namespace {
 std::atomic<bool> ending{false};
 std::atomic<bool> changed{false};  // the terminal is not as it was
 termios as_it_was;
+constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
+std::array<struct sigaction, kEnding.size()> actions_before;
 
 void give_back() {
   if (changed.exchange(false)) tcsetattr(STDIN_FILENO, TCSANOW, &as_it_was);
@@ -27,9 +30,10 @@ void give_back() {
 Keyboard::Keyboard(const std::string& verb, const std::string& advice) {
   if (!isatty(STDIN_FILENO) || tcgetattr(STDIN_FILENO, &as_it_was) != 0)
     throw Error("no-terminal", verb + " reads keys from a terminal, and standard input is none", advice);
+  ending = false;
   struct sigaction action {};
   action.sa_handler = [](int) { ending = true; };
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) sigaction(signal, &action, nullptr);
+  for (std::size_t i = 0; i < kEnding.size(); ++i) sigaction(kEnding[i], &action, &actions_before[i]);
   action.sa_handler = [](int signal) {
     give_back();
     raise(signal);
@@ -49,6 +53,7 @@ Keyboard::Keyboard(const std::string& verb, const std::string& advice) {
 
 Keyboard::~Keyboard() {
   give_back();
+  for (std::size_t i = 0; i < kEnding.size(); ++i) sigaction(kEnding[i], &actions_before[i], nullptr);
 }
 
 std::string Keyboard::wait(std::chrono::milliseconds time) {

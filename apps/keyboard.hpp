@@ -6,7 +6,7 @@
 namespace polyarm::apps {
 
 /// While one lives, keys come one by one, unseen, Ctrl-C among them; the terminal is as it was again on every
-/// way out that leaves a moment for it. One at a time.
+/// way out that leaves a moment for it. One at a time; one after another begins anew.
 class Keyboard {
  public:
   /// Throws Error("no-terminal") where standard input is none; `verb` and `advice` are for its message.
