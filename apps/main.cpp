@@ -16,6 +16,7 @@ namespace polyarm::apps {
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table = {
       {"run", "run a cell: simulate, execute its program, report", run_run},
+      {"console", "menus: simulate, choose a robot, teach and edit points, move, run scripts", run_console},
       {"check", "find every error of a cell's files; nothing moves", run_check},
       {"test", "run the tests of programs in simulation, side by side", run_test},
       {"compare", "which robots can run a program, how fast, how near to their limits", run_compare},

@@ -1,0 +1,81 @@
+#pragma once
+/// The thesis's file editor: one data file in memory, and the questions around it.
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/client.hpp"
+#include "apps/dialogue.hpp"
+#include "polyarm/data/import_format.hpp"
+
+namespace polyarm::apps {
+
+/// What the editor asks about the robot.
+struct RobotSource {
+  struct Joint {
+    std::string name;
+    bool slides = false;  ///< its value is a length
+  };
+  std::function<Json()> state;                 ///< of `jog.state`; throws where no cell runs
+  std::function<std::vector<Joint>()> joints;  ///< of the cell's robot, or of the one that is chosen
+};
+
+class ConsoleEditor {
+ public:
+  ConsoleEditor(Dialogue& talk, RobotSource robot) : talk_(talk), robot_(std::move(robot)) {}
+
+  void set_folder(const std::filesystem::path& folder) { folder_ = folder; }
+  void run();
+
+  /// In a few words: the file, whether it is saved.
+  std::string summary() const;
+  bool has_unsaved() const { return file_.text() != saved_; }
+  /// Asks what becomes of changes that are not saved; false: it is to go on as it was.
+  bool may_leave();
+  /// Without questions: puts what is not saved beside its file, and returns where.
+  std::optional<std::filesystem::path> rescue();
+
+  /// The values in memory.
+  const data::DataSet& values() const { return file_.values(); }
+  /// A point of a file; of the one that is open as it is in memory. Throws Error with the nearest name.
+  data::Value value_of(const std::string& file, const std::string& name);
+  /// Asks for a name and keeps the value under it, as the thesis describes; the name, empty where given up.
+  std::string keep(const data::Value& value);
+  /// The joint state, or the pose, of a state of the robot.
+  static data::JointState joints_of(const Json& state);
+  static data::Point pose_of(const Json& state);
+  /// Asked value by value.
+  data::JointState ask_joints();
+  data::Point ask_pose();
+  /// Files of data in the folder.
+  std::vector<std::string> files() const;
+
+ private:
+  void load();
+  void save();
+  void save_as();
+  void list_files() const;
+  void delete_file();
+  void import();
+  void remove();
+  void list_keys() const;
+  void edit();
+  void open(const std::filesystem::path& path);
+  void begin(const std::filesystem::path& path);
+  void write(const std::filesystem::path& path);
+  std::filesystem::path path_for(const std::string& name) const;
+  std::optional<std::filesystem::path> find(const std::string& name) const;
+  data::Value ask_value(data::Kind kind, const std::string& question);
+  void set(const std::string& name, const data::Value& value);
+
+  Dialogue& talk_;
+  RobotSource robot_;
+  std::filesystem::path folder_ = ".", path_;  ///< of the working file; empty: none yet
+  data::ImportFile file_;
+  std::string saved_;  ///< its text on disk, as far as known
+};
+
+}  // namespace polyarm::apps

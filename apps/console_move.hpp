@@ -1,0 +1,50 @@
+#pragma once
+/// The thesis's move menu.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/console_cell.hpp"
+#include "apps/console_editor.hpp"
+#include "apps/dialogue.hpp"
+
+namespace polyarm::apps {
+
+class ConsoleMove {
+ public:
+  ConsoleMove(Dialogue& talk, ConsoleCell& cell, ConsoleEditor& editor)
+      : talk_(talk), cell_(cell), editor_(editor) {}
+  void run();
+
+ private:
+  enum class From { joints, pose, file, list };
+
+  void sliders();
+  void jog(bool tcp);
+  void jog_by_lines(bool tcp);
+  void move_one(From from);
+  void move_many(From from);
+  void move_mixed();
+  void change_method();
+  void change_scale();
+  std::vector<MenuEntry> entries();
+  /// A point for the request `move`, as the person says it.
+  Json ask_point(From from, const std::string& called);
+  std::vector<Json> ask_file_points();
+  void ask_duration(Json& point);
+  void go(const std::vector<Json>& points);
+  void follow(int id);
+  bool decide_when_held();
+  void require_running();
+
+  Dialogue& talk_;
+  ConsoleCell& cell_;
+  ConsoleEditor& editor_;
+  bool manual_ = false;  ///< durations are asked for
+  double scale_ = 1;     ///< s for each rad of the way in joint space, where they are not
+};
+
+/// Joint sliders in the terminal, until the person ends them. Throws Error("no-terminal").
+void joint_sliders(ConsoleCell& cell);
+
+}  // namespace polyarm::apps
