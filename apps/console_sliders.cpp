@@ -24,7 +24,7 @@ constexpr double kSpeeds[] = {0.05, 0.1, 0.25, 0.5, 1};
 constexpr double kThere = 1e-4;
 
 constexpr const char* kKeys =
-    "   up, down   choose a joint           left, right   move its slider (with H L: ten times)\n"
+    "   up, down   choose a joint           left, right   move its slider (H, L: by ten)\n"
     "   + -        faster, slower           space         stop here\n"
     "   0          all sliders to the robot, and end (also Ctrl-C)\n";
 
