@@ -13,16 +13,6 @@ std::string join_numbers(std::initializer_list<double> numbers) {
   return out;
 }
 
-std::string text_of(bool value) {
-  return value ? "True" : "False";
-}
-std::string text_of(const Number& number) {
-  return format_number(number.value) + unit_text(number.dimension);
-}
-std::string text_of(const std::string& text) {
-  return text;
-}
-
 std::string text_of(const List& list) {
   std::string out;
   for (const Value& item : list) out += (out.empty() ? "" : ", ") + item.text();
@@ -135,12 +125,129 @@ static bool operator==(const Record& a, const Record& b) {
          });
 }
 
+Value::Value(std::string value) : kind_{Kind::text} {
+  content_.shared = new Held<std::string>(std::move(value));
+}
+Value::Value(List value) : kind_{Kind::list} {
+  content_.shared = new Held<List>(std::move(value));
+}
+Value::Value(JointState value) : kind_{Kind::joints} {
+  content_.shared = new Held<JointState>(std::move(value));
+}
+Value::Value(Point value) : kind_{Kind::pose} {
+  content_.shared = new Held<Point>(std::move(value));
+}
+Value::Value(Record value) : kind_{Kind::record} {
+  content_.shared = new Held<Record>(std::move(value));
+}
+
+/// The last one deletes it.
+void Value::let_go() noexcept {
+  Shared* shared = content_.shared;
+  const bool alone = shared->users.load(std::memory_order_acquire) == 1;
+  if (!alone && shared->users.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  switch (kind_) {
+    case Kind::text:
+      delete static_cast<Held<std::string>*>(shared);
+      return;
+    case Kind::list:
+      delete static_cast<Held<List>*>(shared);
+      return;
+    case Kind::joints:
+      delete static_cast<Held<JointState>*>(shared);
+      return;
+    case Kind::pose:
+      delete static_cast<Held<Point>*>(shared);
+      return;
+    default:
+      delete static_cast<Held<Record>*>(shared);
+      return;
+  }
+}
+
+template <typename Content>
+Content& Value::own() {
+  auto* mine = static_cast<Held<Content>*>(content_.shared);
+  if (mine->users.load(std::memory_order_acquire) != 1) {
+    auto* copy = new Held<Content>(mine->content);
+    copy->extent.store(mine->extent.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    const Kind kind = kind_;
+    let_go();
+    content_.shared = copy;
+    kind_ = kind;
+    mine = copy;
+  }
+  return mine->content;
+}
+
+void Value::set_part(std::size_t place, Value part) {
+  List& parts = kind_ == Kind::list ? own<List>() : own<Record>().values;
+  parts[place] = std::move(part);
+}
+
+void Value::append(Value part) {
+  List& list = own<List>();
+  list.push_back(std::move(part));
+  std::atomic<std::uint64_t>& extent = content_.shared->extent;
+  const std::uint64_t before = extent.load(std::memory_order_relaxed);
+  if (before != 0) extent.store(before + 1, std::memory_order_relaxed);
+}
+
+Value::Extent Value::extent() const {
+  const List* parts = kind_ == Kind::list     ? as_list()
+                      : kind_ == Kind::record ? &as_record()->values
+                                              : nullptr;
+  if (!parts) return {};
+  const std::uint64_t known = content_.shared->extent.load(std::memory_order_relaxed);
+  if (known != 0) return {static_cast<std::uint32_t>(known), static_cast<std::uint32_t>(known >> 32)};
+  Extent out{1, 1};
+  for (const Value& part : *parts) {
+    const Extent each = part.extent();
+    out.values += each.values;
+    out.depth = std::max(out.depth, each.depth + 1);
+  }
+  content_.shared->extent.store(std::uint64_t{out.depth} << 32 | out.values, std::memory_order_relaxed);
+  return out;
+}
+
 std::string Value::text() const {
-  return std::visit([](const auto& content) { return text_of(content); }, content_);
+  switch (kind_) {
+    case Kind::boolean:
+      return content_.truth ? "True" : "False";
+    case Kind::number:
+      return format_number(content_.number.value) + unit_text(content_.number.dimension);
+    case Kind::text:
+      return *as_text();
+    case Kind::list:
+      return text_of(*as_list());
+    case Kind::joints:
+      return text_of(*as_joints());
+    case Kind::pose:
+      return text_of(*as_point());
+    default:
+      return text_of(*as_record());
+  }
 }
 
 bool operator==(const Value& a, const Value& b) {
-  return a.content_ == b.content_;
+  if (a.kind_ != b.kind_) return false;
+  if (a.is_shared() && a.content_.shared == b.content_.shared) return true;
+  switch (a.kind_) {
+    case Kind::boolean:
+      return a.content_.truth == b.content_.truth;
+    case Kind::number:
+      return a.content_.number == b.content_.number;
+    case Kind::text:
+      return *a.as_text() == *b.as_text();
+    case Kind::list:
+      return *a.as_list() == *b.as_list();
+    case Kind::joints:
+      return *a.as_joints() == *b.as_joints();
+    case Kind::pose:
+      return *a.as_point() == *b.as_point();
+    default:
+      return *a.as_record() == *b.as_record();
+  }
 }
 
 }  // namespace polyarm::data

@@ -1,9 +1,13 @@
 #pragma once
 /// What a name in a program or a data file can stand for.
+#include <atomic>
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
-#include <variant>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
@@ -11,7 +15,7 @@
 
 namespace polyarm::data {
 
-enum class Kind { boolean, number, text, list, joints, pose, record };
+enum class Kind : std::uint8_t { boolean, number, text, list, joints, pose, record };
 
 /// "a boolean", "a number", …: as it stands in a sentence.
 const char* name(Kind kind);
@@ -67,41 +71,107 @@ struct Record {
   const Value* find(std::string_view field) const;
 };
 
+/// Booleans and numbers stand in it; what is larger stands beside it and is shared between copies, which only
+/// read it. Copies may be read and let go by several threads at once, one Value only by one.
 class Value {
  public:
-  Value() : content_{false} {}
+  Value() noexcept = default;
   template <std::same_as<bool> Boolean>
-  Value(Boolean value) : content_{value} {}
-  Value(double value) : content_{Number{value}} {}
-  Value(int value) : content_{Number{static_cast<double>(value)}} {}
-  Value(Number value) : content_{value} {}
-  Value(std::string value) : content_{std::move(value)} {}
-  Value(const char* value) : content_{std::string(value)} {}
-  Value(List value) : content_{std::move(value)} {}
-  Value(JointState value) : content_{std::move(value)} {}
-  Value(Point value) : content_{std::move(value)} {}
-  Value(Record value) : content_{std::move(value)} {}
+  Value(Boolean value) noexcept {
+    content_.truth = value;
+  }
+  Value(double value) noexcept : Value(Number{value}) {}
+  Value(int value) noexcept : Value(Number{static_cast<double>(value)}) {}
+  Value(Number value) noexcept : kind_{Kind::number} { content_.number = value; }
+  Value(std::string value);
+  Value(const char* value) : Value(std::string(value)) {}
+  Value(List value);
+  Value(JointState value);
+  Value(Point value);
+  Value(Record value);
+  Value(const Value& other) noexcept : content_{other.content_}, kind_{other.kind_} {
+    if (is_shared()) content_.shared->users.fetch_add(1, std::memory_order_relaxed);
+  }
+  Value(Value&& other) noexcept : content_{other.content_}, kind_{other.kind_} { other.forget(); }
+  Value& operator=(const Value& other) noexcept { return *this = Value(other); }
+  Value& operator=(Value&& other) noexcept {
+    if (this == &other) return *this;
+    if (is_shared()) let_go();
+    content_ = other.content_;
+    kind_ = other.kind_;
+    other.forget();
+    return *this;
+  }
+  ~Value() {
+    if (is_shared()) let_go();
+  }
 
-  Kind kind() const { return static_cast<Kind>(content_.index()); }
-  const bool* as_boolean() const { return std::get_if<bool>(&content_); }
-  const Number* as_number() const { return std::get_if<Number>(&content_); }
-  const std::string* as_text() const { return std::get_if<std::string>(&content_); }
-  const List* as_list() const { return std::get_if<List>(&content_); }
-  const JointState* as_joints() const { return std::get_if<JointState>(&content_); }
-  const Point* as_point() const { return std::get_if<Point>(&content_); }
-  const Record* as_record() const { return std::get_if<Record>(&content_); }
+  Kind kind() const { return kind_; }
+  const bool* as_boolean() const { return kind_ == Kind::boolean ? &content_.truth : nullptr; }
+  const Number* as_number() const { return kind_ == Kind::number ? &content_.number : nullptr; }
+  const std::string* as_text() const { return held<std::string>(Kind::text); }
+  const List* as_list() const { return held<List>(Kind::list); }
+  const JointState* as_joints() const { return held<JointState>(Kind::joints); }
+  const Point* as_point() const { return held<Point>(Kind::pose); }
+  const Record* as_record() const { return held<Record>(Kind::record); }
   /// A joint state or a pose: something a robot can move to.
-  bool is_place() const { return as_joints() || as_point(); }
+  bool is_place() const { return kind_ == Kind::joints || kind_ == Kind::pose; }
 
   /// As a person reads it: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…),
   /// {red = 1}.
   std::string text() const;
 
+  /// How many values it is: itself and, of a list or record, all that are in it; and how deep lists and
+  /// records stand in one another. Counted once.
+  struct Extent {
+    std::uint32_t values = 1, depth = 0;
+  };
+  Extent extent() const;
+
+  /// The number itself, to be changed; nullptr where it is none.
+  Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
+  /// Changes one of the values of a list or record, counted from 0, without a copy where nobody shares it.
+  /// `part` and what it replaces are no lists and no records.
+  void set_part(std::size_t place, Value part);
+  /// Adds `part`, which is no list and no record, to a list.
+  void append(Value part);
+
   /// Records are equal when every field is, in whatever order they stand.
   friend bool operator==(const Value& a, const Value& b);
 
  private:
-  std::variant<bool, Number, std::string, List, JointState, Point, Record> content_;
+  struct Shared {
+    std::atomic<std::uint32_t> users{1};
+    std::atomic<std::uint64_t> extent{0};  ///< depth and number of values; 0: not counted yet
+  };
+  template <typename Content>
+  struct Held : Shared {
+    explicit Held(Content of) : content(std::move(of)) {}
+    Content content;
+  };
+  union Content {
+    Content() : number{} {}
+    Number number;
+    bool truth;
+    Shared* shared;
+  };
+
+  bool is_shared() const { return kind_ > Kind::number; }
+  void forget() {
+    kind_ = Kind::boolean;
+    content_.truth = false;
+  }
+  void let_go() noexcept;
+  template <typename Held_>
+  const Held_* held(Kind kind) const {
+    return kind_ == kind ? &static_cast<const Held<Held_>*>(content_.shared)->content : nullptr;
+  }
+  /// What it holds, its own copy where others share it.
+  template <typename Held_>
+  Held_& own();
+
+  Content content_;
+  Kind kind_ = Kind::boolean;
 };
 
 /// The SI unit of `dimension` as the language spells it; empty for none.

@@ -27,26 +27,6 @@ Value number(double value, Dimension dimension) {
   return Number{value, dimension};
 }
 
-const List* parts_of(const Value& value) {
-  return value.as_record() ? &value.as_record()->values : value.as_list();
-}
-
-std::size_t depth_of(const Value& value, std::size_t most) {
-  const List* list = parts_of(value);
-  if (!list || most == 0) return 0;
-  std::size_t deepest = 0;
-  for (const Value& item : *list) deepest = std::max(deepest, depth_of(item, most - 1));
-  return deepest + 1;
-}
-
-std::size_t items_in(const Value& value) {
-  const List* list = parts_of(value);
-  if (!list) return 1;
-  std::size_t count = 1;
-  for (const Value& item : *list) count += items_in(item);
-  return count;
-}
-
 Value join_texts(const std::string& a, const std::string& b) {
   if (a.size() + b.size() > kLongestText)
     throw OperationError{
@@ -311,10 +291,10 @@ bool same_type(const Value& a, const Value& b) {
 
 namespace {
 Value bounded(Value out) {
-  constexpr std::size_t kDeepest = 8;
-  if (depth_of(out, kDeepest + 1) > kDeepest)
-    throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
-  if (items_in(out) > kMostListItems + 1)
+  constexpr std::uint32_t kDeepest = 8;
+  const Value::Extent extent = out.extent();
+  if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
+  if (extent.values > kMostListItems + 1)
     throw OperationError{
         "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};
   return out;

@@ -1,0 +1,123 @@
+#include "polyarm/data/value.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace polyarm::data {
+namespace {
+
+std::vector<Value> one_of_each() {
+  return {true,
+          Number{0.04, Dimension::length},
+          "text",
+          List{1, "two", List{3}},
+          JointState{{"elbow"}, {0.5}},
+          Point{{{1, 2, 3}, {}}, false},
+          Record{{"a", "b"}, {1, List{2}}}};
+}
+
+TEST(Value, IsTwoWordsAndItsKind) {
+  EXPECT_LE(sizeof(Value), 3 * sizeof(double));
+}
+
+TEST(Value, CopiesAreEqualAndShareWhatIsLarge) {
+  for (const Value& value : one_of_each()) {
+    const Value copy = value;
+    EXPECT_EQ(copy, value);
+    EXPECT_EQ(copy.kind(), value.kind());
+    EXPECT_EQ(copy.text(), value.text());
+  }
+  const Value text(std::string(1000, 'x'));
+  const Value copy = text;
+  EXPECT_EQ(copy.as_text(), text.as_text());
+}
+
+TEST(Value, IsOfOneKindOnly) {
+  const std::vector<Value> values = one_of_each();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(static_cast<std::size_t>(values[i].kind()), i);
+    EXPECT_EQ(values[i].as_boolean() != nullptr, i == 0);
+    EXPECT_EQ(values[i].as_number() != nullptr, i == 1);
+    EXPECT_EQ(values[i].as_text() != nullptr, i == 2);
+    EXPECT_EQ(values[i].as_list() != nullptr, i == 3);
+    EXPECT_EQ(values[i].as_joints() != nullptr, i == 4);
+    EXPECT_EQ(values[i].as_point() != nullptr, i == 5);
+    EXPECT_EQ(values[i].as_record() != nullptr, i == 6);
+    for (std::size_t j = 0; j < values.size(); ++j) EXPECT_EQ(values[i] == values[j], i == j);
+  }
+}
+
+TEST(Value, AssignmentReplacesEveryKindByEveryOther) {
+  for (const Value& before : one_of_each())
+    for (const Value& after : one_of_each()) {
+      Value value = before;
+      const Value kept = value;
+      value = after;
+      EXPECT_EQ(value, after);
+      EXPECT_EQ(kept, before);
+      value = std::move(value);
+      EXPECT_EQ(value, after);
+      Value moved = std::move(value);
+      EXPECT_EQ(moved, after);
+      value = before;
+      EXPECT_EQ(value, before);
+    }
+}
+
+TEST(Value, AChangedPartLeavesCopiesAsTheyWere) {
+  Value list = List{1, 2, 3};
+  const Value before = list;
+  list.set_part(1, 20);
+  list.append("four");
+  EXPECT_EQ(list.text(), "[1, 20, 3, four]");
+  EXPECT_EQ(before.text(), "[1, 2, 3]");
+  Value record = Record{{"a", "b"}, {1, 2}};
+  const Value other = record;
+  record.set_part(0, "x");
+  EXPECT_EQ(record.text(), "{a = x, b = 2}");
+  EXPECT_EQ(other.text(), "{a = 1, b = 2}");
+}
+
+TEST(Value, APartThatNobodySharesIsChangedInPlace) {
+  Value list = List{1, 2, 3};
+  const List* const where = list.as_list();
+  list.set_part(0, 5);
+  list.append(6);
+  EXPECT_EQ(list.as_list(), where);
+}
+
+TEST(Value, KnowsHowMuchIsInIt) {
+  const auto extent = [](const Value& value) {
+    return std::pair(value.extent().values, value.extent().depth);
+  };
+  EXPECT_EQ(extent(1), std::pair(1u, 0u));
+  EXPECT_EQ(extent(List{}), std::pair(1u, 1u));
+  EXPECT_EQ(extent(List{1, 2}), std::pair(3u, 1u));
+  EXPECT_EQ(extent(List{1, List{2, Record{{"a"}, {3}}}}), std::pair(6u, 3u));
+  Value list = List{1};
+  EXPECT_EQ(extent(list), std::pair(2u, 1u));
+  const Value copy = list;
+  list.append(2);
+  EXPECT_EQ(extent(list), std::pair(3u, 1u));
+  EXPECT_EQ(extent(copy), std::pair(2u, 1u));
+}
+
+TEST(Value, CopiesMayBeLetGoByOtherThreads) {
+  const Value shared = List{std::string(100, 'x'), List{1, 2, 3}};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([copy = shared] {
+      for (int turn = 0; turn < 1000; ++turn) {
+        Value mine = copy;
+        mine.append(turn);
+        const Value inner = (*mine.as_list())[1];
+        ASSERT_EQ(inner.as_list()->size(), 3u);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(shared.as_list()->size(), 2u);
+}
+
+}  // namespace
+}  // namespace polyarm::data
