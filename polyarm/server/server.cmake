@@ -28,9 +28,13 @@ if(EXISTS ${page}/package-lock.json AND NPM AND NODE)
 elseif(EXISTS ${page}/package-lock.json)
   message(STATUS "npm is missing: the pendant has no page")
 endif()
+set(page_from "")
+if(page_made)
+  set(page_from ${page})
+endif()
 add_custom_command(
   OUTPUT ${built}/embedded_page.cpp
-  COMMAND ${CMAKE_COMMAND} -DPAGE=$<IF:$<BOOL:${page_made}>,${page},> -DOUT=${built} -DNPM=${NPM} -P ${steps}
+  COMMAND ${CMAKE_COMMAND} -DPAGE=${page_from} -DOUT=${built} -DNPM=${NPM} -P ${steps}
   DEPENDS ${page_made} ${steps}
   COMMENT "The pendant's page"
   VERBATIM)
