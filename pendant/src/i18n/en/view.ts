@@ -1,1 +1,17 @@
-export const view = {} as const;
+export const view = {
+  'view.label': 'Robot view',
+  'view.canvas': 'The robot and its surroundings. Arrow keys turn the view, plus and minus zoom.',
+  'view.fit': 'Fit everything into the view',
+  'view.views': 'Views',
+  'view.free': 'Perspective',
+  'view.front': 'Front',
+  'view.side': 'Side',
+  'view.top': 'Top',
+  'view.layers': 'What is shown',
+  'view.trail': 'TCP trail',
+  'view.plan': 'Planned path',
+  'view.frames': 'Frames',
+  'view.zones': 'Zones and bins',
+  'view.clearTrail': 'Clear trail',
+  'view.flat': 'Simple view: this browser has no WebGL.',
+} as const;

@@ -1,0 +1,74 @@
+/** One line that says what holds the robot back, or soon will: what the cell says while it moves, else what is near. */
+import { computed } from '@preact/signals';
+import { type Key, t } from '../../i18n';
+import { mayMove, robot } from '../../state/cell';
+import { heldBack, heldKey, jogMode } from '../../state/jog';
+import { beat, valueNow } from '../../state/live';
+import { chain } from '../../state/models';
+import { Icon } from '../../ui/Icon';
+import { jointTitle, nearLimit, roomTo } from './axes';
+import { programMoves } from './JogKeys';
+
+/** Below the first the TCP is slowed down, below the second it hardly moves (of Chain.smallestGain). */
+const kNear = 0.09;
+const kAt = 0.025;
+
+/** 0 far from every singularity, 1 in one; NaN where there is no telling. */
+export const singularity = computed(() => {
+  beat.value;
+  const name = robot.value?.name ?? '';
+  const gain = chain.value?.smallestGain((joint) => valueNow(`${name}/${joint}/position`)) ?? NaN;
+  if (!Number.isFinite(gain)) return NaN;
+  return Math.max(0, Math.min(1, 1 - (gain - kAt) / (2 * kNear - kAt)));
+});
+
+interface Condition {
+  tone: 'good' | 'warn' | 'bad';
+  text: string;
+}
+
+function condition(): Condition {
+  if (mayMove.value && programMoves()) return { tone: 'warn', text: t('move.blocked') };
+  const told = heldKey.value !== '' ? heldBack.value : null;
+  if (told && told.what !== 'speed') {
+    const key = `move.held.${told.what.replace('joint limit', 'limit')}` as Key;
+    const words = t(key);
+    return { tone: told.what === 'singularity' ? 'bad' : 'warn', text: told.reason ? `${words} (${told.reason})` : words };
+  }
+  return nearby();
+}
+
+function nearby(): Condition {
+  const share = singularity.value;
+  if (jogMode.value !== 'joint' && share >= 1) return { tone: 'bad', text: t('move.singularAt') };
+  for (const joint of robot.value?.joints ?? []) {
+    const value = valueNow(`${robot.value!.name}/${joint.name}/position`);
+    const room = Math.min(roomTo(joint, value, 1), roomTo(joint, value, -1));
+    const words = { joint: jointTitle(joint.name) };
+    if (room < 1e-3) return { tone: 'warn', text: t('move.limitAt', words) };
+    if (room < nearLimit(joint)) return { tone: 'warn', text: t('move.limitNear', words) };
+  }
+  if (share > 0.5) return { tone: 'warn', text: t('move.singularNear') };
+  return { tone: 'good', text: t('move.free') };
+}
+
+export function Conditions() {
+  beat.value;
+  const now = condition();
+  const share = singularity.value;
+  return (
+    <div class={`conditions ${now.tone}`} role="status">
+      <Icon name={now.tone === 'good' ? 'check' : 'alarm'} size={20} />
+      <span class="grow">{now.text}</span>
+      {Number.isFinite(share) && (
+        <span class="singular">
+          <span>{t('move.singular')}</span>
+          <meter min={0} max={1} low={0.5} high={0.95} optimum={0} value={share} aria-label={t('move.singular')}>
+            {Math.round(100 * share)} %
+          </meter>
+        </span>
+      )}
+    </div>
+  );
+}
+

@@ -1,0 +1,224 @@
+/** Going to joint values, a pose or a taught point: shown first, then gone to as long as the button is held. */
+import { useEffect, useState } from 'preact/hooks';
+import { number, t } from '../../i18n';
+import { request, robot } from '../../state/cell';
+import { heldKey, pressGoTo, release } from '../../state/jog';
+import { valueNow } from '../../state/live';
+import { chain } from '../../state/models';
+import { settings } from '../../state/settings';
+import { Button, Field, Segmented, Select } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { angleUnit, jointText, kDeg, kMm } from '../../ui/format';
+import { fromRollPitchYaw, rollPitchYaw } from '../../view3d/chain';
+import { preview } from '../../view3d/RobotView';
+import type { Json } from '../../wire/connection';
+import type { JointInfo, Pose, Vec3 } from '../../wire/types';
+import { jointTitle, tcpPose } from './axes';
+import { HoldButton } from './JogKeys';
+
+interface PointValue {
+  name: string;
+  kind: string;
+  world?: Pose | null;
+  joints?: Record<string, number> | null;
+}
+interface Dry {
+  ok: boolean;
+  reason?: string;
+  path?: Vec3[];
+  seconds?: number;
+  target?: { joints: Record<string, number> | number[] };
+  joints?: Record<string, number>;
+}
+type What = 'joints' | 'pose' | 'point';
+
+const turns = () => (settings.degrees.value ? kDeg : 1);
+const factor = (joint: JointInfo) => (joint.unit === 'm' ? kMm : turns());
+const written = (value: number, digits: number) => String(Number(value.toFixed(digits)));
+const read = (text: string) => (text.trim() === '' ? NaN : Number(text.replace(',', '.').replace('−', '-')));
+
+export function GoTo({ onClose }: { onClose: () => void }) {
+  const info = robot.value!;
+  const [what, setWhat] = useState<What>('joints');
+  const [line, setLine] = useState(false);
+  const [joints, setJoints] = useState(() => currentJoints());
+  const [pose, setPose] = useState(() => currentPose());
+  const [points, setPoints] = useState<PointValue[]>([]);
+  const [point, setPoint] = useState('');
+  const [dry, setDry] = useState<Dry | null>(null);
+  useEffect(() => {
+    request<{ values: PointValue[] }>('points').then(
+      (got) => {
+        const able = got.values.filter((each) => each.joints || each.world);
+        setPoints(able);
+        setPoint(able[0]?.name ?? '');
+        if (able.length) setWhat('point');
+      },
+      () => undefined,
+    );
+    return () => {
+      release();
+      preview.value = null;
+    };
+  }, []);
+
+  const goal = goalOf(what, info.joints, joints, pose, points.find((each) => each.name === point));
+  const args: Json | null = goal && { robot: info.name, kind: line ? 'line' : 'joint', ...goal };
+  const key = JSON.stringify(args);
+  useEffect(() => {
+    setDry(null);
+    preview.value = null;
+    if (!args) return;
+    const timer = setTimeout(() => {
+      request<Dry>('jog.goto', { ...args, dry: true }).then(
+        (got) => {
+          setDry(got);
+          showPreview(info.name, got, args);
+        },
+        (error: Error) => setDry({ ok: false, reason: error.message }),
+      );
+    }, 200);
+    return () => clearTimeout(timer);
+  }, [key]);
+
+  const moving = heldKey.value === 'goto';
+  return (
+    <Dialog title={t('goto.title')} onClose={onClose} side>
+      <Segmented<What>
+        label={t('goto.title')}
+        value={what}
+        options={[
+          { id: 'point', name: t('goto.point') },
+          { id: 'joints', name: t('goto.joints') },
+          { id: 'pose', name: t('goto.pose') },
+        ]}
+        onChange={setWhat}
+      />
+      {what === 'point' && <Points points={points} chosen={point} onChange={setPoint} />}
+      {what === 'joints' && <JointFields joints={info.joints} values={joints} onChange={setJoints} />}
+      {what === 'pose' && <PoseFields values={pose} onChange={setPose} />}
+      {what !== 'point' && (
+        <div class="row">
+          <Button label={t('goto.here')} onClick={() => (setJoints(currentJoints()), setPose(currentPose()))} />
+          {what === 'joints' && <Button label={t('goto.zero')} onClick={() => setJoints(info.joints.map(() => '0'))} />}
+        </div>
+      )}
+      <Segmented
+        label={t('goto.way')}
+        value={line ? 'line' : 'joint'}
+        options={[
+          { id: 'joint', name: t('goto.wayJoint') },
+          { id: 'line', name: t('goto.wayLine') },
+        ]}
+        onChange={(way) => setLine(way === 'line')}
+      />
+      {dry && !dry.ok && <p class="problem-text">{dry.reason}</p>}
+      {dry?.ok && dry.seconds !== undefined && (
+        <p class="note">
+          {t('goto.preview')}: {t('goto.seconds', { seconds: number(dry.seconds, 1) })}
+        </p>
+      )}
+      <HoldButton
+        class="goto-hold"
+        label={t(moving ? 'goto.moving' : 'goto.move')}
+        held={moving}
+        disabled={!args || dry?.ok === false}
+        onPress={() => args && pressGoTo(args)}
+        onRelease={release}
+      >
+        {t(moving ? 'goto.moving' : 'goto.move')}
+      </HoldButton>
+    </Dialog>
+  );
+}
+
+function currentJoints(): string[] {
+  const info = robot.peek()!;
+  return info.joints.map((joint) => written(valueNow(`${info.name}/${joint.name}/position`) * factor(joint), 2));
+}
+function currentPose(): string[] {
+  const at = tcpPose();
+  const turned = rollPitchYaw(at.q);
+  return [...at.p.map((v) => written(v * kMm, 2)), ...turned.map((v) => written(v * turns(), 2))];
+}
+
+function goalOf(what: What, infos: JointInfo[], joints: string[], pose: string[], point?: PointValue): Json | null {
+  if (what === 'joints') {
+    const values = infos.map((joint, i) => read(joints[i] ?? '') / factor(joint));
+    if (values.some((value, i) => !Number.isFinite(value) || outside(infos[i]!, value))) return null;
+    return { joints: Object.fromEntries(infos.map((joint, i) => [joint.name, values[i]])) };
+  }
+  if (what === 'pose') {
+    const values = pose.map((text, i) => read(text) / (i < 3 ? kMm : turns()));
+    if (!values.every(Number.isFinite)) return null;
+    return { pose: { p: values.slice(0, 3), q: fromRollPitchYaw(values.slice(3) as Vec3) } };
+  }
+  if (point?.joints) return { joints: point.joints };
+  return point?.world ? { pose: point.world } : null;
+}
+
+function outside(joint: JointInfo, value: number): boolean {
+  return joint.type !== 'continuous' && joint.upper > joint.lower && (value < joint.lower - 1e-9 || value > joint.upper + 1e-9);
+}
+
+/** The path as the cell tells it; of joint values also where the robot will stand. */
+function showPreview(name: string, dry: Dry, args: Json): void {
+  const told = dry.target?.joints ?? dry.joints ?? (args.joints as Record<string, number> | undefined) ?? null;
+  const joints = Array.isArray(told)
+    ? Object.fromEntries(robot.peek()!.joints.map((joint, i) => [joint.name, told[i] ?? 0]))
+    : told;
+  preview.value = { robot: name, path: dry.path ?? [], joints: chain.peek() ? joints : null };
+}
+
+function Points(props: { points: PointValue[]; chosen: string; onChange: (name: string) => void }) {
+  if (props.points.length === 0) return <p class="note">{t('goto.none')}</p>;
+  return (
+    <Select
+      label={t('goto.point')}
+      value={props.chosen}
+      options={props.points.map((each) => ({ id: each.name, name: each.name }))}
+      onChange={props.onChange}
+    />
+  );
+}
+
+function JointFields(props: { joints: JointInfo[]; values: string[]; onChange: (values: string[]) => void }) {
+  return (
+    <div class="goto-fields">
+      {props.joints.map((joint, i) => {
+        const value = read(props.values[i] ?? '') / factor(joint);
+        const range = t('move.range', { lower: jointText(joint.lower, joint.unit, 0), upper: jointText(joint.upper, joint.unit, 0) });
+        const bad = !Number.isFinite(value) ? t('goto.bad') : outside(joint, value) ? t('goto.outside', { range }) : undefined;
+        return (
+          <Field
+            key={joint.name}
+            label={jointTitle(joint.name)}
+            value={props.values[i] ?? ''}
+            unit={joint.unit === 'm' ? 'mm' : angleUnit()}
+            problem={bad}
+            numeric
+            onInput={(text) => props.onChange(props.values.map((old, k) => (k === i ? text : old)))}
+          />
+        );
+      })}
+    </div>
+  );
+}
+
+function PoseFields(props: { values: string[]; onChange: (values: string[]) => void }) {
+  return (
+    <div class="goto-fields">
+      {['X', 'Y', 'Z', 'RX', 'RY', 'RZ'].map((name, i) => (
+        <Field
+          key={name}
+          label={name}
+          value={props.values[i] ?? ''}
+          unit={i < 3 ? 'mm' : angleUnit()}
+          problem={Number.isFinite(read(props.values[i] ?? '')) ? undefined : t('goto.bad')}
+          numeric
+          onInput={(text) => props.onChange(props.values.map((old, k) => (k === i ? text : old)))}
+        />
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,126 @@
+/** Jogging with the keyboard and with a gamepad; each is switched on by hand, and only on this page. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { t } from '../../i18n';
+import { mayMove, robot } from '../../state/cell';
+import { heldKey, jogMode, type JogMode, jogSpeed, pressJog, pushJog, release } from '../../state/jog';
+import { toast } from '../../state/toasts';
+import { Button } from '../../ui/controls';
+import { programMoves } from './JogKeys';
+
+const keyboardOn = signal(false);
+const gamepadOn = signal(false);
+const kUp = ['KeyQ', 'KeyW', 'KeyE', 'KeyR', 'KeyT', 'KeyY', 'KeyU', 'KeyI'];
+const kDown = ['KeyA', 'KeyS', 'KeyD', 'KeyF', 'KeyG', 'KeyH', 'KeyJ', 'KeyK'];
+const kModes: JogMode[] = ['joint', 'base', 'tool', 'world'];
+
+export function Inputs() {
+  useEffect(() => () => ((keyboardOn.value = false), (gamepadOn.value = false), release()), []);
+  useKeyboard();
+  useGamepad();
+  return (
+    <>
+      <Button
+        label={t('move.keyboard')}
+        icon="keyboard"
+        title={t('move.keyboardWhy')}
+        pressed={keyboardOn.value}
+        disabled={!mayMove.value}
+        onClick={() => (keyboardOn.value = !keyboardOn.value)}
+      />
+      <Button
+        label={t('move.gamepad')}
+        icon="gamepad"
+        title={t('move.gamepadWhy')}
+        pressed={gamepadOn.value}
+        disabled={!mayMove.value}
+        onClick={switchGamepad}
+      />
+    </>
+  );
+}
+
+function switchGamepad(): void {
+  gamepadOn.value = !gamepadOn.value;
+  if (!gamepadOn.value) return;
+  const there = navigator.getGamepads?.().some((pad) => pad !== null);
+  toast({ kind: 'info', text: t(there ? 'move.gamepadWhy' : 'move.gamepadNone') });
+}
+
+function inText(event: KeyboardEvent): boolean {
+  const target = event.target as HTMLElement;
+  return target.matches?.('input:not([type=range]):not([type=radio]):not([type=checkbox]), select, textarea, [contenteditable]') ?? false;
+}
+
+function useKeyboard(): void {
+  const on = keyboardOn.value;
+  useEffect(() => {
+    if (!on) return;
+    let held = '';
+    const down = (event: KeyboardEvent) => {
+      if (event.altKey || event.ctrlKey || event.metaKey || inText(event) || programMoves()) return;
+      const up = kUp.indexOf(event.code);
+      const axis = up >= 0 ? up : kDown.indexOf(event.code);
+      if (axis >= 0) {
+        event.preventDefault();
+        const axes = jogMode.peek() === 'joint' ? (robot.peek()?.joints.length ?? 0) : 6;
+        if (event.repeat || axis >= axes) return;
+        held = event.code;
+        pressJog(axis, up >= 0 ? 1 : -1);
+      } else if (event.code === 'KeyM' && !event.repeat) {
+        release();
+        jogMode.value = kModes[(kModes.indexOf(jogMode.peek()) + 1) % kModes.length]!;
+      } else if (event.key === '+' || event.key === '-') {
+        const factor = event.key === '+' ? 1.25 : 0.8;
+        jogSpeed.value = Math.max(1, Math.min(100, Math.round(jogSpeed.peek() * factor)));
+      }
+    };
+    const up = (event: KeyboardEvent) => {
+      if (event.code !== held) return;
+      held = '';
+      release();
+    };
+    addEventListener('keydown', down);
+    addEventListener('keyup', up);
+    return () => {
+      removeEventListener('keydown', down);
+      removeEventListener('keyup', up);
+      if (held) release();
+    };
+  }, [on]);
+}
+
+const kDead = 0.18;
+const kHoldButton = 5;
+
+/** What the sticks ask for, as shares of the speed; null while the button that allows motion is not held. */
+export function sticks(pad: { axes: readonly number[]; buttons: readonly { pressed: boolean; value: number }[] }): number[] | null {
+  if (!pad.buttons[kHoldButton]?.pressed) return null;
+  const at = (i: number) => {
+    const value = pad.axes[i] ?? 0;
+    return Math.abs(value) < kDead ? 0 : (value - Math.sign(value) * kDead) / (1 - kDead);
+  };
+  const lift = (pad.buttons[7]?.value ?? 0) - (pad.buttons[6]?.value ?? 0);
+  const roll = Number(pad.buttons[15]?.pressed ?? 0) - Number(pad.buttons[14]?.pressed ?? 0);
+  return [-at(1), -at(0), Math.abs(lift) < 0.05 ? 0 : lift, roll, at(3), -at(2)].map((v) => Math.round(v * 100) / 100 + 0);
+}
+
+function useGamepad(): void {
+  const on = gamepadOn.value;
+  useEffect(() => {
+    if (!on) return;
+    const timer = setInterval(() => {
+      const pad = navigator.getGamepads().find((each) => each !== null);
+      const wish = pad ? sticks(pad) : null;
+      const moves = wish?.some((v) => v !== 0) && mayMove.peek() && !programMoves();
+      if (moves) {
+        if (jogMode.peek() === 'joint') jogMode.value = 'base';
+        pushJog('gamepad', wish!);
+      } else if (heldKey.peek() === 'gamepad') release();
+    }, 30);
+    return () => {
+      clearInterval(timer);
+      if (heldKey.peek() === 'gamepad') release();
+    };
+  }, [on]);
+}

@@ -1,0 +1,137 @@
+/** A row an axis: minus, the value with its bar, plus. Keys move while they are pressed. */
+import type { ComponentChildren, JSX } from 'preact';
+import { t } from '../../i18n';
+import { mayMove, status } from '../../state/cell';
+import { heldKey, jogMode, jogStep, pressJog, release } from '../../state/jog';
+import { beat } from '../../state/live';
+import { jointText } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import { type Axis, axesNow, nearLimit, roomTo } from './axes';
+
+/** A program that moves must be held first. */
+export function programMoves(): boolean {
+  const now = status.value;
+  const state = now?.program?.state;
+  return now?.state === 'running' && !now.program?.paused && (state === 'running' || state === 'waiting');
+}
+
+export function JogKeys() {
+  beat.value;
+  const blocked = !mayMove.value || programMoves();
+  const axes = axesNow();
+  return (
+    <div class={`jog-keys ${axes.length > 6 ? 'many' : ''}`} role="group" aria-label={t('move.axes')}>
+      {axes.map((axis, i) => (
+        <Row key={`${jogMode.value}/${i}`} axis={axis} index={i} blocked={blocked} />
+      ))}
+    </div>
+  );
+}
+
+function Row({ axis, index, blocked }: { axis: Axis; index: number; blocked: boolean }) {
+  return (
+    <div class={`jog-row ${axis.color ?? ''}`}>
+      <JogKey axis={axis} index={index} direction={-1} blocked={blocked} />
+      <div class="jog-value">
+        <span class="name">{axis.name}</span>
+        <output aria-label={axis.name}>{jointText(axis.value, axis.unit, axis.unit === 'm' ? 1 : 2)}</output>
+        {axis.joint && <JointBar axis={axis} />}
+      </div>
+      <JogKey axis={axis} index={index} direction={1} blocked={blocked} />
+    </div>
+  );
+}
+
+function JogKey(props: { axis: Axis; index: number; direction: 1 | -1; blocked: boolean }) {
+  const { axis, index, direction, blocked } = props;
+  const key = `${jogMode.value}/${index}/${direction}`;
+  const room = axis.joint ? roomTo(axis.joint, axis.value, direction) : Infinity;
+  const atLimit = room < 1e-3;
+  const near = axis.joint !== undefined && room < nearLimit(axis.joint);
+  const label = t(direction > 0 ? 'move.more' : 'move.less', { axis: axis.name });
+  return (
+    <HoldButton
+      class={`jog-key ${near ? 'near' : ''}`}
+      label={atLimit ? `${label}, ${t('move.atLimit')}` : label}
+      held={heldKey.value === key}
+      disabled={blocked || atLimit}
+      onPress={() => pressJog(index, direction)}
+      onRelease={release}
+    >
+      <Icon name={direction > 0 ? 'plus' : 'minus'} size={26} />
+    </HoldButton>
+  );
+}
+
+interface HoldProps {
+  label: string;
+  held: boolean;
+  disabled?: boolean;
+  class?: string;
+  onPress: () => void;
+  onRelease: () => void;
+  children: ComponentChildren;
+}
+
+/** Acts while it is held, by pointer or by space and enter. Whatever takes the pointer away lets it go. */
+export function HoldButton(props: HoldProps) {
+  const down = (e: JSX.TargetedPointerEvent<HTMLButtonElement>) => {
+    if (e.button !== 0 || props.disabled) return;
+    e.preventDefault();
+    e.currentTarget.focus();
+    e.currentTarget.setPointerCapture(e.pointerId);
+    props.onPress();
+  };
+  const up = () => {
+    if (jogStep.peek() === 0 || props.held) props.onRelease();
+  };
+  const isKey = (e: KeyboardEvent) => e.key === ' ' || e.key === 'Enter';
+  return (
+    <button
+      type="button"
+      class={`hold ${props.held ? 'held' : ''} ${props.class ?? ''}`}
+      aria-label={props.label}
+      title={props.label}
+      aria-pressed={props.held}
+      disabled={props.disabled}
+      onPointerDown={down}
+      onPointerUp={up}
+      onPointerCancel={up}
+      onLostPointerCapture={up}
+      onContextMenu={(e) => e.preventDefault()}
+      onKeyDown={(e) => {
+        if (!isKey(e)) return;
+        e.preventDefault();
+        if (!e.repeat) props.onPress();
+      }}
+      onKeyUp={(e) => isKey(e) && up()}
+      onBlur={up}
+    >
+      {props.children}
+    </button>
+  );
+}
+
+/** Where a joint stands within its range; the ends are marked, and what is left to the nearer one is told. */
+function JointBar({ axis }: { axis: Axis }) {
+  const joint = axis.joint!;
+  const { lower, upper } = joint;
+  const bounded = joint.type !== 'continuous' && Number.isFinite(upper - lower) && upper > lower;
+  if (!bounded) return <span class="joint-bar endless" aria-hidden="true" />;
+  const share = Math.max(0, Math.min(1, (axis.value - lower) / (upper - lower)));
+  const room = Math.min(roomTo(joint, axis.value, 1), roomTo(joint, axis.value, -1));
+  const near = room < nearLimit(joint);
+  const edge = (100 * nearLimit(joint)) / (upper - lower);
+  const range = t('move.range', { lower: jointText(lower, joint.unit, 0), upper: jointText(upper, joint.unit, 0) });
+  return (
+    <span
+      class={`joint-bar ${near ? 'near' : ''}`}
+      title={near ? t('move.left', { amount: jointText(room, joint.unit) }) : range}
+      aria-hidden="true"
+    >
+      <span class="edge" style={{ left: '0', width: `${edge}%` }} />
+      <span class="edge" style={{ right: '0', width: `${edge}%` }} />
+      <span class="mark" style={{ left: `${100 * share}%` }} />
+    </span>
+  );
+}

@@ -1,0 +1,77 @@
+/** The rows of keys: joints of the robot, or the six ways of the TCP. */
+import { conjugate, multiply, rollPitchYaw, rotate } from '../../view3d/chain';
+import { jogMode, userFrame } from '../../state/jog';
+import { robot } from '../../state/cell';
+import { scene } from '../../state/models';
+import { valueNow } from '../../state/live';
+import type { JointInfo, Pose, Quat, Vec3 } from '../../wire/types';
+
+export interface Axis {
+  name: string;
+  /** Colour of a Cartesian axis. */
+  color?: 'x' | 'y' | 'z';
+  value: number;
+  unit: 'm' | 'rad';
+  joint?: JointInfo;
+}
+
+/** From its limit on, the share of a joint's range (at most 10°, 20 mm) in which it counts as near. */
+export function nearLimit(joint: JointInfo): number {
+  const range = joint.upper - joint.lower;
+  return Math.min(0.08 * range, joint.unit === 'm' ? 0.02 : 0.175);
+}
+
+/** How far a joint is from the limit that it moves to; Infinity where it has none. */
+export function roomTo(joint: JointInfo, value: number, direction: number): number {
+  if (joint.type === 'continuous') return Infinity;
+  const room = direction > 0 ? joint.upper - value : value - joint.lower;
+  return Number.isFinite(room) ? Math.max(0, room) : Infinity;
+}
+
+/** As `shoulder_pan_joint` is read: “shoulder pan”. */
+export function jointTitle(name: string): string {
+  return name.replace(/[_-]?joint[_-]?/gi, ' ').replace(/[_-]/g, ' ').trim() || name;
+}
+
+export function tcpPose(): Pose {
+  const name = robot.value?.name ?? '';
+  const at = (field: string) => valueNow(`${name}/tcp/${field}`);
+  return { p: [at('x'), at('y'), at('z')], q: [at('qx'), at('qy'), at('qz'), at('qw')] };
+}
+
+/** The frame that positions are told in: that which is jogged in; the world, where that is the tool itself. */
+export function shownFrame(): { name: string; pose: Pose } {
+  const world = { name: 'world', pose: { p: [0, 0, 0] as Vec3, q: [0, 0, 0, 1] as Quat } };
+  if (jogMode.value === 'base' || jogMode.value === 'joint' || jogMode.value === 'tool')
+    return { name: 'base', pose: robot.value?.base ?? world.pose };
+  if (jogMode.value === 'user') {
+    const found = scene.value?.frames.find((frame) => frame.name === userFrame.value);
+    if (found) return { name: found.name, pose: found };
+  }
+  return world;
+}
+
+export function inFrame(pose: Pose, frame: Pose): Pose {
+  const back = conjugate(frame.q);
+  const p = rotate(back, [pose.p[0] - frame.p[0], pose.p[1] - frame.p[1], pose.p[2] - frame.p[2]]);
+  return { p, q: multiply(back, pose.q) };
+}
+
+export function axesNow(): Axis[] {
+  const info = robot.value;
+  if (!info) return [];
+  if (jogMode.value === 'joint')
+    return info.joints.map((joint) => ({
+      name: jointTitle(joint.name),
+      value: valueNow(`${info.name}/${joint.name}/position`),
+      unit: joint.unit === 'm' ? 'm' : 'rad',
+      joint,
+    }));
+  const at = inFrame(tcpPose(), shownFrame().pose);
+  const turned = rollPitchYaw(at.q);
+  const names = ['x', 'y', 'z'] as const;
+  return [
+    ...names.map((color, i): Axis => ({ name: color.toUpperCase(), color, value: at.p[i]!, unit: 'm' })),
+    ...names.map((color, i): Axis => ({ name: `R${color.toUpperCase()}`, color, value: turned[i]!, unit: 'rad' })),
+  ];
+}

@@ -1,0 +1,105 @@
+/** The one motion by hand of this page, as signals; ended by everything that may mean that nobody holds the key any more. */
+import { effect, signal } from '@preact/signals';
+import { Jogger } from '../wire/jogger';
+import type { Json } from '../wire/connection';
+import { complain, connected, jogEvents, mayMove, request, robot, tell } from './cell';
+import { kept } from './settings';
+
+export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user';
+
+/** Which key is held: `joint/2/+1`, `goto` …; empty when none. */
+export const heldKey = signal('');
+export const heldBack = signal<{ what: string; reason: string } | null>(null);
+export const jogMode = kept<JogMode>('jogMode', 'joint');
+export const userFrame = kept<string>('userFrame', '');
+/** Share of the greatest jogging speed, percent. */
+export const jogSpeed = kept<number>('jogSpeed', 40);
+/** 0: as long as the key is held; else this step in mm and degrees. */
+export const jogStep = kept<number>('jogStep', 0);
+
+const jogger = new Jogger({ request: (name, args) => request(name, args), tell }, (held, error) => {
+  if (!held) heldKey.value = '';
+  if (error) complain(error);
+});
+
+export function frameName(): string {
+  return jogMode.peek() === 'user' ? `user:${userFrame.peek()}` : jogMode.peek();
+}
+
+export function jogArgs(axis: number | number[], direction: number): Json {
+  const joint = jogMode.peek() === 'joint';
+  const frame = joint ? {} : { frame: frameName() };
+  return {
+    robot: robot.peek()?.name ?? '',
+    mode: joint ? 'joint' : 'tcp',
+    ...frame,
+    axis,
+    ...(Array.isArray(axis) ? {} : { direction }),
+    speed: jogSpeed.peek() / 100,
+  };
+}
+
+/** A key goes down: a step, or motion until it goes up. */
+export function pressJog(axis: number, direction: 1 | -1): void {
+  if (!mayMove.peek()) return;
+  const key = `${jogMode.peek()}/${axis}/${direction}`;
+  if (jogStep.peek() > 0) return void step(axis, direction, key);
+  heldBack.value = null;
+  heldKey.value = key;
+  void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, direction) });
+  heldKey.value = key;
+}
+
+/** A stick is pushed: `axis` are shares of the speed along and about x, y, z. */
+export function pushJog(key: string, axis: number[]): void {
+  if (heldKey.peek() === key) return jogger.steer({ axis });
+  if (!mayMove.peek() || heldKey.peek() !== '') return;
+  heldBack.value = null;
+  void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, 1) });
+  heldKey.value = key;
+}
+
+export function pressGoTo(args: Json): void {
+  if (!mayMove.peek()) return;
+  heldBack.value = null;
+  void jogger.begin({ request: 'jog.goto', args: { speed: jogSpeed.peek() / 100, ...args } });
+  heldKey.value = 'goto';
+}
+
+export function release(): void {
+  jogger.end();
+}
+
+let stepping = false;
+async function step(axis: number, direction: number, key: string): Promise<void> {
+  if (stepping) return;
+  stepping = true;
+  heldKey.value = key;
+  const joint = jogMode.peek() === 'joint';
+  const turns = joint ? robot.peek()?.joints[axis]?.unit !== 'm' : axis >= 3;
+  const amount = (direction * jogStep.peek()) * (turns ? Math.PI / 180 : 0.001);
+  const { direction: _, ...args } = jogArgs(axis, direction) as Json & { direction: number };
+  try {
+    await request('jog.step', { ...args, amount }, 30_000);
+  } catch (error) {
+    complain(error);
+  } finally {
+    stepping = false;
+    if (heldKey.peek() === key) heldKey.value = '';
+  }
+}
+
+effect(() => {
+  const event = jogEvents.value;
+  if (!event) return;
+  heldBack.value = event.held_back && event.held_back !== 'none' ? { what: event.held_back, reason: event.reason } : null;
+  if (event.ended) jogger.ended(event.jog);
+});
+effect(() => {
+  if (!connected.value || !mayMove.value) release();
+});
+addEventListener('blur', release);
+addEventListener('pagehide', release);
+document.addEventListener('visibilitychange', () => {
+  if (document.visibilityState !== 'visible') release();
+});

@@ -1,0 +1,65 @@
+/** A robot as three's objects: links hang on joints, joints are turned by name. */
+import * as THREE from 'three';
+import type { ModelJoint, RobotModel, Visual } from '../wire/types';
+import { jointPose, valueOfJoint } from './chain';
+import { place, shape } from './shapes';
+
+interface Turned {
+  joint: ModelJoint;
+  object: THREE.Object3D;
+}
+
+export class RobotFigure {
+  readonly root = new THREE.Group();
+  readonly tcp = new THREE.Group();
+  private readonly turned: Turned[] = [];
+
+  constructor(
+    readonly model: RobotModel,
+    ready: () => void,
+  ) {
+    const links = new Map<string, THREE.Group>();
+    const link = (name: string) => {
+      let out = links.get(name);
+      if (!out) {
+        out = new THREE.Group();
+        out.name = name;
+        links.set(name, out);
+      }
+      return out;
+    };
+    this.root.add(link(model.root));
+    for (const each of model.links) for (const visual of each.visuals) link(each.name).add(shape(visual, ready));
+    for (const joint of model.joints) {
+      const fixed = new THREE.Group();
+      const object = new THREE.Group();
+      place(fixed, joint.origin);
+      link(joint.parent).add(fixed.add(object.add(link(joint.child))));
+      if (joint.type !== 'fixed') this.turned.push({ joint, object });
+    }
+    place(this.tcp, model.tcp);
+    link(model.tcp.link).add(this.tcp);
+    this.addTool(ready);
+  }
+
+  /** The tool's shapes stand in the frame of its link or of the TCP's. */
+  private addTool(ready: () => void): void {
+    const tool = this.model.tool as { visuals?: Visual[]; link?: string } | undefined;
+    if (!tool?.visuals) return;
+    const on = this.root.getObjectByName(tool.link ?? this.model.tcp.link) ?? this.root;
+    for (const visual of tool.visuals) on.add(shape(visual, ready));
+  }
+
+  setJoints(values: (name: string) => number): void {
+    for (const { joint, object } of this.turned) place(object, jointPose(joint, valueOfJoint(joint, values)));
+  }
+
+  /** Every mesh of it in one look; for the ghost. */
+  paint(look: THREE.Material): void {
+    this.root.traverse((each) => {
+      if (!(each instanceof THREE.Mesh)) return;
+      each.material = look;
+      each.castShadow = each.receiveShadow = false;
+    });
+  }
+}

@@ -1,0 +1,44 @@
+/** Meshes as GLB: each file is fetched once; a link takes its node of it. */
+import * as THREE from 'three';
+import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
+
+const files = new Map<string, Promise<THREE.Object3D | null>>();
+
+function file(address: string): Promise<THREE.Object3D | null> {
+  let out = files.get(address);
+  if (!out) {
+    out = new GLTFLoader().loadAsync(address).then(
+      (got) => {
+        got.scene.traverse((each) => {
+          if (each instanceof THREE.Mesh) each.castShadow = each.receiveShadow = true;
+        });
+        return got.scene;
+      },
+      (error: unknown) => {
+        console.warn(`${address} cannot be read`, error);
+        files.delete(address);
+        return null;
+      },
+    );
+    files.set(address, out);
+  }
+  return out;
+}
+
+/** A copy of a node (or all) of the file; it shares geometry with the others. */
+export async function meshNode(address: string, node?: string): Promise<THREE.Object3D | null> {
+  const all = await file(address);
+  if (!all) return null;
+  const wanted = node === undefined ? all : findNode(all, node);
+  return wanted?.clone(true) ?? null;
+}
+
+/** GLTFLoader makes names fit for its animations and keeps the first one aside. */
+function findNode(all: THREE.Object3D, name: string): THREE.Object3D | null {
+  let found: THREE.Object3D | null = null;
+  const fitted = THREE.PropertyBinding.sanitizeNodeName(name);
+  all.traverse((each) => {
+    if (!found && (each.userData.name === name || each.name === name || each.name === fitted)) found = each;
+  });
+  return found;
+}

@@ -1,0 +1,259 @@
+/** The cell in 3D: robots, scene, parts, frames, trail, plan, ghost, and the handle that the TCP is dragged by. */
+import * as THREE from 'three';
+import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
+import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Vec3 } from '../wire/types';
+import { RobotFigure } from './figure';
+import { axes, place, shape } from './shapes';
+import { Stage, type ViewName } from './stage';
+import { Trail } from './trail';
+
+export interface Layers {
+  trail: boolean;
+  plan: boolean;
+  frames: boolean;
+  zones: boolean;
+}
+
+export interface Ghost {
+  robot: string;
+  joints: Record<string, number>;
+}
+
+export interface Handle {
+  pose: Pose;
+  turn: boolean;
+  local: boolean;
+  onDrag: (pose: Pose) => void;
+  onHold: (held: boolean) => void;
+}
+
+const kZoneKinds = ['zone', 'camera', 'sensor', 'feeder', 'outfeed', 'bin'];
+
+export class CellPicture {
+  readonly stage: Stage;
+  private readonly robots = new Map<string, RobotFigure>();
+  private readonly ghosts = new Map<string, RobotFigure>();
+  private readonly things = new THREE.Group();
+  private readonly zones = new THREE.Group();
+  private readonly frames = new THREE.Group();
+  private readonly moving = new Map<string, THREE.Object3D>();
+  private readonly trails = new Map<string, Trail>();
+  private readonly paths = new Map<string, THREE.Line>();
+  private readonly ghostLook = new THREE.MeshStandardMaterial({
+    color: 0x3d8bff,
+    transparent: true,
+    opacity: 0.3,
+    depthWrite: false,
+    roughness: 0.6,
+  });
+  private readonly redraw = () => this.stage.redraw();
+  private handle: { controls: TransformControls; object: THREE.Object3D; told: Handle } | null = null;
+  private framed = false;
+  private floor = 0;
+  private dark = true;
+  private layers: Layers = { trail: true, plan: true, frames: false, zones: true };
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.stage = new Stage(canvas);
+    this.stage.scene.add(this.things, this.zones, this.frames);
+  }
+
+  setTheme(dark: boolean): void {
+    this.dark = dark;
+    this.stage.setFloor(this.floor, dark);
+  }
+
+  setRobots(robots: RobotInfo[], models: Record<string, RobotModel>): void {
+    for (const info of robots) {
+      const model = models[info.name];
+      if (!model || this.robots.get(info.name)?.model === model) continue;
+      this.remove(info.name);
+      const figure = new RobotFigure(model, this.redraw);
+      place(figure.root, info.base);
+      figure.tcp.add(axes(0.06));
+      this.robots.set(info.name, figure);
+      this.stage.scene.add(figure.root);
+      const trail = new Trail();
+      this.trails.set(info.name, trail);
+      this.stage.scene.add(trail.line);
+      const first = Object.fromEntries(info.joints.map((joint) => [joint.name, 0]));
+      figure.setJoints((name) => first[name] ?? 0);
+    }
+    for (const name of this.robots.keys()) if (!robots.some((info) => info.name === name)) this.remove(name);
+    this.redraw();
+  }
+
+  private remove(name: string): void {
+    for (const object of [this.robots.get(name)?.root, this.ghosts.get(name)?.root, this.trails.get(name)?.line])
+      object?.removeFromParent();
+    this.robots.delete(name);
+    this.ghosts.delete(name);
+    this.trails.delete(name);
+  }
+
+  setScene(scene: SceneInfo): void {
+    for (const group of [this.things, this.zones, this.frames]) group.clear();
+    this.moving.clear();
+    let floor = 0;
+    for (const thing of scene.things) {
+      if (thing.kind === 'floor') {
+        floor = thing.p[2];
+        continue;
+      }
+      const object = this.thing(thing);
+      if (thing.moving) this.moving.set(thing.name, object);
+    }
+    for (const frame of scene.frames) {
+      const object = axes(0.05, 0.9);
+      object.name = frame.name;
+      place(object, frame);
+      this.frames.add(object);
+    }
+    this.floor = floor;
+    this.stage.setFloor(floor, this.dark);
+    this.redraw();
+  }
+
+  private thing(thing: SceneThing): THREE.Object3D {
+    const object = new THREE.Group();
+    object.name = thing.name;
+    place(object, thing);
+    const zone = kZoneKinds.includes(thing.kind) && !thing.moving;
+    for (const visual of thing.visuals) object.add(shape(visual, this.redraw, true));
+    (zone ? this.zones : this.things).add(object);
+    return object;
+  }
+
+  setParts(parts: Record<string, PartPose>): void {
+    for (const part of Object.values(parts)) {
+      const object = this.moving.get(part.name);
+      if (!object) continue;
+      place(object, part);
+      object.visible = part.state !== 'waiting' && part.state !== 'taken' && part.state !== 'gone';
+    }
+    this.redraw();
+  }
+
+  /** Where everything is now; the TCP's trail grows by it. */
+  update(robot: string, values: (joint: string) => number, tcp: Vec3 | null, base?: Pose): void {
+    const figure = this.robots.get(robot);
+    if (!figure) return;
+    figure.setJoints(values);
+    if (base) place(figure.root, base);
+    if (tcp && tcp.every(Number.isFinite)) this.trails.get(robot)?.add(tcp);
+    if (!this.framed) {
+      this.framed = true;
+      this.fit('free');
+    }
+    this.redraw();
+  }
+
+  setLayers(layers: Layers): void {
+    this.layers = layers;
+    this.frames.visible = layers.frames;
+    this.zones.visible = layers.zones;
+    for (const trail of this.trails.values()) trail.line.visible = layers.trail;
+    for (const path of this.paths.values()) path.visible = layers.plan;
+    for (const ghost of this.ghosts.values()) ghost.root.visible = layers.plan;
+    this.redraw();
+  }
+
+  clearTrails(): void {
+    for (const trail of this.trails.values()) trail.clear();
+    this.redraw();
+  }
+
+  /** The path that is planned, and where the robot will be at its end; null takes them away. */
+  setPlan(robot: string, plan: Plan | null): void {
+    this.paths.get(robot)?.removeFromParent();
+    this.paths.delete(robot);
+    if (plan?.path && plan.path.length > 1) {
+      const form = new THREE.BufferGeometry().setFromPoints(plan.path.map((p) => new THREE.Vector3(...p)));
+      const line = new THREE.Line(form, new THREE.LineDashedMaterial({ color: 0x3d8bff, dashSize: 0.012, gapSize: 0.008 }));
+      line.computeLineDistances();
+      line.visible = this.layers.plan;
+      this.paths.set(robot, line);
+      this.stage.scene.add(line);
+    }
+    this.redraw();
+  }
+
+  setGhost(robot: string, joints: Record<string, number> | null): void {
+    const figure = this.robots.get(robot);
+    if (!figure) return;
+    let ghost = this.ghosts.get(robot);
+    if (!joints) {
+      ghost?.root.removeFromParent();
+      this.redraw();
+      return;
+    }
+    if (!ghost) {
+      const painted: RobotFigure = new RobotFigure(figure.model, () => (painted.paint(this.ghostLook), this.redraw()));
+      ghost = painted;
+      ghost.paint(this.ghostLook);
+      this.ghosts.set(robot, ghost);
+    }
+    ghost.root.position.copy(figure.root.position);
+    ghost.root.quaternion.copy(figure.root.quaternion);
+    ghost.setJoints((name) => joints[name] ?? 0);
+    ghost.root.visible = this.layers.plan;
+    this.stage.scene.add(ghost.root);
+    this.redraw();
+  }
+
+  /** A handle at a pose of the world that can be dragged along and about its axes; null takes it away. */
+  setHandle(handle: Handle | null): void {
+    if (!handle) {
+      if (!this.handle) return;
+      this.handle.controls.detach();
+      this.handle.controls.getHelper().removeFromParent();
+      this.handle.controls.dispose();
+      this.handle.object.removeFromParent();
+      this.handle = null;
+      return this.redraw();
+    }
+    if (!this.handle) this.handle = this.makeHandle(handle);
+    const { controls, object } = this.handle;
+    this.handle.told = handle;
+    controls.setMode(handle.turn ? 'rotate' : 'translate');
+    controls.setSpace(handle.local ? 'local' : 'world');
+    if (!controls.dragging) place(object, handle.pose);
+    this.redraw();
+  }
+
+  private makeHandle(told: Handle) {
+    const object = new THREE.Object3D();
+    const controls = new TransformControls(this.stage.camera, this.stage.renderer.domElement);
+    controls.setSize(0.85);
+    controls.attach(object);
+    this.stage.scene.add(object, controls.getHelper());
+    const handle = { controls, object, told };
+    controls.addEventListener('change', this.redraw);
+    controls.addEventListener('dragging-changed', (event) => {
+      this.stage.controls.enabled = !event.value;
+      handle.told.onHold(event.value === true);
+    });
+    controls.addEventListener('objectChange', () => {
+      const { x, y, z, w } = object.quaternion;
+      handle.told.onDrag({ p: object.position.toArray(), q: [x, y, z, w] });
+    });
+    return handle;
+  }
+
+  get dragging(): boolean {
+    return this.handle?.controls.dragging ?? false;
+  }
+
+  fit(view: ViewName): void {
+    const box = new THREE.Box3();
+    for (const figure of this.robots.values()) box.expandByObject(figure.root);
+    for (const object of this.moving.values()) if (object.visible) box.expandByObject(object);
+    for (const zone of this.zones.children) box.expandByObject(zone);
+    this.stage.look(view, box);
+  }
+
+  end(): void {
+    this.setHandle(null);
+    this.stage.end();
+  }
+}

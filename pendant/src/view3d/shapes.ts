@@ -1,0 +1,88 @@
+/** Shapes of the wire as three's objects. Metres, z up. */
+import * as THREE from 'three';
+import type { Pose, Visual } from '../wire/types';
+import { meshNode } from './meshes';
+
+const kPlain: [number, number, number, number] = [0.74, 0.77, 0.81, 1];
+const materials = new Map<string, THREE.MeshStandardMaterial>();
+
+export function material(color: readonly number[] = kPlain): THREE.MeshStandardMaterial {
+  const key = color.map((c) => c.toFixed(3)).join();
+  let out = materials.get(key);
+  if (!out) {
+    const alpha = color[3] ?? 1;
+    out = new THREE.MeshStandardMaterial({
+      color: new THREE.Color().setRGB(color[0] ?? 0.7, color[1] ?? 0.7, color[2] ?? 0.7, THREE.SRGBColorSpace),
+      roughness: 0.55,
+      metalness: 0.08,
+      transparent: alpha < 0.99,
+      opacity: alpha,
+      depthWrite: alpha > 0.5,
+    });
+    materials.set(key, out);
+  }
+  return out;
+}
+
+export function place(object: THREE.Object3D, pose: Pose): void {
+  object.position.fromArray(pose.p);
+  object.quaternion.fromArray(pose.q).normalize();
+}
+
+function geometry(visual: Visual): THREE.BufferGeometry | null {
+  const radius = visual.radius ?? 0.01;
+  const length = visual.length ?? 0.01;
+  switch (visual.shape) {
+    case 'box': {
+      const [x, y, z] = visual.size ?? [0.01, 0.01, 0.01];
+      return new THREE.BoxGeometry(x, y, z);
+    }
+    case 'sphere':
+      return new THREE.SphereGeometry(radius, 28, 18);
+    // three's own lie along y.
+    case 'cylinder':
+      return new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2);
+    case 'capsule':
+      return new THREE.CapsuleGeometry(radius, length, 8, 24).rotateX(Math.PI / 2);
+    default:
+      return null;
+  }
+}
+
+/** One shape at its place. A mesh comes later into the group that is given back; `ready` is called then. */
+export function shape(visual: Visual, ready: () => void, edges = false): THREE.Object3D {
+  const group = new THREE.Group();
+  place(group, visual.origin);
+  const form = geometry(visual);
+  if (form) {
+    const mesh = new THREE.Mesh(form, material(visual.color));
+    mesh.castShadow = mesh.receiveShadow = true;
+    group.add(mesh);
+    if (edges && visual.shape === 'box') group.add(outline(form));
+  } else if (visual.shape === 'mesh' && visual.mesh) {
+    if (visual.scale) group.scale.fromArray(visual.scale);
+    void meshNode(visual.mesh, visual.node).then((node) => {
+      if (!node) return;
+      group.add(node);
+      ready();
+    });
+  }
+  return group;
+}
+
+const lineMaterial = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.28 });
+function outline(form: THREE.BufferGeometry): THREE.LineSegments {
+  return new THREE.LineSegments(new THREE.EdgesGeometry(form), lineMaterial);
+}
+
+/** Three short axes in red, green, blue: x, y, z. */
+export function axes(size: number, opacity = 1): THREE.LineSegments {
+  const out = new THREE.AxesHelper(size);
+  out.setColors(0xe5484d, 0x2ea56a, 0x4d8dff);
+  const look = out.material as THREE.LineBasicMaterial;
+  look.transparent = opacity < 1;
+  look.opacity = opacity;
+  look.depthTest = false;
+  out.renderOrder = 5;
+  return out;
+}

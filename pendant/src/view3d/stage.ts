@@ -1,0 +1,158 @@
+/** Renderer, camera, light and floor. Draws only when something has changed, and more plainly where the machine is slow. */
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+
+export type ViewName = 'free' | 'front' | 'side' | 'top';
+
+const kDirections: Record<ViewName, [number, number, number]> = {
+  free: [1.1, -0.9, 0.75],
+  front: [1, 0, 0.02],
+  side: [0, -1, 0.02],
+  top: [0.001, 0, 1],
+};
+/** Drawing takes longer than this on average (ms): leave something out. */
+const kSlow = 28;
+
+export class Stage {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(38, 1, 0.02, 200);
+  readonly controls: OrbitControls;
+  readonly renderer: THREE.WebGLRenderer;
+  /** Called before each drawing. */
+  beforeDraw: () => void = () => undefined;
+  private readonly sun = new THREE.DirectionalLight(0xffffff, 2.1);
+  private readonly sky = new THREE.HemisphereLight(0xffffff, 0x8a94a0, 1.7);
+  private grid: THREE.GridHelper | null = null;
+  private floorHeight = 0;
+  private dirty = true;
+  private running = true;
+  private spent = 0;
+  private drawn = 0;
+  private readonly watcher: ResizeObserver;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.controls.minDistance = 0.08;
+    this.controls.maxDistance = 60;
+    this.controls.addEventListener('change', () => this.redraw());
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    this.sun.shadow.normalBias = 0.02;
+    this.scene.add(this.sky, this.sun, this.sun.target);
+    this.watcher = new ResizeObserver(() => this.resize());
+    this.watcher.observe(canvas.parentElement ?? canvas);
+    this.resize();
+    const loop = () => {
+      if (!this.running) return;
+      requestAnimationFrame(loop);
+      this.draw();
+    };
+    requestAnimationFrame(loop);
+  }
+
+  redraw(): void {
+    this.dirty = true;
+  }
+
+  private draw(): void {
+    if (!this.dirty || document.hidden) return;
+    this.dirty = false;
+    this.beforeDraw();
+    const began = performance.now();
+    this.renderer.render(this.scene, this.camera);
+    this.spent += performance.now() - began;
+    if (++this.drawn < 30) return;
+    if (this.spent / this.drawn > kSlow) this.plainer();
+    this.spent = this.drawn = 0;
+  }
+
+  private plainer(): void {
+    if (this.renderer.getPixelRatio() > 1) this.renderer.setPixelRatio(1);
+    else if (this.sun.castShadow) this.sun.castShadow = false;
+    else if (this.renderer.getPixelRatio() > 0.7) this.renderer.setPixelRatio(0.7);
+    this.resize();
+  }
+
+  private resize(): void {
+    const box = this.canvas.parentElement?.getBoundingClientRect();
+    if (!box || box.width < 2 || box.height < 2) return;
+    this.renderer.setSize(box.width, box.height, false);
+    this.camera.aspect = box.width / box.height;
+    this.camera.updateProjectionMatrix();
+    this.redraw();
+  }
+
+  setFloor(height: number, dark: boolean): void {
+    this.floorHeight = height;
+    if (this.grid) {
+      this.scene.remove(this.grid);
+      this.grid.dispose();
+    }
+    const [strong, weak] = dark ? [0x44566a, 0x26313d] : [0x9aa7b5, 0xc9d1da];
+    this.grid = new THREE.GridHelper(6, 30, strong, weak);
+    this.grid.rotation.x = Math.PI / 2;
+    this.grid.position.z = this.floorHeight - 0.0015;
+    this.scene.add(this.grid);
+    this.sky.groundColor.set(dark ? 0x39434e : 0x98a2ac);
+    this.sky.intensity = dark ? 1.5 : 1.9;
+    this.redraw();
+  }
+
+  /** Looks at `box` from a side, so that all of it is seen. */
+  look(view: ViewName, box: THREE.Box3): void {
+    const sphere = box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(0, 0, 0.4), 0.8) : box.getBoundingSphere(new THREE.Sphere());
+    const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    const distance = (sphere.radius * 0.94) / Math.sin(narrow);
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(...kDirections[view]).normalize(), distance);
+    this.controls.update();
+    this.light(sphere);
+    this.redraw();
+  }
+
+  private light(around: THREE.Sphere): void {
+    const r = Math.max(around.radius, 0.3) * 1.3;
+    this.sun.target.position.copy(around.center);
+    this.sun.position.copy(around.center).add(new THREE.Vector3(0.5, -0.35, 1).multiplyScalar(3 * r));
+    const camera = this.sun.shadow.camera;
+    [camera.left, camera.right, camera.top, camera.bottom, camera.near, camera.far] = [-r, r, r, -r, 0.01, 6 * r];
+    camera.updateProjectionMatrix();
+  }
+
+  /** Arrow keys turn the view, + and − come closer and go away. True where the key was one of these. */
+  key(key: string): boolean {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const round = new THREE.Spherical().setFromVector3(new THREE.Vector3(offset.x, offset.z, -offset.y));
+    const steps: Record<string, () => void> = {
+      ArrowLeft: () => (round.theta -= 0.12),
+      ArrowRight: () => (round.theta += 0.12),
+      ArrowUp: () => (round.phi -= 0.1),
+      ArrowDown: () => (round.phi += 0.1),
+      '+': () => (round.radius /= 1.12),
+      '-': () => (round.radius *= 1.12),
+    };
+    const step = steps[key];
+    if (!step) return false;
+    step();
+    round.makeSafe();
+    const turned = new THREE.Vector3().setFromSpherical(round);
+    this.camera.position.copy(this.controls.target).add(new THREE.Vector3(turned.x, -turned.z, turned.y));
+    this.controls.update();
+    this.redraw();
+    return true;
+  }
+
+  end(): void {
+    this.running = false;
+    this.watcher.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+  }
+}

@@ -1,0 +1,87 @@
+/**
+ * Motion by hand over the wire: begin, a beat every 50 ms while it is held, end. Whatever goes wrong ends it, and only a
+ * new press begins anew. At most one motion at a time.
+ */
+import type { Json } from './connection';
+
+export const kBeatMs = 40;
+
+export interface JogWire {
+  request: <T>(name: string, args: Json) => Promise<T>;
+  tell: (name: string, args: Json) => boolean;
+}
+
+export interface JogMotion {
+  /** The request that begins it (`jog.begin`, `jog.goto`) and its arguments. */
+  request: string;
+  args: Json;
+}
+
+export class Jogger {
+  private press = 0;
+  private jog: number | null = null;
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private change: Json = {};
+
+  constructor(
+    private readonly wire: JogWire,
+    /** Told when it begins to be held, and when it has ended (with what was wrong, where something was). */
+    private readonly onChange: (held: boolean, error?: unknown) => void,
+  ) {}
+
+  get held(): boolean {
+    return this.press > 0 && this.active;
+  }
+  private active = false;
+
+  async begin(motion: JogMotion): Promise<void> {
+    this.end();
+    const press = ++this.press;
+    this.active = true;
+    this.change = {};
+    this.onChange(true);
+    try {
+      const answer = await this.wire.request<{ jog: number }>(motion.request, motion.args);
+      if (press !== this.press || !this.active) {
+        // Let go of before the answer came.
+        this.wire.tell('jog.end', { jog: answer.jog });
+        return;
+      }
+      this.jog = answer.jog;
+      this.beat();
+      this.timer = setInterval(() => this.beat(), kBeatMs);
+    } catch (error) {
+      if (press === this.press) this.over(error);
+    }
+  }
+
+  /** Another speed or direction for what goes on, with the next beat. */
+  steer(change: Json): void {
+    this.change = { ...this.change, ...change };
+  }
+
+  end(): void {
+    if (!this.active) return;
+    if (this.jog !== null) this.wire.tell('jog.end', { jog: this.jog });
+    this.over();
+  }
+
+  /** The cell says that a motion has ended. */
+  ended(jog: number): void {
+    if (this.active && this.jog === jog) this.over();
+  }
+
+  private beat(): void {
+    const heard = this.wire.tell('jog.beat', { jog: this.jog!, ...this.change });
+    this.change = {};
+    if (!heard) this.over();
+  }
+
+  private over(error?: unknown): void {
+    clearInterval(this.timer);
+    this.timer = undefined;
+    this.jog = null;
+    this.active = false;
+    this.onChange(false, error);
+  }
+}
