@@ -202,7 +202,8 @@ Json ask(cell::Cell& cell, const Json& request) {
     *out = Json::parse(line);
     return true;
   });
-  for (int k = 0; k < 200 && out->is_null(); ++k) {
+  for (int k = 0; k < 30'000 && out->is_null(); ++k) {
+    if (k > 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a worker reads files
     hardware::Hardware& hardware = cell.loop().hardware();
     for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks run on threads of their own
       if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);

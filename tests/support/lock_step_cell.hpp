@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "drivers/mock/mock.hpp"
@@ -183,8 +185,9 @@ class LockStepCell {
   /// Steps until the last answer is there (at most 20 s of cell time) and returns it whole.
   Json ask(const Json& request) {
     const auto answers = give(request);
-    for (int ticks = 0; ticks < 10'000 && (answers->empty() || answers->back().value("more", false));
+    for (int ticks = 0; ticks < 30'000 && (answers->empty() || answers->back().value("more", false));
          ++ticks) {
+      if (ticks > 1'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a worker reads files
       hardware::Hardware& hardware = cell_->loop().hardware();
       for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks may run on threads of their own
         if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);
