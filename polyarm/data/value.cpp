@@ -46,6 +46,10 @@ std::string text_of(const Record& record) {
 }
 }  // namespace
 
+static std::uint64_t packed(const Value::Extent& extent) {
+  return std::uint64_t{extent.depth} << 32 | extent.values;
+}
+
 const char* name(Kind kind) {
   switch (kind) {
     case Kind::boolean:
@@ -165,32 +169,29 @@ void Value::let_go() noexcept {
   }
 }
 
-template <typename Content>
-Content& Value::own() {
-  auto* mine = static_cast<Held<Content>*>(content_.shared);
-  if (mine->users.load(std::memory_order_acquire) != 1) {
-    auto* copy = new Held<Content>(mine->content);
-    copy->extent.store(mine->extent.load(std::memory_order_relaxed), std::memory_order_relaxed);
-    const Kind kind = kind_;
-    let_go();
-    content_.shared = copy;
-    kind_ = kind;
-    mine = copy;
-  }
-  return mine->content;
+template <typename Large>
+void Value::part_from_others() {
+  const auto* others = static_cast<const Held<Large>*>(content_.shared);
+  auto* mine = new Held<Large>(others->content);
+  mine->extent.store(others->extent.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  let_go();
+  content_.shared = mine;
 }
 
-void Value::set_part(std::size_t place, Value part) {
-  List& parts = kind_ == Kind::list ? own<List>() : own<Record>().values;
-  parts[place] = std::move(part);
+List* Value::own_parts() {
+  if (kind_ == Kind::list) return &own<List>();
+  return kind_ == Kind::record ? &own<Record>().values : nullptr;
 }
 
 void Value::append(Value part) {
-  List& list = own<List>();
-  list.push_back(std::move(part));
-  std::atomic<std::uint64_t>& extent = content_.shared->extent;
-  const std::uint64_t before = extent.load(std::memory_order_relaxed);
-  if (before != 0) extent.store(before + 1, std::memory_order_relaxed);
+  const Extent before = extent(), more = part.extent();
+  own<List>().push_back(std::move(part));
+  content_.shared->extent.store(packed({before.values + more.values, std::max(before.depth, more.depth + 1)}),
+                                std::memory_order_relaxed);
+}
+
+void Value::append(std::string_view more) {
+  own<std::string>() += more;
 }
 
 Value::Extent Value::extent() const {
@@ -206,7 +207,7 @@ Value::Extent Value::extent() const {
     out.values += each.values;
     out.depth = std::max(out.depth, each.depth + 1);
   }
-  content_.shared->extent.store(std::uint64_t{out.depth} << 32 | out.values, std::memory_order_relaxed);
+  content_.shared->extent.store(packed(out), std::memory_order_relaxed);
   return out;
 }
 

@@ -94,12 +94,14 @@ class Value {
   }
   Value(Value&& other) noexcept : content_{other.content_}, kind_{other.kind_} { other.forget(); }
   Value& operator=(const Value& other) noexcept { return *this = Value(other); }
+  /// `other` may be a part of this.
   Value& operator=(Value&& other) noexcept {
-    if (this == &other) return *this;
-    if (is_shared()) let_go();
-    content_ = other.content_;
-    kind_ = other.kind_;
+    const Content content = other.content_;
+    const Kind kind = other.kind_;
     other.forget();
+    if (is_shared()) let_go();
+    content_ = content;
+    kind_ = kind;
     return *this;
   }
   ~Value() {
@@ -130,11 +132,13 @@ class Value {
 
   /// The number itself, to be changed; nullptr where it is none.
   Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
-  /// Changes one of the values of a list or record, counted from 0, without a copy where nobody shares it.
-  /// `part` and what it replaces are no lists and no records.
-  void set_part(std::size_t place, Value part);
-  /// Adds `part`, which is no list and no record, to a list.
+  /// The values of a list or record, to be replaced by others of the same extent; its own copy where others
+  /// share them. nullptr where it is neither.
+  List* own_parts();
+  /// Adds `part` to a list, without a copy where nobody shares it.
   void append(Value part);
+  /// Adds `more` to a text, without a copy where nobody shares it.
+  void append(std::string_view more);
 
   /// Records are equal when every field is, in whatever order they stand.
   friend bool operator==(const Value& a, const Value& b);
@@ -162,13 +166,18 @@ class Value {
     content_.truth = false;
   }
   void let_go() noexcept;
-  template <typename Held_>
-  const Held_* held(Kind kind) const {
-    return kind_ == kind ? &static_cast<const Held<Held_>*>(content_.shared)->content : nullptr;
+  template <typename Large>
+  const Large* held(Kind kind) const {
+    return kind_ == kind ? &static_cast<const Held<Large>*>(content_.shared)->content : nullptr;
   }
   /// What it holds, its own copy where others share it.
-  template <typename Held_>
-  Held_& own();
+  template <typename Large>
+  Large& own() {
+    if (content_.shared->users.load(std::memory_order_acquire) != 1) part_from_others<Large>();
+    return static_cast<Held<Large>*>(content_.shared)->content;
+  }
+  template <typename Large>
+  void part_from_others();
 
   Content content_;
   Kind kind_ = Kind::boolean;

@@ -1,9 +1,9 @@
 #include "polyarm/program/code_writer.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/program/functions.hpp"
 
 namespace polyarm::program {
 
@@ -11,24 +11,43 @@ int CodeWriter::here() const {
   return static_cast<int>(code_.steps.size());
 }
 
-int CodeWriter::add(Op op, Place place, int a, int b) {
-  Step step{op, a, b, -1, place, line_.line ? line_ : place, statement_, begins_};
+int CodeWriter::add(Op op, Place place, Step operands) {
+  operands.op = op;
+  operands.begins = begins_ ? 1 : 0;
   begins_ = false;
-  code_.steps.push_back(step);
+  code_.steps.push_back(operands);
+  code_.sources.push_back({place, line_.line ? line_ : place, statement_});
   return here() - 1;
 }
 
-void CodeWriter::land(int step) {
-  code_.steps[static_cast<std::size_t>(step)].c = here();
+int CodeWriter::add_binary(Op op, Operator operation, Place place, Step operands) {
+  operands.more = static_cast<std::uint16_t>(operation);
+  return add(op, place, operands);
+}
+
+void CodeWriter::land(int at) {
+  const Op op = step(at).op;
+  const bool other =
+      op == Op::until || op == Op::wait || op == Op::expect || op == Op::meet || op == Op::lock;
+  (other ? step(at).c : step(at).d) = here();
+}
+
+void CodeWriter::land(const std::vector<int>& steps) {
+  for (const int at : steps) land(at);
 }
 
 void CodeWriter::jump_to(int target, Place place) {
-  code_.steps[static_cast<std::size_t>(add(Op::jump, place))].c = target;
+  add(Op::jump, place, {.d = target});
 }
 
-int CodeWriter::constant(const Value& value) {
-  code_.constants.push_back(value);
-  return static_cast<int>(code_.constants.size()) - 1;
+Operand CodeWriter::constant(const Value& value) {
+  int at = static_cast<int>(code_.constants.size());
+  if (const data::Number* number = value.as_number()) {
+    const NumberKey key{std::bit_cast<std::uint64_t>(number->value), static_cast<int>(number->dimension)};
+    at = number_at_.try_emplace(key, at).first->second;
+  }
+  if (at == static_cast<int>(code_.constants.size())) code_.constants.emplace_back(value, nullptr, true);
+  return operand(Where::constant, at);
 }
 
 int CodeWriter::text(const std::string& text) {
@@ -44,8 +63,10 @@ int CodeWriter::names(std::vector<std::string> names) {
 
 void CodeWriter::refuse(Place place, const OperationError& error) {
   code_.problems.push_back({error.code, program_.at(place), error.what, error.advice});
-  add(Op::refuse, place, static_cast<int>(code_.problems.size()) - 1);
+  add(Op::refuse, place, {.a = static_cast<int>(code_.problems.size()) - 1});
 }
+
+// Registers.
 
 Depths CodeWriter::depths() const {
   Depths out = scope_.depths;
@@ -53,11 +74,29 @@ Depths CodeWriter::depths() const {
   return out;
 }
 
+void CodeWriter::need(int registers) {
+  registers_ = std::max(registers_, registers);
+  code_.registers = std::max(code_.registers, registers);
+}
+
+Operand CodeWriter::next() {
+  need(height() + 1);
+  return operand(Where::temporary, height());
+}
+
+Operand CodeWriter::temporary() {
+  const Operand out = next();
+  ++temporaries_;
+  return out;
+}
+
 int CodeWriter::declare(const std::string& name) {
   scope_.locals.push_back(name);
   scope_.variables.push_back(static_cast<int>(code_.variables.size()));
-  code_.variables.push_back({name, static_cast<int>(scope_.locals.size()) - 1, here(), -1});
-  return static_cast<int>(scope_.locals.size()) - 1;
+  const int slot = static_cast<int>(scope_.locals.size()) - 1;
+  code_.variables.push_back({name, slot, here(), -1});
+  need(slot + 1);
+  return slot;
 }
 
 void CodeWriter::forget(int keep) {
@@ -92,139 +131,12 @@ CodeWriter::Resolved CodeWriter::resolve(const std::string& name) const {
   return out;
 }
 
-void CodeWriter::push_variable(const Resolved& resolved, const std::string& name, Place place) {
-  using Where = Resolved::Where;
-  if (resolved.where == Where::host) {
-    add(Op::host, place, text(name));
-  } else {
-    add(resolved.where == Where::local ? Op::local : Op::global, place, resolved.slot);
-  }
-  for (const std::string& field : resolved.fields) add(Op::field, place, text(field));
-}
-
-void CodeWriter::expression(const Expression& e) {
-  using Kinds = Expression::Kind;
-  switch (e.kind) {
-    case Kinds::literal:
-      add(Op::constant, e.place, constant(e.value));
-      return;
-    case Kinds::name:
-      return push_variable(resolve(e.name), e.name, e.place);
-    case Kinds::binary:
-      return binary(e);
-    case Kinds::call:
-      return call(e);
-    case Kinds::index:
-      return index(e);
-    default:
-      break;
-  }
-  for (const ExpressionPtr& part : e.parts) expression(*part);
-  const int count = static_cast<int>(e.parts.size());
-  if (e.kind == Kinds::unary) add(Op::unary, e.place, static_cast<int>(e.op));
-  if (e.kind == Kinds::list) add(Op::list, e.place, count);
-  if (e.kind == Kinds::joined) add(Op::joined, e.place, count);
-  if (e.kind == Kinds::field) add(Op::field, e.place, text(e.name));
-  if (e.kind == Kinds::record) add(Op::record, e.place, count, names(e.names));
-}
-
-void CodeWriter::binary(const Expression& e) {
-  const bool may_settle = e.op == Operator::logical_and || e.op == Operator::logical_or;
-  expression(*e.parts[0]);
-  const int settle = may_settle ? add(Op::settle, e.place, static_cast<int>(e.op)) : -1;
-  expression(*e.parts[1]);
-  add(Op::binary, e.place, static_cast<int>(e.op));
-  if (may_settle) land(settle);
-}
-
-void CodeWriter::index(const Expression& e) {
-  const Expression& list = *e.parts[0];
-  const Resolved resolved = list.kind == Expression::Kind::name ? resolve(list.name) : Resolved{};
-  if (resolved.where == Resolved::Where::host || !resolved.fields.empty()) {
-    expression(list);
-    expression(*e.parts[1]);
-    add(Op::element, e.place);
-    return;
-  }
-  expression(*e.parts[1]);
-  add(resolved.where == Resolved::Where::local ? Op::local_element : Op::global_element, e.place,
-      resolved.slot);
-}
-
-void CodeWriter::call(const Expression& e) {
-  try {
-    const auto own = function_at_.find(e.name);
-    if (own != function_at_.end()) return call_function(e, own->second);
-    const Function* function = find_function(e.name);
-    if (!function) throw OperationError{"unknown-function", "there is no function '" + e.name + "'", {}};
-    call_builtin(e, *function);
-  } catch (const OperationError& error) {
-    refuse(e.place, error);
-  }
-}
-
-void CodeWriter::call_function(const Expression& e, std::size_t which) {
-  const Bound bound = bind_arguments(signature_of(*functions_[which]), e.names);
-  for (const int argument : bound.argument_of) {
-    if (argument < 0) {
-      add(Op::absent, e.place);
-    } else {
-      expression(*e.parts[static_cast<std::size_t>(argument)]);
-    }
-  }
-  add(Op::call, e.place, static_cast<int>(which), static_cast<int>(bound.argument_of.size()));
-}
-
-void CodeWriter::call_builtin(const Expression& e, const Function& function) {
-  const Bound bound = bind_arguments(signature_of(function), e.names);
-  if (function.name == "here") {
-    add(Op::here, e.place);
-    return;
-  }
-  if (function.name == "ask") return call_ask(e, bound);
-  for (std::size_t i = 0; i < bound.argument_of.size(); ++i) {
-    const int argument = bound.argument_of[i];
-    if (argument >= 0) {
-      expression(*e.parts[static_cast<std::size_t>(argument)]);
-      continue;
-    }
-    const FunctionParameter& parameter = function.parameters[i];
-    const Dimension dimension = parameter.wanted == Wanted::length  ? Dimension::length
-                                : parameter.wanted == Wanted::angle ? Dimension::angle
-                                                                    : Dimension::none;
-    add(Op::constant, e.place, constant(data::Number{*parameter.otherwise, dimension}));
-  }
-  for (const int argument : bound.further) expression(*e.parts[static_cast<std::size_t>(argument)]);
-  const int step = add(function.call ? Op::builtin : Op::of_host, e.place,
-                       static_cast<int>(&function - functions().data()),
-                       static_cast<int>(bound.argument_of.size() + bound.further.size()));
-  code_.steps[static_cast<std::size_t>(step)].c = names(e.names);
-}
-
-/// The question comes again until the answer is like what is wanted.
-void CodeWriter::call_ask(const Expression& e, const Bound& bound) {
-  const int begin = here();
-  if (bound.argument_of[1] < 0) {
-    add(Op::constant, e.place, constant(std::string{}));
-  } else {
-    expression(*e.parts[static_cast<std::size_t>(bound.argument_of[1])]);
-  }
-  expression(*e.parts[static_cast<std::size_t>(bound.argument_of[0])]);
-  add(Op::ask_value, e.place);
-  const int step = add(Op::answered, e.place);
-  code_.steps[static_cast<std::size_t>(step)].c = begin;
-}
-
-int CodeWriter::reads(const Expression& condition) {
-  ConditionReads out;
-  for (const std::string& name : names_read(condition)) {
-    const Resolved resolved = resolve(name);
-    if (resolved.where == Resolved::Where::host) out.names.push_back(name);
-    if (resolved.where == Resolved::Where::global) out.others = true;
-  }
-  for_each_call(condition, [&](const Expression&) { out.others = true; });
-  code_.reads.push_back(std::move(out));
-  return static_cast<int>(code_.reads.size()) - 1;
+Operand CodeWriter::variable(const Resolved& resolved, Place place) {
+  if (resolved.where == Resolved::Where::local) return operand(Where::local, resolved.slot);
+  const Operand out = operand(Where::global, resolved.slot);
+  if (!all_sure_ && !sure_globals_[static_cast<std::size_t>(resolved.slot)])
+    add(Op::require, place, {.a = out});
+  return out;
 }
 
 }  // namespace polyarm::program

@@ -1,7 +1,10 @@
 #pragma once
-/// The part of the compiler that makes code of names and expressions; for the compiler's own files.
-#include <map>
+/// The part of the compiler that makes code of names, expressions and conditions; for the compiler's own
+/// files.
+#include <cstdint>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -38,45 +41,121 @@ class CodeWriter {
     enum class Where { local, global, host } where = Where::host;
     int slot = -1;
     std::vector<std::string> fields;
+    bool is_variable() const { return where != Where::host && fields.empty(); }
+  };
+  /// The temporaries that are made in its time end with it.
+  class Temporaries {
+   public:
+    explicit Temporaries(CodeWriter& of) : count_{of.temporaries_}, before_{count_} {}
+    Temporaries(const Temporaries&) = delete;
+    Temporaries& operator=(const Temporaries&) = delete;
+    ~Temporaries() { count_ = before_; }
+
+   private:
+    int& count_;
+    int before_;
   };
 
+  // Steps: code_writer.cpp
   int here() const;
-  int add(Op op, Place place, int a = -1, int b = -1);
+  int add(Op op, Place place, Step operands = {});
+  int add_binary(Op op, Operator operation, Place place, Step operands);
+  Step& step(int at) { return code_.steps[static_cast<std::size_t>(at)]; }
+  /// The step goes on here.
   void land(int step);
+  void land(const std::vector<int>& steps);
   void jump_to(int target, Place place);
-  int constant(const Value& value);
+  Operand constant(const Value& value);
   int text(const std::string& text);
   int names(std::vector<std::string> names);
   void refuse(Place place, const OperationError& error);
+
+  // Registers
   Depths depths() const;
+  /// How many are in use.
+  int height() const { return static_cast<int>(scope_.locals.size()) + temporaries_; }
+  void need(int registers);
+  /// The next one that is free; not taken yet.
+  Operand next();
+  /// Takes the next one.
+  Operand temporary();
   int declare(const std::string& name);
   /// All but the first `keep` locals end here.
   void forget(int keep);
   bool find_variable(const std::string& name, Resolved& out) const;
   /// A variable, a field of a variable, or something of the host's.
   Resolved resolve(const std::string& name) const;
-  void push_variable(const Resolved& resolved, const std::string& name, Place place);
-  void expression(const Expression& e);
-  void binary(const Expression& e);
-  void index(const Expression& e);
-  void call(const Expression& e);
-  void call_function(const Expression& e, std::size_t which);
-  void call_builtin(const Expression& e, const Function& function);
-  void call_ask(const Expression& e, const Bound& bound);
+  /// Where the variable is, which has its value there.
+  Operand variable(const Resolved& resolved, Place place);
+
+  // Expressions: code_expressions.cpp
+  /// Code that leaves the value somewhere; a variable or constant is read where it is.
+  Operand read(const Expression& e);
+  /// As read, when `behind` is evaluated before the value is used.
+  Operand read_before(const Expression& e, const Expression& behind);
+  /// Into the next temporary, which it takes.
+  Operand push(const Expression& e);
+  /// Into a register or variable; of variables only such that `e` does not read.
+  void into(const Expression& e, Operand to);
+  /// Into a variable, which keeps its type.
+  void change(const Expression& e, Operand variable, Place place);
+  /// Whether nothing else can run while `e` is evaluated.
+  bool at_once(const Expression& e) const;
+  void name(const Expression& e, Operand to);
+  void fields(Operand root, const std::vector<std::string>& fields, Operand to, Place place);
+  Operand calculate(const Expression& e, Operand to, bool changes);
+  void logic(const Expression& e, Operand to);
+  void element(const Expression& e, Operand to);
+  void several(const Expression& e, Operand to);
+  void append(const Expression& e, Operand variable, Place place);
+
+  // Conditions: conditions.cpp
+  /// Code that jumps where the condition does not hold, or where it does; the steps to land are added.
+  void jump_unless(const Expression& condition, std::vector<int>& jumps);
+  void jump_when(const Expression& condition, std::vector<int>& jumps);
+  void compare(const Expression& e, Op first, std::vector<int>& jumps);
+  /// Under which a step that reads or sets a field remembers where it found it.
+  std::uint16_t number_of_field() { return fields_++; }
   /// What a condition reads that others change.
   int reads(const Expression& condition);
+
+  // Calls: code_calls.cpp
+  void call(const Expression& e, Operand to);
+  void call_function(const Expression& e, std::size_t which, Operand to);
+  void call_builtin(const Expression& e, const Function& function, Operand to);
+  void call_ask(const Expression& e, const Bound& bound, Operand to);
+  void move_to(Operand to, Operand from, Place place);
 
   const Program& program_;
   Code code_;
   Scope scope_;
-  std::map<std::string, int> globals_;
-  std::map<std::string, int> text_at_;
-  std::map<std::string, std::size_t> function_at_;
+  std::unordered_map<std::string, int> globals_;
+  std::unordered_map<std::string, std::size_t> function_at_;
+  std::vector<bool> sure_globals_;  ///< that have their value wherever the code that is made now runs
+  bool all_sure_ = false;
   std::vector<const Statement*> functions_, tasks_, whens_, tests_;
   const Statement* on_stop_ = nullptr;
   const Statement* statement_ = nullptr;
   Place line_;
   bool begins_ = false;
+  int registers_ = 0;  ///< that the function needs which is being made
+
+ private:
+  struct NumberKey {
+    std::uint64_t bits = 0;
+    int dimension = 0;
+    bool operator==(const NumberKey&) const = default;
+  };
+  struct NumberHash {
+    std::size_t operator()(const NumberKey& key) const {
+      return static_cast<std::size_t>((key.bits ^ (key.bits >> 29)) * 0x9E3779B97F4A7C15ull) ^
+             static_cast<std::size_t>(key.dimension);
+    }
+  };
+  std::unordered_map<std::string, int> text_at_;
+  std::unordered_map<NumberKey, int, NumberHash> number_at_;
+  std::uint16_t fields_ = 0;
+  int temporaries_ = 0;
 };
 
 }  // namespace polyarm::program

@@ -19,7 +19,7 @@ bool before(Place a, Place b) {
 bool Interpreter::stops_here(Task& task) {
   if (task.apart) return false;
   if (std::exchange(resumed_, resumed_ == task.id ? 0 : resumed_) == task.id) return false;
-  const Place line = code_.steps[task.pc].line;
+  const Place line = code_.sources[task.pc].line;
   const bool stepped =
       stepping_ && stepping_->task == task.id && task.frames.size() <= stepping_->most_frames;
   const bool marked = std::any_of(breakpoints_.begin(), breakpoints_.end(), [&](const Place& place) {
@@ -57,9 +57,9 @@ std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& 
   for (const Location& wanted : places) {
     std::optional<Place> best;
     for (const Step& step : code_.steps) {
-      const bool fits =
-          step.begins && program_.at(step.line).file == wanted.file && step.line.line >= wanted.line;
-      if (fits && (!best || before(step.line, *best))) best = step.line;
+      const Place line = source(step).line;
+      const bool fits = step.begins && program_.at(line).file == wanted.file && line.line >= wanted.line;
+      if (fits && (!best || before(line, *best))) best = line;
     }
     if (!best) continue;
     breakpoints_.push_back(*best);
@@ -98,8 +98,8 @@ std::vector<Location> Interpreter::calls(const std::string& task) const {
   if (at == tasks_.end()) return out;
   const Task& found = **at;
   for (std::size_t i = 1; i < found.frames.size(); ++i)
-    out.push_back(program_.at(code_.steps[found.frames[i].return_to - 1].line));
-  out.push_back(program_.at(code_.steps[found.pc].line));
+    out.push_back(program_.at(code_.sources[found.frames[i].return_to - 1].line));
+  out.push_back(program_.at(code_.sources[found.pc].line));
   return out;
 }
 
@@ -113,7 +113,7 @@ StartReport Interpreter::start_at(int line) {
   const Location where = program_.at({line, 0, 0});
   if (start == code_.starts.end()) {
     const bool begins = std::any_of(code_.steps.begin(), code_.steps.end(), [&](const Step& step) {
-      return step.begins && step.line.line == line && step.line.file == 0;
+      return step.begins && source(step).line.line == line && source(step).line.file == 0;
     });
     throw Error(
         Problem{"no-start", where,

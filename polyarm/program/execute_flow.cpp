@@ -10,49 +10,27 @@
 namespace polyarm::program {
 
 void Interpreter::execute_flow(Task& task, const Step& step) {
-  const auto target = static_cast<std::size_t>(step.c);
+  const auto target = static_cast<std::size_t>(step.d);
   switch (step.op) {
-    case Op::jump:
-      task.pc = target;
-      return;
-    case Op::jump_unless: {
-      const char* of = step.statement->kind == Statement::Kind::while_loop ? "while" : "if";
-      task.pc = pop_boolean(task, step, of) ? task.pc + 1 : target;
-      return;
-    }
     case Op::for_begin:
       begin_for(task, step);
       break;
-    case Op::for_next:
-      return next_of_for(task, step);
     case Op::leave:
-      leave(task, at(code_.depths, step.a));
+      leave(task, at(code_.depths, step.a), step.b);
       break;
     case Op::pass:
       return end_pass(task, step);
-    case Op::give:
-      return give(task);
     case Op::try_begin:
-      task.handlers.push_back(
-          {target, task.stack.size(), task.frames.size(), task.uses.size(), task.locks.size()});
+      task.handlers.push_back({target, task.frame().base + static_cast<std::size_t>(step.a),
+                               task.frames.size(), task.uses.size(), task.locks.size()});
       break;
     case Op::try_end:
       if (!arrived(task)) return;
       task.handlers.pop_back();
       break;
     case Op::raise:
-    case Op::raise_again: {
-      const Value error = step.op == Op::raise ? pop(task, step.place) : task.local(step.a).value;
-      const data::Record* record = error.as_record();
-      const auto part = [&](const char* name) { return record ? record->find(name) : nullptr; };
-      Problem problem{"user", program_.at(step.line), error.text(), {}};
-      if (const Value* kind = part("kind")) problem.code = kind->text();
-      if (const Value* text = part("text")) problem.what = text->text();
-      const Value* line = part("line");
-      if (line && line->as_number())
-        problem.where = {problem.where.file, static_cast<int>(line->as_number()->value), 0};
-      throw Error(std::move(problem));
-    }
+    case Op::raise_again:
+      return raise_step(task, step);
     case Op::retry:
       return retry(task, step);
     case Op::together:
@@ -64,7 +42,7 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
       break;
     }
     case Op::edge: {
-      const bool now = pop_boolean(task, step, "when");
+      const bool now = take_boolean(task, step.b, step, "when");
       if (now && !std::exchange(task.was_true, true)) break;
       task.was_true = now;
       task.pc = static_cast<std::size_t>(step.a);
@@ -85,26 +63,40 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
   ++task.pc;
 }
 
-void Interpreter::leave(Task& task, const Depths& to) {
+void Interpreter::raise_step(Task& task, const Step& step) {
+  const Value error = step.op == Op::raise ? take_value(task, step.b, step) : slot(task, step.b).value;
+  const data::Record* record = error.as_record();
+  const auto part = [&](const char* name) { return record ? record->find(name) : nullptr; };
+  Problem problem{"user", program_.at(source(step).line), error.text(), {}};
+  if (const Value* kind = part("kind")) problem.code = kind->text();
+  if (const Value* text = part("text")) problem.what = text->text();
+  const Value* line = part("line");
+  if (line && line->as_number())
+    problem.where = {problem.where.file, static_cast<int>(line->as_number()->value), 0};
+  throw Error(std::move(problem));
+}
+
+void Interpreter::leave(Task& task, const Depths& to, int names) {
   const CallFrame& frame = task.frame();
-  task.stack.resize(frame.base + static_cast<std::size_t>(to.locals));
+  let_go(task, to.locals, names - to.locals);
   task.uses.resize(std::min(task.uses.size(), frame.uses + static_cast<std::size_t>(to.uses)));
   task.handlers.resize(
       std::min(task.handlers.size(), frame.handlers + static_cast<std::size_t>(to.handlers)));
   give_back_locks(task, frame.locks + static_cast<std::size_t>(to.locks));
 }
 
-/// Slots of a loop: how far it has come, what it runs over (a list, or the last number), and its names.
+/// Registers of a loop: how far it has come, what it runs over (a list, or the last number), and its names.
 void Interpreter::begin_for(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
+  const Statement& s = *source(step).statement;
   for (const std::string& name : {s.name, s.second_name})
     if (!name.empty() && host_.find(name))
       fail_at(s.name_place, "shadowing", "there is a '" + name + "' already",
               "choose another name for the loop");
-  Value over = pop(task, step.place);
+  const bool range = step.c == 1;
+  Value over = take_value(task, operand(Where::temporary, step.a + step.c), step);
   Value first = 0;
-  if (step.a == 1) {
-    first = pop(task, step.place);
+  if (range) {
+    first = take_value(task, operand(Where::temporary, step.a), step);
     const data::Number *from = first.as_number(), *to = over.as_number();
     if (!from || !to || from->dimension != to->dimension)
       fail_at(s.second->place, "bad-type", "a range goes from one number to another of the same unit");
@@ -114,30 +106,33 @@ void Interpreter::begin_for(Task& task, const Step& step) {
   } else if (!over.as_list()) {
     fail_at(s.expression->place, "bad-type", "a list, or a range such as 1 .. 5, was expected");
   }
-  task.push(0);
-  task.push(std::move(over));
-  if (step.b == 1) task.push(0);
-  task.push(std::move(first));
+  task.local(step.a).fill(0);
+  task.local(step.a + 1).fill(std::move(over));
+  task.local(step.a + 2).fill(0);
+  task.local(step.a + 2 + step.b).fill(std::move(first));
 }
 
+/// At the top for the first value, at the end of a pass for another one.
 void Interpreter::next_of_for(Task& task, const Step& step) {
   const Slot& over = task.local(step.a + 1);
   Slot& loop = task.local(step.a + 2 + step.b);
   Value& count = task.local(step.a).value;
-  const double done = count.as_number()->value;
+  const data::Number* counted = count.as_number();
+  const double done = counted ? counted->value : 0;
   bool more = false;
   if (const data::List* list = over.value.as_list()) {
     more = done < static_cast<double>(list->size());
-    if (more) loop = {(*list)[static_cast<std::size_t>(done)], nullptr, true};
-  } else {
-    const data::Number from = *loop.value.as_number();
-    const data::Number next{from.value + (done > 0 ? 1 : 0), from.dimension};
-    more = next.value <= over.value.as_number()->value;
-    loop = {next, nullptr, true};
+    if (more) loop.fill((*list)[static_cast<std::size_t>(done)]);
+  } else if (const data::Number* from = loop.value.as_number(), *last = over.value.as_number();
+             from && last) {
+    const data::Number next{from->value + (step.op == Op::for_again ? 1 : 0), from->dimension};
+    more = next.value <= last->value;
+    loop.fill(next);
   }
   count = done + 1;
-  if (step.b == 1) task.local(step.a + 2).value = done + 1;
-  task.pc = more ? task.pc + 1 : static_cast<std::size_t>(step.c);
+  if (step.b == 1) task.local(step.a + 2).fill(done + 1);
+  const bool jumps = more == (step.op == Op::for_again);
+  task.pc = jumps ? static_cast<std::size_t>(step.d) : task.pc + 1;
 }
 
 void Interpreter::end_pass(Task& task, const Step& step) {
@@ -150,28 +145,29 @@ void Interpreter::end_pass(Task& task, const Step& step) {
     --task.passes;
     return;
   }
-  const Expression& condition = *step.statement->expression;
+  const Expression& condition = *source(step).statement->expression;
   if (condition.kind == Expression::Kind::name && host_.find(condition.name))
-    host_.set(condition.name, false, program_.at(step.line));
-  task.pc = static_cast<std::size_t>(step.c);
+    host_.set(condition.name, false, program_.at(source(step).line));
+  task.pc = static_cast<std::size_t>(step.d);
 }
 
 void Interpreter::retry(Task& task, const Step& step) {
-  const Value most = pop(task, step.place);
+  const Value most = take_value(task, step.b, step);
   const data::Number* n = most.as_number();
   if (!n || n->dimension != Dimension::none)
-    fail_at(step.place, "bad-type", "'retry' takes how often, here is " + described(most));
+    fail_at(source(step).place, "bad-type", "'retry' takes how often, here is " + described(most));
   Value& count = task.local(step.a).value;
   const double tried = count.as_number()->value;
   if (tried >= n->value) {
     const data::Record error = *task.local(step.a + 1).value.as_record();
-    const Location where{program_.at(step.line).file,
+    const Location where{program_.at(source(step).line).file,
                          static_cast<int>(error.find("line")->as_number()->value), 0};
     throw Error(Problem{error.find("kind")->text(), where, error.find("text")->text(), {}});
   }
   count = tried + 1;
-  leave(task, at(code_.depths, step.c));
-  task.pc = static_cast<std::size_t>(step.b);
+  const Depths& outside = at(code_.depths, step.c);
+  leave(task, outside, code_.registers);
+  task.pc = static_cast<std::size_t>(step.d);
 }
 
 /// The last line of a task. Behind the last line of the program its tasks begin, with what it used.

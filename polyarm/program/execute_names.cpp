@@ -10,29 +10,15 @@ namespace polyarm::program {
 
 void Interpreter::execute_name(Task& task, const Step& step) {
   switch (step.op) {
-    case Op::drop:
-      task.stack.pop_back();
-      break;
     case Op::check_new:
       if (host_.find(at(code_.texts, step.a)))
-        fail_at(step.place, "shadowing", "there is a '" + at(code_.texts, step.a) + "' already",
+        fail_at(source(step).place, "shadowing", "there is a '" + at(code_.texts, step.a) + "' already",
                 "choose another name, or change it with `set`");
       break;
-    case Op::let_global:
-      if (!task.stack.back().set) pop(task, step.place);
-      at(globals_, step.a) = std::move(task.stack.back());
-      task.stack.pop_back();
-      break;
-    case Op::set_local:
-    case Op::set_global: {
-      Slot& slot = step.op == Op::set_local ? task.local(step.a) : at(globals_, step.a);
-      const std::string* origin = task.stack.back().origin;
-      Value value = pop(task, step.place);
-      if (!slot.set)
-        fail_at(step.place, "no-value", "'" + step.statement->name + "' has no value yet",
-                "its `let` comes later");
-      change(slot.value, std::move(value), step);
-      slot.origin = origin;
+    case Op::let_global: {
+      const std::string* origin = slot(task, step.b).origin;
+      Value value = take_value(task, step.b, step);
+      slot(task, step.a) = {std::move(value), origin, true};
       break;
     }
     case Op::set_host:
@@ -44,71 +30,115 @@ void Interpreter::execute_name(Task& task, const Step& step) {
     case Op::replace:
       replace_part(task, step);
       break;
-    case Op::given:
+    default:  // given
       if (task.local(step.a).set) {
-        task.pc = static_cast<std::size_t>(step.c);
+        task.pc = static_cast<std::size_t>(step.d);
         return;
       }
-      break;
-    default:  // fill
-      task.local(step.a) = std::move(task.stack.back());
-      task.stack.pop_back();
       break;
   }
   ++task.pc;
 }
 
 /// A name keeps its type and unit.
-void Interpreter::change(Value& present, Value value, const Step& step) {
-  const std::string& name = step.statement->name;
-  if (!same_type(present, value))
-    fail_at(step.place, "bad-type",
-            "'" + name + "' is " + described(present) + " (" + present.text().substr(0, 60) +
-                ") and cannot become " + described(value) + " (" + value.text().substr(0, 60) + ")",
-            "a name keeps its type and unit");
-  present = std::move(value);
+void Interpreter::check_type(const Value& present, const Value& value, const Statement& s) const {
+  if (same_type(present, value)) return;
+  fail_at(s.name_place, "bad-type",
+          "'" + s.name + "' is " + described(present) + " (" + present.text().substr(0, 60) +
+              ") and cannot become " + described(value) + " (" + value.text().substr(0, 60) + ")",
+          "a name keeps its type and unit");
+}
+
+void Interpreter::change(Slot& variable, Value value, const std::string* origin, const Statement& s) {
+  if (!variable.set)
+    fail_at(s.name_place, "no-value", "'" + s.name + "' has no value yet", "its `let` comes later");
+  check_type(variable.value, value, s);
+  variable = {std::move(value), origin, true};
 }
 
 bool Interpreter::set_host(Task& task, const Step& step) {
   const std::string& name = at(code_.texts, step.a);
+  const Place place = source(step).place;
   const Value* present = host_.find(name);
   if (!present)
-    fail_at(step.place, "unknown-name",
+    fail_at(place, "unknown-name",
             "there is nothing called '" + name + "'" + did_you_mean(name, host_.names()),
             "write `let " + name + " = …` to make it");
   if (!arrived(task)) return false;
-  Value old = *present;
-  change(old, pop(task, step.place), step);
-  host_.set(name, std::move(old), program_.at(step.line));
+  Value value = take_value(task, step.b, step);
+  check_type(*present, value, *source(step).statement);
+  host_.set(name, std::move(value), program_.at(source(step).line));
   return true;
 }
 
 void Interpreter::set_literal(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  if (step.a < 0 && step.b < 0) return host_.set(s.name, s.literal, program_.at(s.place));
-  Slot& slot = step.a >= 0 ? task.local(step.a) : at(globals_, step.b);
-  slot = {s.literal, nullptr, true};
+  const Statement& s = *source(step).statement;
+  if (step.a == kNone) return host_.set(s.name, s.literal, program_.at(s.place));
+  slot(task, step.a) = {s.literal, nullptr, true};
 }
 
-/// The stack holds the whole, the places in lists, and the value that comes in.
+// Parts of variables.
+
+void Interpreter::set_element(Task& task, const Step& step) {
+  Value value = take_value(task, step.c, step);
+  const PathStep path{{}, slot(task, step.b).value};
+  Value& whole = slot(task, step.a).value;
+  replace(whole, {&path, 1}, std::move(value));
+  charge_for(whole);
+}
+
+void Interpreter::set_field(Task& task, const Step& step) {
+  Value value = take_value(task, step.b, step);
+  const PathStep path{at(code_.texts, step.c), {}};
+  Value& whole = slot(task, step.a).value;
+  replace(whole, {&path, 1}, std::move(value));
+  charge_for(whole);
+}
+
+/// set l = l + […]
+void Interpreter::append(Task& task, const Step& step) {
+  const Place sum = at(code_.places, step.d), list = at(code_.places, step.d + 1);
+  Place place = list;
+  try {
+    data::List items;
+    for (int i = step.b + step.c - 1; i >= step.b; --i) {
+      if (!task.local(i).set)
+        fail_at(list, "no-value", "a value was expected, and this function returns none",
+                "write `return` with a value in it");
+      items.push_back(std::move(task.local(i).value));
+    }
+    std::reverse(items.begin(), items.end());
+    const Value more = make_list(std::move(items));
+    place = sum;
+    Slot& variable = slot(task, step.a);
+    if (!variable.set)
+      fail_at(sum, "no-value", "a value was expected, and this function returns none",
+              "write `return` with a value in it");
+    Value result = apply(Operator::add, variable.value, more);
+    charge_for(result);
+    change(variable, std::move(result), nullptr, *source(step).statement);
+  } catch (const OperationError& error) {
+    fail_at(place, error.code, error.what, error.advice);
+  }
+}
+
+/// Behind one another lie the places in lists, and the value that comes in.
 void Interpreter::replace_part(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  Value value = pop(task, step.place);
+  const Statement& s = *source(step).statement;
+  Value value = take_value(task, operand(Where::temporary, step.b + step.d), step);
   std::vector<PathStep> path;
-  for (const std::string& part : at(code_.name_lists, step.a)) path.push_back({part, {}});
-  const auto indices =
-      std::count_if(s.path.begin(), s.path.end(), [](const PathPart& p) { return p.index != nullptr; });
-  std::size_t next = task.stack.size() - static_cast<std::size_t>(indices);
-  const std::size_t first = next;
+  for (const std::string& part : at(code_.name_lists, step.c)) path.push_back({part, {}});
+  int next = step.b;
   for (const PathPart& part : s.path) {
     if (part.index) {
-      path.push_back({{}, task.stack[next++].value});
+      path.push_back({{}, std::move(task.local(next++).value)});
     } else {
       path.push_back({part.field, {}});
     }
   }
-  task.stack.resize(first);
-  replace(task.stack.back().value, path, std::move(value));
+  Value& whole = slot(task, step.a).value;
+  replace(whole, path, std::move(value));
+  charge_for(whole);
 }
 
 }  // namespace polyarm::program

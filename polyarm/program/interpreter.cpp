@@ -28,6 +28,7 @@ Interpreter::Task& Interpreter::add_task(std::string name, int entry, bool shown
   task->name = std::move(name);
   task->pc = static_cast<std::size_t>(entry);
   task->shown = shown;
+  task->stack.resize(static_cast<std::size_t>(code_.registers));
   tasks_.push_back(std::move(task));
   return *tasks_.back();
 }
@@ -53,7 +54,7 @@ TaskState Interpreter::state() const {
 }
 
 TaskStatus Interpreter::status_of(const Task& task) const {
-  const Place place = task.handles.empty() ? code_.steps[task.pc].line : task.line;
+  const Place place = task.handles.empty() ? code_.sources[task.pc].line : task.line;
   return {task.name,    task.state,  program_.at(place), program_.source(place),
           task.waiting, task.passes, task.problem,       paused_ == task.id};
 }
@@ -116,16 +117,9 @@ bool Interpreter::run_task(Task& task, int& budget) {
     const WaitKind waited = task.waiting.kind;
     if (task.state == TaskState::waiting && !poll(task)) return false;
     // These waited in front of their step, which has begun already.
-    bool again = waited == WaitKind::arrival || waited == WaitKind::room || waited == WaitKind::lock;
-    while (task.state == TaskState::running) {
-      const bool has_begun = std::exchange(again, false);
-      if (code_.steps[task.pc].begins && !has_begun) {
-        if (budget <= 0) return true;
-        if (looks_for_stops() && stops_here(task)) return false;
-        --budget;
-      }
-      execute(task);
-    }
+    const bool again = waited == WaitKind::arrival || waited == WaitKind::room || waited == WaitKind::lock;
+    if (again) execute(task);
+    return task.state == TaskState::running && run(task, budget);
   } catch (const Ended& end) {
     raise(task, end.problem, false);
   } catch (const Error& error) {
@@ -206,7 +200,7 @@ Value as_value(const Problem& problem, const std::string& robot) {
 
 void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   if (problem.where.file.empty() && problem.where.line == 0)
-    problem.where = program_.at(code_.steps[task.pc].line);
+    problem.where = program_.at(code_.sources[task.pc].line);
   end_children(task.id);
   task.waiting = {};
   task.handles.clear();
@@ -223,9 +217,10 @@ void Interpreter::unwind(Task& task, const Problem& problem) {
   task.handlers.pop_back();
   task.stack.resize(handler.stack);
   task.frames.resize(handler.frames);
+  task.stack.resize(task.frame().base + static_cast<std::size_t>(code_.registers));
+  task.stack[handler.stack].fill(as_value(problem, robot));
   task.uses.resize(handler.uses);
   give_back_locks(task, handler.locks);
-  task.push(as_value(problem, robot));
   task.pc = handler.step;
   task.state = TaskState::running;
 }

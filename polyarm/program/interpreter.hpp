@@ -17,8 +17,6 @@
 
 namespace polyarm::program {
 
-struct Plain;
-
 struct TaskStatus {
   std::string name;
   TaskState state = TaskState::running;
@@ -50,7 +48,7 @@ struct VariableValue {
 
 struct StepResult {
   TaskState state = TaskState::running;  ///< of the whole program
-  int executed = 0;                      ///< statements begun
+  int executed = 0;  ///< statements begun; long ones, and work on large texts and lists, count as several
 };
 
 class Interpreter {
@@ -63,7 +61,9 @@ class Interpreter {
   ~Interpreter();
 
   /// Begins at most `budget` statements, the tasks in the order of the file, and returns earlier when every
-  /// task waits or the program has ended.
+  /// task waits or the program has ended. What one statement can cost is bounded by the length of its line
+  /// and the largest list and text there may be; what it costs beyond an ordinary one is taken from the
+  /// budget.
   StepResult step(int budget);
   /// Of the whole program. It has ended once its `on stop` block has run, too.
   TaskState state() const;
@@ -160,39 +160,62 @@ class Interpreter {
   void begin_look(Task& task, const Step& step, WaitKind kind);
   Nanoseconds time(const Value& value, Place place, bool bare_seconds) const;
 
-  // Steps: execute.cpp
+  // Plain steps, many at once: run.cpp
+  bool run(Task& task, int& budget);
+  void enter_function(Task& task, const Step& step);
+  void give(Task& task, const Step& step);
+  bool at_field(const data::Record& record, const Step& step, std::size_t& at);
+
+  // Any one step: execute.cpp
   void execute(Task& task);
-  bool quick(Task& task, const Step& step);
-  bool quick_load(Task& task, const Step& step);
-  bool quick_binary(Task& task, const Step& step);
-  bool quick_for(Task& task, const Step& step);
-  const data::Number* loaded_number(Task& task, const Step& step) const;
-  void hand_on(Task& task, const Plain& plain, const Step& next, std::size_t pc);
+  void execute_plain(Task& task, const Step& step);
+  void calculate(Task& task, const Step& step);
+  void calculate_into_variable(Task& task, const Step& step);
   void execute_value(Task& task, const Step& step);
-  void execute_name(Task& task, const Step& step);
-  void execute_world(Task& task, const Step& step);
-  void execute_flow(Task& task, const Step& step);
   bool push_host(Task& task, const Step& step);
-  void push_field(Task& task, const Step& step);
-  void call_builtin(Task& task, const Step& step);
-  void call_host(Task& task, const Step& step);
-  bool push_answer(Task& task, const Step& step);
-  void enter(Task& task, const Step& step);
-  void give(Task& task);
+  void take_field(Task& task, const Step& step);
+  void join_texts(Task& task, const Step& step);
+  void make_parts(Task& task, const Step& step);
+  void call_function(Task& task, const Step& step);
+  bool take_answer(Task& task, const Step& step);
+
+  // Names: execute_names.cpp
+  void execute_name(Task& task, const Step& step);
+  void change(Slot& variable, Value value, const std::string* origin, const Statement& s);
+  void check_type(const Value& present, const Value& value, const Statement& s) const;
+  void set_element(Task& task, const Step& step);
+  void set_field(Task& task, const Step& step);
+  void append(Task& task, const Step& step);
   void replace_part(Task& task, const Step& step);
-  void change(Value& present, Value value, const Step& step);
   bool set_host(Task& task, const Step& step);
   void set_literal(Task& task, const Step& step);
+
+  // Flow: execute_flow.cpp
+  void execute_flow(Task& task, const Step& step);
   void begin_for(Task& task, const Step& step);
   void next_of_for(Task& task, const Step& step);
-  void leave(Task& task, const Depths& to);
+  void leave(Task& task, const Depths& to, int names);
   void end_pass(Task& task, const Step& step);
+  void raise_step(Task& task, const Step& step);
   void retry(Task& task, const Step& step);
   void finish(Task& task);
+  void execute_world(Task& task, const Step& step);
   [[noreturn]] void fail_at(Place place, std::string code, std::string what, std::string advice = {}) const;
-  Value pop(Task& task, Place place);
-  void require_values(const Task& task, const Step& step, std::size_t count) const;
-  bool pop_boolean(Task& task, const Step& step, const char* of);
+
+  // Registers
+  Slot& slot(Task& task, Operand operand);
+  /// Of a step its value, out of a temporary; fails where there is none.
+  Value take_value(Task& task, Operand operand, const Step& step);
+  void let_go(Task& task, int first, int count);
+  /// Registers that follow one another hold values indeed.
+  void require_values(Task& task, const Step& step, int first, int count);
+  bool take_boolean(Task& task, Operand operand, const Step& step, const char* of);
+  const StepSource& source(const Step& step) const {
+    return code_.sources[static_cast<std::size_t>(&step - code_.steps.data())];
+  }
+  /// Work beyond that of an ordinary statement, as so many plain steps.
+  void charge(std::size_t steps) { work_ += static_cast<int>(steps); }
+  void charge_for(const Value& value);
 
   // Motion and meetings: motion_steps.cpp
   void move(Task& task, const Step& step);
@@ -200,6 +223,7 @@ class Interpreter {
   void use(Task& task, const Step& step);
   Move asked_move(Task& task, const Step& step, std::size_t first) const;
   void look_at_watches();
+  // World: world_steps.cpp
   void wait_step(Task& task, const Step& step);
   void until_step(Task& task, const Step& step);
   void ask(Task& task, const Step& step);
@@ -224,6 +248,9 @@ class Interpreter {
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;
   int turn_left_ = 0;
+  int work_ = 0;                      ///< of large values, not taken from a budget yet
+  data::List arguments_;              ///< of the function that is called
+  std::vector<std::uint32_t> found_;  ///< where fields were found
   struct Stepping {
     std::uint64_t task = 0;
     std::size_t most_frames = 0;

@@ -123,7 +123,7 @@ void add_targets(Move& move, const Slot& slot, const Expression& e, bool may_be_
 /// The points and clauses lie on the stack from `first` on.
 Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) const {
   using Motion = Statement::Motion;
-  const Statement& s = *step.statement;
+  const Statement& s = *source(step).statement;
   const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
   Move out;
   out.kind = s.motion == Motion::movel   ? Move::Kind::line
@@ -170,7 +170,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
 
 /// What the move is to set on its way is there and of the type of the value.
 void Interpreter::check_targets(const Task& task, const Step& step, std::size_t next) const {
-  for (const Clause& clause : step.statement->clauses) {
+  for (const Clause& clause : source(step).statement->clauses) {
     next += values_of(clause);
     if (clause.kind != Clause::Kind::at) continue;
     const Value* present = host_.find(clause.target);
@@ -187,10 +187,11 @@ void Interpreter::check_targets(const Task& task, const Step& step, std::size_t 
 }
 
 void Interpreter::move(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
+  const Statement& s = *source(step).statement;
   if (task.apart) wait_for(task, WaitKind::move);
-  const std::size_t first = task.stack.size() - values_of(s);
-  require_values(task, step, values_of(s));
+  const int count = static_cast<int>(values_of(s));
+  const std::size_t first = task.frame().base + static_cast<std::size_t>(step.a);
+  require_values(task, step, step.a, count);
   check_targets(task, step, first + s.arguments.size());
   Move move;
   try {
@@ -199,7 +200,7 @@ void Interpreter::move(Task& task, const Step& step) {
     fail_at(refused.place, "bad-type", refused.what, refused.advice);
   }
   if (!host_.room_for_move(move.robot)) return wait_for(task, WaitKind::room, move.robot);
-  const Handle handle = host_.start_move(move, program_.at(step.line));
+  const Handle handle = host_.start_move(move, program_.at(source(step).line));
   std::size_t next = first + s.arguments.size();
   for (const Clause& clause : s.clauses) {
     if (clause.kind == Clause::Kind::at) {
@@ -211,7 +212,7 @@ void Interpreter::move(Task& task, const Step& step) {
     }
     next += values_of(clause);
   }
-  task.stack.resize(first);
+  let_go(task, step.a, count);
   ++task.pc;
   if (!move.waits) {
     if (std::find(task.robots.begin(), task.robots.end(), move.robot) == task.robots.end())
@@ -226,9 +227,10 @@ void Interpreter::move(Task& task, const Step& step) {
 }
 
 void Interpreter::use(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  const std::size_t first = task.stack.size() - values_of(s);
-  require_values(task, step, values_of(s));
+  const Statement& s = *source(step).statement;
+  const int count = static_cast<int>(values_of(s));
+  const std::size_t first = task.frame().base + static_cast<std::size_t>(step.a);
+  require_values(task, step, step.a, count);
   MoveDefaults out = task.uses.empty() ? MoveDefaults{} : task.uses.back();
   std::size_t next = first;
   try {
@@ -241,7 +243,7 @@ void Interpreter::use(Task& task, const Step& step) {
   } catch (const Refused& refused) {
     fail_at(refused.place, "bad-type", refused.what, refused.advice);
   }
-  task.stack.resize(first);
+  let_go(task, step.a, count);
   task.uses.push_back(std::move(out));
   ++task.pc;
 }

@@ -257,30 +257,57 @@ Value field(const Value& of, const std::string& name) {
   refuse(described(of) + " has no '" + name + "'");
 }
 
-void replace(Value& whole, std::span<const PathStep> path, Value value) {
-  if (path.empty()) {
-    if (!same_type(whole, value))
-      refuse("this is " + described(whole) + " (" + whole.text().substr(0, 60) + ") and cannot become " +
-                 described(value) + " (" + value.text().substr(0, 60) + ")",
-             "a name keeps its type and unit");
-    whole = std::move(value);
-    return;
-  }
-  const PathStep& step = path.front();
+namespace {
+/// Which of the parts of `whole` a step goes to.
+std::size_t part_at(const Value& whole, const PathStep& step) {
   if (step.index) {
     if (!whole.as_list()) refuse("only a list has elements, here is " + described(whole));
-    List items = *whole.as_list();
-    replace(items[place_in(items, *step.index)], path.subspan(1), std::move(value));
-    whole = make_list(std::move(items));
+    return place_in(*whole.as_list(), *step.index);
+  }
+  const data::Record* record = whole.as_record();
+  if (!record) refuse("only a record has fields that can be set, here is " + described(whole));
+  const auto at = std::find(record->names.begin(), record->names.end(), step.field);
+  if (at == record->names.end()) refuse_field(*record, step.field);
+  return static_cast<std::size_t>(at - record->names.begin());
+}
+
+void refuse_other_type(const Value& present, const Value& value) {
+  if (same_type(present, value)) return;
+  refuse("this is " + described(present) + " (" + present.text().substr(0, 60) + ") and cannot become " +
+             described(value) + " (" + value.text().substr(0, 60) + ")",
+         "a name keeps its type and unit");
+}
+
+/// A list or record that comes in may make the whole too large: what there was stays until that is known.
+Value replaced(const Value& whole, std::span<const PathStep> path, Value value) {
+  if (path.empty()) {
+    refuse_other_type(whole, value);
+    return value;
+  }
+  const std::size_t at = part_at(whole, path.front());
+  if (const List* items = whole.as_list()) {
+    List out = *items;
+    out[at] = replaced(out[at], path.subspan(1), std::move(value));
+    return make_list(std::move(out));
+  }
+  data::Record out = *whole.as_record();
+  out.values[at] = replaced(out.values[at], path.subspan(1), std::move(value));
+  return make_record(std::move(out));
+}
+}  // namespace
+
+void replace(Value& whole, std::span<const PathStep> path, Value value) {
+  if (value.as_list() || value.as_record()) {
+    whole = replaced(whole, path, std::move(value));
     return;
   }
-  if (!whole.as_record()) refuse("only a record has fields that can be set, here is " + described(whole));
-  data::Record record = *whole.as_record();
-  const auto at = std::find(record.names.begin(), record.names.end(), step.field);
-  if (at == record.names.end()) refuse_field(record, step.field);
-  replace(record.values[static_cast<std::size_t>(at - record.names.begin())], path.subspan(1),
-          std::move(value));
-  whole = make_record(std::move(record));
+  Value* part = &whole;
+  for (const PathStep& step : path) {
+    const std::size_t at = part_at(*part, step);
+    part = &(*part->own_parts())[at];
+  }
+  refuse_other_type(*part, value);
+  *part = std::move(value);
 }
 
 bool same_type(const Value& a, const Value& b) {

@@ -15,6 +15,7 @@ void add_to(std::uint64_t& hash, const std::string& text) {
 
 std::uint64_t fingerprint(const Program& program) {
   std::uint64_t hash = 14695981039346656037ull;
+  add_to(hash, "registers 1");  // how the steps are made: a state of other steps means something else
   for (const std::string& line : program.lines) add_to(hash, line);
   for (const Program::Included& included : program.included)
     for (const std::string& line : included.lines) add_to(hash, line);
@@ -104,13 +105,16 @@ StartReport Interpreter::restore(const SavedState& from) {
     task.id = each.id;
     task.apart = each.apart, task.met = each.met, task.was_true = each.was_true;
     task.state = each.state;
-    for (const SavedSlot& slot : each.stack) task.stack.push_back(slot_of(slot));
     task.frames = each.frames;
+    task.stack.clear();
+    for (const SavedSlot& slot : each.stack) task.stack.push_back(slot_of(slot));
+    const std::size_t needed = task.frame().base + static_cast<std::size_t>(code_.registers);
+    if (task.stack.size() < needed) task.stack.resize(needed);
     task.uses = each.uses;
     task.locks = each.locks;
     task.handlers = each.handlers;
     task.passes = each.passes;
-    task.line = code_.steps[task.pc].line;
+    task.line = code_.sources[task.pc].line;
     task.waiting = {each.waits, {}, {}, each.waits_at};
     if (each.waits_for) task.waiting.until = host_.now() + *each.waits_for;
     if (each.deadline) task.deadline = host_.now() + *each.deadline;
@@ -135,7 +139,7 @@ MoveDefaults Interpreter::uses(const std::string& name) const {
 
 Place Interpreter::position() const {
   const Task& shown = shown_task();
-  return shown.handles.empty() ? code_.steps[shown.pc].line : shown.line;
+  return shown.handles.empty() ? code_.sources[shown.pc].line : shown.line;
 }
 
 }  // namespace polyarm::program

@@ -23,7 +23,8 @@ struct Interpreter::Task {
   TaskState state = TaskState::running;
   std::size_t pc = 0;
   Place line;  ///< of the step that was executed last, which is what it waits in
-  std::vector<Slot> stack;
+  std::vector<Slot>
+      stack;  ///< registers of all calls, at least as many behind the last base as any function needs
   std::vector<CallFrame> frames = std::vector<CallFrame>(1);
   std::vector<MoveDefaults> uses;
   Move::Step step;  ///< of its moves
@@ -43,9 +44,6 @@ struct Interpreter::Task {
   bool over() const { return state != TaskState::running && state != TaskState::waiting; }
   CallFrame& frame() { return frames.back(); }
   Slot& local(int slot) { return stack[frame().base + static_cast<std::size_t>(slot)]; }
-  void push(Value value, const std::string* origin = nullptr) {
-    stack.push_back({std::move(value), origin, true});
-  }
 };
 
 /// A value that is set when a move has come far enough.

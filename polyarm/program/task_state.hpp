@@ -41,17 +41,21 @@ struct Waiting {
       text;  ///< of a move the point, of a load the file, of a user the question, of a meeting its name
 };
 
-/// A variable, or a value on its way through an expression.
+/// A variable, or a value on its way through an expression. Where it is not set its value is False.
 struct Slot {
   Slot() = default;
   Slot(data::Value of, const std::string* called, bool is_set)
-      : value(std::move(of)), origin(called), set(is_set) {}
-  explicit Slot(data::Number number) : value(number) {}
-  explicit Slot(bool truth) : value(truth) {}
+      : value(std::move(of)), set(is_set), origin(called) {}
 
-  data::Value value;
-  const std::string* origin = nullptr;  ///< what the host calls the point that this is
+  void fill(data::Value with) {
+    value = std::move(with);
+    set = true;
+    origin = nullptr;
+  }
+
+  [[no_unique_address]] data::Value value;
   bool set = true;
+  const std::string* origin = nullptr;  ///< of a point what the host calls it
 };
 
 /// What moves take when they do not say it themselves.

@@ -15,7 +15,7 @@ std::string read_by(const std::vector<std::string>& names) {
 
 void Interpreter::wait_for(Task& task, WaitKind kind, std::string text) {
   if (task.apart && kind != WaitKind::turn)
-    fail_at(code_.steps[task.pc].line, "waits", "a 'when' or 'on stop' block cannot wait or move",
+    fail_at(code_.sources[task.pc].line, "waits", "a 'when' or 'on stop' block cannot wait or move",
             "set a tag here and let a task do it");
   task.waiting = {kind, {}, {}, std::move(text)};
   task.state = TaskState::waiting;
@@ -128,7 +128,7 @@ void Interpreter::time_out(Task& task) {
         : waiting.kind == WaitKind::lock
             ? "the time-out passed and another task still has '" + waiting.text + "'"
             : "the time-out passed and the condition is still false; it reads " + read_by(waiting.names);
-    throw Error(Problem{"timeout", program_.at(step.line), what,
+    throw Error(Problem{"timeout", program_.at(source(step).line), what,
                         waiting.kind == WaitKind::lock ? "catch it with `try`"
                                                        : "write `else` after the timeout to handle it"});
   }

@@ -9,12 +9,12 @@
 namespace polyarm::program {
 
 void Interpreter::execute_world(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
+  const Statement& s = *source(step).statement;
   switch (step.op) {
     case Op::arrive:
       if (!arrived(task)) return;
       break;
-    case Op::load: {
+    case Op::load_file: {
       if (!arrived(task)) return;
       const LoadForm form = s.kind == Statement::Kind::import ? LoadForm::import : LoadForm::load;
       wait_for(task, WaitKind::load, s.name);
@@ -28,12 +28,12 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::until:
       return until_step(task, step);
     case Op::deadline:
-      task.deadline = host_.now() + time(pop(task, step.place), step.place, false);
+      task.deadline = host_.now() + time(take_value(task, step.b, step), source(step).place, false);
       break;
     case Op::wait:
       return wait_step(task, step);
     case Op::wait_time: {
-      const Nanoseconds until = host_.now() + time(pop(task, step.place), step.place, true);
+      const Nanoseconds until = host_.now() + time(take_value(task, step.b, step), source(step).place, true);
       wait_for(task, WaitKind::time);
       task.waiting.until = until;
       break;
@@ -42,26 +42,25 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       return ask(task, step);
     case Op::log: {
       std::string text;
-      require_values(task, step, static_cast<std::size_t>(step.a));
-      const std::size_t first = task.stack.size() - static_cast<std::size_t>(step.a);
-      for (std::size_t i = first; i < task.stack.size(); ++i)
-        text += (i > first ? " " : "") + task.stack[i].value.text();
-      task.stack.resize(first);
-      host_.log(text, program_.at(step.line));
+      require_values(task, step, step.b, step.c);
+      for (int i = 0; i < step.c; ++i) text += (i > 0 ? " " : "") + task.local(step.b + i).value.text();
+      let_go(task, step.b, step.c);
+      charge(text.size() / 4);
+      host_.log(text, program_.at(source(step).line));
       break;
     }
     case Op::hold: {
       if (task.apart) wait_for(task, WaitKind::user);
       if (!arrived(task)) return;
-      const std::string reason = step.a > 0 ? pop(task, step.place).text() : "the program holds";
+      const std::string reason = step.b != kNone ? take_value(task, step.b, step).text() : "the program holds";
       ++task.pc;
-      return host_.hold(reason, program_.at(step.line));
+      return host_.hold(reason, program_.at(source(step).line));
     }
     case Op::ask_value: {
       if (!arrived(task)) return;
-      const std::string text = pop(task, step.place).text();
+      const std::string text = take_value(task, step.b, step).text();
       wait_for(task, WaitKind::user, text);
-      task.handles = {host_.start_ask(text, program_.at(step.line))};
+      task.handles = {host_.start_ask(text, program_.at(source(step).line))};
       break;
     }
     case Op::run:
@@ -81,7 +80,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
 
 /// Now, or before its time-out has passed; else what is not so is told behind it.
 void Interpreter::expect(Task& task, const Step& step) {
-  const bool met = pop_boolean(task, step, "expect");
+  const bool met = take_boolean(task, step.d, step, "expect");
   const bool looks_again = !met && task.deadline && !deadline_passed(task);
   if (looks_again) return begin_look(task, step, WaitKind::condition);
   task.deadline.reset();
@@ -89,23 +88,24 @@ void Interpreter::expect(Task& task, const Step& step) {
 }
 
 void Interpreter::tell_unmet(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  const auto& spellings = at(code_.name_lists, step.b);
+  const Statement& s = *source(step).statement;
+  const auto& spellings = at(code_.name_lists, step.d);
   std::vector<std::string> values;
-  for (int i = 0; i < step.a; ++i) values.push_back(pop(task, step.place).text().substr(0, 200));
-  std::reverse(values.begin(), values.end());
+  require_values(task, step, step.b, step.c);
+  for (int i = 0; i < step.c; ++i) values.push_back(task.local(step.b + i).value.text().substr(0, 200));
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = spellings[i] + " is " + values[i];
   std::string what = "expected " + spelled(*s.expression);
   if (s.second) what += " within " + spelled(*s.second);
-  fail_at(step.line, "expect", what + (values.empty() ? "" : "; " + join(values, ", ")));
+  fail_at(source(step).line, "expect", what + (values.empty() ? "" : "; " + join(values, ", ")));
 }
 
 /// A number is a time to wait, a boolean a condition to wait for.
 void Interpreter::wait_step(Task& task, const Step& step) {
-  const Value value = pop(task, step.place);
-  if (value.as_number() && step.statement->kind == Statement::Kind::wait) {
-    if (task.deadline) fail_at(step.statement->second->place, "bad-type", "a wait for a time has no timeout");
-    const Nanoseconds until = host_.now() + time(value, step.place, false);
+  const Value value = take_value(task, step.d, step);
+  if (value.as_number() && source(step).statement->kind == Statement::Kind::wait) {
+    if (task.deadline)
+      fail_at(source(step).statement->second->place, "bad-type", "a wait for a time has no timeout");
+    const Nanoseconds until = host_.now() + time(value, source(step).place, false);
     wait_for(task, WaitKind::time);
     task.waiting.until = until;
     ++task.pc;
@@ -113,7 +113,7 @@ void Interpreter::wait_step(Task& task, const Step& step) {
   }
   const bool* truth = value.as_boolean();
   if (!truth)
-    fail_at(step.place, "bad-type",
+    fail_at(source(step).place, "bad-type",
             std::string("the condition of 'wait' is ") + data::name(value.kind()) + " (" +
                 value.text().substr(0, 60) + "), True or False was expected");
   if (!*truth) {
@@ -127,8 +127,8 @@ void Interpreter::wait_step(Task& task, const Step& step) {
 
 /// True: the move ends here. At its end without that the block behind `else` is done.
 void Interpreter::until_step(Task& task, const Step& step) {
-  if (pop_boolean(task, step, "until")) {
-    host_.end_move(task.handles.back(), program_.at(step.line));
+  if (take_boolean(task, step.d, step, "until")) {
+    host_.end_move(task.handles.back(), program_.at(source(step).line));
     wait_for(task, WaitKind::move, "its end");
     ++task.pc;
     return;
@@ -145,14 +145,13 @@ void Interpreter::until_step(Task& task, const Step& step) {
 }
 
 void Interpreter::ask(Task& task, const Step& step) {
-  const Statement& s = *step.statement;
-  if (step.a >= 0 && host_.find(s.second->name)) {
-    task.stack.pop_back();
-    task.pc = static_cast<std::size_t>(step.a);
+  const Statement& s = *source(step).statement;
+  if (step.d >= 0 && host_.find(s.second->name)) {
+    task.pc = static_cast<std::size_t>(step.d);
     return;
   }
   if (!arrived(task)) return;
-  const std::string text = pop(task, step.place).text();
+  const std::string text = take_value(task, step.b, step).text();
   wait_for(task, WaitKind::user, text);
   task.handles = {host_.start_ask(text, program_.at(s.place))};
   ++task.pc;
@@ -165,7 +164,7 @@ void Interpreter::meet(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
   const auto parties = code_.meetings.find(name);
   if (parties == code_.meetings.end() || parties->second < 2)
-    fail_at(step.place, "no-meeting", "no other task comes to '" + name + "'",
+    fail_at(source(step).place, "no-meeting", "no other task comes to '" + name + "'",
             "`meet` stands in two or more tasks");
   auto& come = meetings_[name];
   come.push_back(task.id);
@@ -186,7 +185,7 @@ void Interpreter::lock(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
   const auto owner = locks_.find(name);
   if (owner != locks_.end() && owner->second == task.id)
-    fail_at(step.place, "locked", "this task has '" + name + "' already", {});
+    fail_at(source(step).place, "locked", "this task has '" + name + "' already", {});
   if (owner != locks_.end()) {
     wait_for(task, WaitKind::lock, name);
     task.waiting.until = task.deadline;
@@ -206,7 +205,8 @@ void Interpreter::together(Task& task, const Step& step) {
   for (const int entry : entries) {
     Task& child = add_task(task.name, entry, false);
     child.parent = task.id;
-    child.stack.assign(task.stack.begin() + static_cast<std::ptrdiff_t>(frame.base), task.stack.end());
+    const auto first = task.stack.begin() + static_cast<std::ptrdiff_t>(frame.base);
+    child.stack.assign(first, first + code_.registers);
     child.uses = task.uses;
     child.frames.front().uses = child.uses.size();
     if (step.b) child.step = {groups_ + 1, entries.size()};

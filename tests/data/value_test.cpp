@@ -65,24 +65,38 @@ TEST(Value, AssignmentReplacesEveryKindByEveryOther) {
     }
 }
 
+TEST(Value, MayBecomeAPartOfItself) {
+  Value list = List{1, List{2, "inner"}};
+  list = Value((*list.as_list())[1]);
+  EXPECT_EQ(list.text(), "[2, inner]");
+  list = std::move((*list.own_parts())[1]);
+  EXPECT_EQ(list, Value("inner"));
+}
+
 TEST(Value, AChangedPartLeavesCopiesAsTheyWere) {
   Value list = List{1, 2, 3};
   const Value before = list;
-  list.set_part(1, 20);
+  (*list.own_parts())[1] = 20;
   list.append("four");
   EXPECT_EQ(list.text(), "[1, 20, 3, four]");
   EXPECT_EQ(before.text(), "[1, 2, 3]");
   Value record = Record{{"a", "b"}, {1, 2}};
   const Value other = record;
-  record.set_part(0, "x");
+  (*record.own_parts())[0] = "x";
   EXPECT_EQ(record.text(), "{a = x, b = 2}");
   EXPECT_EQ(other.text(), "{a = 1, b = 2}");
+  Value text = "ab";
+  const Value shorter = text;
+  text.append("cd");
+  EXPECT_EQ(text, Value("abcd"));
+  EXPECT_EQ(shorter, Value("ab"));
+  EXPECT_EQ(Value(1).own_parts(), nullptr);
 }
 
 TEST(Value, APartThatNobodySharesIsChangedInPlace) {
   Value list = List{1, 2, 3};
   const List* const where = list.as_list();
-  list.set_part(0, 5);
+  (*list.own_parts())[0] = 5;
   list.append(6);
   EXPECT_EQ(list.as_list(), where);
 }
@@ -101,6 +115,8 @@ TEST(Value, KnowsHowMuchIsInIt) {
   list.append(2);
   EXPECT_EQ(extent(list), std::pair(3u, 1u));
   EXPECT_EQ(extent(copy), std::pair(2u, 1u));
+  list.append(List{List{5}});
+  EXPECT_EQ(extent(list), std::pair(6u, 3u));
 }
 
 TEST(Value, CopiesMayBeLetGoByOtherThreads) {

@@ -1,0 +1,514 @@
+/// The steps that programs calculate with most, for plain values. What is not plain, and what is wrong, is
+/// left to execute.cpp, which can take every step.
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "polyarm/program/operators.hpp"
+#include "polyarm/program/task.hpp"
+
+namespace polyarm::program {
+
+using data::Number;
+
+namespace {
+
+/// Where operands are, by what they are.
+struct Operands {
+  Slot* of[4];
+  Slot& operator[](Operand operand) const { return of[operand & 3][operand >> 2]; }
+};
+
+/// As std::fmod, and quicker for whole numbers; with the sign of the divisor.
+double remainder_of(double a, double b) {
+  constexpr double kWhole = 9e15;
+  const bool fits = a > -kWhole && a < kWhole && b > -kWhole && b < kWhole;
+  const std::int64_t m = fits ? static_cast<std::int64_t>(a) : 0, n = fits ? static_cast<std::int64_t>(b) : 0;
+  const bool whole = n != 0 && static_cast<double>(m) == a && static_cast<double>(n) == b;
+  const double rest = whole ? static_cast<double>(m % n) : std::fmod(a, b);
+  return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+}
+
+/// False where units or the result need a closer look.
+template <Operator op>
+bool calculate(const Number& a, const Number& b, Number& out) {
+  const bool bare_b = b.dimension == Dimension::none;
+  out.dimension = a.dimension;
+  if constexpr (op == Operator::multiply) {
+    if (a.dimension != Dimension::none && !bare_b) return false;
+    if (!bare_b) out.dimension = b.dimension;
+    out.value = a.value * b.value;
+  } else if constexpr (op == Operator::divide) {
+    if (b.value == 0) return false;
+    if (!bare_b) {
+      if (a.dimension != b.dimension) return false;
+      out.dimension = Dimension::none;
+    }
+    out.value = a.value / b.value;
+  } else {
+    if (a.dimension != b.dimension) return false;
+    if constexpr (op == Operator::add) out.value = a.value + b.value;
+    if constexpr (op == Operator::subtract) out.value = a.value - b.value;
+    if constexpr (op == Operator::modulo) {
+      if (b.value == 0) return false;
+      out.value = remainder_of(a.value, b.value);
+    }
+  }
+  return std::isfinite(out.value);
+}
+
+template <Operator op>
+bool calculate(const Operands& at, const Step& step, Number& out) {
+  const Number *a = at[step.b].value.as_number(), *b = at[step.c].value.as_number();
+  return a && b && calculate<op>(*a, *b, out);
+}
+
+template <Operator op>
+bool into_register(const Operands& at, const Step& step) {
+  Number out;
+  if (!calculate<op>(at, step, out)) return false;
+  at[step.a].fill(out);
+  return true;
+}
+
+/// A variable keeps its unit.
+template <Operator op>
+bool into_variable(const Operands& at, const Step& step) {
+  Number out;
+  Number* now = at[step.a].value.own_number();
+  if (!now || !calculate<op>(at, step, out) || now->dimension != out.dimension) return false;
+  now->value = out.value;
+  return true;
+}
+
+template <Operator op>
+bool holds(const Number& a, const Number& b) {
+  if constexpr (op == Operator::equal) return a.value == b.value;
+  if constexpr (op == Operator::unequal) return a.value != b.value;
+  if constexpr (op == Operator::less) return a.value < b.value;
+  if constexpr (op == Operator::less_equal) return a.value <= b.value;
+  if constexpr (op == Operator::greater) return a.value > b.value;
+  return a.value >= b.value;
+}
+
+template <Operator op>
+bool compare(const Operands& at, const Step& step, bool& truth) {
+  const Number *a = at[step.b].value.as_number(), *b = at[step.c].value.as_number();
+  if (!a || !b || a->dimension != b->dimension) return false;
+  truth = holds<op>(*a, *b);
+  return true;
+}
+
+const bool* truth_of(const Slot& slot) {
+  return slot.set ? slot.value.as_boolean() : nullptr;
+}
+
+/// Operators that have no step of their own.
+bool other_operator(const Operands& at, const Step& step) {
+  const auto op = static_cast<Operator>(step.more);
+  bool truth = false, known = true;
+  switch (op) {
+    case Operator::logical_and:
+    case Operator::logical_or: {
+      const bool *a = truth_of(at[step.b]), *b = truth_of(at[step.c]);
+      if (!a || !b) return false;
+      truth = op == Operator::logical_and ? *a && *b : *a || *b;
+      break;
+    }
+    case Operator::equal:
+      known = compare<Operator::equal>(at, step, truth);
+      break;
+    case Operator::unequal:
+      known = compare<Operator::unequal>(at, step, truth);
+      break;
+    case Operator::less:
+      known = compare<Operator::less>(at, step, truth);
+      break;
+    case Operator::less_equal:
+      known = compare<Operator::less_equal>(at, step, truth);
+      break;
+    case Operator::greater:
+      known = compare<Operator::greater>(at, step, truth);
+      break;
+    case Operator::greater_equal:
+      known = compare<Operator::greater_equal>(at, step, truth);
+      break;
+    default:
+      return false;
+  }
+  if (known) at[step.a].fill(truth);
+  return known;
+}
+
+bool quick_unary(const Operands& at, const Step& step) {
+  const Slot& of = at[step.b];
+  if (static_cast<Operator>(step.more) == Operator::logical_not) {
+    const bool* truth = truth_of(of);
+    if (truth) at[step.a].fill(!*truth);
+    return truth != nullptr;
+  }
+  const Number* number = of.value.as_number();
+  if (number) at[step.a].fill(Number{-number->value, number->dimension});
+  return number != nullptr;
+}
+
+bool quick_load(const Operands& at, const Step& step) {
+  Slot& from = at[step.b];
+  if (const Number* number = from.value.as_number()) {
+    at[step.a].fill(*number);
+    return true;
+  }
+  if (!from.set) return false;
+  at[step.a] = where(step.b) == Where::temporary ? std::move(from) : from;
+  return true;
+}
+
+bool quick_change(const Operands& at, const Step& step) {
+  Slot &variable = at[step.a], &from = at[step.b];
+  if (variable.value.kind() != from.value.kind() || !variable.set || !from.set) return false;
+  if (const Number* number = from.value.as_number()) {
+    Number* now = variable.value.own_number();
+    if (now->dimension != number->dimension) return false;
+    now->value = number->value;
+    return true;
+  }
+  variable = where(step.b) == Where::temporary ? std::move(from) : from;
+  return true;
+}
+
+/// Whether `at` is a place in a list of so many values.
+bool is_place(const Number* at, std::size_t size, std::size_t& index) {
+  if (!at || at->dimension != Dimension::none) return false;
+  if (!(at->value >= 1) || !(at->value <= static_cast<double>(size))) return false;
+  index = static_cast<std::size_t>(at->value);
+  return static_cast<double>(index--) == at->value;
+}
+
+bool quick_element(const Operands& at, const Step& step) {
+  const Slot& of = at[step.b];
+  const data::List* list = of.value.as_list();
+  std::size_t index = 0;
+  if (!list || !is_place(at[step.c].value.as_number(), list->size(), index)) return false;
+  if (where(step.b) == Where::temporary && step.b != step.a) return false;
+  const Value& part = (*list)[index];
+  if (const Number* number = part.as_number()) {
+    at[step.a].fill(Number(*number));
+  } else {
+    at[step.a].fill(part);
+  }
+  return true;
+}
+
+bool is_large(const Value& value) {
+  return value.kind() == data::Kind::list || value.kind() == data::Kind::record;
+}
+
+/// `part` takes the place of one that is like it.
+bool replace(Value& whole, std::size_t index, const Value& present, const Slot& part) {
+  if (!part.set || is_large(part.value) || !same_type(present, part.value)) return false;
+  Value next = part.value;
+  (*whole.own_parts())[index] = std::move(next);
+  return true;
+}
+
+bool quick_set_element(const Operands& at, const Step& step) {
+  Value& whole = at[step.a].value;
+  const data::List* list = whole.as_list();
+  std::size_t index = 0;
+  if (!list || !is_place(at[step.b].value.as_number(), list->size(), index)) return false;
+  return replace(whole, index, (*list)[index], at[step.c]);
+}
+
+bool quick_append(const Operands& at, const Step& step) {
+  constexpr std::uint32_t kDeepest = 8;
+  Slot& list = at[step.a];
+  if (!list.set || !list.value.as_list()) return false;
+  const Value::Extent extent = list.value.extent();
+  const auto count = static_cast<std::uint32_t>(step.c);
+  if (extent.depth > kDeepest || extent.values + count > kMostListItems + 1) return false;
+  Slot* const parts = at.of[0] + step.b;
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (!parts[i].set || is_large(parts[i].value)) return false;
+  for (std::uint32_t i = 0; i < count; ++i) list.value.append(std::move(parts[i].value));
+  return true;
+}
+
+/// A range that names no places, at the end of a pass; whether there is a next number.
+bool count_on(const Operands& at, const Step& step, bool& more) {
+  Slot* const loop = at.of[0] + step.a;
+  const Number* last = loop[1].value.as_number();
+  Number* now = loop[2].value.own_number();
+  if (step.b != 0 || !last || !now) return false;
+  now->value += 1;
+  more = now->value <= last->value;
+  return true;
+}
+
+bool next_of_list(const Operands& at, const Step& step, bool& more) {
+  Slot* const loop = at.of[0] + step.a;
+  const data::List* list = loop[1].value.as_list();
+  Number* done = loop[0].value.own_number();
+  if (step.b != 0 || !list || !done || !(done->value >= 0)) return false;
+  more = done->value < static_cast<double>(list->size());
+  if (more) loop[2].fill((*list)[static_cast<std::size_t>(done->value)]);
+  done->value += 1;
+  return true;
+}
+
+}  // namespace
+
+/// Where `record` has the field that `step` names. It is looked for first where it was found before.
+bool Interpreter::at_field(const data::Record& record, const Step& step, std::size_t& at) {
+  constexpr std::size_t kRemembered = 1024;
+  if (found_.empty()) found_.resize(kRemembered);
+  std::uint32_t& found = found_[step.more % kRemembered];
+  const std::string& name = code_.texts[static_cast<std::size_t>(step.c)];
+  at = found;
+  if (at < record.names.size() && record.names[at] == name) return true;
+  for (at = 0; at < record.names.size(); ++at) {
+    if (record.names[at] != name) continue;
+    found = static_cast<std::uint32_t>(at);
+    return true;
+  }
+  return false;
+}
+
+void Interpreter::enter_function(Task& task, const Step& step) {
+  const std::size_t base = task.frame().base + static_cast<std::size_t>(step.a);
+  task.frames.push_back({task.pc + 1, base, task.uses.size(), task.locks.size(), task.handlers.size()});
+  const std::size_t needed = base + static_cast<std::size_t>(code_.registers);
+  if (task.stack.size() < needed) task.stack.resize(needed);
+  task.pc = static_cast<std::size_t>(at(code_.functions, step.c).entry);
+}
+
+/// The result comes to the first register of the function, which is the caller's again.
+void Interpreter::give(Task& task, const Step& step) {
+  const CallFrame frame = task.frames.back();
+  Slot& from = slot(task, step.b);
+  const bool others = where(step.b) == Where::global || where(step.b) == Where::constant;
+  Slot result = others ? from : std::move(from);
+  let_go(task, 0, at(code_.functions, step.c).registers);
+  task.stack[frame.base] = std::move(result);
+  task.frames.pop_back();
+  task.pc = frame.return_to;
+  if (task.uses.size() != frame.uses) task.uses.resize(frame.uses);
+  if (task.handlers.size() > frame.handlers) task.handlers.resize(frame.handlers);
+  if (task.locks.size() > frame.locks) give_back_locks(task, frame.locks);
+}
+
+void Interpreter::let_go(Task& task, int first, int count) {
+  Slot* const slots = task.stack.data() + task.frame().base + first;
+  for (int i = 0; i < count; ++i) slots[i].fill(false);
+}
+
+/// Takes steps until `task` waits, has ended or pauses; true where the budget is used up.
+bool Interpreter::run(Task& task, int& budget) {
+  const Step* const steps = code_.steps.data();
+  const auto operands = [&] {
+    Slot* const frame = task.stack.data() + task.frame().base;
+    return Operands{{frame, globals_.data(), code_.constants.data(), frame}};
+  };
+  Operands at = operands();
+  const Step* step = steps + task.pc;
+  bool watched = looks_for_stops();
+  while (true) {
+    if (step->begins != 0) {
+      if (budget <= 0 || watched) {
+        task.pc = static_cast<std::size_t>(step - steps);
+        if (budget <= 0) return true;
+        if (stops_here(task)) return false;
+        watched = looks_for_stops();
+      }
+      budget -= step->begins;
+    }
+    bool truth = false;
+    switch (step->op) {
+      case Op::load:
+        if (!quick_load(at, *step)) break;
+        ++step;
+        continue;
+      case Op::require:
+        if (!at[step->a].set) break;
+        ++step;
+        continue;
+      case Op::add:
+        if (!into_register<Operator::add>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::subtract:
+        if (!into_register<Operator::subtract>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::multiply:
+        if (!into_register<Operator::multiply>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::divide:
+        if (!into_register<Operator::divide>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::modulo:
+        if (!into_register<Operator::modulo>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::calculate:
+        if (!other_operator(at, *step)) break;
+        ++step;
+        continue;
+      case Op::add_to:
+        if (!into_variable<Operator::add>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::subtract_to:
+        if (!into_variable<Operator::subtract>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::multiply_to:
+        if (!into_variable<Operator::multiply>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::divide_to:
+        if (!into_variable<Operator::divide>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::modulo_to:
+        if (!into_variable<Operator::modulo>(at, *step)) break;
+        ++step;
+        continue;
+      case Op::unary:
+        if (!quick_unary(at, *step)) break;
+        ++step;
+        continue;
+      case Op::change:
+        if (!quick_change(at, *step)) break;
+        ++step;
+        continue;
+      case Op::jump:
+        step = steps + step->d;
+        continue;
+      case Op::jump_unless: {
+        const bool* holds = truth_of(at[step->b]);
+        if (!holds) break;
+        step = *holds ? step + 1 : steps + step->d;
+        continue;
+      }
+      case Op::unless_equal:
+        if (!compare<Operator::equal>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::unless_unequal:
+        if (!compare<Operator::unequal>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::unless_less:
+        if (!compare<Operator::less>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::unless_less_equal:
+        if (!compare<Operator::less_equal>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::unless_greater:
+        if (!compare<Operator::greater>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::unless_greater_equal:
+        if (!compare<Operator::greater_equal>(at, *step, truth)) break;
+        step = truth ? step + 1 : steps + step->d;
+        continue;
+      case Op::when_equal:
+        if (!compare<Operator::equal>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::when_unequal:
+        if (!compare<Operator::unequal>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::when_less:
+        if (!compare<Operator::less>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::when_less_equal:
+        if (!compare<Operator::less_equal>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::when_greater:
+        if (!compare<Operator::greater>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::when_greater_equal:
+        if (!compare<Operator::greater_equal>(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::settle: {
+        const bool* left = truth_of(at[step->b]);
+        if (!left) break;
+        const bool settles = *left == (static_cast<Operator>(step->more) == Operator::logical_or);
+        step = settles ? steps + step->d : step + 1;
+        continue;
+      }
+      case Op::for_again:
+        if (!count_on(at, *step, truth) && !next_of_list(at, *step, truth)) break;
+        step = truth ? steps + step->d : step + 1;
+        continue;
+      case Op::element:
+        if (!quick_element(at, *step)) break;
+        ++step;
+        continue;
+      case Op::field: {
+        const data::Record* record = at[step->b].value.as_record();
+        std::size_t place = 0;
+        if (!record || !at_field(*record, *step, place)) break;
+        if (where(step->b) == Where::temporary && step->b != step->a) break;
+        at[step->a].fill(record->values[place]);
+        ++step;
+        continue;
+      }
+      case Op::set_element:
+        if (!quick_set_element(at, *step)) break;
+        ++step;
+        continue;
+      case Op::set_field: {
+        Value& whole = at[step->a].value;
+        const data::Record* record = whole.as_record();
+        std::size_t place = 0;
+        if (!record || !at_field(*record, *step, place)) break;
+        if (!replace(whole, place, record->values[place], at[step->b])) break;
+        ++step;
+        continue;
+      }
+      case Op::append:
+        if (!quick_append(at, *step)) break;
+        ++step;
+        continue;
+      case Op::call:
+        if (task.frames.size() > kDeepestCalls) break;
+        task.pc = static_cast<std::size_t>(step - steps);
+        enter_function(task, *step);
+        at = operands();
+        step = steps + task.pc;
+        continue;
+      case Op::give:
+        give(task, *step);
+        at = operands();
+        step = steps + task.pc;
+        continue;
+      case Op::let_go:
+        let_go(task, step->a, step->b);
+        ++step;
+        continue;
+      default:
+        break;
+    }
+    task.pc = static_cast<std::size_t>(step - steps);
+    execute(task);
+    if (task.state != TaskState::running) return false;
+    budget -= work_ / kStepsOfAStatement;
+    work_ %= kStepsOfAStatement;
+    at = operands();
+    step = steps + task.pc;
+    watched = looks_for_stops();
+  }
+}
+
+}  // namespace polyarm::program
