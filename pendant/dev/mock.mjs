@@ -33,24 +33,24 @@ const model = {
     { name: 'base', visuals: [{ shape: 'cylinder', radius: 0.065, length: 0.1, origin: { p: [0, 0, 0.05], q: identity }, color: grey }] },
     ...joints.map((joint, i) => ({ name: joint.child, visuals: [rod([0, 0, 0], joints[i + 1]?.p ?? [0, 0.05, 0], [0.055, 0.045, 0.04, 0.035, 0.035, 0.03][i], i % 2 ? grey : blue)] })),
   ],
-  joints: joints.map((j) => ({ name: j.name, type: 'revolute', parent: j.parent, child: j.child, origin: { p: j.p, q: identity }, axis: j.axis, mimic: null })),
+  joints: joints.map((j) => ({ name: j.name, interface: `arm/${j.name}`, type: 'revolute', parent: j.parent, child: j.child, origin: { p: j.p, q: identity }, axis: j.axis, mimic: null })),
   tcp,
   tool: { name: 'suction_cup', visuals: [rod([0, 0, -0.06], [0, 0, -0.005], 0.012, [0.2, 0.22, 0.25, 1])] },
 };
-const box = (name, kind, size, p, color) => ({ name, kind, p, q: identity, visuals: [{ shape: 'box', size, origin, color }] });
+const box = (name, size, p, color) => ({ name, pose: { p, q: identity }, visuals: [{ shape: 'box', size, origin, color }] });
 const scene = {
-  things: [
-    box('table', 'fixture', [1.4, 1.4, 0.04], [0.2, 0, -0.02], [0.55, 0.58, 0.62, 1]),
-    box('tray', 'bin', [0.18, 0.14, 0.01], [0.3, -0.15, 0.005], [0.3, 0.55, 0.4, 1]),
-    { name: 'cube1', kind: 'part', moving: true, ...cell.part, visuals: [cube] },
-  ],
-  frames: [{ name: 'Pick', p: [0.3, 0.15, 0.04], q: [1, 0, 0, 0] }, { name: 'Place', p: [0.3, -0.15, 0.045], q: [1, 0, 0, 0] }],
+  floor: -0.75,
+  fixtures: [box('table', [1.4, 1.4, 0.04], [0.2, 0, -0.02], [0.55, 0.58, 0.62, 1])],
+  parts: [{ name: 'cube1', kind: 'cube', pose: origin, visuals: [cube] }],
+  bins: [{ name: 'tray', lower: [0.21, -0.22, 0], upper: [0.39, -0.08, 0.08], color: [0.25, 0.55, 0.35, 0.25] }],
+  movers: [],
 };
 const info = {
   name: 'pick_and_place', folder: '/cells/pick_and_place', simulated: true, real: false, rate_hz: 500,
   robots: [{ name: 'arm', id: 'mock/six', title: 'Mock Six', base: origin, model: '/api/model/arm',
-    joints: joints.map((j) => ({ name: j.name, type: 'revolute', lower: -j.limit, upper: j.limit, velocity: j.velocity, unit: 'rad' })) }],
-  cameras: [], frames: ['Pick', 'Place'], scene: '/api/scene',
+    joints: joints.map((j) => ({ name: j.name, interface: `arm/${j.name}`, type: 'revolute', lower: -j.limit, upper: j.limit, velocity: j.velocity, unit: 'rad' })) }],
+  cameras: [], scene: '/api/scene',
+  frames: [['Pick', 0.15], ['Place', -0.15]].map(([name, y]) => ({ name, in: '', pose: { p: [0.3, y, 0.04], q: [1, 0, 0, 0] } })),
 };
 const fields = [
   ...joints.flatMap((j) => [['position', 'rad'], ['velocity', 'rad/s'], ['effort', 'N m']].map(([f, unit]) => ({ name: `arm/${j.name}/${f}`, unit }))),
@@ -97,7 +97,7 @@ function wantedVelocity() {
 function end(why) {
   const jog = cell.jog;
   cell.jog = null;
-  jog?.client.event({ event: 'jog', robot: 'arm', jog: jog.number, ended: why, held_back: 'none', reason: '' });
+  jog?.client.event({ event: 'jog', robot: 'arm', jog: jog.number, over: true, why, text: '' });
   if (jog?.step) jog.client.answer(jog.step, { done: true });
 }
 setInterval(() => {
@@ -115,19 +115,22 @@ setInterval(() => {
 // Clients -------------------------------------------------------------------------------------------------
 const clients = new Set();
 let holder = null, asking = null, numbers = 1;
-const stateOf = (client) => ({
-  event: 'status', state: cell.state, cause: cell.cause, reason: '', moving: cell.dq.some((v) => Math.abs(v) > 1e-3), armed: true, simulated: true,
-  profile: cell.profile, override: cell.override, allowed: 100, holder: holder && { client: holder.number, name: holder.name }, you_hold: holder === client,
-  clients: clients.size, motion_held: cell.state === 'held' && cell.running, alarms: 0, time_s: cell.time,
-  program: { file: 'PAPscript.script', state: cell.running ? 'running' : 'finished', paused: cell.paused, line: cell.line, passes: cell.passes, cycle_s: cell.cycle, elapsed_s: cell.time - cell.began, tasks: 1 },
-  robots: [{ name: 'arm', base: origin, jogging: cell.jog?.client.number ?? null }],
+const who = (client) => client && { client: client.number, name: client.name };
+const stateOf = () => ({
+  event: 'status', state: cell.state, cause: cell.cause, standing: cell.dq.every((v) => Math.abs(v) < 1e-3), armed: true, simulated: true,
+  profile: cell.profile, override: cell.override, allowed: 100, holder: who(holder), clients: clients.size, alarms: 0,
+  program: { file: 'PAPscript.script', state: cell.running ? 'running' : 'finished', paused: cell.paused, ended: !cell.running, line: cell.line, cycle: cell.passes,
+    source: `moveto ${['p0', 'PrePick', 'Pick', 'Pass1', 'Pass2', 'Place'][frame]}`, tasks: 1, waits_for: '', problem: null },
+  bases: { arm: origin }, jogged: cell.jog ? ['arm'] : [],
 });
-const give = (client, why) => {
+const give = (client, what) => {
   const before = holder;
   holder = client;
-  for (const each of new Set([before, client])) each?.event({ event: 'session', you_hold: each === holder, holder: holder && { client: holder.number, name: holder.name }, why });
+  if (before && before !== client) before.event({ event: 'control', what: 'lost', name: client?.name ?? '', you_hold: false });
+  client?.event({ event: 'control', what, name: before?.name ?? '', you_hold: true });
 };
 const refuse = (code, what) => { throw Object.assign(new Error(what), { code }); };
+const partsNow = () => ({ event: 'parts', full: true, parts: [{ name: 'cube1', p: cell.part.p, q: cell.part.q, in_world: true, held_by: cell.part.held ? 'arm' : null }] });
 const stopNow = () => { if (cell.jog) end('stopped'); cell.state = 'stopping'; cell.cause = 'a stop was asked for'; return { asked: true }; };
 const beginJog = (client, request, extra) => {
   if (cell.running && cell.state === 'running' && !cell.paused) refuse('program-runs', 'a program runs: hold it first');
@@ -135,19 +138,25 @@ const beginJog = (client, request, extra) => {
   return cell.jog.number;
 };
 const axisOf = (r) => Array.isArray(r.axis) ? r.axis : Array.from({ length: r.mode === 'joint' ? joints.length : 6 }, (_, i) => (i === r.axis ? (r.direction ?? 1) : 0));
-const moves = new Set(['control.resume', 'control.recover', 'control.discard', 'control.override', 'profile', 'jog.begin', 'jog.step', 'jog.goto', 'program.go', 'program.step', 'program.start']);
+const moves = new Set(['control.resume', 'control.recover', 'control.discard', 'control.override', 'profile', 'jog.begin', 'jog.step', 'jog.goto', 'program.go', 'program.step', 'program.from']);
 const requests = {
-  'session.hello': (r, c) => { c.name = r.name; return { client: c.number, holder: holder && { client: holder.number, name: holder.name }, you_hold: holder === c, version: 'mock', token_ok: true }; },
-  'session.watch': (r, c) => { c.event({ event: 'layout', id: 1, fields }); c.event({ event: 'parts', full: true, parts: [{ name: 'cube1', ...cell.part }] });
-    c.event({ event: 'tags', full: true, values: { Vacuum: { value: false, quality: 'good', forced: false, by: '', since: 0 }, FeederLeft: { value: 3, quality: 'good', forced: false, by: '', since: 0 } } }); c.rate = r.rate; return {}; },
+  'session.hello': (r, c) => { c.name = r.name; return { client: c.number, holder: who(holder), you_hold: holder === c, version: 'mock', token_ok: true, local: true }; },
+  'session.watch': (r, c) => {
+    c.event({ event: 'layout', id: 1, fields });
+    c.event(partsNow());
+    const tag = (value) => ({ value, text: String(value), quality: 'good', forced: false, by: '', since: null });
+    c.event({ event: 'tags', full: true, values: { Vacuum: tag(false), FeederLeft: tag(3) } });
+    c.rate = r.rate;
+    return {};
+  },
   'session.take': (r, c) => {
     if (!holder || holder === c || r.force) return give(c, 'taken'), { you_hold: true };
-    asking = { client: c, timer: setTimeout(() => give(c, 'timeout'), 10_000) };
-    holder.event({ event: 'asked', client: c.number, name: c.name, within_s: 10 });
-    return { you_hold: false, asked: true, within_s: 10 };
+    asking = { client: c, timer: setTimeout(() => give(c, 'given'), 10_000) };
+    holder.event({ event: 'asked', client: c.number, name: c.name, seconds: 10 });
+    return { you_hold: false, seconds: 10 };
   },
   'session.release': (_, c) => (holder === c && give(null, 'given'), {}),
-  'session.answer': (r) => { clearTimeout(asking?.timer); if (r.give) give(asking.client, 'given'); else asking?.client.event({ event: 'session', you_hold: false, holder: { client: holder.number, name: holder.name }, why: 'refused' }); return {}; },
+  'session.answer': (r) => { clearTimeout(asking?.timer); if (r.give) give(asking.client, 'given'); else asking?.client.event({ event: 'control', what: 'refused', you_hold: false }); return {}; },
   'control.stop': stopNow, 'control.hold': stopNow,
   'control.resume': () => { cell.state = 'running'; cell.cause = ''; return { asked: true }; },
   'control.recover': () => { cell.state = 'held'; return { asked: true }; },
@@ -174,7 +183,7 @@ const requests = {
     if (r.dry) return { ok: true, reason: '', path, seconds: 2.4 };
     return { jog: beginJog(c, r, { goal }) };
   },
-  'program.start': () => { cell.running = true; cell.paused = false; cell.began = cell.passBegan = cell.time; cell.passes = 0; return {}; },
+  'program.from': () => { cell.running = true; cell.paused = false; cell.began = cell.passBegan = cell.time; cell.passes = 0; return {}; },
   'program.stop': () => { cell.running = false; return {}; },
   'program.pause': () => { cell.paused = true; return {}; },
   'program.go': () => { cell.paused = false; return {}; },
@@ -223,11 +232,9 @@ setInterval(() => {
   values.forEach((x, i) => buffer.writeFloatLE(x, 16 + 4 * i));
   for (const client of clients) {
     if (client.rate) client.socket.send(buffer);
-    const status = { ...stateOf(client), time_s: 0 };
-    status.program.elapsed_s = Math.floor(status.program.elapsed_s);
-    const text = JSON.stringify(status);
+    const text = JSON.stringify(stateOf());
     if (text !== client.last && client.rate) client.socket.send((client.last = text));
-    if (cell.part.held) client.event({ event: 'parts', parts: [{ name: 'cube1', ...cell.part }] });
+    if (cell.part.held) client.event(partsNow());
   }
 }, 33);
 http.listen(port, '127.0.0.1', () => console.log(`http://127.0.0.1:${http.address().port}/`));

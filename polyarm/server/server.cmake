@@ -13,6 +13,7 @@ set(page ${PROJECT_SOURCE_DIR}/pendant)
 set(built ${CMAKE_BINARY_DIR}/pendant)
 set(steps ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake)
 set(page_made "")
+set(page_folder "")
 find_program(NPM npm)
 find_program(NODE NAMES node nodejs)
 if(EXISTS ${page}/package-lock.json AND NPM AND NODE)
@@ -22,19 +23,16 @@ if(EXISTS ${page}/package-lock.json AND NPM AND NODE)
     file(GLOB_RECURSE page_sources CONFIGURE_DEPENDS ${page}/src/* ${page}/public/*)
     file(GLOB page_settings CONFIGURE_DEPENDS ${page}/*.json ${page}/*.ts ${page}/*.js ${page}/*.mjs ${page}/*.html)
     set(page_made ${page_sources} ${page_settings})
+    set(page_folder ${page})
   else()
     message(STATUS "Node.js ${node_major} is older than 18: the pendant has no page")
   endif()
 elseif(EXISTS ${page}/package-lock.json)
   message(STATUS "npm is missing: the pendant has no page")
 endif()
-set(page_from "")
-if(page_made)
-  set(page_from ${page})
-endif()
 add_custom_command(
   OUTPUT ${built}/embedded_page.cpp
-  COMMAND ${CMAKE_COMMAND} -DPAGE=${page_from} -DOUT=${built} -DNPM=${NPM} -P ${steps}
+  COMMAND ${CMAKE_COMMAND} -DPAGE=${page_folder} -DOUT=${built} -DNPM=${NPM} -P ${steps}
   DEPENDS ${page_made} ${steps}
   COMMENT "The pendant's page"
   VERBATIM)

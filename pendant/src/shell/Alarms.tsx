@@ -20,16 +20,11 @@ export function Alarms({ onClose }: { onClose: () => void }) {
       ) : (
         <ul class="alarms">
           {list.map((alarm, i) => (
-            <li key={list.length - i} class={alarm.seen ? 'seen' : ''}>
+            <li key={list.length - i} class={`${alarm.severity} ${alarm.seen ? 'seen' : ''}`}>
               <p class="when">
                 <time>{clockTime(alarm.time)}</time> <code>{alarm.code}</code> {alarm.where}
               </p>
               <p class="what">{alarm.what}</p>
-              {alarm.why && (
-                <p>
-                  <b>{t('alarms.why')}:</b> {alarm.why}
-                </p>
-              )}
               {alarm.advice && (
                 <p>
                   <b>{t('alarms.do')}:</b> {alarm.advice}

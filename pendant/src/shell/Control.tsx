@@ -14,6 +14,10 @@ function words(): string {
   return t('control.free');
 }
 
+function shortWords(): string {
+  return t(youHold.value ? 'control.youShort' : holder.value ? 'control.otherShort' : 'control.freeShort');
+}
+
 export function ControlButton() {
   if (!connected.value) return null;
   return (
@@ -21,12 +25,12 @@ export function ControlButton() {
       type="button"
       class={`control-button ${youHold.value ? 'yours' : ''}`}
       aria-haspopup="dialog"
-      aria-label={words()}
+      aria-label={`${shortWords()}: ${words()}`}
       title={words()}
       onClick={() => open((close) => <ControlDialog onClose={close} />)}
     >
       <Icon name={youHold.value ? 'hand' : 'eye'} size={20} />
-      <span>{words()}</span>
+      <span>{shortWords()}</span>
     </button>
   );
 }

@@ -106,6 +106,11 @@ function Override() {
   );
 }
 
+function moves(): boolean {
+  const program = status.value?.program;
+  return status.value?.moving === true || (program !== null && program !== undefined && !program.ended && !program.paused);
+}
+
 /** The one thing that a person may want next: hold what goes, resume what is held, recover from a fault. */
 function Go() {
   const state = status.value?.state;
@@ -118,7 +123,7 @@ function Go() {
   if (state === 'held')
     return (
       <div class="go">
-        {status.value?.motion_held && (
+        {status.value?.moving === false && (
           <Button
             label={t('bar.discard')}
             icon="trash"
@@ -135,7 +140,7 @@ function Go() {
     );
   return (
     <div class="go">
-      <Button label={t('bar.hold')} icon="pause" big tone="warn" disabled={!connected.value} onClick={() => void hold()} />
+      <Button label={t('bar.hold')} icon="pause" big tone={moves() ? 'warn' : 'plain'} disabled={!connected.value} onClick={() => void hold()} />
     </div>
   );
 }

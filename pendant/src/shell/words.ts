@@ -17,7 +17,7 @@ export function stateWord(): StateWord {
     const text = link.value === 'connecting' ? t('link.connecting') : t('state.none');
     return { text, tone: 'off', icon: 'link', why: '' };
   }
-  const why = [now.cause, now.reason].filter((each) => each && each !== 'nothing').join(': ');
+  const why = now.cause;
   switch (now.state) {
     case 'fault':
       return { text: t('state.fault'), tone: 'bad', icon: 'alarm', why };
@@ -27,6 +27,8 @@ export function stateWord(): StateWord {
       return { text: t('state.held'), tone: 'warn', icon: 'pause', why };
     case 'backing':
       return { text: t('state.backing'), tone: 'busy', icon: 'turnLeft', why };
+    case 'no cell':
+      return { text: t('state.noCell'), tone: 'off', icon: 'cell', why: '' };
     default:
       return runningWord();
   }
@@ -36,9 +38,10 @@ function runningWord(): StateWord {
   const now = status.value!;
   const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({ text, tone, icon, why: '' });
   if (!now.simulated && !now.armed) return word(t('state.notArmed'), 'warn', 'lock');
-  if (now.robots?.some((robot) => robot.jogging !== null && robot.jogging !== undefined))
+  if (now.jogged.length > 0 && now.moving)
     return word(t('state.jogging'), 'busy', 'hand');
   const program = now.program;
+  if (program?.ended) return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
   if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
   if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');

@@ -22,6 +22,7 @@ export const setProfile = (name: string) => attempt('profile', { name });
 export function somethingGoesOn(): boolean {
   const now = status.peek();
   if (!now) return false;
-  const program = now.program?.state;
-  return now.moving || now.state === 'backing' || (now.state === 'running' && (program === 'running' || program === 'waiting'));
+  const program = now.program;
+  const runs = program !== null && !program.ended && !program.paused;
+  return now.moving || now.state === 'backing' || now.state === 'stopping' || (now.state === 'running' && runs);
 }

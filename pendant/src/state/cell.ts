@@ -15,6 +15,7 @@ import type {
   Status,
   TagValue,
 } from '../wire/types';
+import { readAlarm, readCell, readHolder, readJog, readPart, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { settings } from './settings';
 import { toast } from './toasts';
@@ -28,6 +29,8 @@ export const holder = signal<Holder | null>(null);
 export const youHold = signal(false);
 /** Who asks for the control that is ours, and until when (performance.now()). */
 export const asked = signal<{ client: number; name: string; until: number } | null>(null);
+/** This page runs on the machine of the cell, and may take control without asking. */
+export const mayForce = signal(false);
 /** We have asked for control and wait for an answer until then. */
 export const waiting = signal<{ name: string; until: number } | null>(null);
 export const tags = signal<Record<string, TagValue>>({});
@@ -99,7 +102,7 @@ export async function fetchJson<T>(path: string): Promise<T> {
 }
 
 export async function loadCell(): Promise<void> {
-  cell.value = await fetchJson<CellInfo>('/api/cell');
+  cell.value = readCell(await fetchJson<Json>('/api/cell'));
   document.title = `${cell.value.name} · Polyarm`;
 }
 
@@ -108,9 +111,9 @@ async function greet(): Promise<void> {
     const hello = await request<Json>('session.hello', { name: settings.clientName.value });
     client.value = Number(hello.client ?? -1);
     version.value = String(hello.version ?? '');
-    holder.value = (hello.holder as Holder | null) ?? null;
+    holder.value = readHolder(hello.holder);
+    mayForce.value = hello.local === true;
     youHold.value = hello.you_hold === true;
-    await loadCell();
     await request('session.watch', { rate: kFrameRate });
     // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched.
     if (!holder.value && settings.takeWhenFree.value) await takeControl(false);
@@ -125,8 +128,8 @@ export async function takeControl(force: boolean): Promise<void> {
     if (answer.you_hold === true) {
       youHold.value = true;
       waiting.value = null;
-    } else if (answer.asked === true) {
-      const within = Number(answer.within_s ?? 10);
+    } else {
+      const within = Number(answer.seconds ?? 10);
       waiting.value = { name: holder.value?.name ?? '', until: performance.now() + 1000 * within };
     }
   } catch (error) {
@@ -145,12 +148,18 @@ export async function answerAsked(give: boolean): Promise<void> {
 
 type Event = Json & { event: string };
 const events: Record<string, (event: Event) => void> = {
-  layout: (e) => takeLayout(new Layout(Number(e.id), e.fields as Field[])),
+  // A cell that begins has a layout of its own: all that is known of the one before is asked for anew.
+  layout: (e) => {
+    takeLayout(new Layout(Number(e.id), e.fields as Field[]));
+    plans.value = {};
+    program.value = null;
+    loadCell().catch(complain);
+  },
   status: (e) => {
-    const next = e as unknown as Status;
+    const next = readStatus(e, client.peek());
     status.value = next;
-    holder.value = next.holder ?? null;
-    youHold.value = next.you_hold === true;
+    holder.value = next.holder;
+    youHold.value = next.youHold;
     if (youHold.value) waiting.value = null;
     else asked.value = null;
   },
@@ -160,16 +169,23 @@ const events: Record<string, (event: Event) => void> = {
   },
   parts: (e) => {
     const next: Record<string, PartPose> = e.full === true ? {} : { ...parts.value };
-    for (const part of e.parts as PartPose[]) next[part.name] = part;
+    for (const part of (e.parts as Json[]).map(readPart)) next[part.name] = part;
     parts.value = next;
   },
   log: (e) => {
-    log.value = [...log.value, ...(e.lines as LogLine[])].slice(-kLogLines);
+    const lines = e.lines as LogLine[];
+    const last = log.value[log.value.length - 1]?.number ?? -1;
+    // After a reconnect the history comes again; a new cell counts from the beginning.
+    const again = lines.length > 0 && lines[0]!.number <= last;
+    const known = again && lines[lines.length - 1]!.number < last ? [] : log.value;
+    log.value = [...known, ...lines.filter((line) => known.length === 0 || line.number > last)].slice(-kLogLines);
   },
   alarm: (e) => {
-    const alarm = e as unknown as Alarm;
+    const alarm = readAlarm(e);
+    if (alarms.value.some((each) => each.number === alarm.number && each.what === alarm.what)) return;
     alarms.value = [...alarms.value, alarm].slice(-200);
-    toast({ kind: 'error', text: alarm.what, detail: [alarm.where, alarm.advice].filter(Boolean).join(' · ') });
+    const kind = alarm.severity === 'warning' ? 'warning' : 'error';
+    toast({ kind, text: alarm.what, detail: [alarm.where, alarm.advice].filter(Boolean).join(' · ') });
   },
   program: (e) => {
     program.value = e;
@@ -179,26 +195,25 @@ const events: Record<string, (event: Event) => void> = {
     plans.value = { ...plans.value, [plan.robot]: plan };
   },
   jog: (e) => {
-    jogEvents.value = e as unknown as JogEvent;
+    jogEvents.value = readJog(e);
   },
   asked: (e) => {
     asked.value = {
       client: Number(e.client),
       name: String(e.name ?? ''),
-      until: performance.now() + 1000 * Number(e.within_s ?? 10),
+      until: performance.now() + 1000 * Number(e.seconds ?? 10),
     };
   },
-  session: (e) => {
-    holder.value = (e.holder as Holder | null) ?? null;
+  control: (e) => {
+    const what = String(e.what ?? '');
+    const name = String(e.name || t('control.someone'));
     youHold.value = e.you_hold === true;
-    const why = String(e.why ?? '');
-    if (waiting.value) {
-      waiting.value = null;
-      toast(youHold.value ? { kind: 'ok', text: t('control.yours') } : { kind: 'warning', text: t('control.refused') });
-    } else if (!youHold.value && why !== '') {
-      toast({ kind: 'warning', text: t('control.taken', { name: holder.value?.name || t('control.someone') }) });
-    }
     asked.value = null;
+    waiting.value = null;
+    if (youHold.value && what === 'given') toast({ kind: 'ok', text: t('control.yours') });
+    else if (what === 'refused') toast({ kind: 'warning', text: t('control.refused') });
+    else if (!youHold.value && (what === 'taken' || what === 'lost' || what === 'given'))
+      toast({ kind: 'warning', text: t('control.taken', { name }) });
   },
 };
 

@@ -92,8 +92,8 @@ async function step(axis: number, direction: number, key: string): Promise<void>
 effect(() => {
   const event = jogEvents.value;
   if (!event) return;
-  heldBack.value = event.held_back && event.held_back !== 'none' ? { what: event.held_back, reason: event.reason } : null;
-  if (event.ended) jogger.ended(event.jog);
+  if (event.over) return jogger.ended(event.jog);
+  heldBack.value = event.why ? { what: event.why, reason: event.text } : null;
 });
 effect(() => {
   if (!connected.value || !mayMove.value) release();

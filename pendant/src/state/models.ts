@@ -1,8 +1,11 @@
 /** What the pictures need, fetched once a connection: the robots' models and the scene. */
 import { computed, effect, signal } from '@preact/signals';
-import type { RobotModel, SceneInfo } from '../wire/types';
+import type { Json } from '../wire/connection';
+import { readScene } from '../wire/read';
+import type { RobotInfo, RobotModel, SceneInfo } from '../wire/types';
 import { Chain } from '../view3d/chain';
 import { cell, fetchJson, robot } from './cell';
+import { valueNow } from './live';
 
 export const models = signal<Record<string, RobotModel>>({});
 export const scene = signal<SceneInfo | null>(null);
@@ -11,6 +14,11 @@ export const chains = computed<Record<string, Chain>>(() =>
   Object.fromEntries(Object.entries(models.value).map(([name, model]) => [name, new Chain(model)])),
 );
 export const chain = computed(() => chains.value[robot.value?.name ?? ''] ?? null);
+
+/** Frames of the cell's data that are told in the world: what a person may jog in. */
+export const frames = computed(() =>
+  (cell.value?.frames ?? []).filter((each) => !each.in || each.in === 'world').map((each) => ({ name: each.name, ...each.pose })),
+);
 
 effect(() => {
   const now = cell.value;
@@ -28,8 +36,25 @@ export async function loadScene(): Promise<void> {
   const at = cell.peek()?.scene;
   if (!at) return;
   try {
-    scene.value = await fetchJson<SceneInfo>(at);
+    scene.value = readScene(await fetchJson<Json>(at));
   } catch (error) {
     console.warn('the scene cannot be had', error);
   }
+}
+
+const fields = computed(() => {
+  const out = new Map<string, string>();
+  for (const each of cell.value?.robots ?? [])
+    for (const joint of each.joints) out.set(`${each.name}/${joint.name}`, `${joint.interface}/position`);
+  return out;
+});
+
+/** Where the joints of a robot's model are now, by name; NaN for those that have no value. */
+export function jointValues(robot: string): (joint: string) => number {
+  const known = fields.value;
+  return (joint) => valueNow(known.get(`${robot}/${joint}`) ?? '');
+}
+
+export function jointNow(robot: RobotInfo, index: number): number {
+  return valueNow(`${robot.joints[index]?.interface ?? ''}/position`);
 }

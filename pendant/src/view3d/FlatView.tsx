@@ -2,8 +2,8 @@
 import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
 import { cell, parts } from '../state/cell';
-import { beat, valueNow } from '../state/live';
-import { chains, scene } from '../state/models';
+import { beat } from '../state/live';
+import { chains, jointValues, scene } from '../state/models';
 import { darkNow } from '../state/settings';
 import type { Pose, Vec3 } from '../wire/types';
 import { compose, kIdentity, rotate } from './chain';
@@ -80,7 +80,7 @@ function robots(): [Vec3, Vec3][] {
   for (const info of cell.peek()?.robots ?? []) {
     const chain = chains.peek()[info.name];
     if (!chain) continue;
-    const solved = chain.solve((joint) => valueNow(`${info.name}/${joint}/position`));
+    const solved = chain.solve(jointValues(info.name));
     const inWorld = (p: Vec3) => compose(info.base, { p, q: kIdentity }).p;
     for (const [a, b] of chain.segments(solved)) out.push([inWorld(a), inWorld(b)]);
   }

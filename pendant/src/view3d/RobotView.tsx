@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { cell, parts, plans, status } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
-import { models, scene } from '../state/models';
+import { frames, jointValues, models, scene } from '../state/models';
 import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
 import type { Vec3 } from '../wire/types';
@@ -82,11 +82,12 @@ function Picture({ onFail }: { onFail: () => void }) {
 /** Ties the picture to the signals and the frames; gives back what unties it. */
 function follow(picture: CellPicture): (() => void)[] {
   const update = () => {
+    picture.updateMovers(valueNow);
     for (const each of cell.peek()?.robots ?? []) {
       const name = each.name;
-      const base = status.peek()?.robots?.find((one) => one.name === name)?.base;
+      const base = status.peek()?.bases[name];
       const tcp: Vec3 = [valueNow(`${name}/tcp/x`), valueNow(`${name}/tcp/y`), valueNow(`${name}/tcp/z`)];
-      picture.update(name, (joint) => valueNow(`${name}/${joint}/position`), tcp, base);
+      picture.update(name, jointValues(name), tcp, base);
     }
   };
   return [
@@ -100,6 +101,7 @@ function follow(picture: CellPicture): (() => void)[] {
       picture.setLayers(layers.value);
       picture.setParts(parts.peek());
     }),
+    effect(() => picture.setFrames(frames.value)),
     effect(() => picture.setParts(parts.value)),
     effect(() => picture.setLayers(layers.value)),
     effect(() => showPlans(picture)),

@@ -37,6 +37,7 @@ export class CellPicture {
   private readonly zones = new THREE.Group();
   private readonly frames = new THREE.Group();
   private readonly moving = new Map<string, THREE.Object3D>();
+  private readonly carried: { object: THREE.Object3D; home: THREE.Vector3; axis: THREE.Vector3; field: string }[] = [];
   private readonly trails = new Map<string, Trail>();
   private readonly paths = new Map<string, THREE.Line>();
   private readonly ghostLook = new THREE.MeshStandardMaterial({
@@ -92,25 +93,29 @@ export class CellPicture {
   }
 
   setScene(scene: SceneInfo): void {
-    for (const group of [this.things, this.zones, this.frames]) group.clear();
+    for (const group of [this.things, this.zones]) group.clear();
     this.moving.clear();
-    let floor = 0;
+    this.carried.length = 0;
     for (const thing of scene.things) {
-      if (thing.kind === 'floor') {
-        floor = thing.p[2];
-        continue;
-      }
       const object = this.thing(thing);
       if (thing.moving) this.moving.set(thing.name, object);
+      const mover = scene.movers.find((each) => each.name === thing.mover);
+      if (mover) this.carried.push({ object, home: object.position.clone(), axis: new THREE.Vector3(...mover.axis), field: mover.field });
     }
-    for (const frame of scene.frames) {
+    this.floor = scene.floor ?? 0;
+    this.stage.setFloor(this.floor, this.dark);
+    this.redraw();
+  }
+
+  /** Frames that have names. */
+  setFrames(frames: ({ name: string } & Pose)[]): void {
+    this.frames.clear();
+    for (const frame of frames) {
       const object = axes(0.05, 0.9);
       object.name = frame.name;
       place(object, frame);
       this.frames.add(object);
     }
-    this.floor = floor;
-    this.stage.setFloor(floor, this.dark);
     this.redraw();
   }
 
@@ -129,7 +134,7 @@ export class CellPicture {
       const object = this.moving.get(part.name);
       if (!object) continue;
       place(object, part);
-      object.visible = part.state !== 'waiting' && part.state !== 'taken' && part.state !== 'gone';
+      object.visible = part.here;
     }
     this.redraw();
   }
@@ -146,6 +151,14 @@ export class CellPicture {
       this.fit('free');
     }
     this.redraw();
+  }
+
+  /** Things on axes of machines, by the fields that tell where those stand. */
+  updateMovers(values: (field: string) => number): void {
+    for (const { object, home, axis, field } of this.carried) {
+      const at = values(field);
+      if (Number.isFinite(at)) object.position.copy(home).addScaledVector(axis, at);
+    }
   }
 
   setLayers(layers: Layers): void {

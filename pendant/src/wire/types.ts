@@ -19,18 +19,21 @@ export interface ProgramStatus {
   file: string;
   state: ProgramState;
   paused: boolean;
+  ended: boolean;
   line: number;
+  /** The statement at that line. */
+  source: string;
+  /** Of the outermost loop. */
   passes: number;
-  /** The last whole pass, s. */
-  cycle_s: number | null;
-  elapsed_s: number;
   tasks: number;
+  waitsFor: string;
+  problem: string;
 }
 
 export interface Status {
-  state: RunState;
+  /** `no cell` between two cells. */
+  state: RunState | 'no cell';
   cause: string;
-  reason: string;
   moving: boolean;
   armed: boolean;
   simulated: boolean;
@@ -39,17 +42,20 @@ export interface Status {
   override: number;
   allowed: number;
   holder: Holder | null;
-  you_hold: boolean;
+  youHold: boolean;
   clients: number;
-  motion_held: boolean;
   program: ProgramStatus | null;
-  alarms: number;
-  time_s: number;
-  robots: { name: string; base: Pose; jogging: number | null }[];
+  failure: string;
+  bases: Record<string, Pose>;
+  /** Robots that somebody moves by hand. */
+  jogged: string[];
 }
 
 export interface JointInfo {
+  /** As in the model. */
   name: string;
+  /** Before /position in names of fields. */
+  interface: string;
   type: 'revolute' | 'continuous' | 'prismatic' | string;
   lower: number;
   upper: number;
@@ -73,7 +79,8 @@ export interface CellInfo {
   real: boolean;
   rate_hz: number;
   robots: RobotInfo[];
-  frames?: string[] | { name: string }[];
+  frames?: { name: string; in: string; pose: Pose }[];
+  program?: string;
   scene: string;
 }
 
@@ -121,40 +128,49 @@ export interface SceneThing {
   q: Quat;
   visuals: Visual[];
   moving?: boolean;
+  /** Name of the mover that carries it. */
+  mover?: string;
 }
 
 export interface SceneInfo {
+  /** Height of the floor; null where there is none. */
+  floor: number | null;
   things: SceneThing[];
-  frames: ({ name: string } & Pose)[];
+  movers: { name: string; axis: Vec3; field: string }[];
 }
 
 export interface TagValue {
   value: unknown;
+  text: string;
   quality: string;
   forced: boolean;
   by: string;
-  since: number;
+  since: number | null;
 }
 
 export interface PartPose extends Pose {
   name: string;
-  held?: boolean;
-  state?: string;
+  /** False while it waits in a feeder or was taken away. */
+  here: boolean;
+  /** The robot that holds it. */
+  heldBy: string;
 }
 
 export interface LogLine {
+  number: number;
   time: number;
   level: string;
   text: string;
 }
 
 export interface Alarm {
+  number: number;
   time: number;
   code: string;
   what: string;
-  where?: string;
-  why?: string;
-  advice?: string;
+  where: string;
+  advice: string;
+  severity: 'error' | 'warning';
   /** Set by the page: has somebody seen it? */
   seen?: boolean;
 }
@@ -168,7 +184,8 @@ export interface Plan {
 export interface JogEvent {
   robot: string;
   jog: number;
-  ended: string | null;
-  held_back: string;
-  reason: string;
+  over: boolean;
+  /** Not over: what holds it back; over: why. */
+  why: string;
+  text: string;
 }

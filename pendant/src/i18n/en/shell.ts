@@ -32,6 +32,7 @@ export const shell = {
   'state.backing': 'Moving back',
   'state.fault': 'Fault',
   'state.notArmed': 'Not armed',
+  'state.noCell': 'No cell runs',
   'state.none': 'Not connected',
 
   'mode.label': 'Modes',
@@ -47,6 +48,9 @@ export const shell = {
   'mode.toFullDo': 'Full speed',
 
   'control.label': 'Control',
+  'control.youShort': 'In control',
+  'control.otherShort': 'Watching',
+  'control.freeShort': 'No control',
   'control.you': 'You have control',
   'control.other': '{name} has control',
   'control.free': 'Nobody has control',

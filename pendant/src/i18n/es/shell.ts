@@ -34,6 +34,7 @@ export const shell: Record<keyof typeof en, string> = {
   'state.backing': 'Retrocediendo',
   'state.fault': 'Fallo',
   'state.notArmed': 'No habilitado',
+  'state.noCell': 'Ninguna celda en marcha',
   'state.none': 'Sin conexión',
 
   'mode.label': 'Modos',
@@ -49,6 +50,9 @@ export const shell: Record<keyof typeof en, string> = {
   'mode.toFullDo': 'Velocidad plena',
 
   'control.label': 'Control',
+  'control.youShort': 'Con control',
+  'control.otherShort': 'Mirando',
+  'control.freeShort': 'Sin control',
   'control.you': 'Usted tiene el control',
   'control.other': '{name} tiene el control',
   'control.free': 'Nadie tiene el control',

@@ -4,7 +4,7 @@ import { type Key, t } from '../../i18n';
 import { mayMove, robot } from '../../state/cell';
 import { heldBack, heldKey, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
-import { chain } from '../../state/models';
+import { chain, jointValues } from '../../state/models';
 import { Icon } from '../../ui/Icon';
 import { jointTitle, nearLimit, roomTo } from './axes';
 import { programMoves } from './JogKeys';
@@ -17,7 +17,7 @@ const kAt = 0.025;
 export const singularity = computed(() => {
   beat.value;
   const name = robot.value?.name ?? '';
-  const gain = chain.value?.smallestGain((joint) => valueNow(`${name}/${joint}/position`)) ?? NaN;
+  const gain = chain.value?.smallestGain(jointValues(name)) ?? NaN;
   if (!Number.isFinite(gain)) return NaN;
   return Math.max(0, Math.min(1, 1 - (gain - kAt) / (2 * kNear - kAt)));
 });
@@ -31,9 +31,9 @@ function condition(): Condition {
   if (mayMove.value && programMoves()) return { tone: 'warn', text: t('move.blocked') };
   const told = heldKey.value !== '' ? heldBack.value : null;
   if (told && told.what !== 'speed') {
-    const key = `move.held.${told.what.replace('joint limit', 'limit')}` as Key;
+    const key = `move.held.${told.what}` as Key;
     const words = t(key);
-    return { tone: told.what === 'singularity' ? 'bad' : 'warn', text: told.reason ? `${words} (${told.reason})` : words };
+    return { tone: told.what === 'singular' ? 'bad' : 'warn', text: told.reason ? `${words} (${told.reason})` : words };
   }
   return nearby();
 }
@@ -42,7 +42,7 @@ function nearby(): Condition {
   const share = singularity.value;
   if (jogMode.value !== 'joint' && share >= 1) return { tone: 'bad', text: t('move.singularAt') };
   for (const joint of robot.value?.joints ?? []) {
-    const value = valueNow(`${robot.value!.name}/${joint.name}/position`);
+    const value = valueNow(`${joint.interface}/position`);
     const room = Math.min(roomTo(joint, value, 1), roomTo(joint, value, -1));
     const words = { joint: jointTitle(joint.name) };
     if (room < 1e-3) return { tone: 'warn', text: t('move.limitAt', words) };

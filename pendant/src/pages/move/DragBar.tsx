@@ -88,7 +88,7 @@ export function DragBar() {
     };
   });
   return (
-    <div class="drag-bar">
+    <>
       <Button
         label={t('move.drag')}
         icon="hand"
@@ -103,6 +103,6 @@ export function DragBar() {
           <Button label={t('move.dragTurn')} icon="turnRight" pressed={turning.value} onClick={() => (turning.value = true)} />
         </>
       )}
-    </div>
+    </>
   );
 }

@@ -134,7 +134,7 @@ export function GoTo({ onClose }: { onClose: () => void }) {
 
 function currentJoints(): string[] {
   const info = robot.peek()!;
-  return info.joints.map((joint) => written(valueNow(`${info.name}/${joint.name}/position`) * factor(joint), 2));
+  return info.joints.map((joint) => written(valueNow(`${joint.interface}/position`) * factor(joint), 2));
 }
 function currentPose(): string[] {
   const at = tcpPose();

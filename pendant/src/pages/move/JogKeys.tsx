@@ -1,5 +1,5 @@
 /** A row an axis: minus, the value with its bar, plus. Keys move while they are pressed. */
-import type { ComponentChildren, JSX } from 'preact';
+import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
 import { mayMove, status } from '../../state/cell';
 import { heldKey, jogMode, jogStep, pressJog, release } from '../../state/jog';
@@ -11,8 +11,8 @@ import { type Axis, axesNow, nearLimit, roomTo } from './axes';
 /** A program that moves must be held first. */
 export function programMoves(): boolean {
   const now = status.value;
-  const state = now?.program?.state;
-  return now?.state === 'running' && !now.program?.paused && (state === 'running' || state === 'waiting');
+  const program = now?.program;
+  return now?.state === 'running' && !!program && !program.ended && !program.paused;
 }
 
 export function JogKeys() {
@@ -75,11 +75,12 @@ interface HoldProps {
 
 /** Acts while it is held, by pointer or by space and enter. Whatever takes the pointer away lets it go. */
 export function HoldButton(props: HoldProps) {
-  const down = (e: JSX.TargetedPointerEvent<HTMLButtonElement>) => {
+  const down = (e: PointerEvent) => {
     if (e.button !== 0 || props.disabled) return;
     e.preventDefault();
-    e.currentTarget.focus();
-    e.currentTarget.setPointerCapture(e.pointerId);
+    const button = e.currentTarget as HTMLButtonElement;
+    button.focus();
+    button.setPointerCapture(e.pointerId);
     props.onPress();
   };
   const up = () => {

@@ -2,7 +2,7 @@
 import { t } from '../../i18n';
 import { mayMove } from '../../state/cell';
 import { jogMode, jogSpeed, jogStep, type JogMode, userFrame } from '../../state/jog';
-import { scene } from '../../state/models';
+import { frames } from '../../state/models';
 import { number } from '../../i18n';
 import { Segmented, Select, Slider } from '../../ui/controls';
 
@@ -14,14 +14,14 @@ export function stepDegrees(step: number): number {
 }
 
 export function JogSettings() {
-  const frames = scene.value?.frames ?? [];
+  const known = frames.value;
   const modes: { id: JogMode; name: string }[] = [
     { id: 'joint', name: t('move.joint') },
     { id: 'base', name: t('move.base') },
     { id: 'tool', name: t('move.tool') },
     { id: 'world', name: t('move.world') },
   ];
-  if (frames.length) modes.push({ id: 'user', name: t('move.user') });
+  if (known.length) modes.push({ id: 'user', name: t('move.user') });
   return (
     <div class="jog-settings">
       <Segmented<JogMode>
@@ -29,15 +29,15 @@ export function JogSettings() {
         value={jogMode.value}
         options={modes}
         onChange={(mode) => {
-          if (mode === 'user' && !frames.some((frame) => frame.name === userFrame.value)) userFrame.value = frames[0]!.name;
+          if (mode === 'user' && !known.some((frame) => frame.name === userFrame.value)) userFrame.value = known[0]!.name;
           jogMode.value = mode;
         }}
       />
-      {jogMode.value === 'user' && frames.length > 0 && (
+      {jogMode.value === 'user' && known.length > 0 && (
         <Select
           label={t('move.chooseFrame')}
           value={userFrame.value}
-          options={frames.map((frame) => ({ id: frame.name, name: frame.name }))}
+          options={known.map((frame) => ({ id: frame.name, name: frame.name }))}
           onChange={(name) => (userFrame.value = name)}
         />
       )}

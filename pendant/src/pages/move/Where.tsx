@@ -38,7 +38,7 @@ function Joints() {
   if (!info) return null;
   const cells = info.joints.map((joint): [string, string, string] => [
     jointTitle(joint.name),
-    jointText(valueOf(`${info.name}/${joint.name}/position`), joint.unit),
+    jointText(valueOf(`${joint.interface}/position`), joint.unit),
     '',
   ]);
   return (

@@ -2,7 +2,7 @@
 import { conjugate, multiply, rollPitchYaw, rotate } from '../../view3d/chain';
 import { jogMode, userFrame } from '../../state/jog';
 import { robot } from '../../state/cell';
-import { scene } from '../../state/models';
+import { frames } from '../../state/models';
 import { valueNow } from '../../state/live';
 import type { JointInfo, Pose, Quat, Vec3 } from '../../wire/types';
 
@@ -45,7 +45,7 @@ export function shownFrame(): { name: string; pose: Pose } {
   if (jogMode.value === 'base' || jogMode.value === 'joint' || jogMode.value === 'tool')
     return { name: 'base', pose: robot.value?.base ?? world.pose };
   if (jogMode.value === 'user') {
-    const found = scene.value?.frames.find((frame) => frame.name === userFrame.value);
+    const found = frames.value.find((frame) => frame.name === userFrame.value);
     if (found) return { name: found.name, pose: found };
   }
   return world;
@@ -63,7 +63,7 @@ export function axesNow(): Axis[] {
   if (jogMode.value === 'joint')
     return info.joints.map((joint) => ({
       name: jointTitle(joint.name),
-      value: valueNow(`${info.name}/${joint.name}/position`),
+      value: valueNow(`${joint.interface}/position`),
       unit: joint.unit === 'm' ? 'm' : 'rad',
       joint,
     }));

@@ -22,7 +22,18 @@ export default function MovePage() {
       <WatchOnly />
       <div class="move-picture">
         <RobotView />
-        <DragBar />
+        <div class="move-tools">
+          <DragBar />
+          <Button
+            label={t('move.goto')}
+            icon="target"
+            disabled={!mayMove.value}
+            onClick={() => open((close) => <GoTo onClose={close} />)}
+          />
+          <Inputs />
+        </div>
+        <Conditions />
+        <Where />
       </div>
       <div class="move-panel">
         {robots.length > 1 && (
@@ -34,20 +45,7 @@ export default function MovePage() {
           />
         )}
         <JogSettings />
-        <Conditions />
         <JogKeys />
-        <div class="move-more">
-          <Where />
-          <div class="row">
-            <Button
-              label={t('move.goto')}
-              icon="target"
-              disabled={!mayMove.value}
-              onClick={() => open((close) => <GoTo onClose={close} />)}
-            />
-            <Inputs />
-          </div>
-        </div>
       </div>
     </div>
   );

@@ -1,6 +1,26 @@
+/** Running a program: what it does now, in big letters, and the few keys that are needed for it. */
 import { t } from '../../i18n';
-import { Empty } from '../../ui/controls';
+import { RobotView } from '../../view3d/RobotView';
+import { WatchOnly } from '../../shell/Control';
+import { Figures } from './Figures';
+import { Keys } from './Keys';
+import { Now } from './Now';
+import { Text } from './Text';
+import './run.css';
 
-export default function Page() {
-  return <Empty icon="run" text={t('page.soon')} />;
+export default function RunPage() {
+  return (
+    <div class="run">
+      <WatchOnly />
+      <div class="run-picture">
+        <RobotView />
+      </div>
+      <section class="run-panel" aria-label={t('run.title')}>
+        <Now />
+        <Keys />
+        <Figures />
+        <Text />
+      </section>
+    </div>
+  );
 }

@@ -1,0 +1,82 @@
+import { type Key, t, word } from '../../i18n';
+import { program, status } from '../../state/cell';
+import type { Json } from '../../wire/connection';
+
+/** A program's name without its folder. */
+export function shortName(file: string): string {
+  return file.split('/').pop() ?? file;
+}
+
+export function programWord(): { text: string; tone: string } {
+  const now = status.value;
+  const it = now?.program;
+  if (!it) return { text: t('run.none'), tone: 'off' };
+  if (now.state === 'fault') return { text: t('state.fault'), tone: 'bad' };
+  if (it.ended) return { text: word('program', it.state), tone: it.state === 'failed' ? 'bad' : 'off' };
+  if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
+  if (it.paused) return { text: t('program.paused'), tone: 'warn' };
+  return { text: word('program', it.state), tone: 'busy' };
+}
+
+/** The program's name and state, and the statement that it is at. */
+export function Now() {
+  const it = status.value?.program;
+  const state = programWord();
+  if (!it) return <p class="run-now off">{state.text}</p>;
+  return (
+    <div class={`run-now ${state.tone}`}>
+      <header>
+        <h2 title={it.file}>{shortName(it.file)}</h2>
+        <span class={`chip ${state.tone === 'bad' ? 'bad' : state.tone === 'warn' ? 'warn' : ''}`} role="status">
+          {state.text}
+        </span>
+      </header>
+      {!it.ended && (
+        <>
+          <p class="statement">
+            <span class="line">{t('run.line', { line: it.line })}</span>
+            <code>{it.source || '…'}</code>
+          </p>
+          <Tasks />
+        </>
+      )}
+      {it.ended && it.problem && (
+        <p class="problem-text">
+          <b>{t('run.problem')}:</b> {it.problem}
+        </p>
+      )}
+    </div>
+  );
+}
+
+interface TaskLine {
+  name: string;
+  state: string;
+  where?: { line?: number };
+  source: string;
+  waits_for: string;
+  paused: boolean;
+}
+
+function waits(task: TaskLine): string {
+  const key = `wait.${task.waits_for}`;
+  return task.waits_for ? t('run.waitsFor', { what: t(key as Key) ?? task.waits_for }) : '';
+}
+
+/** What the task waits for; with several tasks, a line for each. */
+function Tasks() {
+  const tasks = ((program.value as Json | null)?.tasks ?? []) as TaskLine[];
+  if (tasks.length < 2) return <p class="note">{tasks[0] ? waits(tasks[0]) : ' '}</p>;
+  return (
+    <ul class="run-tasks" aria-label={t('run.tasks')}>
+      {tasks.map((task) => (
+        <li key={task.name}>
+          <b>{task.name}</b>
+          <span class="line">{t('run.line', { line: task.where?.line ?? 0 })}</span>
+          <code>{task.source}</code>
+          <small>{waits(task)}</small>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,38 @@
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { t } from '../../i18n';
+import { request, status } from '../../state/cell';
+import { shortName } from './Now';
+
+/** The program's text with the line that runs, kept in sight. */
+export function Text() {
+  const program = status.value?.program;
+  const file = program ? shortName(program.file) : '';
+  const [lines, setLines] = useState<string[]>([]);
+  const list = useRef<HTMLOListElement>(null);
+  const ended = program?.ended ?? true;
+  useEffect(() => {
+    setLines([]);
+    if (!file) return;
+    request<{ text: string }>('files.read', { name: file }).then(
+      (got) => setLines(got.text.split('\n')),
+      () => undefined,
+    );
+  }, [file, ended]);
+  const line = ended ? -1 : (program?.line ?? -1);
+  useEffect(() => {
+    const box = list.current;
+    const row = box?.children[line - 1] as HTMLElement | undefined;
+    if (box && row) box.scrollTop = row.offsetTop - box.clientHeight / 2;
+  }, [line, lines]);
+  if (lines.length === 0) return null;
+  return (
+    <ol class="run-text" ref={list} tabIndex={0} aria-label={t('run.text')}>
+      {lines.map((text, i) => (
+        <li key={i} class={i + 1 === line ? 'here' : ''} aria-current={i + 1 === line ? 'step' : undefined}>
+          <span aria-hidden="true">{i + 1}</span>
+          <code>{text || ' '}</code>
+        </li>
+      ))}
+    </ol>
+  );
+}

@@ -1,0 +1,125 @@
+/** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
+import type { Alarm, CellInfo, Holder, JogEvent, PartPose, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Vec3, Visual } from './types';
+import type { Json } from './connection';
+
+const list = (value: unknown): Json[] => (Array.isArray(value) ? (value as Json[]) : []);
+const text = (value: unknown): string => (typeof value === 'string' ? value : '');
+const num = (value: unknown, fallback: number): number => (typeof value === 'number' ? value : fallback);
+
+export function readHolder(value: unknown): Holder | null {
+  const holder = value as { client?: unknown; name?: unknown } | null | undefined;
+  return holder && typeof holder.client === 'number' ? { client: holder.client, name: text(holder.name) } : null;
+}
+
+function readProgram(value: unknown): ProgramStatus | null {
+  if (!value || typeof value !== 'object') return null;
+  const program = value as Json;
+  return {
+    file: text(program.file),
+    state: text(program.state) as ProgramStatus['state'],
+    paused: program.paused === true,
+    ended: program.ended === true,
+    line: num(program.line, 0),
+    source: text(program.source),
+    passes: num(program.cycle, 0),
+    tasks: num(program.tasks, 1),
+    waitsFor: text(program.waits_for),
+    problem: text(program.problem),
+  };
+}
+
+export function readStatus(event: Json, client: number): Status {
+  const holder = readHolder(event.holder);
+  const cause = text(event.cause);
+  return {
+    state: text(event.state) as Status['state'],
+    cause: cause === 'nothing' ? '' : cause,
+    moving: event.standing === false,
+    armed: event.armed !== false,
+    simulated: event.simulated !== false,
+    profile: text(event.profile),
+    override: num(event.override, 100),
+    allowed: num(event.allowed, 100),
+    holder,
+    youHold: holder !== null && holder.client === client,
+    clients: num(event.clients, 1),
+    program: readProgram(event.program),
+    failure: text(event.failure),
+    bases: (event.bases ?? {}) as Status['bases'],
+    jogged: Array.isArray(event.jogged) ? (event.jogged as string[]) : [],
+  };
+}
+
+/** A joint without limits comes with null for them. */
+export function readCell(got: Json): CellInfo {
+  const cell = got as unknown as CellInfo;
+  for (const robot of cell.robots)
+    for (const joint of robot.joints) {
+      joint.interface ??= `${robot.name}/${joint.name}`;
+      joint.lower ??= -Infinity;
+      joint.upper ??= Infinity;
+    }
+  return cell;
+}
+
+export function readScene(got: Json): SceneInfo {
+  const things: SceneThing[] = [];
+  const add = (kind: string, each: Json, moving = false) => {
+    const pose = (each.pose ?? { p: [0, 0, 0], q: [0, 0, 0, 1] }) as { p: Vec3; q: Quat };
+    things.push({ name: text(each.name), kind, ...pose, visuals: (each.visuals ?? []) as Visual[], moving, mover: text(each.mover) });
+  };
+  for (const each of list(got.fixtures)) add('fixture', each);
+  for (const each of list(got.parts)) add('part', each, true);
+  for (const each of list(got.bins)) things.push(region('bin', each));
+  return {
+    floor: typeof got.floor === 'number' ? got.floor : null,
+    things,
+    movers: list(got.movers).map((each) => ({ name: text(each.name), axis: each.axis as Vec3, field: text(each.interface) })),
+  };
+}
+
+/** A region between two corners, shown from its bottom up. */
+function region(kind: string, each: Json): SceneThing {
+  const lower = each.lower as Vec3;
+  const upper = each.upper as Vec3;
+  const middle = lower.map((v, i) => (v + upper[i]!) / 2) as Vec3;
+  const size = lower.map((v, i) => Math.max(1e-4, upper[i]! - v)) as Vec3;
+  const identity: Quat = [0, 0, 0, 1];
+  const color = (each.color ?? [0.25, 0.55, 0.35, 0.25]) as [number, number, number, number];
+  const visuals: Visual[] = [{ shape: 'box', size, origin: { p: [0, 0, 0], q: identity }, color }];
+  return { name: text(each.name), kind, p: middle, q: identity, visuals };
+}
+
+export function readPart(each: Json): PartPose {
+  return {
+    name: text(each.name),
+    p: each.p as Vec3,
+    q: each.q as Quat,
+    here: each.in_world !== false,
+    heldBy: text(each.held_by),
+  };
+}
+
+export function readAlarm(event: Json): Alarm {
+  const where = event.where as { file?: string; line?: number } | string | null | undefined;
+  const place = typeof where === 'object' && where ? [where.file, where.line || ''].filter(Boolean).join(':') : text(where);
+  return {
+    number: num(event.number, 0),
+    time: num(event.time, 0),
+    code: text(event.code),
+    what: text(event.what),
+    where: place,
+    advice: text(event.advice),
+    severity: event.severity === 'warning' ? 'warning' : 'error',
+  };
+}
+
+export function readJog(event: Json): JogEvent {
+  return {
+    robot: text(event.robot),
+    jog: num(event.jog, -1),
+    over: event.over === true,
+    why: text(event.why),
+    text: text(event.text),
+  };
+}
