@@ -104,6 +104,7 @@ export class CellPicture {
     }
     this.floor = scene.floor ?? 0;
     this.stage.setFloor(this.floor, this.dark);
+    if (this.framed && !this.stage.touched) this.fit('free');
     this.redraw();
   }
 

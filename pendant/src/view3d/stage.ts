@@ -18,10 +18,11 @@ export class Stage {
   readonly camera = new THREE.PerspectiveCamera(38, 1, 0.02, 200);
   readonly controls: OrbitControls;
   readonly renderer: THREE.WebGLRenderer;
-  /** Called before each drawing. */
-  beforeDraw: () => void = () => undefined;
+  /** A person has turned or moved the view. */
+  touched = false;
   private readonly sun = new THREE.DirectionalLight(0xffffff, 2.1);
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x8a94a0, 1.7);
+  private looked: { view: ViewName; box: THREE.Box3 } | null = null;
   private grid: THREE.GridHelper | null = null;
   private floorHeight = 0;
   private dirty = true;
@@ -41,6 +42,7 @@ export class Stage {
     this.controls.minDistance = 0.08;
     this.controls.maxDistance = 60;
     this.controls.addEventListener('change', () => this.redraw());
+    this.controls.addEventListener('start', () => (this.touched = true));
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.normalBias = 0.02;
@@ -63,7 +65,6 @@ export class Stage {
   private draw(): void {
     if (!this.dirty || document.hidden) return;
     this.dirty = false;
-    this.beforeDraw();
     const began = performance.now();
     this.renderer.render(this.scene, this.camera);
     this.spent += performance.now() - began;
@@ -85,6 +86,7 @@ export class Stage {
     this.renderer.setSize(box.width, box.height, false);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
+    if (!this.touched && this.looked) this.look(this.looked.view, this.looked.box);
     this.redraw();
   }
 
@@ -106,6 +108,7 @@ export class Stage {
 
   /** Looks at `box` from a side, so that all of it is seen. */
   look(view: ViewName, box: THREE.Box3): void {
+    this.looked = { view, box: box.clone() };
     const sphere = box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(0, 0, 0.4), 0.8) : box.getBoundingSphere(new THREE.Sphere());
     const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
     const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
