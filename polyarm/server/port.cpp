@@ -202,6 +202,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     stream_.set_option(
         ws::stream_base::timeout{duration(work_.options.head_s), duration(work_.options.idle_s), true});
     stream_.read_message_max(kMostMessage);
+    stream_.auto_fragment(false);
     stream_.async_accept(request, [self = this->shared_from_this()](Failure failed) {
       if (failed) return self->client_->leave();
       self->open_ = true;
@@ -213,7 +214,10 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   void pump() {
     if (!open_ || closing_) return;
     if (client_->gone()) return close(ws::close_code::policy_error, "it does not read what it asked for");
-    if (paused_ && client_->has_room()) read();
+    if (paused_ && client_->has_room()) {
+      const auto self = std::move(paused_);
+      read();
+    }
     if (writing_) return;
     auto out = client_->next();
     if (!out) return;
@@ -230,13 +234,14 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
 
   void close(ws::close_code code, const char* why) {
     if (!open_ || std::exchange(closing_, true)) return;
+    const auto self = this->shared_from_this();
+    paused_.reset();
     client_->leave();
     stream_.async_close(ws::close_reason(code, why), [self = this->shared_from_this()](Failure) {});
   }
 
  private:
   void read() {
-    paused_ = false;
     stream_.async_read(
         buffer_, [self = this->shared_from_this()](Failure failed, std::size_t) { self->took(failed); });
   }
@@ -254,14 +259,15 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     if (client_->has_room())
       read();
     else
-      paused_ = true;
+      paused_ = this->shared_from_this();
   }
 
   Work& work_;
   ws::stream<beast::tcp_stream> stream_;
   std::shared_ptr<Client> client_;
   beast::flat_buffer buffer_;
-  bool open_ = false, closing_ = false, writing_ = false, paused_ = false;
+  bool open_ = false, closing_ = false, writing_ = false;
+  std::shared_ptr<Socket> paused_;  ///< itself while nothing is read, since then nobody else may hold it
 };
 
 /// A connection that asks for files, until it becomes a WebSocket.

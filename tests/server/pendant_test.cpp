@@ -1,0 +1,447 @@
+/// The pendant's server in front of a whole cell, in lock-step: time is the cell's.
+#include "polyarm/server/pendant.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <random>
+#include <thread>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "tests/support/lock_step_cell.hpp"
+#include "tests/support/web_peer.hpp"
+
+namespace polyarm::server {
+namespace {
+
+using test::Folder;
+using test::Json;
+using test::LockStepCell;
+using test::WebPeer;
+
+const std::string kArm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+const std::vector<std::string> kBearer = {"Authorization: Bearer secret"};
+
+class PendantTest : public ::testing::Test {
+ protected:
+  PendantTest() {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm + ", hardware: mock}\n");
+    cell = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));
+    PendantOptions options;
+    options.port = 0;
+    options.token = "secret";
+    options.version = "7";
+    pendant = std::make_unique<Pendant>(options, nobody);
+    pendant->attach(cell->cell());
+    cell->run(0.05);
+  }
+  ~PendantTest() override { pendant->detach(); }
+
+  void tick() {
+    pendant->serve();
+    cell->tick();
+  }
+  void run(double s) {
+    for (Nanoseconds end = cell->cell().now() + nanoseconds(s); cell->cell().now() < end;) tick();
+  }
+  /// Serves, with a tick of the cell now and then, until it is so.
+  template <typename Done>
+  bool until(Done done) {
+    for (int n = 0; n < 20'000; ++n) {
+      if (done()) return true;
+      pendant->serve();
+      if (n % 20 == 19) cell->tick();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return done();
+  }
+  /// The same without time passing in the cell.
+  template <typename Done>
+  bool served_until(Done done) {
+    for (int n = 0; n < 20'000; ++n) {
+      if (done()) return true;
+      pendant->serve();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return done();
+  }
+  std::unique_ptr<WebPeer> connect() {
+    auto peer = std::make_unique<WebPeer>(pendant->port());
+    EXPECT_EQ(peer->upgrade(kBearer), 101);
+    return peer;
+  }
+  Json ask(WebPeer& peer, Json request) {
+    const int id = ++last_;
+    request["id"] = id;
+    peer.send(request);
+    until([&] {
+      peer.listen();
+      peer.take();
+      const Json answer = peer.answer(id);
+      return !answer.is_null() && !answer.value("more", false);
+    });
+    return peer.answer(id);
+  }
+  std::string code(const Json& answer) {
+    return answer.value("ok", false) ? "ok"
+           : answer.is_null()        ? "none"
+                                     : answer["error"]["code"].get<std::string>();
+  }
+  bool heard(WebPeer& peer, const std::string& event, const std::function<bool(const Json&)>& is = {}) {
+    return until([&] {
+      peer.listen();
+      peer.take();
+      const Json seen = peer.event(event);
+      return !seen.is_null() && (!is || is(seen));
+    });
+  }
+  bool standing() { return cell->cell().jogging().status(0).standing; }
+  double joint() { return cell->value_of("states", "arm/joint_2/position"); }
+  Json begin_jog(WebPeer& peer) {
+    return ask(peer,
+               {{"request", "jog.begin"}, {"mode", "joint"}, {"axis", 1}, {"direction", 1}, {"speed", 1.0}});
+  }
+  /// A heartbeat, which the cell has taken.
+  void beat(WebPeer& peer, const Json& jog) {
+    const std::uint64_t before = pendant->counts().requests;
+    peer.send({{"request", "jog.beat"}, {"jog", jog}});
+    ASSERT_TRUE(served_until([&] { return pendant->counts().requests > before; }));
+  }
+  std::string fetch(const std::string& path) { return WebPeer::fetch(pendant->port(), path, kBearer); }
+  static std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
+
+  struct Nobody : cell::Observer {};
+  Nobody nobody;
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+  std::unique_ptr<Pendant> pendant;
+  int last_ = 0;
+};
+
+TEST_F(PendantTest, ALinkBecomesACookieThatOpensEverything) {
+  const std::string link = pendant->link();
+  const std::string came = WebPeer::fetch(pendant->port(), link.substr(link.find("/?")));
+  EXPECT_EQ(WebPeer::status(came), 302);
+  const auto at = came.find("Set-Cookie: ");
+  ASSERT_NE(at, std::string::npos) << came;
+  const std::string cookie = came.substr(at + 12, came.find(';', at) - at - 12);
+  for (const char* word : {"HttpOnly", "SameSite=Strict", "Path=/"})
+    EXPECT_NE(came.find(word), std::string::npos);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/api/cell", {"Cookie: " + cookie})), 200);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/?token=wrong")), 403);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/api/cell")), 401);
+  const std::string page = WebPeer::fetch(pendant->port(), "/");
+  EXPECT_EQ(WebPeer::status(page), 200);
+  EXPECT_NE(page.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
+}
+
+TEST_F(PendantTest, TheCellItsModelAndItsSceneAreThereToBeDrawn) {
+  const Json cell_now = Json::parse(body(fetch("/api/cell")));
+  ASSERT_EQ(cell_now["robots"].size(), 1u);
+  EXPECT_EQ(cell_now["robots"][0]["name"], "arm");
+  EXPECT_EQ(cell_now["robots"][0]["joints"][1]["interface"], "arm/joint_2");
+  const Json model = Json::parse(body(fetch(cell_now["robots"][0]["model"])));
+  EXPECT_EQ(model["root"], "world");
+  EXPECT_EQ(model["joints"].size() + 1, model["links"].size());
+  for (const Json& joint : model["joints"]) EXPECT_EQ(joint["origin"]["q"].size(), 4u);
+  EXPECT_TRUE(Json::parse(body(fetch("/api/scene"))).contains("fixtures"));
+  EXPECT_EQ(Json::parse(body(fetch("/api/requests"))).size(), cell::request_table().size());
+  for (const char* path :
+       {"/api/model/other", "/api/mesh/0.glb", "/api/", "/api/cell/", "/assets/../api/cell"})
+    EXPECT_NE(WebPeer::status(fetch(path)), 200) << path;
+}
+
+TEST_F(PendantTest, StateFramesSayWhatTheirLayoutSays) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.watch"}, {"rate", 60}});
+  ASSERT_TRUE(until([&] {
+    peer->listen();
+    peer->take();
+    return peer->frames > 3;
+  }));
+  const Json layout = peer->event("layout");
+  ASSERT_TRUE(layout.contains("fields"));
+  const std::string& frame = peer->last_frame;
+  ASSERT_EQ(frame.size(), 16 + 4 * layout["fields"].size());
+  std::uint16_t id = 0;
+  std::memcpy(&id, frame.data() + 2, sizeof id);
+  EXPECT_EQ(frame[0], 1);
+  EXPECT_EQ(id, layout["id"].get<int>());
+  bool found = false;
+  for (std::size_t i = 0; i < layout["fields"].size(); ++i) {
+    if (layout["fields"][i]["name"] != "arm/joint_2/position") continue;
+    float value = 0;
+    std::memcpy(&value, frame.data() + 16 + 4 * i, sizeof value);
+    EXPECT_FLOAT_EQ(value, static_cast<float>(joint()));
+    EXPECT_EQ(layout["fields"][i]["unit"], "rad");
+    found = true;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST_F(PendantTest, RequestsOfTheTableAreAnsweredAsOnTheLocalSocket) {
+  const auto peer = connect();
+  const Json listed = ask(*peer, {{"request", "control.list"}});
+  ASSERT_EQ(code(listed), "ok");
+  EXPECT_EQ(listed["result"], cell->result({{"request", "control.list"}}));
+  EXPECT_EQ(code(ask(*peer, {{"request", "control.lis"}})), "unknown-request");
+  peer->say(WebPeer::frame("no json"));
+  peer->say(WebPeer::frame(std::string(100'000, '[')));
+  peer->say(WebPeer::frame("{\"request\": 7}"));
+  EXPECT_EQ(code(ask(*peer, {{"request", "session.watch"}, {"rate", "fast"}})), "bad-argument");
+  EXPECT_EQ(code(ask(*peer, {{"request", "session.hello"}, {"name", 7}})), "bad-argument");
+  EXPECT_EQ(std::count_if(peer->answers.begin(), peer->answers.end(),
+                          [&](const Json& answer) { return code(answer) == "bad-request"; }),
+            3);
+}
+
+TEST_F(PendantTest, OnlyWhoHoldsControlMovesAndEverybodyStops) {
+  const auto one = connect(), two = connect();
+  EXPECT_EQ(code(ask(*one, {{"request", "control.override"}, {"percent", 50}})), "no-control");
+  EXPECT_EQ(code(begin_jog(*one)), "no-control");
+  EXPECT_EQ(code(ask(*one, {{"request", "jog.step"}, {"axis", 0}, {"amount", 0.1}})), "no-control");
+  EXPECT_TRUE(ask(*one, {{"request", "session.take"}})["result"]["you_hold"].get<bool>());
+  EXPECT_EQ(code(ask(*one, {{"request", "control.override"}, {"percent", 50}})), "ok");
+  EXPECT_EQ(code(ask(*two, {{"request", "control.override"}, {"percent", 100}})), "no-control");
+  EXPECT_EQ(code(ask(*two, {{"request", "health"}})), "ok");
+  EXPECT_EQ(code(ask(*two, {{"request", "control.hold"}})), "ok");
+  EXPECT_TRUE(until([&] { return cell->cell().snapshot().state == control::RunState::held; }));
+}
+
+TEST_F(PendantTest, ControlIsHandedOverByConsentOrWhenTheHolderIsGone) {
+  const auto one = connect(), two = connect();
+  ask(*one, {{"request", "session.hello"}, {"name", "tablet"}});
+  ask(*one, {{"request", "session.take"}});
+  const Json asked = ask(*two, {{"request", "session.take"}});
+  EXPECT_FALSE(asked["result"]["you_hold"].get<bool>());
+  EXPECT_EQ(asked["result"]["holder"]["name"], "tablet");
+  EXPECT_TRUE(heard(*one, "asked"));
+  EXPECT_EQ(code(ask(*one, {{"request", "session.answer"}, {"give", false}})), "ok");
+  EXPECT_TRUE(heard(*two, "control", [](const Json& e) { return e["what"] == "refused"; }));
+  ask(*two, {{"request", "session.take"}});
+  ask(*one, {{"request", "session.answer"}, {"give", true}});
+  EXPECT_TRUE(heard(*two, "control", [](const Json& e) { return e["you_hold"] == true; }));
+  EXPECT_EQ(code(ask(*two, {{"request", "control.override"}, {"percent", 60}})), "ok");
+  two->hang_up();
+  ask(*one, {{"request", "session.hello"}});
+  EXPECT_TRUE(
+      heard(*one, "status", [](const Json& e) { return e["holder"].is_null() && e["clients"] == 1; }));
+  EXPECT_TRUE(ask(*one, {{"request", "session.take"}})["result"]["you_hold"].get<bool>());
+}
+
+TEST_F(PendantTest, AHeldKeyMovesAsLongAsHeartbeatsCome) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.take"}});
+  const Json begun = begin_jog(*peer);
+  ASSERT_EQ(code(begun), "ok") << begun;
+  const double before = joint();
+  for (int i = 0; i < 20; ++i) {
+    beat(*peer, begun["result"]["jog"]);
+    run(0.05);
+    EXPECT_FALSE(standing()) << i;
+  }
+  EXPECT_GT(joint(), before + 0.1);
+  EXPECT_EQ(code(ask(*peer, {{"request", "jog.end"}, {"jog", begun["result"]["jog"]}})), "ok");
+  run(1);
+  EXPECT_TRUE(standing());
+  EXPECT_TRUE(heard(*peer, "jog", [](const Json& e) { return e["over"] == true && e["why"] == "released"; }));
+}
+
+/// The time from the last heartbeat to rest, s of the cell. At teaching speed.
+double time_to_rest(PendantTest&, cell::Cell& cell, const std::function<void()>& tick) {
+  const Nanoseconds since = cell.now();
+  for (int n = 0; n < 1000 && !cell.jogging().status(0).standing; ++n) tick();
+  return seconds(cell.now() - since);
+}
+
+TEST_F(PendantTest, WithoutAHeartbeatItStandsInAQuarterOfASecondAndANewPressIsNeeded) {
+  cell->cell().set_profile("reduced");
+  for (const int axis : {0, 1, 2, 3, 4, 5}) {
+    const auto peer = connect();
+    ask(*peer, {{"request", "session.take"}});
+    const Json begun =
+        ask(*peer, {{"request", "jog.begin"}, {"mode", "joint"}, {"axis", axis}, {"direction", 1}});
+    ASSERT_EQ(code(begun), "ok") << begun;
+    const Json jog = begun["result"]["jog"];
+    for (int i = 0; i < 8; ++i) {
+      beat(*peer, jog);
+      run(0.05);
+    }
+    beat(*peer, jog);
+    EXPECT_FALSE(standing());
+    EXPECT_LE(time_to_rest(*this, cell->cell(), [&] { tick(); }), 0.25) << "axis " << axis;
+    EXPECT_TRUE(standing());
+    const double stood = joint();
+    beat(*peer, jog);
+    run(0.3);
+    EXPECT_NEAR(joint(), stood, 1e-6) << "a heartbeat that comes too late moves nothing";
+    EXPECT_TRUE(heard(*peer, "jog", [](const Json& e) { return e["over"] == true && e["why"] == "lost"; }));
+    EXPECT_EQ(code(begin_jog(*peer)), "ok") << "pressed again";
+    peer->hang_up();
+    run(1);
+    until([&] { return pendant->counts().clients == 0; });
+    cell->run(1);
+  }
+}
+
+TEST_F(PendantTest, WhoIsKilledWhileJoggingLeavesItAtRestAtOnce) {
+  cell->cell().set_profile("reduced");
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.take"}});
+  const Json begun = begin_jog(*peer);
+  for (int i = 0; i < 10; ++i) {
+    beat(*peer, begun["result"]["jog"]);
+    run(0.05);
+  }
+  beat(*peer, begun["result"]["jog"]);
+  peer->hang_up();
+  ASSERT_TRUE(served_until([&] { return pendant->counts().clients == 0; }));
+  EXPECT_FALSE(standing());
+  const double after = time_to_rest(*this, cell->cell(), [&] { tick(); });
+  EXPECT_LT(after, 0.2) << "braking alone, not only when its heartbeats are missed";
+  EXPECT_TRUE(standing());
+}
+
+TEST_F(PendantTest, AServerThatIsFrozenLeavesItAtRest) {
+  cell->cell().set_profile("reduced");
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.take"}});
+  const Json begun = begin_jog(*peer);
+  for (int i = 0; i < 10; ++i) {
+    beat(*peer, begun["result"]["jog"]);
+    run(0.05);
+  }
+  beat(*peer, begun["result"]["jog"]);
+  EXPECT_LE(time_to_rest(*this, cell->cell(), [&] { cell->tick(); }), 0.25) << "nobody serves any more";
+  EXPECT_TRUE(standing());
+}
+
+TEST_F(PendantTest, WhoLosesControlLosesTheKeyThatIsHeld) {
+  const auto one = connect(), two = connect();
+  ask(*one, {{"request", "session.take"}});
+  const Json begun = begin_jog(*one);
+  beat(*one, begun["result"]["jog"]);
+  run(0.05);
+  EXPECT_FALSE(standing());
+  EXPECT_TRUE(ask(*two, {{"request", "session.take"}, {"force", true}})["result"]["you_hold"].get<bool>());
+  EXPECT_TRUE(heard(*one, "jog", [](const Json& e) { return e["over"] == true; }));
+  EXPECT_TRUE(heard(*one, "control", [](const Json& e) { return e["what"] == "taken"; }));
+  run(0.5);
+  EXPECT_TRUE(standing());
+}
+
+TEST_F(PendantTest, OneCannotBeatForAnother) {
+  const auto one = connect(), two = connect();
+  ask(*one, {{"request", "session.take"}});
+  const Json begun = begin_jog(*one);
+  for (int i = 0; i < 10; ++i) {
+    beat(*two, begun["result"]["jog"]);
+    run(0.05);
+  }
+  EXPECT_TRUE(standing());
+}
+
+TEST_F(PendantTest, StepsAndTheTcpMoveInTheirFrames) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.take"}});
+  for (const int axis : {1, 2, 4})
+    EXPECT_EQ(code(ask(*peer, {{"request", "jog.step"}, {"mode", "joint"}, {"axis", axis}, {"amount", 0.6}})),
+              "ok");
+  const Pose before = cell->cell().tcp(0);
+  const Json stepped = ask(
+      *peer, {{"request", "jog.step"}, {"mode", "tcp"}, {"frame", "base"}, {"axis", 0}, {"amount", -0.03}});
+  ASSERT_EQ(code(stepped), "ok") << stepped;
+  const Vec3 way = cell->cell().tcp(0).position - before.position;
+  EXPECT_NEAR(way.x, -0.03, 1e-4);
+  EXPECT_NEAR(way.y, 0, 1e-4);
+  EXPECT_EQ(
+      code(ask(*peer,
+               {{"request", "jog.step"}, {"mode", "tcp"}, {"frame", "moon"}, {"axis", 0}, {"amount", 0.1}})),
+      "unknown-frame");
+  EXPECT_EQ(code(ask(*peer, {{"request", "jog.begin"}, {"mode", "joint"}, {"axis", 17}})), "bad-argument");
+  EXPECT_EQ(code(ask(*peer, {{"request", "jog.begin"}, {"mode", "sideways"}, {"axis", 0}})), "bad-argument");
+  EXPECT_EQ(code(ask(*peer, {{"request", "jog.begin"}, {"robot", "leg"}, {"axis", 0}})), "unknown-robot");
+  const Json begun =
+      ask(*peer, {{"request", "jog.begin"}, {"mode", "tcp"}, {"axis", {0, 0, 1, 0, 0, 0}}, {"speed", 0.1}});
+  ASSERT_EQ(code(begun), "ok") << begun;
+  const double z = cell->cell().tcp(0).position.z;
+  for (int i = 0; i < 10; ++i) {
+    beat(*peer, begun["result"]["jog"]);
+    run(0.05);
+  }
+  EXPECT_GT(cell->cell().tcp(0).position.z, z + 0.01);
+}
+
+TEST_F(PendantTest, EventsSayWhatChangesAndToWhoComesLateAllThereIs) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.hello"}});
+  EXPECT_TRUE(heard(*peer, "status", [](const Json& e) { return e["state"] == "running"; }));
+  cell->cell().loop().supervisor().latch().request(realtime::StopKind::controlled);
+  run(0.1);
+  EXPECT_TRUE(heard(*peer, "status", [](const Json& e) { return e["state"] == "held" && e["held"] != ""; }));
+  pendant->observer().on_problem(1'000'000'000, {"fault", {"a.script", 3, 1}, "it broke", "mend it"});
+  EXPECT_TRUE(heard(*peer, "alarm", [](const Json& e) {
+    return e["what"] == "it broke" && e["advice"] == "mend it" && e["where"]["line"] == 3;
+  }));
+  const auto late = connect();
+  ask(*late, {{"request", "session.hello"}});
+  EXPECT_TRUE(heard(*late, "alarm"));
+  EXPECT_TRUE(
+      heard(*late, "log", [](const Json& e) { return e.dump().find("it broke") != std::string::npos; }));
+}
+
+TEST_F(PendantTest, BetweenTwoCellsRequestsAreRefusedAndTheNextOneIsServed) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.hello"}});
+  ask(*peer, {{"request", "session.watch"}, {"rate", 30}});
+  ASSERT_TRUE(heard(*peer, "layout"));
+  const int first = peer->event("layout")["id"];
+  pendant->detach();
+  EXPECT_EQ(code(ask(*peer, {{"request", "health"}})), "no-cell");
+  EXPECT_TRUE(heard(*peer, "status", [](const Json& e) { return e["cell"].is_null(); }));
+  EXPECT_EQ(WebPeer::status(fetch("/api/cell")), 503);
+  cell = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));
+  pendant->attach(cell->cell());
+  EXPECT_TRUE(heard(*peer, "layout", [&](const Json& e) { return e["id"] != first; }));
+  EXPECT_EQ(code(ask(*peer, {{"request", "health"}})), "ok");
+}
+
+TEST_F(PendantTest, NoiseOnTheSocketIsAnsweredAndChangesNothing) {
+  std::vector<std::string> names = {"jog.begin",       "jog.step",       "jog.end",       "jog.beat",
+                                    "session.take",    "session.answer", "session.watch", "session.hello",
+                                    "session.release", "help",           "control.list"};
+  const Json values[] = {Json(),
+                         0,
+                         -1,
+                         1e300,
+                         "x",
+                         Json::array(),
+                         Json::object(),
+                         true,
+                         Json::array({1, 2, 3, 4, 5, 6}),
+                         "base",
+                         std::string(1000, 'a'),
+                         Json::array({Json::array()}),
+                         18446744073709551615ull};
+  const char* keys[] = {"id",     "robot", "mode", "axis", "frame", "direction", "speed",
+                        "amount", "jog",   "rate", "give", "force", "name"};
+  std::mt19937 random(3);
+  const auto peer = connect();
+  for (int n = 0; n < 2000; ++n) {
+    Json request{{"request", names[random() % names.size()]}};
+    for (unsigned i = random() % 6; i > 0; --i)
+      request[keys[random() % std::size(keys)]] = values[random() % std::size(values)];
+    peer->send(request);
+    if (n % 50 == 0) {
+      tick();
+      peer->listen();
+      peer->take();
+      std::this_thread::sleep_for(std::chrono::milliseconds(60));  // so many a second are taken from one
+    }
+  }
+  EXPECT_EQ(code(ask(*peer, {{"request", "health"}})), "ok");
+}
+
+}  // namespace
+}  // namespace polyarm::server
