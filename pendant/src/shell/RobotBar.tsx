@@ -150,7 +150,6 @@ export function StopButton() {
     <button
       type="button"
       class="stop-button"
-      aria-label={`${t('stop.label')} (${t('stop.note')})`}
       aria-keyshortcuts="Escape"
       onPointerDown={(e) => {
         e.preventDefault();
