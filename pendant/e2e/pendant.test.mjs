@@ -21,7 +21,7 @@ after(async () => {
   await cell.end();
 });
 afterEach(async (t) => {
-  if (t.error || t.passed === false) await picture(page, t.name.replace(/\W+/g, '-'));
+  if (t?.error || t?.passed === false) await picture(page, t.name.replace(/\W+/g, '-'));
 });
 
 const inControl = (on) => on.getByRole('button', { name: /^In control/ });

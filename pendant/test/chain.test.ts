@@ -63,20 +63,21 @@ describe('Chain', () => {
   it('says nothing of singularities where the arm has too few joints', () => expect(new Chain(planar).smallestGain(() => 0)).toBeNaN());
 });
 
+const six: RobotModel = {
+  root: 'base',
+  links: [],
+  joints: [
+    joint('1', 'base', 'l1', [0, 0, 0.4], [0, 0, 1]),
+    joint('2', 'l1', 'l2', [0, 0, 0], [0, 1, 0]),
+    joint('3', 'l2', 'l3', [0.4, 0, 0], [0, 1, 0]),
+    joint('4', 'l3', 'l4', [0.4, 0, 0], [1, 0, 0]),
+    joint('5', 'l4', 'l5', [0, 0, 0], [0, 1, 0]),
+    joint('6', 'l5', 'l6', [0, 0, 0], [1, 0, 0]),
+  ],
+  tcp: { link: 'l6', ...still, p: [0.1, 0, 0] },
+};
+
 describe('smallestGain', () => {
-  const six: RobotModel = {
-    root: 'base',
-    links: [],
-    joints: [
-      joint('1', 'base', 'l1', [0, 0, 0.4], [0, 0, 1]),
-      joint('2', 'l1', 'l2', [0, 0, 0], [0, 1, 0]),
-      joint('3', 'l2', 'l3', [0.4, 0, 0], [0, 1, 0]),
-      joint('4', 'l3', 'l4', [0.4, 0, 0], [1, 0, 0]),
-      joint('5', 'l4', 'l5', [0, 0, 0], [0, 1, 0]),
-      joint('6', 'l5', 'l6', [0, 0, 0], [1, 0, 0]),
-    ],
-    tcp: { link: 'l6', ...still, p: [0.1, 0, 0] },
-  };
   const at = (q: number[]) => new Chain(six).smallestGain((name) => q[Number(name) - 1]!);
   it('is zero with the wrist straight, and with the arm stretched', () => {
     expect(at([0.3, -0.5, 1.2, 0.4, 0, 0.2])).toBeLessThan(1e-6);
@@ -87,6 +88,25 @@ describe('smallestGain', () => {
     expect(gains[0]).toBeGreaterThan(1e-3);
     expect(gains[1]).toBeGreaterThan(gains[0]!);
     expect(gains[2]).toBeGreaterThan(gains[1]!);
+  });
+});
+
+describe('solveFor', () => {
+  const chain = new Chain(six);
+  const values = (q: number[]) => (name: string) => q[Number(name) - 1]!;
+  it('finds joints for poses that others reach, from near them', () => {
+    const draw = random(11);
+    for (let i = 0; i < 40; ++i) {
+      const q = [draw(), 0.7 * draw() - 0.5, 1.2 + 0.5 * draw(), draw(), 0.9 + 0.4 * draw(), draw()];
+      const goal = chain.solve(values(q)).tcp;
+      const found = chain.solveFor(goal, values(q.map((v) => v + 0.25 * draw())))!;
+      expect(found).not.toBeNull();
+      const at = chain.solve((name) => found[name]!).tcp;
+      expect(Math.hypot(...at.p.map((v, k) => v - goal.p[k]!))).toBeLessThan(5e-4);
+    }
+  });
+  it('says so where the arm does not reach', () => {
+    expect(chain.solveFor({ p: [2, 0, 0.4], q: [0, 0, 0, 1] }, values([0, -0.5, 1, 0, 0.5, 0]))).toBeNull();
   });
 });
 

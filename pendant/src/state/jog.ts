@@ -1,5 +1,6 @@
 /** The one motion by hand of this page, as signals; ended by everything that may mean that nobody holds the key any more. */
 import { effect, signal } from '@preact/signals';
+import { Follower } from '../wire/follower';
 import { Jogger } from '../wire/jogger';
 import type { Json } from '../wire/connection';
 import { complain, connected, jogEvents, mayMove, request, robot, tell } from './cell';
@@ -19,6 +20,11 @@ export const jogStep = kept<number>('jogStep', 0);
 
 const jogger = new Jogger({ request: (name, args) => request(name, args), tell }, (held, error) => {
   if (!held) heldKey.value = '';
+  if (error) complain(error);
+});
+
+const follower = new Follower((name, args, timeout) => request(name, args, timeout), (error) => {
+  heldKey.value = '';
   if (error) complain(error);
 });
 
@@ -59,15 +65,33 @@ export function pushJog(key: string, axis: number[]): void {
   heldKey.value = key;
 }
 
-export function pressGoTo(args: Json): void {
+/** Goes to joints or a pose of the world ({joints} or {pose: {position, orientation}}) as long as it is held. */
+export function pressGoTo(goal: Json): void {
   if (!mayMove.peek()) return;
+  release();
   heldBack.value = null;
-  void jogger.begin({ request: 'jog.goto', args: { speed: jogSpeed.peek() / 100, ...args } });
+  follower.begin(followArgs(goal));
   heldKey.value = 'goto';
+}
+
+export function followArgs(goal: Json): Json {
+  return { robot: robot.peek()?.name ?? '', speed: jogSpeed.peek() / 100, ...goal };
+}
+
+/** The handle in the picture is held: the robot follows where it is dragged to. */
+export function holdHandle(): void {
+  if (!mayMove.peek()) return;
+  release();
+  follower.begin(null);
+  heldKey.value = 'handle';
+}
+export function dragHandle(position: number[], orientation: number[]): void {
+  if (heldKey.peek() === 'handle') follower.set(followArgs({ pose: { position, orientation }, frame: 'world' }));
 }
 
 export function release(): void {
   jogger.end();
+  follower.end();
 }
 
 let stepping = false;

@@ -126,27 +126,57 @@ export class Chain {
     return out;
   }
 
+  /** The joints that move the TCP, and for each the twist (rotation vector and velocity, root frame) that its unit of speed gives. */
+  private columns(solved: Solved): { moving: ModelJoint[]; linear: Vec3[]; angular: Vec3[] } {
+    const moving = this.path().filter((joint) => joint.type !== 'fixed' && !joint.mimic);
+    const linear: Vec3[] = [];
+    const angular: Vec3[] = [];
+    for (const joint of moving) {
+      const at = compose(solved.links.get(joint.parent)!, joint.origin);
+      const axis = rotate(at.q, joint.axis);
+      const [dx, dy, dz] = solved.tcp.p.map((v, i) => v - at.p[i]!) as Vec3;
+      const [x, y, z] = axis;
+      const slides = joint.type === 'prismatic';
+      linear.push(slides ? axis : [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx]);
+      angular.push(slides ? [0, 0, 0] : axis);
+    }
+    return { moving, linear, angular };
+  }
+
   /**
    * How slowly the TCP can be moved in the direction that it likes least: the smallest singular value of the Jacobian,
    * lengths taken relative to the reach. 0 in a singularity. NaN for arms with fewer than six joints, which have such directions always.
    */
   smallestGain(values: (name: string) => number): number {
-    const moving = this.path().filter((joint) => joint.type !== 'fixed' && !joint.mimic);
+    const { moving, linear, angular } = this.columns(this.solve(values));
     if (moving.length < 6) return NaN;
-    const solved = this.solve(values);
     const reach = Math.max(0.1, this.reach());
-    const columns = moving.map((joint) => {
-      const at = compose(solved.links.get(joint.parent)!, joint.origin);
-      const axis = rotate(at.q, joint.axis);
-      if (joint.type === 'prismatic') return [...axis.map((v) => v / reach), 0, 0, 0];
-      const [dx, dy, dz] = solved.tcp.p.map((v, i) => (v - at.p[i]!) / reach) as Vec3;
-      const [x, y, z] = axis;
-      return [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx, x, y, z];
-    });
-    const square = Array.from({ length: 6 }, (_, r) =>
-      Array.from({ length: 6 }, (_, c) => columns.reduce((sum, column) => sum + column[r]! * column[c]!, 0)),
-    );
-    return Math.sqrt(Math.max(0, smallestEigenvalue(square)));
+    const columns = moving.map((_, k) => [...linear[k]!.map((v) => v / reach), ...angular[k]!]);
+    return Math.sqrt(Math.max(0, smallestEigenvalue(gram(columns))));
+  }
+
+  /**
+   * Joint values near `start` that bring the TCP to `goal` (root frame), by damped least squares; null where that does not
+   * get there within 0.5 mm and 0.2°. For pictures: the cell has its own solutions.
+   */
+  solveFor(goal: Pose, start: (name: string) => number): Record<string, number> | null {
+    const joints: Record<string, number> = {};
+    for (const joint of this.model.joints) joints[joint.name] = Number.isFinite(start(joint.name)) ? start(joint.name) : 0;
+    const reach = Math.max(0.1, this.reach());
+    for (let round = 0; round < 120; ++round) {
+      const solved = this.solve((name) => joints[name] ?? 0);
+      const way = solved.tcp.p.map((v, i) => goal.p[i]! - v);
+      const turn = rotationVector(multiply(goal.q, conjugate(solved.tcp.q)));
+      if (Math.hypot(...way) < 5e-4 && Math.hypot(...turn) < 3.5e-3) return joints;
+      const { moving, linear, angular } = this.columns(solved);
+      const columns = moving.map((_, k) => [...linear[k]!.map((v) => v / reach), ...angular[k]!]);
+      const x = solveLinear(gram(columns, 1e-5), [...way.map((v) => v / reach), ...turn]);
+      columns.forEach((column, k) => {
+        const step = column.reduce((sum, v, i) => sum + v * x[i]!, 0);
+        joints[moving[k]!.name]! += Math.max(-0.3, Math.min(0.3, step));
+      });
+    }
+    return null;
   }
 
   reach(): number {
@@ -184,4 +214,37 @@ export function smallestEigenvalue(m: number[][]): number {
       }
   }
   return Math.min(...m.map((row, i) => row[i]!));
+}
+
+/** The sum of the columns' outer products, with `more` on its diagonal. */
+function gram(columns: number[][], more = 0): number[][] {
+  return Array.from({ length: 6 }, (_, r) =>
+    Array.from({ length: 6 }, (_, c) => columns.reduce((sum, column) => sum + column[r]! * column[c]!, r === c ? more : 0)),
+  );
+}
+
+/** The rotation vector (axis times angle, at most π) of a quaternion. */
+export function rotationVector([x, y, z, w]: Quat): Vec3 {
+  const sine = Math.hypot(x, y, z);
+  if (sine < 1e-12) return [0, 0, 0];
+  const angle = 2 * Math.atan2(sine, Math.abs(w));
+  const k = ((w < 0 ? -1 : 1) * angle) / sine;
+  return [k * x, k * y, k * z];
+}
+
+/** By Gauss with pivots; `a` and `b` are left as they are. */
+function solveLinear(a: number[][], b: number[]): number[] {
+  const n = b.length;
+  const m = a.map((row, i) => [...row, b[i]!]);
+  for (let c = 0; c < n; ++c) {
+    let best = c;
+    for (let r = c + 1; r < n; ++r) if (Math.abs(m[r]![c]!) > Math.abs(m[best]![c]!)) best = r;
+    [m[c], m[best]] = [m[best]!, m[c]!];
+    for (let r = 0; r < n; ++r) {
+      if (r === c) continue;
+      const f = m[r]![c]! / m[c]![c]!;
+      for (let k = c; k <= n; ++k) m[r]![k]! -= f * m[c]![k]!;
+    }
+  }
+  return m.map((row, i) => row[n]! / row[i]!);
 }

@@ -60,6 +60,8 @@ export interface JointInfo {
   lower: number;
   upper: number;
   velocity: number;
+  /** False for joints beside the way to the TCP. */
+  moves_tcp?: boolean;
   unit: 'rad' | 'm' | string;
 }
 

@@ -48,7 +48,7 @@ export const move = {
 
   'goto.title': 'Go to',
   'goto.joints': 'Joint values',
-  'goto.pose': 'TCP pose',
+  'goto.pose': 'TCP in base',
   'goto.point': 'Point',
   'goto.none': 'There are no points yet. Teach some on the page Points.',
   'goto.way': 'Way',
@@ -56,11 +56,11 @@ export const move = {
   'goto.wayLine': 'Straight line',
   'goto.here': 'As it is now',
   'goto.zero': 'All zero',
-  'goto.preview': 'Preview',
+  'goto.preview': 'The view shows the way and where the robot will stand.',
   'goto.move': 'Hold to move there',
   'goto.moving': 'Moving… keep holding',
   'goto.arrived': 'Arrived',
-  'goto.seconds': 'about {seconds} s',
+  'goto.unreachable': 'The robot does not reach this from where it is.',
   'goto.bad': 'Not a number',
   'goto.outside': 'Outside {range}',
 } as const;

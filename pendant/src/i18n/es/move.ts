@@ -50,7 +50,7 @@ export const move: Record<keyof typeof en, string> = {
 
   'goto.title': 'Ir a',
   'goto.joints': 'Valores de ejes',
-  'goto.pose': 'Pose del TCP',
+  'goto.pose': 'TCP en la base',
   'goto.point': 'Punto',
   'goto.none': 'Aún no hay puntos. Enséñelos en la página Puntos.',
   'goto.way': 'Trayecto',
@@ -58,11 +58,11 @@ export const move: Record<keyof typeof en, string> = {
   'goto.wayLine': 'Línea recta',
   'goto.here': 'Como está ahora',
   'goto.zero': 'Todo a cero',
-  'goto.preview': 'Vista previa',
+  'goto.preview': 'La vista muestra el camino y dónde quedará el robot.',
   'goto.move': 'Mantener pulsado para ir',
   'goto.moving': 'En marcha… siga pulsando',
   'goto.arrived': 'Ha llegado',
-  'goto.seconds': 'unos {seconds} s',
+  'goto.unreachable': 'El robot no llega ahí desde donde está.',
   'goto.bad': 'No es un número',
   'goto.outside': 'Fuera de {range}',
 };

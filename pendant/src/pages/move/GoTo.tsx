@@ -1,19 +1,19 @@
 /** Going to joint values, a pose or a taught point: shown first, then gone to as long as the button is held. */
-import { useEffect, useState } from 'preact/hooks';
-import { number, t } from '../../i18n';
-import { request, robot } from '../../state/cell';
+import { useEffect, useMemo, useState } from 'preact/hooks';
+import { t } from '../../i18n';
+import { request as ask, robot, status } from '../../state/cell';
 import { heldKey, pressGoTo, release } from '../../state/jog';
-import { valueNow } from '../../state/live';
-import { chain } from '../../state/models';
+import { beat, valueNow } from '../../state/live';
+import { chain, jointValues } from '../../state/models';
 import { settings } from '../../state/settings';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { angleUnit, jointText, kDeg, kMm } from '../../ui/format';
-import { fromRollPitchYaw, rollPitchYaw } from '../../view3d/chain';
+import { compose, fromRollPitchYaw, inverse, rollPitchYaw } from '../../view3d/chain';
 import { preview } from '../../view3d/RobotView';
 import type { Json } from '../../wire/connection';
 import type { JointInfo, Pose, Vec3 } from '../../wire/types';
-import { jointTitle, tcpPose } from './axes';
+import { inFrame, jointTitle, tcpPose } from './axes';
 import { HoldButton } from './JogKeys';
 
 interface PointValue {
@@ -21,14 +21,6 @@ interface PointValue {
   kind: string;
   world?: Pose | null;
   joints?: Record<string, number> | null;
-}
-interface Dry {
-  ok: boolean;
-  reason?: string;
-  path?: Vec3[];
-  seconds?: number;
-  target?: { joints: Record<string, number> | number[] };
-  joints?: Record<string, number>;
 }
 type What = 'joints' | 'pose' | 'point';
 
@@ -45,9 +37,8 @@ export function GoTo({ onClose }: { onClose: () => void }) {
   const [pose, setPose] = useState(() => currentPose());
   const [points, setPoints] = useState<PointValue[]>([]);
   const [point, setPoint] = useState('');
-  const [dry, setDry] = useState<Dry | null>(null);
   useEffect(() => {
-    request<{ values: PointValue[] }>('points').then(
+    ask<{ values: PointValue[] }>('points').then(
       (got) => {
         const able = got.values.filter((each) => each.joints || each.world);
         setPoints(able);
@@ -63,24 +54,12 @@ export function GoTo({ onClose }: { onClose: () => void }) {
   }, []);
 
   const goal = goalOf(what, info.joints, joints, pose, points.find((each) => each.name === point));
-  const args: Json | null = goal && { robot: info.name, kind: line ? 'line' : 'joint', ...goal };
-  const key = JSON.stringify(args);
+  const key = JSON.stringify([goal, line]);
+  const plan = useMemo(() => (goal ? planTo(goal, line) : null), [key]);
   useEffect(() => {
-    setDry(null);
-    preview.value = null;
-    if (!args) return;
-    const timer = setTimeout(() => {
-      request<Dry>('jog.goto', { ...args, dry: true }).then(
-        (got) => {
-          setDry(got);
-          showPreview(info.name, got, args);
-        },
-        (error: Error) => setDry({ ok: false, reason: error.message }),
-      );
-    }, 200);
-    return () => clearTimeout(timer);
-  }, [key]);
-
+    preview.value = plan ? { robot: info.name, path: plan.path, joints: plan.joints } : null;
+  }, [plan]);
+  const request = goal && plan?.joints ? requestOf(goal, plan.joints, line) : null;
   const moving = heldKey.value === 'goto';
   return (
     <Dialog title={t('goto.title')} onClose={onClose} side>
@@ -112,18 +91,14 @@ export function GoTo({ onClose }: { onClose: () => void }) {
         ]}
         onChange={(way) => setLine(way === 'line')}
       />
-      {dry && !dry.ok && <p class="problem-text">{dry.reason}</p>}
-      {dry?.ok && dry.seconds !== undefined && (
-        <p class="note">
-          {t('goto.preview')}: {t('goto.seconds', { seconds: number(dry.seconds, 1) })}
-        </p>
-      )}
+      {goal && !plan?.joints && <p class="problem-text">{t('goto.unreachable')}</p>}
+      {goal && plan?.joints && <p class="note">{t(arrived(plan.joints) ? 'goto.arrived' : 'goto.preview')}</p>}
       <HoldButton
         class="goto-hold"
         label={t(moving ? 'goto.moving' : 'goto.move')}
         held={moving}
-        disabled={!args || dry?.ok === false}
-        onPress={() => args && pressGoTo(args)}
+        disabled={!request}
+        onPress={() => request && pressGoTo(request)}
         onRelease={release}
       >
         {t(moving ? 'goto.moving' : 'goto.move')}
@@ -137,37 +112,70 @@ function currentJoints(): string[] {
   return info.joints.map((joint) => written(valueNow(`${joint.interface}/position`) * factor(joint), 2));
 }
 function currentPose(): string[] {
-  const at = tcpPose();
+  const at = inFrame(tcpPose(), robot.peek()!.base);
   const turned = rollPitchYaw(at.q);
   return [...at.p.map((v) => written(v * kMm, 2)), ...turned.map((v) => written(v * turns(), 2))];
 }
 
-function goalOf(what: What, infos: JointInfo[], joints: string[], pose: string[], point?: PointValue): Json | null {
+type Goal = { joints: Record<string, number> } | { pose: Pose };
+
+function goalOf(what: What, infos: JointInfo[], joints: string[], pose: string[], point?: PointValue): Goal | null {
   if (what === 'joints') {
     const values = infos.map((joint, i) => read(joints[i] ?? '') / factor(joint));
     if (values.some((value, i) => !Number.isFinite(value) || outside(infos[i]!, value))) return null;
-    return { joints: Object.fromEntries(infos.map((joint, i) => [joint.name, values[i]])) };
+    return { joints: Object.fromEntries(infos.map((joint, i) => [joint.name, values[i]!])) };
   }
   if (what === 'pose') {
     const values = pose.map((text, i) => read(text) / (i < 3 ? kMm : turns()));
     if (!values.every(Number.isFinite)) return null;
-    return { pose: { p: values.slice(0, 3), q: fromRollPitchYaw(values.slice(3) as Vec3) } };
+    const inBase = { p: values.slice(0, 3) as Vec3, q: fromRollPitchYaw(values.slice(3) as Vec3) };
+    return { pose: compose(robot.peek()!.base, inBase) };
   }
   if (point?.joints) return { joints: point.joints };
   return point?.world ? { pose: point.world } : null;
 }
 
-function outside(joint: JointInfo, value: number): boolean {
-  return joint.type !== 'continuous' && joint.upper > joint.lower && (value < joint.lower - 1e-9 || value > joint.upper + 1e-9);
+const kPoints = 40;
+
+/** Where the robot will stand, and the way of its TCP in the world; no joints where it does not get there. */
+function planTo(goal: Goal, line: boolean): { path: Vec3[]; joints: Record<string, number> | null } {
+  const arm = chain.peek();
+  const info = robot.peek()!;
+  if (!arm) return { path: [], joints: null };
+  const now = jointValues(info.name);
+  const base = status.peek()?.bases[info.name] ?? info.base;
+  const inWorld = (at: Pose) => compose(base, at).p;
+  const joints = 'joints' in goal ? goal.joints : arm.solveFor(compose(inverse(base), goal.pose), now);
+  if (!joints) return { path: [], joints: null };
+  const ends = [arm.solve(now).tcp, arm.solve((name) => joints[name] ?? 0).tcp].map(inWorld);
+  const path = Array.from({ length: kPoints }, (_, i): Vec3 => {
+    const share = i / (kPoints - 1);
+    if (line) return ends[0]!.map((v, k) => v + share * (ends[1]![k]! - v)) as Vec3;
+    const between = (name: string) => (now(name) || 0) + share * ((joints[name] ?? 0) - (now(name) || 0));
+    return inWorld(arm.solve(between).tcp);
+  });
+  return { path, joints };
 }
 
-/** The path as the cell tells it; of joint values also where the robot will stand. */
-function showPreview(name: string, dry: Dry, args: Json): void {
-  const told = dry.target?.joints ?? dry.joints ?? (args.joints as Record<string, number> | undefined) ?? null;
-  const joints = Array.isArray(told)
-    ? Object.fromEntries(robot.peek()!.joints.map((joint, i) => [joint.name, told[i] ?? 0]))
-    : told;
-  preview.value = { robot: name, path: dry.path ?? [], joints: chain.peek() ? joints : null };
+/** A line goes to the pose, anything else to the joints that the picture shows. */
+function requestOf(goal: Goal, joints: Record<string, number>, line: boolean): Json {
+  const info = robot.peek()!;
+  if (!line) return { joints: Object.fromEntries(info.joints.map((joint) => [joint.interface.slice(info.name.length + 1), joints[joint.name] ?? 0])) };
+  const base = status.peek()?.bases[info.name] ?? info.base;
+  const pose = 'pose' in goal ? goal.pose : compose(base, chain.peek()!.solve((name) => joints[name] ?? 0).tcp);
+  return { pose: { position: pose.p, orientation: pose.q }, frame: 'world' };
+}
+
+function arrived(joints: Record<string, number>): boolean {
+  beat.value;
+  return robot.peek()!.joints.every((joint) => {
+    const way = Math.abs(valueNow(`${joint.interface}/position`) - (joints[joint.name] ?? NaN));
+    return !(way > 2e-3) || !joint.moves_tcp;
+  });
+}
+
+function outside(joint: JointInfo, value: number): boolean {
+  return joint.type !== 'continuous' && joint.upper > joint.lower && (value < joint.lower - 1e-9 || value > joint.upper + 1e-9);
 }
 
 function Points(props: { points: PointValue[]; chosen: string; onChange: (name: string) => void }) {
