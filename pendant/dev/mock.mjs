@@ -4,6 +4,7 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { WebSocketServer } from 'ws';
+import { pageRequests } from './mock-pages.mjs';
 import { axisAngle, forward, joints, tcp, turn, velocities } from './kinematics.mjs';
 
 const port = Number(process.argv[2] ?? 8765);
@@ -191,10 +192,16 @@ const requests = {
   health: () => ({ state: cell.state, time_s: cell.time }),
 };
 
+const pages = pageRequests({ cell, tell: (event) => clients.forEach((client) => client.event(event)) });
+Object.assign(requests, pages.requests);
+pages.moves.forEach((name) => moves.add(name));
+
 const http = createServer((request, response) => {
   const path = new URL(request.url, 'http://x').pathname;
-  const json = { '/api/cell': info, '/api/model/arm': model, '/api/scene': scene, '/api/requests': [], '/api/catalogue': [] }[path];
+  const json = { '/api/cell': info, '/api/model/arm': model, '/api/scene': scene, '/api/requests': [], ...pages.json }[path];
   if (json) return response.writeHead(200, { 'Content-Type': 'application/json' }).end(JSON.stringify(json));
+  const picture = path.startsWith('/api/catalogue/') && pages.picture(path);
+  if (picture) return response.writeHead(200, { 'Content-Type': 'image/svg+xml' }).end(picture);
   const file = join(dist, normalize(path === '/' ? '/index.html' : path));
   if (!file.startsWith(dist) || !existsSync(file)) return response.writeHead(404).end('not here');
   const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
@@ -218,7 +225,7 @@ new WebSocketServer({ server: http, path: '/ws' }).on('connection', (socket) => 
       const result = requests[request.request](request, client, request.id);
       if (result !== undefined) client.answer(request.id, result);
     } catch (error) {
-      socket.send(JSON.stringify({ id: request.id, ok: false, error: { code: error.code ?? 'internal', what: error.message } }));
+      socket.send(JSON.stringify({ id: request.id, ok: false, error: { code: error.code ?? 'internal', what: error.message, advice: error.advice ?? '' } }));
     }
   });
 });

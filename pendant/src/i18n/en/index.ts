@@ -1,6 +1,9 @@
 import { move } from './move';
+import { program } from './program';
+import { points } from './points';
+import { signals } from './signals';
 import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const en = { ...shell, ...run, ...move, ...view };
+export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals };

@@ -1,7 +1,10 @@
 import type { en } from '../en';
 import { move } from './move';
+import { program } from './program';
+import { points } from './points';
+import { signals } from './signals';
 import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view };
+export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals };

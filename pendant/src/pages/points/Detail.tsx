@@ -1,0 +1,304 @@
+/** What is chosen: its numbers, and what can be done with it. */
+import { useEffect, useState } from 'preact/hooks';
+import { number, t } from '../../i18n';
+import { mayMove, request, robot } from '../../state/cell';
+import { heldBack, heldKey, pressGoTo, release } from '../../state/jog';
+import { changePoints, type DataValue, goodName, isPlace, values } from '../../state/points';
+import { toast } from '../../state/toasts';
+import { ask, open } from '../../ui/ask';
+import { Button, Empty, Field, Segmented } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { angle, angleUnit, jointText, mm } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import { rollPitchYaw } from '../../view3d/chain';
+import { preview } from '../../view3d/RobotView';
+import type { Json } from '../../wire/connection';
+import type { Pose, Vec3 } from '../../wire/types';
+import { HoldButton } from '../move/JogKeys';
+import { chosen, chosenValues } from './choice';
+import { Shift } from './Shift';
+
+export function Detail() {
+  const list = chosenValues.value;
+  if (list.length === 0) return <Empty icon="points" text={t('points.chooseOne')} />;
+  const only = list.length === 1 ? list[0]! : null;
+  return (
+    <section class="points-detail" aria-label={only ? only.name : t('points.many', { count: list.length })}>
+      <header>
+        <h2>{only ? only.name : t('points.many', { count: list.length })}</h2>
+        <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={() => (chosen.value = [])} />
+      </header>
+      {only && isPlace(only.kind) && <GoThere key={only.name} value={only} />}
+      <Actions list={list} only={only} />
+      {only && <Numbers value={only} />}
+    </section>
+  );
+}
+
+// --- going there
+
+interface Dry {
+  ok: boolean;
+  reason?: string;
+  path?: Vec3[];
+  seconds?: number;
+  joints?: Record<string, number>;
+}
+
+function GoThere({ value }: { value: DataValue }) {
+  const [way, setWay] = useState<'joint' | 'line'>('joint');
+  const [dry, setDry] = useState<Dry | null>(null);
+  const goal: Json | null = value.joints && value.kind === 'joints' ? { joints: value.joints } : value.world ? { pose: value.world } : null;
+  const args = goal && robot.value ? { robot: robot.value.name, kind: way, ...goal } : null;
+  const key = JSON.stringify(args);
+  const moving = heldKey.value === 'goto';
+  useEffect(() => {
+    setDry(null);
+    preview.value = null;
+    if (!args || moving) return;
+    const timer = setTimeout(() => {
+      request<Dry>('jog.goto', { ...args, dry: true }).then(
+        (got) => {
+          setDry(got);
+          const joints = got.joints ?? (value.kind === 'joints' ? value.joints : null);
+          preview.value = got.ok ? { robot: robot.peek()!.name, path: got.path ?? [], joints } : null;
+        },
+        (error: Error) => setDry({ ok: false, reason: error.message }),
+      );
+    }, 150);
+    return () => clearTimeout(timer);
+  }, [key, moving]);
+  useEffect(
+    () => () => {
+      release();
+      preview.value = null;
+    },
+    [],
+  );
+  return (
+    <div class="points-go">
+      <Segmented
+        label={t('goto.way')}
+        value={way}
+        options={[
+          { id: 'joint', name: t('points.byJoints') },
+          { id: 'line', name: t('points.byLine') },
+        ]}
+        onChange={setWay}
+      />
+      <HoldButton
+        class="points-hold"
+        label={t(moving ? 'goto.moving' : 'goto.move')}
+        held={moving}
+        disabled={!args || !mayMove.value || dry?.ok === false}
+        onPress={() => args && pressGoTo(args)}
+        onRelease={release}
+      >
+        <Icon name="target" size={22} />
+        {t(moving ? 'goto.moving' : 'goto.move')}
+      </HoldButton>
+      <p class="note" role="status">
+        {dry && !dry.ok && <span class="points-bad">{dry.reason}</span>}
+        {dry?.ok && dry.seconds !== undefined && `${t('goto.preview')}: ${t('goto.seconds', { seconds: number(dry.seconds, 1) })}`}
+        {heldBack.value && <span class="points-bad">{heldBack.value.reason || heldBack.value.what}</span>}
+      </p>
+    </div>
+  );
+}
+
+// --- what can be done
+
+function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) {
+  const may = mayMove.value;
+  const names = list.map((each) => each.name);
+  const poses = list.every((each) => each.kind === 'pose');
+  const all = list.every((each) => isPlace(each.kind));
+  return (
+    <div class="points-actions">
+      {only && isPlace(only.kind) && (
+        <Button
+          label={t('points.touchUp')}
+          icon="pin"
+          disabled={!may}
+          onClick={() =>
+            ask({ title: t('points.touchUpQ', { name: only.name }), text: t('points.touchUpText'), action: t('points.touchUp'), onYes: () => void touchUp(only) })
+          }
+        />
+      )}
+      {poses && <Button label={t('points.shift')} icon="move" disabled={!may} onClick={() => open((close) => <Shift names={names} onClose={close} />)} />}
+      {only && <Button label={t('points.rename')} icon="edit" disabled={!may} onClick={() => open((close) => <Rename value={only} onClose={close} />)} />}
+      {only && <Button label={t('points.change')} icon="settings" disabled={!may} onClick={() => open((close) => <Change value={only} onClose={close} />)} />}
+      {all && <Button label={t('points.setGroup')} icon="layers" disabled={!may} onClick={() => open((close) => <Group list={list} onClose={close} />)} />}
+      <Button label={t('points.delete')} icon="trash" disabled={!may} onClick={() => void remove(names)} />
+    </div>
+  );
+}
+
+async function touchUp(value: DataValue): Promise<void> {
+  const args = { name: value.name, robot: robot.value?.name ?? '', kind: value.kind, frame: value.taught?.frame || undefined, replace: true };
+  if (await changePoints('points.teach', args)) toast({ kind: 'ok', text: t('points.touched', { name: value.name }) });
+}
+
+/** No question: it can be taken back. */
+async function remove(names: string[]): Promise<void> {
+  if (!(await changePoints('points.delete', { names }))) return;
+  chosen.value = [];
+  toast({ kind: 'info', text: t('points.deleted', { names: names.join(', ') }), detail: t('points.deletedUndo') });
+}
+
+function Rename({ value, onClose }: { value: DataValue; onClose: () => void }) {
+  const [name, setName] = useState(value.name);
+  const taken = values.value.some((each) => each.name === name && each.name !== value.name);
+  const problem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
+  const bad = name === '' || name === value.name || problem !== '';
+  const go = async () => {
+    if (bad) return;
+    onClose();
+    try {
+      const answer = await request<{ uses?: { file: string; line: number }[] }>('points.rename', { name: value.name, to: name });
+      chosen.value = [name];
+      const uses = answer.uses ?? [];
+      if (uses.length)
+        toast({ kind: 'warning', text: t('points.renamedUses', { name: value.name }), detail: uses.map((use) => `${use.file}:${use.line}`).join(', ') });
+      else toast({ kind: 'ok', text: t('points.renamed', { name }) });
+    } catch (error) {
+      toast({ kind: 'error', text: String((error as Error).message) });
+    }
+  };
+  return (
+    <Dialog
+      title={t('points.renameTitle', { name: value.name })}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('points.rename')} tone="primary" disabled={bad} onClick={() => void go()} />
+        </>
+      }
+    >
+      <Field label={t('points.newName')} value={name} problem={problem} onInput={setName} onEnter={() => void go()} />
+    </Dialog>
+  );
+}
+
+/** The numbers by hand, in the form that programs and files have. */
+function Change({ value, onClose }: { value: DataValue; onClose: () => void }) {
+  const [text, setText] = useState(() => literalOf(value));
+  const go = async () => {
+    onClose();
+    if (await changePoints('points.set', { name: value.name, value: text })) toast({ kind: 'ok', text: t('points.changed', { name: value.name }) });
+  };
+  return (
+    <Dialog
+      title={t('points.changeTitle', { name: value.name })}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('step.apply')} tone="primary" disabled={text.trim() === ''} onClick={() => void go()} />
+        </>
+      }
+    >
+      <Field label={t('points.value')} value={text} onInput={setText} onEnter={() => void go()} />
+      <p class="note">{t('points.valueForms')}</p>
+    </Dialog>
+  );
+}
+
+export function literalOf(value: DataValue): string {
+  const digits = (x: number, n: number) => String(Number(x.toFixed(n)));
+  if (value.pose) {
+    const turned = rollPitchYaw(value.pose.q).map((a) => `${digits((a * 180) / Math.PI, 4)}deg`);
+    const frame = value.taught?.frame ? `, frame = "${value.taught.frame}"` : '';
+    return `pose(${[...value.pose.p.map((x) => `${digits(1000 * x, 3)}mm`), ...turned].join(', ')}${frame})`;
+  }
+  if (value.joints) return `joints(${Object.entries(value.joints).map(([name, x]) => `${name} = ${digits(x, 6)}`).join(', ')})`;
+  if (value.kind === 'text') return JSON.stringify(value.value ?? value.text);
+  return value.value === null ? value.text : String(value.value);
+}
+
+function Group({ list, onClose }: { list: DataValue[]; onClose: () => void }) {
+  const [name, setName] = useState(list[0]?.group ?? '');
+  const known = [...new Set(values.value.map((each) => each.group).filter(Boolean))];
+  const go = async (to: string) => {
+    onClose();
+    await changePoints('points.group', { names: list.map((each) => each.name), group: to });
+  };
+  return (
+    <Dialog
+      title={t('points.setGroup')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('step.apply')} tone="primary" onClick={() => void go(name.trim())} />
+        </>
+      }
+    >
+      <Field label={t('points.group')} value={name} placeholder={t('points.noGroup')} onInput={setName} onEnter={() => void go(name.trim())} />
+      <div class="row">
+        {known.map((each) => (
+          <Button key={each} label={each} pressed={each === name} onClick={() => setName(each)} />
+        ))}
+      </div>
+    </Dialog>
+  );
+}
+
+// --- its numbers
+
+function Numbers({ value }: { value: DataValue }) {
+  const facts: [string, string][] = [
+    [t('points.file'), value.file],
+    [t('points.group'), value.group],
+    [t('points.frameIs'), value.kind === 'pose' ? value.taught?.frame || t('points.world') : ''],
+    [t('points.toolIs'), value.taught?.tool ?? ''],
+    [t('points.robotIs'), value.taught?.robot ?? ''],
+  ];
+  return (
+    <>
+      {value.pose && <PoseTable pose={value.pose} />}
+      {value.joints && <JointTable joints={value.joints} />}
+      {!value.pose && !value.joints && <p class="points-text">{value.text}</p>}
+      <dl class="points-facts">
+        {facts
+          .filter(([, text]) => text !== '')
+          .map(([name, text]) => (
+            <div key={name}>
+              <dt>{name}</dt>
+              <dd>{text}</dd>
+            </div>
+          ))}
+      </dl>
+    </>
+  );
+}
+
+export function PoseTable({ pose }: { pose: Pose }) {
+  const turned = rollPitchYaw(pose.q);
+  const cells: [string, string][] = [
+    ...(['X', 'Y', 'Z'] as const).map((axis, i): [string, string] => [axis, `${mm(pose.p[i]!, 2)} mm`]),
+    ...(['RX', 'RY', 'RZ'] as const).map((axis, i): [string, string] => [axis, `${angle(turned[i]!, 2)} ${angleUnit()}`]),
+  ];
+  return <Cells cells={cells} />;
+}
+
+function JointTable({ joints }: { joints: Record<string, number> }) {
+  const infos = robot.value?.joints ?? [];
+  const unit = (name: string) => infos.find((each) => each.name === name)?.unit ?? 'rad';
+  return <Cells cells={Object.entries(joints).map(([name, value]) => [name.replace(/_joint$/, '').replaceAll('_', ' '), jointText(value, unit(name), 2)])} />;
+}
+
+function Cells({ cells }: { cells: [string, string][] }) {
+  return (
+    <dl class="points-cells">
+      {cells.map(([name, text]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{text}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+

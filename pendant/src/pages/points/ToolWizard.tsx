@@ -1,0 +1,91 @@
+/** The TCP of a tool whose tip touches one place from four or more directions, with what is left over. */
+import { useEffect, useState } from 'preact/hooks';
+import { t } from '../../i18n';
+import { complain, mayMove, request, robot } from '../../state/cell';
+import { changePoints, goodName, type Here, values } from '../../state/points';
+import { toast } from '../../state/toasts';
+import { Button, Field } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { mm } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import type { Pose, Vec3 } from '../../wire/types';
+import { freeName } from '../program/edits';
+import { at } from './FrameWizard';
+
+interface Answer {
+  tcp: Vec3;
+  tip: Vec3;
+  residuals: number[];
+  rms: number;
+  largest: number;
+}
+const kLeast = 4;
+/** Above this the poses do not touch one place. */
+const kGood = 0.001;
+
+export function ToolWizard({ onClose }: { onClose: () => void }) {
+  const [poses, setPoses] = useState<Pose[]>([]);
+  const [name, setName] = useState(() => freeName('Tool', values.value.map((each) => each.name)));
+  const [answer, setAnswer] = useState<Answer | null>(null);
+  const [problem, setProblem] = useState('');
+  useEffect(() => {
+    setAnswer(null);
+    setProblem('');
+    if (poses.length < kLeast) return;
+    request<Answer>('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(error.message));
+  }, [poses]);
+  const touch = () => request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => setPoses([...poses, here.flange]), complain);
+  const taken = values.value.some((each) => each.name === name);
+  const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
+  const save = async () => {
+    onClose();
+    if (await changePoints('points.tool', { name, poses })) toast({ kind: 'ok', text: t('points.tSaved', { name }) });
+  };
+  const rows = Math.max(kLeast, poses.length + 1);
+  return (
+    <Dialog
+      title={t('points.tool')}
+      onClose={onClose}
+      side
+      actions={
+        <>
+          <Button label={t('points.take', { what: t('points.tPose', { number: poses.length + 1 }) })} icon="pin" tone={poses.length < kLeast ? 'primary' : 'plain'} onClick={() => void touch()} />
+          <Button label={t('points.tSave')} icon="save" tone="primary" disabled={!answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
+        </>
+      }
+    >
+      <p>{t('points.tText')}</p>
+      <ol class="points-wizard">
+        {Array.from({ length: rows }, (_, i) => {
+          const left = answer?.residuals[i];
+          return (
+            <li key={i} class={poses[i] ? 'done' : ''}>
+              <Icon name={poses[i] ? 'check' : 'pin'} size={22} />
+              <span>
+                <strong>{t('points.tPose', { number: i + 1 })}</strong>
+                <small class={left !== undefined && left > kGood ? 'points-bad' : ''}>
+                  {poses[i] ? (left === undefined ? at(poses[i]!.p) : t('points.tLeft', { mm: mm(left, 2) })) : t('points.notYet')}
+                </small>
+              </span>
+              {poses[i] && <Button label={t('points.tDrop', { number: i + 1 })} icon="trash" bare onClick={() => setPoses(poses.filter((_, k) => k !== i))} />}
+            </li>
+          );
+        })}
+      </ol>
+      {problem && <p class="points-bad" role="alert">{problem}</p>}
+      {answer && (
+        <section aria-label={t('points.result')}>
+          <h3>{t('points.result')}</h3>
+          <p>
+            {t('points.tTcp')}: {at(answer.tcp)}
+          </p>
+          <p class={answer.largest > kGood ? 'points-bad' : 'note'}>
+            {t('points.tResidual', { rms: mm(answer.rms, 2), largest: mm(answer.largest, 2) })}
+            {answer.largest > kGood && ` ${t('points.tTooMuch')}`}
+          </p>
+        </section>
+      )}
+      <Field label={t('points.tName')} value={name} problem={nameProblem} onInput={setName} />
+    </Dialog>
+  );
+}

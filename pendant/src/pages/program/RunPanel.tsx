@@ -1,0 +1,329 @@
+/** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
+import { useEffect, useState } from 'preact/hooks';
+import { number, t, word } from '../../i18n';
+import { attempt, complain, mayMove, program, request, status } from '../../state/cell';
+import { kept } from '../../state/settings';
+import { open } from '../../ui/ask';
+import { Button, Segmented } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { duration } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import { BreakpointButton } from './CodeView';
+import * as doc from './documents';
+import { dry, dryRun, forgetDry } from './dry';
+
+const shown = kept<'problems' | 'variables'>('program.panel', 'problems');
+
+export function RunPanel() {
+  return (
+    <aside class="program-side" aria-label={t('program.runAndLook')}>
+      <Where />
+      <Buttons />
+      <Segmented
+        label={t('program.panel')}
+        value={shown.value}
+        options={[
+          { id: 'problems', name: t('program.problems') },
+          { id: 'variables', name: t('program.variables') },
+        ]}
+        onChange={(id) => (shown.value = id)}
+      />
+      <div class="program-panel">{shown.value === 'problems' ? <Problems /> : <Tasks />}</div>
+    </aside>
+  );
+}
+
+function Where() {
+  const now = status.value?.program;
+  if (!now) return <p class="program-where off">{t('program.notBegun')}</p>;
+  const state = now.paused ? t('state.programPaused') : word('program.state', now.state);
+  return (
+    <div class={`program-where ${now.paused ? 'warn' : now.state}`} role="status">
+      <strong>{state}</strong>
+      <span>{t('program.whereIs', { file: shortName(now.file), line: now.line })}</span>
+      <dl>
+        <div>
+          <dt>{t('program.passes')}</dt>
+          <dd>{now.passes}</dd>
+        </div>
+        <div>
+          <dt>{t('program.cycle')}</dt>
+          <dd>{now.cycle_s == null ? '–' : duration(now.cycle_s)}</dd>
+        </div>
+      </dl>
+    </div>
+  );
+}
+
+const shortName = (file: string) => file.slice(file.lastIndexOf('/') + 1);
+
+function Buttons() {
+  const now = status.value?.program;
+  const goes = doc.anyRunning.value;
+  const may = mayMove.value;
+  const line = doc.atLine.value;
+  const ready = may && doc.fileName.value !== '' && doc.isProgram.value;
+  if (!goes)
+    return (
+      <div class="program-buttons">
+        <Button label={t('program.start')} icon="run" big tone="good" disabled={!ready || doc.errors.value > 0} title={doc.errors.value > 0 ? t('program.startErrors') : undefined} onClick={() => void doc.start()} />
+        <Button label={t('program.dry')} icon="eye" big disabled={!doc.isProgram.value || dry.value.kind === 'runs'} onClick={beginDry} />
+        <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready} onClick={() => void runFrom(line)} />
+        <BreakpointButton />
+      </div>
+    );
+  return (
+    <div class="program-buttons">
+      {now?.paused ? (
+        <Button label={t('program.go')} icon="run" big tone="good" disabled={!may} onClick={() => void attempt('program.go')} />
+      ) : (
+        <Button label={t('program.pause')} icon="pause" big tone="warn" disabled={!may} onClick={() => void longAttempt('program.pause')} />
+      )}
+      <Button label={t('program.end')} icon="stop" big disabled={!may} onClick={() => void longAttempt('program.stop')} />
+      <Button label={t('program.stepOver')} icon="step" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'over' })} />
+      <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'into' })} />
+      <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'out' })} />
+      <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready || !now?.paused} onClick={() => void runFrom(line)} />
+      <BreakpointButton />
+    </div>
+  );
+}
+
+/** For what is answered when the robot stands, however long that takes. */
+async function longAttempt(name: string, args: Record<string, unknown> = {}): Promise<void> {
+  await request(name, args, 0).catch(complain);
+}
+
+function beginDry(): void {
+  shown.value = 'problems';
+  void dryRun(doc.fileName.value, doc.text.value);
+}
+
+// --- begin at a line
+
+interface Assumed {
+  where: { file: string; line: number };
+  source: string;
+  robot: string;
+  tool: string;
+  frame: string;
+  last_point: string;
+  sets: { name: string; value: string }[];
+  reads: { name: string; value: string }[];
+  variables: { name: string; value: string }[];
+  held: string[];
+}
+
+export async function runFrom(line: number): Promise<void> {
+  if (doc.dirty.value && !(await doc.save())) return;
+  try {
+    const assumed = await request<Assumed>('program.from', { program: doc.fileName.value, line });
+    open((close) => <FromDialog assumed={assumed} onClose={close} />);
+  } catch (error) {
+    complain(error);
+  }
+}
+
+function FromDialog({ assumed, onClose }: { assumed: Assumed; onClose: () => void }) {
+  const no = () => {
+    onClose();
+    void longAttempt('program.stop');
+  };
+  const rows: [string, string][] = [
+    [t('program.aRobot'), assumed.robot],
+    [t('program.aTool'), assumed.tool],
+    [t('program.aFrame'), assumed.frame],
+    [t('program.aPoint'), assumed.last_point],
+    [t('program.aHeld'), assumed.held.join(', ')],
+  ];
+  return (
+    <Dialog
+      title={t('program.fromTitle', { line: assumed.where.line })}
+      onClose={no}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={no} />
+          <Button label={t('program.fromDo', { line: assumed.where.line })} icon="run" tone="good" disabled={!mayMove.value} onClick={() => (onClose(), void attempt('program.go'))} />
+        </>
+      }
+    >
+      <pre class="program-source">{assumed.source}</pre>
+      <p>{t('program.fromText')}</p>
+      <dl class="program-assumed">
+        {rows.map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value || t('program.aNone')}</dd>
+          </div>
+        ))}
+        <Values title={t('program.aReads')} values={assumed.reads} />
+        <Values title={t('program.aSets')} values={assumed.sets} />
+        <Values title={t('program.variables')} values={assumed.variables} />
+      </dl>
+    </Dialog>
+  );
+}
+
+function Values({ title, values }: { title: string; values: { name: string; value: string }[] }) {
+  if (!values || values.length === 0) return null;
+  return (
+    <div>
+      <dt>{title}</dt>
+      <dd>
+        {values.map((each) => (
+          <code key={each.name}>
+            {each.name} = {each.value}
+          </code>
+        ))}
+      </dd>
+    </div>
+  );
+}
+
+// --- what is wrong
+
+function Problems() {
+  const now = dry.value;
+  const stale = now.kind === 'done' && (now.file !== doc.fileName.value || now.text !== doc.text.value);
+  const found = now.kind === 'done' && !stale ? now.result.problems : [];
+  const list = [...doc.problems.value, ...found.filter((each) => !doc.problems.value.some((one) => one.line === each.line && one.what === each.what))];
+  return (
+    <>
+      {now.kind === 'runs' && (
+        <div class="program-dry" role="status">
+          <span class="spinner" aria-hidden="true" />
+          <span class="grow">{t('program.dryRuns', { moves: now.moves, line: now.line })}</span>
+          <Button label={t('dialog.cancel')} onClick={now.stop} />
+        </div>
+      )}
+      {now.kind === 'done' && <DryAnswer stale={stale} />}
+      {list.length === 0 && now.kind !== 'runs' && (
+        <p class="program-fine">
+          <Icon name="check" size={20} /> {t('program.noProblems')}
+        </p>
+      )}
+      <ul class="program-problems">
+        {[...list].sort((a, b) => a.line - b.line).map((each, i) => (
+          <li key={i}>
+            <button type="button" class={each.severity} onClick={() => goTo(each.line)}>
+              <Icon name="alarm" size={20} />
+              <span>
+                <small>
+                  {t('program.line', { line: each.line })} · {t(each.severity === 'error' ? 'program.error' : 'program.warning')}
+                </small>
+                <strong>{each.what}</strong>
+                {each.advice && <span>{each.advice}</span>}
+              </span>
+            </button>
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+export function goTo(line: number): void {
+  doc.atLine.value = line;
+  doc.wantedLine.value = line;
+}
+
+function DryAnswer({ stale }: { stale: boolean }) {
+  const now = dry.value;
+  if (now.kind !== 'done') return null;
+  const { result } = now;
+  const good = !result.problems.some((each) => each.severity === 'error');
+  return (
+    <div class={`program-dry ${stale ? 'stale' : good ? 'good' : 'bad'}`} role="status">
+      <Icon name={good ? 'check' : 'alarm'} />
+      <span class="grow">
+        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : t('program.dryBad')}</strong>
+        <small>
+          {t('program.dryMoves', { moves: result.moves })}
+          {result.seconds !== null && result.seconds !== undefined && ` · ${t('program.dryTime', { time: `${number(result.seconds, 1)} s` })}`}
+          {result.reached && ` · ${t('program.dryReached', { line: result.reached.line })}`}
+        </small>
+      </span>
+      <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={forgetDry} />
+    </div>
+  );
+}
+
+// --- tasks and variables
+
+interface TaskNow {
+  name: string;
+  state: string;
+  where: { file: string; line: number };
+  source: string;
+  waits_for: string;
+  text: string;
+  paused: boolean;
+  calls: { file: string; line: number }[];
+  variables: { name: string; value: string }[];
+  robot: string;
+  tool: string;
+  frame: string;
+  problem?: string;
+}
+
+function Tasks() {
+  useProgram();
+  const tasks = (program.value?.tasks as TaskNow[] | undefined) ?? [];
+  if (tasks.length === 0) return <p class="program-note">{t('program.noTasks')}</p>;
+  return (
+    <>
+      {tasks.map((task) => (
+        <section key={task.name} class="program-task" aria-label={t('program.task', { name: task.name })}>
+          <header>
+            <h3>{task.name}</h3>
+            <span class="chip">{task.paused ? t('state.programPaused') : word('program.state', task.state)}</span>
+          </header>
+          <button type="button" class="program-source" onClick={() => goTo(task.where.line)}>
+            <small>
+              {shortName(task.where.file)}:{task.where.line}
+            </small>
+            <code>{task.source}</code>
+          </button>
+          {task.waits_for && (
+            <p class="note">
+              {t('program.waitsFor')} {word('program.wait', task.waits_for)} {task.text}
+            </p>
+          )}
+          {task.problem && <p class="program-failed">{task.problem}</p>}
+          {(task.tool || task.frame || task.robot) && (
+            <p class="note">{[task.robot, task.tool, task.frame].filter(Boolean).join(' · ')}</p>
+          )}
+          {task.variables.length > 0 && (
+            <table class="plain program-variables">
+              <tbody>
+                {task.variables.map((each) => (
+                  <tr key={each.name}>
+                    <th scope="row">{each.name}</th>
+                    <td>
+                      <code>{each.value}</code>
+                    </td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          )}
+        </section>
+      ))}
+    </>
+  );
+}
+
+/** The first state is asked for; what changes comes by itself. */
+function useProgram(): void {
+  const [asked, setAsked] = useState(false);
+  useEffect(() => {
+    if (asked || program.value) return;
+    setAsked(true);
+    request<Record<string, unknown>>('program').then(
+      (now) => {
+        if (!program.peek()) program.value = now;
+      },
+      () => undefined,
+    );
+  }, [asked, program.value]);
+}

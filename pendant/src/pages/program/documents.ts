@@ -1,0 +1,387 @@
+/** The program file that is open: its text, the file and draft behind it, what the checker says, earlier texts. */
+import { computed, effect, signal } from '@preact/signals';
+import { t } from '../../i18n';
+import { attempt, complain, connected, program, request, status } from '../../state/cell';
+import { kept } from '../../state/settings';
+import { toast } from '../../state/toasts';
+import type { ProgramStatus } from '../../wire/types';
+import { RequestError } from '../../wire/connection';
+import { DraftKeeper, type DraftState, localDrafts } from './drafts';
+import { type Statement, statementsOf } from './statements';
+
+export interface FileInfo {
+  name: string;
+  kind: string;
+  bytes: number;
+  modified_s: number;
+  hash: string;
+  running: boolean;
+  draft: boolean;
+}
+export interface Problem {
+  severity: 'error' | 'warning';
+  code: string;
+  what: string;
+  advice: string;
+  file: string;
+  line: number;
+  column: number;
+}
+interface ReadAnswer {
+  name: string;
+  text: string;
+  hash: string;
+  running: boolean;
+  draft: { text: string; base: string; saved_s: number; by: string } | null;
+}
+
+export const files = signal<FileInfo[]>([]);
+export const mainFile = signal<string | null>(null);
+export const chosenFile = kept<string>('program.file', '');
+/** Name of what is open; empty: nothing. */
+export const fileName = signal('');
+export const text = signal('');
+/** The file as it was read or written last, and its hash ('' where there is no file yet). */
+export const savedText = signal('');
+export const base = signal('');
+export const draftState = signal<DraftState>('none');
+/** Whose draft this is and of when, where it was found and not written here. */
+export const foundDraft = signal<{ by: string; saved_s: number } | null>(null);
+/** What the file has become meanwhile, by somebody else's hand. */
+export const theirs = signal<{ text: string; hash: string } | null>(null);
+export const problems = signal<Problem[]>([]);
+/** Is `problems` about the text as it stands now? */
+export const checked = signal(false);
+/** Counts up when the text was changed by something else than the editor. */
+export const revision = signal(0);
+/** The line that the person is at; steps and editor share it. */
+export const atLine = signal(1);
+/** A line that is to be shown; whoever shows the text goes there and clears it. */
+export const wantedLine = signal<number | null>(null);
+const undone: string[] = [];
+export const canUndo = signal(false);
+
+export const dirty = computed(() => fileName.value !== '' && text.value !== savedText.value);
+export const statements = computed<Statement[]>(() => statementsOf(text.value));
+export const programFiles = computed(() => files.value.filter((each) => each.kind === 'program' || each.kind === 'plc'));
+export const errors = computed(() => problems.value.filter((each) => each.severity === 'error').length);
+/** Is the file a program (and not data, points, a scene …)? */
+export const isProgram = computed(() => {
+  const info = files.value.find((each) => each.name === fileName.value);
+  return info ? info.kind === 'program' || info.kind === 'plc' : /\.script$/.test(fileName.value);
+});
+
+export const sameFile = (a: string, b: string) => a !== '' && b !== '' && (a === b || a.endsWith(`/${b}`) || b.endsWith(`/${a}`));
+
+/** The program that runs, where it is this file. */
+export const running = computed<ProgramStatus | null>(() => {
+  const now = status.value?.program;
+  if (!now || !sameFile(now.file, fileName.value)) return null;
+  return now.state === 'running' || now.state === 'waiting' ? now : null;
+});
+/** Does any program go on now? */
+export const anyRunning = computed(() => {
+  const state = status.value?.program?.state;
+  return state === 'running' || state === 'waiting';
+});
+
+const keeper = new DraftKeeper({
+  send: (draft) => request('files.draft', { ...draft }, 3000),
+  onState: (state) => (draftState.value = state),
+  store: localDrafts,
+});
+
+// --- files
+
+export async function loadFiles(): Promise<void> {
+  try {
+    const answer = await request<{ files: FileInfo[]; main: string | null }>('files');
+    if (JSON.stringify(answer.files) !== JSON.stringify(files.value)) files.value = answer.files;
+    mainFile.value = answer.main;
+    const mine = answer.files.find((each) => each.name === fileName.value);
+    if (mine && base.value !== '' && mine.hash !== base.value && !theirs.value) await lookAtTheirs();
+  } catch (error) {
+    complain(error);
+  }
+}
+
+/** Opens what was open last, or the cell's program. */
+export async function openSomething(): Promise<void> {
+  await loadFiles();
+  if (fileName.value !== '') return;
+  const known = (name: string | null | undefined) => files.value.find((each) => each.name === name)?.name;
+  const next = known(chosenFile.value) ?? known(mainFile.value) ?? programFiles.value[0]?.name;
+  if (next) await openFile(next);
+}
+
+export async function openFile(name: string): Promise<void> {
+  keeper.flush();
+  try {
+    const answer = await request<ReadAnswer>('files.read', { name });
+    const local = localDrafts.get(name);
+    const draft = local ?? answer.draft;
+    show(name, draft?.text ?? answer.text, answer.text, draft?.base ?? answer.hash);
+    if (draft && draft.text === answer.text) {
+      base.value = answer.hash;
+      dropDraft();
+    } else if (draft) {
+      foundDraft.value = local ? { by: '', saved_s: Date.now() / 1000 } : { by: answer.draft!.by, saved_s: answer.draft!.saved_s };
+      draftState.value = 'kept';
+      if (local) keeper.note(local);
+      if (draft.base !== answer.hash) theirs.value = { text: answer.text, hash: answer.hash };
+    }
+    chosenFile.value = name;
+  } catch (error) {
+    complain(error);
+  }
+}
+
+function show(name: string, now: string, saved: string, hash: string): void {
+  fileName.value = name;
+  text.value = now;
+  savedText.value = saved;
+  base.value = hash;
+  foundDraft.value = null;
+  theirs.value = null;
+  draftState.value = 'none';
+  problems.value = [];
+  checked.value = false;
+  undone.length = 0;
+  canUndo.value = false;
+  atLine.value = 1;
+  revision.value++;
+}
+
+/** A new file, which is a draft until it is saved. */
+export function newFile(name: string, first: string): void {
+  keeper.flush();
+  show(name, first, '', '');
+  chosenFile.value = name;
+  keeper.note({ name, text: first, base: '' });
+}
+
+export async function closeDeleted(name: string): Promise<void> {
+  keeper.forget(name);
+  if (fileName.value === name) fileName.value = '';
+  await loadFiles();
+  await openSomething();
+}
+
+// --- changes
+
+/** What the editor or the steps have made of it. */
+export function edit(next: string): void {
+  if (next === text.value) return;
+  text.value = next;
+  checked.value = false;
+  if (next === savedText.value && !theirs.value) dropDraft();
+  else keeper.note({ name: fileName.value, text: next, base: base.value });
+}
+
+/** A change that is no typing: it can be taken back by `undo`. */
+export function change(next: string, line?: number): void {
+  if (next === text.value) return;
+  undone.push(text.value);
+  if (undone.length > 200) undone.shift();
+  canUndo.value = true;
+  edit(next);
+  revision.value++;
+  if (line) atLine.value = line;
+}
+export function undo(): void {
+  const before = undone.pop();
+  canUndo.value = undone.length > 0;
+  if (before === undefined) return;
+  edit(before);
+  revision.value++;
+}
+
+function dropDraft(): void {
+  keeper.forget(fileName.value);
+  foundDraft.value = null;
+  void request('files.draft', { name: fileName.value, text: null, base: base.value }).catch(() => undefined);
+}
+
+/** Back to the file as it is. */
+export function discardDraft(): void {
+  if (theirs.value) {
+    savedText.value = theirs.value.text;
+    base.value = theirs.value.hash;
+    theirs.value = null;
+  }
+  undone.push(text.value);
+  canUndo.value = true;
+  text.value = savedText.value;
+  revision.value++;
+  checked.value = false;
+  dropDraft();
+}
+
+async function lookAtTheirs(): Promise<void> {
+  const answer = await request<ReadAnswer>('files.read', { name: fileName.value });
+  if (answer.hash === base.value) return;
+  if (answer.text === text.value || text.value === savedText.value) {
+    // Nothing of ours is at stake: what is new is shown.
+    const line = atLine.value;
+    show(fileName.value, answer.text, answer.text, answer.hash);
+    atLine.value = line;
+    toast({ kind: 'info', text: t('program.reloaded', { name: fileName.value }) });
+  } else theirs.value = { text: answer.text, hash: answer.hash };
+}
+
+/** True when the file is as the text is. */
+export async function save(): Promise<boolean> {
+  const name = fileName.value;
+  const now = text.value;
+  try {
+    const answer = await request<{ hash: string }>('files.write', { name, text: now, base: base.value });
+    written(now, answer.hash);
+    return true;
+  } catch (error) {
+    if (!(error instanceof RequestError) || error.code !== 'changed-meanwhile') {
+      complain(error);
+      return false;
+    }
+    await lookAtTheirs().catch(complain);
+    return false;
+  }
+}
+
+function written(now: string, hash: string): void {
+  savedText.value = now;
+  base.value = hash;
+  theirs.value = null;
+  foundDraft.value = null;
+  if (text.value === now) keeper.forget(fileName.value);
+  draftState.value = text.value === now ? 'none' : draftState.value;
+  toast({ kind: 'ok', text: t('program.saved', { name: fileName.value }) });
+  void loadFiles();
+}
+
+/** What of both texts is to count, written over what the file has become. */
+export async function saveMerged(next: string): Promise<void> {
+  const other = theirs.value;
+  if (!other) return;
+  change(next);
+  base.value = other.hash;
+  savedText.value = other.text;
+  theirs.value = null;
+  if (next !== other.text) await save();
+  else dropDraft();
+}
+
+export async function saveAs(name: string): Promise<boolean> {
+  try {
+    const answer = await request<{ hash: string }>('files.write', { name, text: text.value, base: '' });
+    const now = text.value;
+    show(name, now, now, answer.hash);
+    chosenFile.value = name;
+    toast({ kind: 'ok', text: t('program.saved', { name }) });
+    await loadFiles();
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  }
+}
+
+// --- the checker
+
+async function check(name: string, now: string): Promise<void> {
+  try {
+    const answer = await request<{ problems: Problem[] }>('program.check', { name, text: now });
+    if (text.peek() !== now || fileName.peek() !== name) return;
+    problems.value = answer.problems.filter((each) => each.file === '' || sameFile(each.file, name));
+    checked.value = true;
+  } catch {
+    // Not connected, or the cell is away: it is checked again with the next change.
+  }
+}
+
+const kCheckMs = 250;
+const kLookMs = 4000;
+/** While the page is open: checks, and looks whether the file has changed. Returns what ends it. */
+export function follow(): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const checking = effect(() => {
+    const name = fileName.value;
+    const now = text.value;
+    if (!connected.value || name === '' || !isProgram.value) return;
+    clearTimeout(timer);
+    timer = setTimeout(() => void check(name, now), kCheckMs);
+  });
+  const opening = effect(() => {
+    if (connected.value) void openSomething();
+  });
+  const looking = setInterval(() => {
+    if (connected.peek() && fileName.peek() !== '') void loadFiles();
+  }, kLookMs);
+  const leave = () => keeper.flush();
+  addEventListener('pagehide', leave);
+  return () => {
+    keeper.flush();
+    clearTimeout(timer);
+    clearInterval(looking);
+    checking();
+    opening();
+    removeEventListener('pagehide', leave);
+  };
+}
+
+// --- running it
+
+/** Saves what is not saved, and begins. */
+export async function start(): Promise<void> {
+  if (dirty.value && !(await save())) return;
+  await attempt('program.from', { program: fileName.value, line: 1, confirmed: true });
+}
+
+/** Lines of this file that tasks stand at, as the text is now. */
+export const liveLines = computed<number[]>(() => {
+  const tasks = (program.value?.tasks as { where: { file: string; line: number }; source: string; state: string }[] | undefined) ?? [];
+  if (!anyRunning.value) return [];
+  const lines = text.value.split('\n');
+  const out = new Set<number>();
+  for (const task of tasks) {
+    if (!sameFile(task.where?.file ?? '', fileName.value)) continue;
+    const line = findLine(lines, task.where.line, task.source ?? '');
+    if (line) out.add(line);
+  }
+  return [...out];
+});
+
+/** The line that says `source`, nearest to `line`: the text may have changed since the program was begun. */
+export function findLine(lines: string[], line: number, source: string): number | null {
+  const wanted = source.trim();
+  if (wanted === '') return line <= lines.length ? line : null;
+  const fits = (at: number) => {
+    const here = lines[at - 1]?.trim() ?? '';
+    return here !== '' && (here.startsWith(wanted) || wanted.startsWith(here));
+  };
+  for (let off = 0; off < lines.length; ++off) {
+    if (fits(line - off)) return line - off;
+    if (fits(line + off)) return line + off;
+  }
+  return null;
+}
+
+// --- breakpoints
+
+export const breakpoints = computed<number[]>(() => {
+  const all = (program.value?.breakpoints as { file: string; line: number }[] | undefined) ?? [];
+  return all.filter((each) => sameFile(each.file, fileName.value)).map((each) => each.line);
+});
+export async function toggleBreakpoint(line: number): Promise<void> {
+  const mine = breakpoints.value;
+  const next = mine.includes(line) ? mine.filter((each) => each !== line) : [...mine, line];
+  const others = ((program.value?.breakpoints as { file: string; line: number }[] | undefined) ?? []).filter(
+    (each) => !sameFile(each.file, fileName.value),
+  );
+  const at = [...others.map((each) => `${each.file}:${each.line}`), ...next.map((each) => `${fileName.value}:${each}`)];
+  try {
+    const answer = await request<{ breakpoints: unknown[] }>('program.break', { at, clear: true });
+    program.value = { ...(program.peek() ?? {}), breakpoints: answer.breakpoints };
+  } catch (error) {
+    complain(error);
+  }
+}

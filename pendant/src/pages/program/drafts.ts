@@ -1,0 +1,114 @@
+/** Keeps what is written on the server within a second, and in this browser until the server has it. */
+
+export type DraftState = 'none' | 'kept' | 'keeping' | 'waiting';
+
+export interface Draft {
+  name: string;
+  text: string;
+  /** Hash of the file that it was begun on. */
+  base: string;
+}
+
+export interface DraftStore {
+  get(name: string): Draft | null;
+  set(draft: Draft): void;
+  remove(name: string): void;
+}
+
+export interface DraftOptions {
+  send: (draft: Draft) => Promise<unknown>;
+  onState: (state: DraftState) => void;
+  store: DraftStore;
+  /** ms after the last change, and at most after the first one that is not kept yet. */
+  wait?: number;
+  longest?: number;
+  again?: number;
+}
+
+export class DraftKeeper {
+  private newest: Draft | null = null;
+  private first = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private sending = false;
+
+  constructor(private readonly options: DraftOptions) {}
+
+  note(draft: Draft): void {
+    if (this.newest && this.newest.name !== draft.name) this.flush();
+    this.options.store.set(draft);
+    if (!this.newest) this.first = Date.now();
+    this.newest = draft;
+    this.options.onState('keeping');
+    const left = this.first + (this.options.longest ?? 700) - Date.now();
+    this.schedule(Math.max(0, Math.min(this.options.wait ?? 300, left)));
+  }
+
+  /** Sends at once what is not kept yet. */
+  flush(): void {
+    clearTimeout(this.timer);
+    void this.push();
+  }
+
+  /** What was noted of this file is no draft any more. */
+  forget(name: string): void {
+    if (this.newest?.name === name) {
+      this.newest = null;
+      clearTimeout(this.timer);
+    }
+    this.options.store.remove(name);
+    this.options.onState('none');
+  }
+
+  private schedule(ms: number): void {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => void this.push(), ms);
+  }
+
+  private async push(): Promise<void> {
+    const draft = this.newest;
+    if (!draft) return;
+    if (this.sending) return this.schedule(50);
+    this.sending = true;
+    try {
+      await this.options.send(draft);
+      if (this.newest === draft) {
+        this.newest = null;
+        this.options.store.remove(draft.name);
+        this.options.onState('kept');
+      }
+    } catch {
+      if (this.newest) {
+        this.options.onState('waiting');
+        this.schedule(this.options.again ?? 1000);
+      }
+    } finally {
+      this.sending = false;
+    }
+  }
+}
+
+const kPrefix = 'polyarm.draft.';
+/** In this browser. */
+export const localDrafts: DraftStore = {
+  get(name) {
+    try {
+      return JSON.parse(localStorage.getItem(kPrefix + name) ?? 'null') as Draft | null;
+    } catch {
+      return null;
+    }
+  },
+  set(draft) {
+    try {
+      localStorage.setItem(kPrefix + draft.name, JSON.stringify(draft));
+    } catch {
+      // A private window may refuse; the server's copy is what counts.
+    }
+  },
+  remove(name) {
+    try {
+      localStorage.removeItem(kPrefix + name);
+    } catch {
+      // As above.
+    }
+  },
+};

@@ -1,0 +1,55 @@
+/** The dry run: the program gone through without a robot, on the server; what it found by line, and the paths. */
+import { signal } from '@preact/signals';
+import { complain, stream } from '../../state/cell';
+import { type DryPath, dryPaths, problemsIn3d } from '../../state/preview';
+import type { Problem } from './documents';
+
+export interface DryResult {
+  problems: Problem[];
+  moves: number;
+  reached: { file: string; line: number } | null;
+  seconds: number | null;
+  paths: DryPath[];
+}
+export type DryState =
+  | { kind: 'none' }
+  | { kind: 'runs'; line: number; moves: number; stop: () => void }
+  | { kind: 'done'; file: string; text: string; result: DryResult };
+
+export const dry = signal<DryState>({ kind: 'none' });
+
+export async function dryRun(file: string, text: string): Promise<void> {
+  forgetDry();
+  try {
+    const asked = stream<{ line?: number; moves?: number }>('program.dry', { name: file, text }, (each) => {
+      if (dry.peek().kind === 'runs') dry.value = { kind: 'runs', line: each.line ?? 0, moves: each.moves ?? 0, stop };
+    });
+    const stop = () => {
+      asked.stop();
+      dry.value = { kind: 'none' };
+    };
+    dry.value = { kind: 'runs', line: 0, moves: 0, stop };
+    const result = (await asked.done) as unknown as DryResult;
+    dry.value = { kind: 'done', file, text, result };
+    dryPaths.value = result.paths ?? [];
+    problemsIn3d.value = result.problems.map((each) => ({ line: each.line, text: each.what, robot: '', at: endOf(result, each.line) }));
+  } catch (error) {
+    dry.value = { kind: 'none' };
+    complain(error);
+  }
+}
+
+/** A move that cannot be made is shown where the last one that can be has ended. */
+function endOf(result: DryResult, line: number) {
+  const before = (result.paths ?? []).filter((path) => path.line <= line && path.points.length > 0);
+  const last = before[before.length - 1];
+  return last ? last.points[last.points.length - 1]! : null;
+}
+
+export function forgetDry(): void {
+  const now = dry.peek();
+  if (now.kind === 'runs') now.stop();
+  dry.value = { kind: 'none' };
+  dryPaths.value = [];
+  problemsIn3d.value = [];
+}

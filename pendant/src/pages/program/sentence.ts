@@ -1,0 +1,75 @@
+/** A statement in words, for the list of steps. */
+import { type Key, t } from '../../i18n';
+import type { IconName } from '../../ui/Icon';
+import { kMoveWords, parseMove, type Statement } from './statements';
+
+export interface Sentence {
+  icon: IconName;
+  text: string;
+  /** Clauses of a move. */
+  chips: string[];
+}
+
+const kPlain: Record<string, [IconName, Key]> = {
+  load: ['folder', 'step.load'],
+  import: ['folder', 'step.load'],
+  include: ['folder', 'step.include'],
+  log: ['edit', 'step.log'],
+  let: ['plus', 'step.let'],
+  set: ['signals', 'step.set'],
+  use: ['settings', 'step.use'],
+  while: ['repeat', 'step.while'],
+  for: ['repeat', 'step.for'],
+  if: ['layers', 'step.if'],
+  elif: ['layers', 'step.elif'],
+  else: ['layers', 'step.else'],
+  func: ['program', 'step.func'],
+  return: ['left', 'step.return'],
+  break: ['right', 'step.break'],
+  continue: ['repeat', 'step.continue'],
+  stop: ['stop', 'step.stop'],
+  hold: ['pause', 'step.hold'],
+  try: ['layers', 'step.try'],
+  raise: ['alarm', 'step.raise'],
+  retry: ['repeat', 'step.retry'],
+  task: ['layers', 'step.task'],
+  together: ['layers', 'step.together'],
+  meet: ['link', 'step.meet'],
+  lock: ['lock', 'step.lock'],
+  when: ['signals', 'step.when'],
+  drive: ['up', 'step.drive'],
+  turn: ['turnLeft', 'step.turn'],
+};
+const kMoves: Record<string, Key> = { moveto: 'step.moveto', movej: 'step.movej', movel: 'step.movel', movec: 'step.movec' };
+
+export function sentenceOf(statement: Statement): Sentence {
+  const { word, text } = statement;
+  const rest = text.slice(word.length).trim();
+  if (word === '#') return { icon: 'more', text: statement.comment || '#', chips: [] };
+  if (statement.closes) return { icon: 'up', text: t('step.end'), chips: [] };
+  if (kMoveWords.includes(word)) {
+    const move = parseMove(text)!;
+    const chips = move.clauses.map((each) => [each.word, each.value].filter(Boolean).join(' '));
+    return { icon: word === 'movel' ? 'up' : word === 'movec' ? 'turnRight' : 'move', text: t(kMoves[word]!, { target: move.target, via: move.via }), chips };
+  }
+  if (word === 'wait') return waitSentence(rest);
+  if (word === 'on') return { icon: 'alarm', text: t(/^stop/i.test(rest) ? 'step.onStop' : 'step.onError'), chips: [] };
+  const plain = kPlain[word];
+  if (plain) return { icon: plain[0], text: t(plain[1], { rest: tidy(word, rest) }), chips: [] };
+  return { icon: 'program', text: t('step.call', { rest: text }), chips: [] };
+}
+
+function tidy(word: string, rest: string): string {
+  if (word === 'set') return rest.replace(/^([\w.[\]]+)\s+(?!=)(\S.*)$/, '$1 = $2');
+  if (word === 'log' || word === 'hold') return rest.replace(/^\((.*)\)$/, '$1');
+  return rest;
+}
+
+function waitSentence(rest: string): Sentence {
+  const [head = '', limit] = rest.replace(/\s+else$/i, '').split(/,?\s+timeout\s+/i);
+  const chips = limit ? [t('step.timeout', { time: limit })] : [];
+  if (/^(user|input)\b/i.test(head)) return { icon: 'hand', text: t('step.waitUser', { rest: head.replace(/^\w+\s*/, '') }), chips };
+  const time = /^(?:time\s+)?(\d[\w.]*)$/i.exec(head);
+  if (time) return { icon: 'clock', text: t('step.waitTime', { time: /[a-z]$/i.test(time[1]!) ? time[1]! : `${time[1]} s` }), chips };
+  return { icon: 'clock', text: t('step.waitFor', { rest: head.replace(/^var\s+/i, '') }), chips };
+}

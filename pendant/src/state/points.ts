@@ -1,0 +1,120 @@
+/** The cell's points and other data, and the names that a program may use. */
+import { computed, effect, signal } from '@preact/signals';
+import type { Pose, Vec3 } from '../wire/types';
+import { complain, connected, onEvent, request } from './cell';
+import { type NamedPose, pointsIn3d } from './preview';
+
+export type ValueKind = 'pose' | 'joints' | 'boolean' | 'number' | 'text' | 'list' | 'record';
+
+export interface DataValue {
+  name: string;
+  kind: ValueKind;
+  file: string;
+  /** As a person reads it. */
+  text: string;
+  value: boolean | number | string | null;
+  unit?: string;
+  /** In its own frame; `world`: where that is. */
+  pose: Pose | null;
+  world: Pose | null;
+  joints: Record<string, number> | null;
+  taught: { frame: string; tool: string; robot: string } | null;
+  group: string;
+}
+export interface Here {
+  tcp: Pose;
+  flange: Pose;
+  joints: Record<string, number>;
+  tool: string;
+}
+export interface KnownName {
+  name: string;
+  kind: string;
+  text: string;
+}
+
+export const values = signal<DataValue[]>([]);
+export const pointsFile = signal('');
+export const dataFiles = signal<string[]>([]);
+/** False until the cell has told its data once. */
+export const pointsKnown = signal(false);
+export const names = signal<KnownName[]>([]);
+
+export const isPlace = (kind: string) => kind === 'pose' || kind === 'joints';
+export const places = computed(() => values.value.filter((each) => isPlace(each.kind)));
+export const frameNames = computed(() => values.value.filter((each) => each.kind === 'pose').map((each) => each.name));
+
+export async function loadPoints(): Promise<void> {
+  try {
+    const answer = await request<{ file: string; files: string[]; values: DataValue[] }>('points');
+    pointsFile.value = answer.file;
+    dataFiles.value = answer.files;
+    values.value = answer.values;
+    pointsKnown.value = true;
+    pointsIn3d.value = answer.values.flatMap((v): NamedPose[] => (v.world ? [{ name: v.name, pose: v.world }] : []));
+  } catch (error) {
+    complain(error);
+  }
+}
+
+export async function loadNames(): Promise<void> {
+  try {
+    names.value = (await request<{ names: KnownName[] }>('program.names')).names;
+  } catch (error) {
+    complain(error);
+  }
+}
+
+/** Loads both now, and again whenever the cell says that they have changed. Returns what ends that. */
+let users = 0;
+export function followPoints(): () => void {
+  ++users;
+  const end = effect(() => {
+    if (!connected.value) return;
+    void loadPoints();
+    void loadNames();
+  });
+  return () => {
+    --users;
+    end();
+  };
+}
+onEvent('points', () => {
+  if (users === 0) return;
+  void loadPoints();
+  void loadNames();
+});
+
+export interface TeachWish {
+  name: string;
+  robot: string;
+  kind: 'pose' | 'joints';
+  frame?: string;
+  file?: string;
+  group?: string;
+  replace?: boolean;
+}
+/** What went wrong is thrown. */
+export async function teach(wish: TeachWish): Promise<void> {
+  await request('points.teach', { ...wish });
+  await Promise.all([loadPoints(), loadNames()]);
+}
+
+/** Change of any kind; says what was refused. */
+export async function changePoints(name: string, args: Record<string, unknown>): Promise<boolean> {
+  try {
+    await request(name, args);
+    await Promise.all([loadPoints(), loadNames()]);
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  }
+}
+
+/** May it be a name in a program and a data file? */
+export function goodName(name: string): boolean {
+  return /^[A-Za-z_]\w*$/.test(name) && !/^(and|or|not|mod|true|false)$/i.test(name);
+}
+
+export const distance = (a: Vec3, b: Vec3) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
