@@ -1,0 +1,121 @@
+/** Tags with all that is known of them: what stands still is asked for, values come as events. Forces and simulations of this page. */
+import { effect, signal } from '@preact/signals';
+import { complain, connected, request, stream, tags } from './cell';
+
+export interface TagInfo {
+  name: string;
+  type: string;
+  unit: string;
+  value: unknown;
+  text: string;
+  direction: string;
+  source: string;
+  quality: string;
+  forced: boolean;
+  tag: boolean;
+  changed_s: number | null;
+  changed_by: string;
+  output: unknown;
+  rules: Record<string, unknown>;
+}
+export interface LinkInfo {
+  name: string;
+  address: string;
+  up: boolean;
+  reason: string;
+  losses: number;
+  exchanges: number;
+  round_ms: number;
+  on_loss: string;
+  tags: number;
+}
+
+export const tagInfos = signal<TagInfo[]>([]);
+export const links = signal<LinkInfo[]>([]);
+export const tagsKnown = signal(false);
+
+const kEvery = 2000;
+
+export async function loadTags(): Promise<void> {
+  try {
+    const answer = await request<{ tags: TagInfo[]; links: LinkInfo[] }>('tags.list');
+    let all = answer.tags;
+    // Variables of data, which the list of tags leaves out, are tags of the events.
+    const others = Object.keys(tags.peek()).filter((name) => !all.some((each) => each.name === name));
+    if (others.length) all = [...all, ...(await request<{ tags: TagInfo[] }>('tags.list', { names: others })).tags];
+    tagInfos.value = all;
+    links.value = answer.links;
+    tagsKnown.value = true;
+  } catch (error) {
+    complain(error);
+  }
+}
+
+export function followTags(): () => void {
+  const end = effect(() => {
+    if (connected.value) void loadTags();
+  });
+  const timer = setInterval(() => {
+    if (connected.peek()) void loadTags();
+  }, kEvery);
+  return () => {
+    clearInterval(timer);
+    end();
+  };
+}
+
+/** What is known now: the event's values over the list's. */
+export function tagNow(info: TagInfo): TagInfo {
+  const live = tags.value[info.name];
+  if (!live) return info;
+  const since = live.since === null || live.since === undefined ? null : Number(live.since);
+  const text = (live as { text?: string }).text ?? String(live.value);
+  return { ...info, value: live.value, text, quality: live.quality, forced: live.forced, changed_by: live.by, changed_s: since };
+}
+
+export async function setTag(name: string, value: unknown): Promise<boolean> {
+  try {
+    await request('tags.set', { name, value });
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  }
+}
+
+// --- forces: they last as long as this page asks for them
+
+const forces = new Map<string, () => void>();
+/** Names that this page forces. */
+export const forcedHere = signal<string[]>([]);
+
+export async function forceTag(name: string, value: unknown): Promise<void> {
+  releaseTag(name);
+  try {
+    const asked = stream('tags.force', { name, value }, () => undefined);
+    forces.set(name, asked.stop);
+    forcedHere.value = [...forces.keys()];
+    asked.done.then(
+      () => forget(name),
+      (error) => {
+        if (forces.has(name)) complain(error);
+        forget(name);
+      },
+    );
+  } catch (error) {
+    complain(error);
+  }
+}
+export function releaseTag(name: string): void {
+  forces.get(name)?.();
+  forget(name);
+}
+function forget(name: string): void {
+  forces.delete(name);
+  forcedHere.value = [...forces.keys()];
+}
+effect(() => {
+  if (connected.value) return;
+  forces.clear();
+  forcedHere.value = [];
+});
