@@ -1,9 +1,10 @@
 import { move } from './move';
 import { program } from './program';
+import { plots } from './plots';
 import { points } from './points';
 import { signals } from './signals';
 import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals };
+export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots };

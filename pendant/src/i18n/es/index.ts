@@ -1,10 +1,11 @@
 import type { en } from '../en';
 import { move } from './move';
 import { program } from './program';
+import { plots } from './plots';
 import { points } from './points';
 import { signals } from './signals';
 import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals };
+export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots };

@@ -1,0 +1,95 @@
+/** One plot by uPlot; its own chunk. */
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import type { Slice } from './history';
+
+export interface View {
+  from: number;
+  to: number;
+}
+interface Drawn {
+  name: string;
+  colour: string;
+  dashed: boolean;
+}
+interface Hooks {
+  onZoom: (from: number, to: number) => void;
+  onCursor: (time: number | null) => void;
+  onReset: () => void;
+}
+
+export class Plot {
+  private readonly plot: uPlot;
+  private readonly sizes: ResizeObserver;
+
+  constructor(box: HTMLElement, unit: string, list: Drawn[], hooks: Hooks) {
+    const style = getComputedStyle(document.documentElement);
+    const ink = style.getPropertyValue('--muted').trim();
+    const grid = { stroke: style.getPropertyValue('--line').trim(), width: 1 };
+    const axis = { stroke: ink, grid, ticks: grid, font: '13px system-ui, sans-serif' };
+    this.plot = new uPlot(
+      {
+        width: Math.max(100, box.clientWidth),
+        height: Math.max(100, box.clientHeight),
+        legend: { show: false },
+        cursor: {
+          sync: { key: 'polyarm' },
+          drag: { x: true, y: false, setScale: false },
+          bind: { dblclick: () => () => (hooks.onReset(), null) },
+        },
+        scales: { x: { time: false }, y: { range: (_, min, max) => padded(min, max) } },
+        axes: [
+          { ...axis, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(3))} s`) },
+          { ...axis, size: 70, label: unit || undefined, labelSize: unit ? 18 : 0, labelFont: '13px system-ui, sans-serif' },
+        ],
+        series: [
+          {},
+          ...list.map((each) => ({
+            label: each.name, stroke: each.colour, width: each.dashed ? 1.5 : 2, dash: each.dashed ? [7, 5] : undefined, points: { show: false }, spanGaps: false,
+          })),
+        ],
+        hooks: {
+          setSelect: [
+            (plot) => {
+              const { left, width } = plot.select;
+              if (width < 8) return;
+              hooks.onZoom(plot.posToVal(left, 'x'), plot.posToVal(left + width, 'x'));
+              plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+            },
+          ],
+          setCursor: [
+            (plot) => {
+              const { left } = plot.cursor;
+              hooks.onCursor(left !== undefined && left !== null && left >= 0 ? plot.posToVal(left, 'x') : null);
+            },
+          ],
+        },
+      },
+      [[], ...list.map(() => [])] as unknown as uPlot.AlignedData,
+      box,
+    );
+    this.sizes = new ResizeObserver(() => this.plot.setSize({ width: Math.max(100, box.clientWidth), height: Math.max(100, box.clientHeight) }));
+    this.sizes.observe(box);
+  }
+
+  show(slice: Slice, view: View): void {
+    this.plot.batch(() => {
+      this.plot.setData([slice.times, ...slice.columns] as uPlot.AlignedData, false);
+      this.plot.setScale('x', { min: view.from, max: view.to });
+    });
+  }
+
+  end(): void {
+    this.sizes.disconnect();
+    this.plot.destroy();
+  }
+}
+
+/** A constant is shown in the middle, not as a line at the edge or as blown-up noise. */
+function padded(min: number | null, max: number | null): [number, number] {
+  if (min === null || max === null || !Number.isFinite(min + max)) return [-1, 1];
+  const span = max - min;
+  const least = Math.max(1e-6, 1e-4 * Math.max(Math.abs(min), Math.abs(max)));
+  if (span < least) return [min - least * 10, max + least * 10];
+  return [min - 0.06 * span, max + 0.06 * span];
+}

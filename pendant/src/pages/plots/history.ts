@@ -1,0 +1,96 @@
+/** The last minutes of every field: a ring of rows. Pure. */
+
+export interface Slice {
+  times: number[];
+  columns: (number | null)[][];
+}
+
+export class History {
+  private names: string[] = [];
+  private places = new Map<string, number>();
+  private readonly times: Float64Array;
+  private rows: Float32Array[] = [];
+  private next = 0;
+  private count = 0;
+
+  /** `most`: rows that are kept. */
+  constructor(private readonly most: number) {
+    this.times = new Float64Array(most);
+  }
+
+  /** Other names forget what was kept of those that are gone. */
+  setNames(names: string[]): void {
+    if (names.length === this.names.length && names.every((name, i) => name === this.names[i])) return;
+    const before = this.places;
+    const rows = this.rows;
+    this.names = [...names];
+    this.places = new Map(names.map((name, i) => [name, i]));
+    this.rows = names.map((name) => rows[before.get(name) ?? -1] ?? new Float32Array(this.most).fill(NaN));
+  }
+
+  push(time: number, value: (name: string, place: number) => number): void {
+    const last = this.count > 0 ? this.times[(this.next + this.most - 1) % this.most]! : -Infinity;
+    if (time <= last) {
+      if (time > last - 1) return;
+      // The cell has begun anew.
+      this.clear();
+    }
+    this.times[this.next] = time;
+    this.names.forEach((name, i) => (this.rows[i]![this.next] = value(name, i)));
+    this.next = (this.next + 1) % this.most;
+    this.count = Math.min(this.count + 1, this.most);
+  }
+
+  clear(): void {
+    this.next = 0;
+    this.count = 0;
+    for (const row of this.rows) row.fill(NaN);
+  }
+
+  get newest(): number {
+    return this.count > 0 ? this.times[(this.next + this.most - 1) % this.most]! : NaN;
+  }
+  get oldest(): number {
+    return this.count > 0 ? this.times[(this.next + this.most - this.count) % this.most]! : NaN;
+  }
+
+  /** Rows between two times, and one beyond each end so that lines reach the edge. What was not measured is null. */
+  slice(from: number, to: number, names: string[]): Slice {
+    const places = names.map((name) => this.places.get(name) ?? -1);
+    const times: number[] = [];
+    const columns: (number | null)[][] = names.map(() => []);
+    const first = Math.max(0, this.find(from) - 1);
+    for (let i = first; i < this.count; ++i) {
+      const at = (this.next + this.most - this.count + i) % this.most;
+      const time = this.times[at]!;
+      times.push(time);
+      places.forEach((place, k) => {
+        const value = place >= 0 ? this.rows[place]![at]! : NaN;
+        columns[k]!.push(Number.isFinite(value) ? value : null);
+      });
+      if (time > to) break;
+    }
+    return { times, columns };
+  }
+
+  /** Number of the first row that is not before `time`. */
+  private find(time: number): number {
+    let low = 0;
+    let high = this.count;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.times[(this.next + this.most - this.count + middle) % this.most]! < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+
+/** Comma-separated, a column a name; what was not measured is empty. */
+export function csv(slice: Slice, titles: string[]): string {
+  const head = ['time [s]', ...titles].map(quoted).join(',');
+  const rows = slice.times.map((time, i) => [time.toFixed(6), ...slice.columns.map((column) => column[i] ?? '')].join(','));
+  return [head, ...rows, ''].join('\n');
+}

@@ -1,0 +1,69 @@
+/** What can be plotted and what is; colours; the ring that fills from the page's first opening on. */
+import { computed } from '@preact/signals';
+import { robot, tags } from '../../state/cell';
+import { layout, onFrame } from '../../state/live';
+import { kept } from '../../state/settings';
+import { History } from './history';
+
+export interface Trace {
+  name: string;
+  unit: string;
+}
+
+const kSeconds = 300;
+const kRate = 30;
+export const kMostTraces = 12;
+export const history = new History(kSeconds * kRate);
+/** Names of the traces that are shown; null: nobody has chosen yet. */
+export const chosen = kept<string[] | null>('plots.traces', null);
+
+const kTag = 'tag ';
+const numberOf = (value: unknown) => (typeof value === 'number' ? value : typeof value === 'boolean' ? Number(value) : NaN);
+
+const tagNames = computed(() =>
+  Object.keys(tags.value)
+    .filter((name) => Number.isFinite(numberOf(tags.value[name]!.value)))
+    .sort(),
+);
+/** Everything there is: fields of frames, and tags that are numbers or yes and no. */
+export const traces = computed<Trace[]>(() => [
+  ...layout.value.fields.map(({ name, unit }) => ({ name, unit })),
+  ...tagNames.value.map((name) => ({ name: kTag + name, unit: '' })),
+]);
+
+/** Those that are shown and exist; at first the first joint, measured and commanded. */
+export const shown = computed<Trace[]>(() => {
+  const known = new Map(traces.value.map((each) => [each.name, each]));
+  const names = chosen.value ?? pairOf(robot.value?.joints[0]?.interface ?? '');
+  return names.flatMap((name) => known.get(name) ?? []);
+});
+
+/** Measured and commanded position of a joint. */
+export const pairOf = (joint: string) => [`${joint}/position`, `${joint}/command_position`];
+export const isCommand = (name: string) => /\/command_\w+$/.test(name);
+const partner = (name: string) => name.replace(/\/command_(\w+)$/, '/$1');
+
+const kDark = ['#6bb0ff', '#ffb454', '#5fd394', '#ff8a8f', '#d3a6ff', '#5ed8e6', '#f5e06e', '#ff9fd0'];
+const kLight = ['#0b5cc4', '#a85100', '#14703f', '#b3121d', '#7a2fb8', '#00707e', '#6b5c00', '#ab1f6e'];
+
+/** A command has the colour of what it commands, and is dashed. */
+export function colourOf(name: string, all: Trace[], dark: boolean): string {
+  const bases = [...new Set(all.map((each) => partner(each.name)))];
+  const colours = dark ? kDark : kLight;
+  return colours[bases.indexOf(partner(name)) % colours.length]!;
+}
+
+let recording = false;
+/** From now on until the page is left for good: what was while another page is shown is there, too. */
+export function record(): void {
+  if (recording) return;
+  recording = true;
+  onFrame((frame) => {
+    history.setNames(traces.peek().map((each) => each.name));
+    const now = tags.peek();
+    const fields = layout.peek().fields.length;
+    history.push(frame.time, (name, place) => (place < fields ? (frame.values[place] ?? NaN) : numberOf(now[name.slice(kTag.length)]?.value)));
+  });
+}
+
+export const titleOf = (trace: Trace) => (trace.unit ? `${trace.name} [${trace.unit}]` : trace.name);
