@@ -323,18 +323,19 @@ const std::vector<Row>& rows() {
         false},
        program_watch},
       {{"program.pause",
-        {},
+        {{"at_once", kFlag}},
         kProgram,
-        "pause in front of the next statement; motion that is queued goes on; answered when it stands",
+        "pause in front of the next statement; motion that is queued goes on; answered when it stands, or "
+        "`at_once`",
         true},
        program_pause},
       {{"program.go", {}, kProgram, "go on after a pause", true}, program_go},
       {{"program.step",
-        {{"how", kText}},
+        {{"how", kText}, {"at_once", kFlag}},
         kProgram,
         "one statement of the task that is paused: `into` functions, `over` them (otherwise) or `out` of "
-        "this one; "
-        "answered when it stands again",
+        "this "
+        "one; answered when it stands again, or `at_once`",
         true},
        program_step},
       {{"program.break",

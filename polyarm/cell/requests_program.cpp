@@ -119,11 +119,11 @@ void require_running(Cell& cell, const Task& task) {
                 "polyarm control from LINE begins it anew");
 }
 
-/// Until it stands in front of a statement, or has ended.
-Poll until_paused() {
-  return [](Cell& cell) {
+/// Until it stands in front of a statement, or has ended; with `at_once` nobody waits for that.
+Poll until_paused(const Json& arguments) {
+  return [at_once = flag_argument(arguments, "at_once")](Cell& cell) {
     Task& task = program_of(cell);
-    if (!task.interpreter().paused() && !task.ended()) return Progress{};
+    if (!at_once && !task.interpreter().paused() && !task.ended()) return Progress{};
     return Progress::done(program_json(cell));
   };
 }
@@ -186,11 +186,11 @@ Poll program_watch(Cell& cell, const Json& arguments) {
   };
 }
 
-Poll program_pause(Cell& cell, const Json&) {
+Poll program_pause(Cell& cell, const Json& arguments) {
   Task& task = program_of(cell);
   require_running(cell, task);
   if (!task.interpreter().paused()) task.interpreter().pause();
-  return until_paused();
+  return until_paused(arguments);
 }
 
 Poll program_go(Cell& cell, const Json&) {
@@ -214,7 +214,7 @@ Poll program_step(Cell& cell, const Json& arguments) {
   if (!task.interpreter().paused())
     throw Error("not-paused", "the program is not paused", "polyarm control pause, or a breakpoint");
   task.interpreter().resume_for(static_cast<program::StepKind>(at - known.begin()));
-  return until_paused();
+  return until_paused(arguments);
 }
 
 Poll program_break(Cell& cell, const Json& arguments) {

@@ -207,6 +207,7 @@ Json ask(cell::Cell& cell, const Json& request) {
     hardware::Hardware& hardware = cell.loop().hardware();
     for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks run on threads of their own
       if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);
+    cell.worker().drain();  // descriptions are read beside the cell
     run(cell, 0.002);
   }
   return *out;
