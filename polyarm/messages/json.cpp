@@ -45,22 +45,6 @@ void with_number(FieldKind kind, With with) {
   }
 }
 
-std::size_t least_bytes(const FieldInfo& field, bool element);
-std::size_t least_bytes(const TypeInfo& type) {
-  std::size_t sum = type.fields.empty() ? 1 : 0;
-  for (const FieldInfo& field : type.fields) sum += least_bytes(field, false);
-  return sum;
-}
-/// Of the field on the wire, or of one of its elements.
-std::size_t least_bytes(const FieldInfo& field, bool element) {
-  if (!element && (field.shape == FieldShape::sequence || field.shape == FieldShape::bounded)) return 4;
-  std::size_t one = 1;
-  if (field.kind == FieldKind::nested) one = least_bytes(*field.nested);
-  if (field.kind == FieldKind::string) one = 4;
-  with_number(field.kind, [&](auto number) { one = sizeof number; });
-  return one * (!element && field.shape == FieldShape::array ? field.capacity : 1);
-}
-
 json read_type(CdrReader& in, const TypeInfo& type);
 
 json read_one(CdrReader& in, const FieldInfo& field) {
@@ -97,8 +81,8 @@ json read_type(CdrReader& in, const TypeInfo& type) {
     json& list = out[field.name] = json::array();
     const std::size_t count = field.shape == FieldShape::array ? field.capacity
                               : field.shape == FieldShape::bounded
-                                  ? in.read_length(least_bytes(field, true), field.capacity)
-                                  : in.read_length(least_bytes(field, true));
+                                  ? in.read_length(field.least, field.capacity)
+                                  : in.read_length(field.least);
     for (std::size_t i = 0; i < count && in; ++i) list.push_back(read_one(in, field));
   }
   return out;

@@ -4,8 +4,9 @@
 
 namespace polyarm::messages {
 
-const TypeInfo* find_type(std::string_view name) {
-  for (const TypeInfo* type : types()) {
+namespace {
+const TypeInfo* find_in(std::span<const TypeInfo* const> types, std::string_view name) {
+  for (const TypeInfo* type : types) {
     const std::string_view full = type->name;
     if (full == name) return type;
     const std::size_t first = full.find('/'), last = full.rfind('/');
@@ -15,6 +16,15 @@ const TypeInfo* find_type(std::string_view name) {
       return type;
   }
   return nullptr;
+}
+}  // namespace
+
+const TypeInfo* find_type(std::string_view name, Distribution distribution) {
+  std::span<const TypeInfo* const> own;
+  if (distribution == Distribution::humble) own = humble_types();
+  if (distribution == Distribution::kilted) own = kilted_types();
+  const TypeInfo* found = find_in(own, name);
+  return found ? found : find_in(types(), name);
 }
 
 }  // namespace polyarm::messages

@@ -31,8 +31,10 @@ struct FieldInfo {
   const char* name;
   FieldKind kind;
   FieldShape shape;
-  std::uint32_t capacity;  ///< of an array or a bounded sequence
-  const TypeInfo* nested;  ///< of FieldKind::nested
+  std::uint32_t capacity;       ///< of an array or a bounded sequence
+  std::uint32_t least;          ///< the fewest bytes that one element has on the wire
+  std::uint32_t text_capacity;  ///< of a bounded text
+  const TypeInfo* nested;       ///< of FieldKind::nested
 };
 
 struct TypeInfo {
@@ -50,7 +52,13 @@ const TypeInfo& type_info();
 /// Every type there is, in the order of the list; parts of services and actions have a name of their own
 /// ("std_srvs/srv/Trigger_Request", "control_msgs/action/FollowJointTrajectory_SendGoal_Request").
 std::span<const TypeInfo* const> types();
+/// Whose form of the types: what others do not have in a form of their own is as in Jazzy.
+enum class Distribution { humble, jazzy, kilted };
+/// The types that differ from Jazzy's there, and all that use them.
+std::span<const TypeInfo* const> humble_types();
+std::span<const TypeInfo* const> kilted_types();
+
 /// By the name as above, also without its middle part ("sensor_msgs/JointState"); null where there is none.
-const TypeInfo* find_type(std::string_view name);
+const TypeInfo* find_type(std::string_view name, Distribution distribution = Distribution::jazzy);
 
 }  // namespace polyarm::messages

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -77,8 +78,8 @@ std::string structure(const Type& type) {
   const Place at = place(type.name);
   std::string out = "namespace " + at.space() + " {\nstruct " + at.name + " {\n";
   for (const Constant& constant : type.constants)
-    out += "  static constexpr " + element({constant.type, "", Shape::single, 0, ""}) + " " + constant.name +
-           " = " + constant.value + ";\n";
+    out += "  static constexpr " + element({constant.type, "", Shape::single, 0, "", 0}) + " " +
+           constant.name + " = " + constant.value + ";\n";
   for (const Field& field : type.fields)
     out += "  " + cpp_type(field) + " " + field.name + "{" + field.initial + "};\n";
   out += "  friend bool operator==(const " + at.name + "&, const " + at.name + "&) = default;\n};\n}\n";
@@ -137,17 +138,34 @@ std::string dds_name(const std::string& name) {
   return at.package + "::" + at.kind + "::dds_::" + at.name + "_";
 }
 
-std::string information(const Type& type, const std::map<std::string, const Type*>& all) {
+/// The fewest bytes of one element of the field.
+std::size_t element_bytes(const Field& field, const std::map<std::string, const Type*>& all) {
+  return least_bytes({"", {}, {{field.type, "", Shape::single, 0, "", 0}}}, all);
+}
+
+/// "sensor_msgs/msg/JointState" of humble → "humble_sensor_msgs_msg_JointState".
+std::string function_name(const std::string& distribution, std::string type) {
+  for (char& c : type)
+    if (c == '/') c = '_';
+  return distribution + "_" + type;
+}
+
+/// What is known of a type, by the function `head` says; `varied` are the names of the distribution's own.
+std::string information(const Type& type, const std::map<std::string, const Type*>& all,
+                        const std::string& head, const std::string& distribution,
+                        const std::set<std::string>& varied) {
   static constexpr const char* shapes[] = {"single", "array", "bounded", "sequence"};
-  const std::string name = place(type.name).full();
   std::string fields;
   for (const Field& field : type.fields)
     fields += "      {\"" + field.name + "\", static_cast<FieldKind>(" + std::to_string(field_kind(field)) +
               "), FieldShape::" + shapes[static_cast<std::size_t>(field.shape)] + ", " +
-              std::to_string(field.capacity) + ", " +
-              (is_primitive(field.type) ? "nullptr" : "&type_info<" + place(field.type).full() + ">()") +
+              std::to_string(field.capacity) + ", " + std::to_string(element_bytes(field, all)) + ", " +
+              std::to_string(field.text_capacity) + ", " +
+              (is_primitive(field.type)      ? "nullptr"
+               : varied.contains(field.type) ? "&" + function_name(distribution, field.type) + "()"
+                                             : "&type_info<" + place(field.type).full() + ">()") +
               "},\n";
-  std::string out = "template <>\nconst TypeInfo& type_info<" + name + ">() {\n";
+  std::string out = head + " {\n";
   const std::string count = std::to_string(type.fields.size());
   out += "  static const std::array<FieldInfo, " + count + "> fields{{\n" + fields + "  }};\n";
   out += "  static const TypeInfo info{\"" + type.name + "\", \"" + dds_name(type.name) + "\", \"" +
@@ -161,16 +179,34 @@ std::string functions(const Type& type, const std::map<std::string, const Type*>
   for (const Field& field : type.fields) out += writing(field);
   if (type.fields.empty()) out += "  static_cast<void>(message);\n  out.write(std::uint8_t{0});\n";
   out += "}\nvoid read(CdrReader& in, " + name + "& message) {\n";
-  for (const Field& field : type.fields) {
-    const Type one{"", {}, {{field.type, "", Shape::single, 0, ""}}};
-    out += reading(field, least_bytes(one, all));
-  }
+  for (const Field& field : type.fields) out += reading(field, element_bytes(field, all));
   if (type.fields.empty())
     out += "  static_cast<void>(message);\n  std::uint8_t nothing = 0;\n  in.read(nothing);\n";
-  return out + "}\n" + information(type, all) + "\n";
+  return out + "}\n" +
+         information(type, all, "template <>\nconst TypeInfo& type_info<" + name + ">()", "", {}) + "\n";
 }
 
-std::string source(const std::vector<Type>& types) {
+/// The types that a distribution has otherwise, and the list of them: humble_types().
+std::string varied(const std::string& distribution, const std::vector<Type>& types,
+                   std::map<std::string, const Type*> all) {
+  std::set<std::string> names;
+  std::string out = "namespace {\n", list;
+  for (const Type& type : types) {
+    names.insert(type.name);
+    all[type.name] = &type;
+  }
+  for (const Type& type : types) {
+    const std::string name = function_name(distribution, type.name) + "()";
+    out += information(type, all, "const TypeInfo& " + name, distribution, names) + "\n";
+    list += "      &" + name + ",\n";
+  }
+  return out + "}\n\nstd::span<const TypeInfo* const> " + distribution +
+         "_types() {\n  static const std::array<const TypeInfo*, " + std::to_string(types.size()) +
+         "> all{{\n" + list + "  }};\n  return all;\n}\n\n";
+}
+
+std::string source(const Interfaces& interfaces) {
+  const std::vector<Type>& types = interfaces.types;
   std::map<std::string, const Type*> all;
   for (const Type& type : types) all.emplace(type.name, &type);
   std::string out = R"(// Made from polyarm/messages/interfaces.list.
@@ -185,8 +221,9 @@ namespace polyarm::messages {
     list += "      &type_info<" + place(type.name).full() + ">(),\n";
   }
   out += "std::span<const TypeInfo* const> types() {\n  static const std::array<const TypeInfo*, " +
-         std::to_string(types.size()) + "> all{{\n" + list + "  }};\n  return all;\n}\n\n}\n";
-  return out;
+         std::to_string(types.size()) + "> all{{\n" + list + "  }};\n  return all;\n}\n\n";
+  for (const auto& [distribution, own] : interfaces.of_distributions) out += varied(distribution, own, all);
+  return out + "}\n";
 }
 
 void save(const std::string& file, const std::string& text) {
@@ -202,9 +239,9 @@ int main(int argc, char** argv) {
   using namespace polyarm::messages::generator;
   try {
     if (argc != 3) throw std::runtime_error("usage: polyarm_message_generator LIST FOLDER");
-    const std::vector<Type> types = read_interfaces(argv[1]);
-    save(std::string(argv[2]) + "/types.hpp", header(types));
-    save(std::string(argv[2]) + "/types.cpp", source(types));
+    const Interfaces interfaces = read_interfaces(argv[1]);
+    save(std::string(argv[2]) + "/types.hpp", header(interfaces.types));
+    save(std::string(argv[2]) + "/types.cpp", source(interfaces));
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "polyarm_message_generator: " << error.what() << "\n";

@@ -34,6 +34,7 @@ const char* const kNothing = "structure_needs_at_least_one_member";
 struct Entry {
   std::string package, kind, name;
   std::vector<Type> parts{1};
+  std::string distribution;  ///< "": all that do not have one of their own
 };
 
 class Reader {
@@ -42,14 +43,15 @@ class Reader {
     if (!in_) throw std::runtime_error(file + ": cannot be read");
   }
 
-  std::vector<Type> read() {
+  Interfaces read() {
     for (std::string line; std::getline(in_, line);) {
       ++line_;
       if (line.empty() || line[0] == '#') continue;
       line[0] == ' ' ? member(line) : begin(line);
     }
     end();
-    return std::move(types_);
+    for (auto& [distribution, varied] : varied_) made_.of_distributions[distribution] = with_users(varied);
+    return std::move(made_);
   }
 
  private:
@@ -59,9 +61,14 @@ class Reader {
 
   void begin(const std::string& line) {
     end();
+    const std::size_t space = line.find(' '), from = space == std::string::npos ? 0 : space + 1;
     const std::size_t first = line.find('/'), last = line.rfind('/');
     if (first == std::string::npos || first == last) fail("a name is package/kind/Name");
-    entry_ = {line.substr(0, first), line.substr(first + 1, last - first - 1), line.substr(last + 1), {}};
+    entry_ = {line.substr(from, first - from),
+              line.substr(first + 1, last - first - 1),
+              line.substr(last + 1),
+              {},
+              line.substr(0, from == 0 ? 0 : space)};
     entry_.parts.resize(1);
     if (entry_.kind != "msg" && entry_.kind != "srv" && entry_.kind != "action")
       fail("a kind is msg, srv or action");
@@ -84,7 +91,12 @@ class Reader {
 
   Field field(const std::string& word, const std::string& name, const std::string& initial) const {
     const std::size_t bracket = word.find('[');
-    Field made{word.substr(0, bracket), name, Shape::single, 0, initial};
+    Field made{word.substr(0, bracket), name, Shape::single, 0, initial, 0};
+    if (const std::size_t bound = made.type.find("<="); bound != std::string::npos) {
+      made.text_capacity = static_cast<std::uint32_t>(std::stoul(made.type.substr(bound + 2)));
+      made.type.resize(bound);
+      if (made.type != "string") fail("only a string has a bound of its own");
+    }
     if (bracket != std::string::npos) {
       const std::string inside = word.substr(bracket + 1, word.size() - bracket - 2);
       const bool bounded = inside.substr(0, 2) == "<=";
@@ -102,8 +114,13 @@ class Reader {
 
   void add(const std::string& name, Type type) {
     type.name = name;
+    if (!entry_.distribution.empty()) {
+      if (!known_.contains(name)) fail(name + " differs from nothing");
+      varied_[entry_.distribution].emplace(name, std::move(type));
+      return;
+    }
     known_.insert(name);
-    types_.push_back(std::move(type));
+    made_.types.push_back(std::move(type));
   }
 
   void end() {
@@ -122,28 +139,45 @@ class Reader {
 
   /// What an action is on the wire: two services and a topic around its three parts (ROS 2 design, actions).
   void action(const std::string& full) {
-    const Field id{"unique_identifier_msgs/msg/UUID", "goal_id", Shape::single, 0, ""};
+    const Field id{"unique_identifier_msgs/msg/UUID", "goal_id", Shape::single, 0, "", 0};
     add(full + "_Goal", std::move(entry_.parts[0]));
     add(full + "_Result", std::move(entry_.parts[1]));
     add(full + "_Feedback", std::move(entry_.parts[2]));
-    add(full + "_SendGoal_Request", {"", {}, {id, {full + "_Goal", "goal", Shape::single, 0, ""}}});
+    add(full + "_SendGoal_Request", {"", {}, {id, {full + "_Goal", "goal", Shape::single, 0, "", 0}}});
     add(full + "_SendGoal_Response", {"",
                                       {},
-                                      {{"bool", "accepted", Shape::single, 0, ""},
-                                       {"builtin_interfaces/msg/Time", "stamp", Shape::single, 0, ""}}});
+                                      {{"bool", "accepted", Shape::single, 0, "", 0},
+                                       {"builtin_interfaces/msg/Time", "stamp", Shape::single, 0, "", 0}}});
     add(full + "_GetResult_Request", {"", {}, {id}});
-    add(full + "_GetResult_Response",
-        {"",
-         {},
-         {{"int8", "status", Shape::single, 0, ""}, {full + "_Result", "result", Shape::single, 0, ""}}});
-    add(full + "_FeedbackMessage", {"", {}, {id, {full + "_Feedback", "feedback", Shape::single, 0, ""}}});
+    add(full + "_GetResult_Response", {"",
+                                       {},
+                                       {{"int8", "status", Shape::single, 0, "", 0},
+                                        {full + "_Result", "result", Shape::single, 0, "", 0}}});
+    add(full + "_FeedbackMessage", {"", {}, {id, {full + "_Feedback", "feedback", Shape::single, 0, "", 0}}});
+  }
+
+  /// Those of a distribution and every type that has one of them in it, in the order of the list.
+  std::vector<Type> with_users(const std::map<std::string, Type>& varied) const {
+    std::vector<Type> out;
+    std::set<std::string> names;
+    for (const Type& type : made_.types) {
+      const auto own = varied.find(type.name);
+      const Type& taken = own == varied.end() ? type : own->second;
+      bool uses = own != varied.end();
+      for (const Field& field : taken.fields) uses |= names.contains(field.type);
+      if (!uses) continue;
+      names.insert(type.name);
+      out.push_back(taken);
+    }
+    return out;
   }
 
   std::string file_;
   std::ifstream in_;
   int line_ = 0;
   Entry entry_;
-  std::vector<Type> types_;
+  Interfaces made_;
+  std::map<std::string, std::map<std::string, Type>> varied_;
   std::set<std::string> known_;
 };
 
@@ -172,8 +206,9 @@ std::string lines(const Type& type) {
   for (const Constant& constant : type.constants)
     out += constant.type + " " + constant.name + "=" + constant.value + "\n";
   for (const Field& field : type.fields)
-    out += short_name(field.type) + brackets(field) + " " + field.name +
-           (field.initial.empty() ? "" : " " + field.initial) + "\n";
+    out += short_name(field.type) +
+           (field.text_capacity > 0 ? "<=" + std::to_string(field.text_capacity) : "") + brackets(field) +
+           " " + field.name + (field.initial.empty() ? "" : " " + field.initial) + "\n";
   return out;
 }
 
@@ -194,15 +229,17 @@ void collect(const Type& type, const std::map<std::string, const Type*>& all, st
 std::string description(const Type& type) {
   static constexpr std::array<int, 4> shapes{0, 48, 96, 144};
   std::vector<Field> fields = type.fields;
-  if (fields.empty()) fields.push_back({"uint8", kNothing, Shape::single, 0, ""});
+  if (fields.empty()) fields.push_back({"uint8", kNothing, Shape::single, 0, "", 0});
   std::string out = "{\"type_name\": \"" + type.name + "\", \"fields\": [";
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const Field& field = fields[i];
-    const int id = field_kind(field) + shapes[static_cast<std::size_t>(field.shape)];
+    constexpr int kBoundedText = 21;
+    const int id = (field.text_capacity > 0 ? kBoundedText : field_kind(field)) +
+                   shapes[static_cast<std::size_t>(field.shape)];
     out += (i > 0 ? ", " : "") + std::string("{\"name\": \"") + field.name +
            "\", \"type\": {\"type_id\": " + std::to_string(id) +
            ", \"capacity\": " + std::to_string(field.capacity) +
-           ", \"string_capacity\": 0, \"nested_type_name\": \"" +
+           ", \"string_capacity\": " + std::to_string(field.text_capacity) + ", \"nested_type_name\": \"" +
            (is_primitive(field.type) ? "" : field.type) + "\"}}";
   }
   return out + "]}";
@@ -224,7 +261,7 @@ std::string sha256(const std::string& text) {
 
 }  // namespace
 
-std::vector<Type> read_interfaces(const std::string& file) {
+Interfaces read_interfaces(const std::string& file) {
   return Reader(file).read();
 }
 

@@ -15,7 +15,8 @@ struct Field {
   std::string name;
   Shape shape = Shape::single;
   std::uint32_t capacity = 0;
-  std::string initial;  ///< value of a new message; empty: zero
+  std::string initial;              ///< value of a new message; empty: zero
+  std::uint32_t text_capacity = 0;  ///< of a bounded string
 };
 struct Constant {
   std::string type, name, value;
@@ -28,8 +29,15 @@ struct Type {
   std::vector<Field> fields;
 };
 
-/// Types in the order of their use. Throws std::runtime_error with line and reason.
-std::vector<Type> read_interfaces(const std::string& file);
+/// Types in the order of their use; and by the name of a distribution, those that differ in it, with all that
+/// use them.
+struct Interfaces {
+  std::vector<Type> types;
+  std::map<std::string, std::vector<Type>> of_distributions;
+};
+
+/// Throws std::runtime_error with line and reason.
+Interfaces read_interfaces(const std::string& file);
 
 bool is_primitive(const std::string& type);
 /// The fewest bytes that a value of this type has on the wire.
