@@ -9,6 +9,7 @@
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/door_kinds.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 
 namespace polyarm::apps {
@@ -82,6 +83,9 @@ int main(int argc, char** argv) {
   using namespace polyarm;
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  cell::register_door({"ros2",
+                       {"domain", "range", "peers", "namespace", "distribution"},
+                       "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   if (argc < 2) {
     apps::print_help();
     return apps::kUsage;

@@ -5,6 +5,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/door_kinds.hpp"
 
 namespace polyarm::cell {
 
@@ -197,12 +198,11 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
 }
 
 /// `NAME: true`, or a map of what the door is told.
-void read_door(const char* name, const Yaml& yaml, const std::vector<std::string>& keys, CellFile& cell,
-               Problems& problems) {
+void read_door(const DoorKind& kind, const Yaml& yaml, CellFile& cell, Problems& problems) {
   if (!yaml.defined() || (!yaml.is_map() && !yaml.boolean())) return;
-  DoorOptions& options = cell.doors[name];
+  DoorOptions& options = cell.doors[kind.name];
   if (!yaml.is_map()) return;
-  yaml.check_keys(keys, problems);
+  yaml.check_keys(kind.keys, problems);
   for (const std::string& key : yaml.keys())
     options[key] = yaml[key].is_list() ? join(yaml[key].texts(), ",") : yaml[key].text();
 }
@@ -221,10 +221,11 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  yaml.check_keys(
-      {"polyarm", "rate", "robots", "scene", "controllers", "activate", "send", "plugins", "budget",
-       "signals", "program", "plc", "motion", "loop", "profile", "profiles", "workspace", "ros2"},
-      problems);
+  std::vector<std::string> keys{"polyarm", "rate",    "robots",  "scene",    "controllers", "activate",
+                                "send",    "plugins", "budget",  "signals",  "program",     "plc",
+                                "motion",  "loop",    "profile", "profiles", "workspace"};
+  for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
+  yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
   cell.workspace = read_workspace(yaml["workspace"], problems);
   cell.rate_stated = yaml.has("rate");
@@ -254,9 +255,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
-  collect(problems, [&] {
-    read_door("ros2", yaml["ros2"], {"domain", "range", "peers", "namespace"}, cell, problems);
-  });
+  for (const DoorKind& kind : door_kinds())
+    collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   apply(overrides, cell, problems);
   problems.throw_if_errors();
   return cell;

@@ -4,11 +4,27 @@
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/cell/door_kinds.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 
 namespace polyarm::cell {
+
+namespace {
+std::vector<DoorKind>& kinds() {
+  static std::vector<DoorKind> all;
+  return all;
+}
+}  // namespace
+
+void register_door(DoorKind kind) {
+  kinds().push_back(std::move(kind));
+}
+const std::vector<DoorKind>& door_kinds() {
+  return kinds();
+}
 
 std::unique_ptr<Door> open_door(const std::string& name, Cell& cell, const DoorOptions& options) {
   for (const std::filesystem::path& folder : hardware::driver_folders()) {
@@ -21,8 +37,10 @@ std::unique_ptr<Door> open_door(const std::string& name, Cell& cell, const DoorO
     if (!make) throw Error("no-door", path.string() + " is no door of Polyarm");
     return std::unique_ptr<Door>(make(cell, options));
   }
-  throw Error("no-door", "the module polyarm_door_" + name + ".so is not installed",
-              name == "ros2" ? "install libfastrtps-dev and build again, or run without --ros2" : "");
+  std::string advice;
+  for (const DoorKind& kind : door_kinds())
+    if (kind.name == name) advice = kind.advice;
+  throw Error("no-door", "the module polyarm_door_" + name + ".so is not installed", advice);
 }
 
 }  // namespace polyarm::cell
