@@ -65,7 +65,7 @@ class Server : public std::enable_shared_from_this<Server> {
   void begin() {
     const std::string base = port_.name + "/_action/";
     const messages::TypeInfo& status = messages::type_info<messages::action_msgs::msg::GoalStatusArray>();
-    feedback_type_ = messages::find_type(port_.type + "_FeedbackMessage");
+    feedback_type_ = &bridge_.type(port_.type + "_FeedbackMessage");
     feedback_ = bridge_.wire().publisher(port_.node, base + "feedback", *feedback_type_);
     status_ = bridge_.wire().publisher(port_.node, base + "status", status, {true, true, 1});
     using Self = std::weak_ptr<Server>;

@@ -11,12 +11,6 @@ namespace polyarm::ros2 {
 
 namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-const messages::TypeInfo& type_of(const std::string& name) {
-  const messages::TypeInfo* type = messages::find_type(name);
-  if (!type) throw Error("unknown-type", "there is no message type " + name);
-  return *type;
-}
 }  // namespace
 
 std::int64_t nanoseconds_of(const Json& stamp) {
@@ -28,14 +22,21 @@ Json stamp_of(std::int64_t nanoseconds) {
   return {{"sec", whole}, {"nanosec", part}};
 }
 
-Bridge::Bridge(cell::Cell& cell, const ParticipantOptions& options, std::string space)
-    : cell_{cell}, wire_{options}, space_{std::move(space)} {
+Bridge::Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
+               std::string space)
+    : cell_{cell}, wire_{options, distribution}, space_{std::move(space)} {
   while (space_.ends_with('/')) space_.pop_back();
-  if (!space_.empty() && space_[0] != '/') space_.insert(0, "/");
+  if (!space_.empty() && space_[0] != '/') space_ = std::string("/").append(space_);
 }
 
 std::string Bridge::name(const std::string& relative) const {
   return relative.starts_with('/') ? relative : space_ + "/" + relative;
+}
+
+const messages::TypeInfo& Bridge::type(const std::string& name) const {
+  const messages::TypeInfo* found = wire_.find_type(name);
+  if (!found) throw Error("unknown-type", "there is no message type " + name);
+  return *found;
 }
 
 std::string Bridge::interface_name(const std::string& name) const {
@@ -65,29 +66,40 @@ void Bridge::guarded(const std::function<void()>& work) {
 
 void Bridge::service(const std::string& node, const std::string& service, const std::string& type,
                      OnCall call) {
-  const messages::TypeInfo& asked = type_of(type + "_Request");
-  const messages::TypeInfo& answered = type_of(type + "_Response");
-  wire_.service(node, service, type, [&asked, &answered, call = std::move(call)](Wire::Request request) {
-    Json fields;
-    if (messages::to_json(asked, request.payload, fields) != messages::CdrError::none) return;
-    const auto once =
-        std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(request.answer));
-    call(fields, [once, &answered](const Json& response) {
-      if (*once) (*once)(messages::from_json(answered, response));
-      *once = nullptr;
-    });
-  });
+  const messages::TypeInfo& asked = this->type(type + "_Request");
+  const messages::TypeInfo& answered = this->type(type + "_Response");
+  wire_.service(
+      node, service, type, [this, &asked, &answered, call = std::move(call)](Wire::Request request) {
+        Json fields;
+        if (messages::to_json(asked, request.payload, fields) != messages::CdrError::none) return false;
+        const auto once =
+            std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(request.answer));
+        guarded([&] {
+          call(fields, [once, &answered](const Json& response) {
+            if (*once) (*once)(messages::from_json(answered, response));
+            *once = nullptr;
+          });
+        });
+        return true;
+      });
 }
 
 void Bridge::subscribe(const std::string& node, const std::string& topic, const std::string& type,
                        std::function<void(Json)> on_message, Qos qos) {
-  const messages::TypeInfo& info = type_of(type);
+  const messages::TypeInfo& info = this->type(type);
   wire_.subscription(node, topic, info, qos,
-                     [&info, on_message = std::move(on_message)](std::span<const std::byte> payload) {
+                     [this, &info, on_message = std::move(on_message)](std::span<const std::byte> payload) {
                        Json message;
-                       if (messages::to_json(info, payload, message) == messages::CdrError::none)
-                         on_message(std::move(message));
+                       if (messages::to_json(info, payload, message) != messages::CdrError::none)
+                         return false;
+                       guarded([&] { on_message(std::move(message)); });
+                       return true;
                      });
+}
+
+void offer_standard_services(Bridge& bridge, const std::string& node, ParameterSource source) {
+  offer_parameters(bridge, node, std::move(source));
+  offer_type_descriptions(bridge, node);
 }
 
 void Bridge::look_at_clock() {

@@ -25,10 +25,12 @@ using OnCall = std::function<void(const Json& request, Reply reply)>;
 /// The cell, the wire, and how names and times of one become those of the other.
 class Bridge {
  public:
-  Bridge(cell::Cell& cell, const ParticipantOptions& options, std::string space);
+  Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
+         std::string space);
 
   cell::Cell& cell() { return cell_; }
   Wire& wire() { return wire_; }
+  const Wire& wire() const { return wire_; }
   /// "/arm" + "joint_states" → "/arm/joint_states"; what begins with / stays.
   std::string name(const std::string& relative) const;
   /// Interfaces of the only robot are called without its name, as its own files have them.
@@ -41,6 +43,9 @@ class Bridge {
   void guarded(const std::function<void()>& work);
 
   void service(const std::string& node, const std::string& service, const std::string& type, OnCall call);
+  /// A type that there is, in the form of the distribution. Throws Error("unknown-type").
+  const messages::TypeInfo& type(const std::string& name) const;
+
   void subscribe(const std::string& node, const std::string& topic, const std::string& type,
                  std::function<void(Json message)> on_message, Qos qos = {});
 
@@ -77,15 +82,21 @@ class Part {
 std::unique_ptr<Part> make_controller_nodes(Bridge& bridge);
 /// /controller_manager.
 std::unique_ptr<Part> make_manager_node(Bridge& bridge);
-/// /robot_state_publisher: descriptions and frames; /clock; /diagnostics; stop, hold and resume.
+/// /robot_state_publisher: descriptions and frames; /clock.
 std::unique_ptr<Part> make_robot_node(Bridge& bridge);
+/// /polyarm: stop, hold, resume, the program; /diagnostics.
+std::unique_ptr<Part> make_cell_node(Bridge& bridge);
 
-/// The services that every node has for its parameters. `list` gives {key: {value, type, text, read_only}}.
+/// `list` gives {key: {value, type, text, read_only}}.
 struct ParameterSource {
   std::function<void(std::function<void(Json parameters)> got)> list;
   std::function<void(const Json& values, std::function<void(std::string refusal)> done)> set;
 };
 void offer_parameters(Bridge& bridge, const std::string& node, ParameterSource source);
+/// Under a node's name, of Jazzy and later: what its types look like.
+void offer_type_descriptions(Bridge& bridge, const std::string& node);
+/// What every node has: both of the above.
+void offer_standard_services(Bridge& bridge, const std::string& node, ParameterSource source);
 
 /// An action server of a controller's port.
 struct ActionPort {

@@ -29,8 +29,11 @@ std::string declared(cell::Cell& cell, const std::string& controller, const char
 
 /// A sample in the shape of its ROS message where the cell's own differs.
 Json in_ros_shape(const std::string& type, Json message) {
-  if (type == "control_msgs/JointTrajectoryControllerState" && message["output"].is_array())
-    message["output"] = Json{{"positions", message["output"]}};
+  if (type == "control_msgs/JointTrajectoryControllerState") {
+    if (message["output"].is_array()) message["output"] = Json{{"positions", message["output"]}};
+    message["desired"] = message["reference"];  // Humble has both names
+    message["actual"] = message["feedback"];
+  }
   if (type == "geometry_msgs/TransformStamped") return {{"transforms", Json::array({std::move(message)})}};
   return message;
 }
@@ -41,7 +44,7 @@ class OutputTopic {
   OutputTopic(Bridge& bridge, const std::string& node, const std::string& topic, const Output& output)
       : bridge_{bridge}, port_{output.name()}, type_{output.type()} {
     const bool transform = type_ == "geometry_msgs/TransformStamped";
-    info_ = messages::find_type(transform ? "tf2_msgs/TFMessage" : type_);
+    info_ = bridge.wire().find_type(transform ? "tf2_msgs/TFMessage" : type_);
     if (info_)
       publisher_ = bridge.wire().publisher(node, topic, *info_, {true, false, transform ? 100u : 10u});
   }
@@ -102,8 +105,7 @@ class ControllerNode {
  public:
   ControllerNode(Bridge& bridge, const control::ListedController& listed, bool only_base)
       : bridge_{bridge}, controller_{listed.name}, node_{bridge.name(listed.name)} {
-    bridge.wire().node(node_);
-    offer_parameters(bridge, node_, parameters());
+    offer_standard_services(bridge, node_, parameters());
     offer_life_cycle(bridge, node_, controller_);
     if (listed.state == LifecycleState::unconfigured) return;
     const controllers::Controller& controller = *bridge.cell().loop().controllers().find(controller_);
@@ -140,12 +142,13 @@ class ControllerNode {
     if (port.action) {
       const std::string& type = port.types.front();
       const std::string whole = type.substr(0, type.find('/')) + "/action" + type.substr(type.find('/'));
-      if (messages::find_type(whole + "_Goal"))
+      if (bridge_.wire().find_type(whole + "_Goal"))
         actions_.push_back(
             make_action_server(bridge_, {node_, node_ + "/" + port.name, whole, controller_, port.name}));
     }
     for (const std::string& type : port.types) {
-      if (!messages::find_type(type) || (port.action && messages::find_type(type + "_Goal"))) continue;
+      if (!bridge_.wire().find_type(type) || (port.action && bridge_.wire().find_type(type + "_Goal")))
+        continue;
       listen(node_ + "/" + port.name, port.name, type);
       if (port.name == "cmd_vel" && only_base) listen(bridge_.name("cmd_vel"), port.name, type);
     }

@@ -1,4 +1,6 @@
 /// /controller_manager, as the tools of ros2_control know it.
+#include <algorithm>
+#include <map>
 #include <utility>
 
 #include "polyarm/messages/json.hpp"
@@ -24,7 +26,7 @@ class ManagerNode : public Part {
     offer_lists();
     offer_changes();
     offer_switch();
-    offer_parameters(bridge, node_, parameters());
+    offer_standard_services(bridge, node_, parameters());
   }
 
   void serve() override {
@@ -152,7 +154,9 @@ class ManagerNode : public Part {
     const auto ok = [](const Json& answer) { return Json{{"ok", answer.value("ok", false)}}; };
     // `load` of the cell configures at once; ROS's does not, and its `configure` of what is configured says
     // no.
-    offer("load_controller", "LoadController", "control.load", name, ok);
+    offer(
+        "load_controller", "LoadController", "control.load",
+        [this](const Json& asked) { return to_load(asked["name"]); }, ok);
     offer("unload_controller", "UnloadController", "control.unload", name, ok);
     offer("cleanup_controller", "CleanupController", "control.cleanup", name, ok);
     bridge_.service(node_, node_ + "/configure_controller", kTypes + "ConfigureController",
@@ -183,6 +187,11 @@ class ManagerNode : public Part {
                 });
   }
 
+  /// Humble has an older name for each list beside the one that is used.
+  static Json either(const Json& asked, const char* name, const char* older) {
+    return asked[name].empty() && asked.contains(older) ? asked[older] : asked[name];
+  }
+
   void offer_switch() {
     using Request = messages::controller_manager_msgs::srv::SwitchController::Request;
     offer(
@@ -193,8 +202,8 @@ class ManagerNode : public Part {
                              : strictness == Request::AUTO       ? "auto"
                              : strictness == Request::FORCE_AUTO ? "force"
                                                                  : "strict";
-          return Json{{"activate", asked["activate_controllers"]},
-                      {"deactivate", asked["deactivate_controllers"]},
+          return Json{{"activate", either(asked, "activate_controllers", "start_controllers")},
+                      {"deactivate", either(asked, "deactivate_controllers", "stop_controllers")},
                       {"strictness", word}};
         },
         [](const Json& answer) {
@@ -208,17 +217,54 @@ class ManagerNode : public Part {
         });
   }
 
+  /// What a spawner has set of the controller before it loads it.
+  Json to_load(const std::string& name) const {
+    Json out{{"name", name}};
+    for (const auto& [key, argument] : {std::pair{".type", "type"}, std::pair{".params_file", "file"}})
+      if (const auto at = spawned_.find(name + key); at != spawned_.end()) out[argument] = at->second;
+    return out;
+  }
+
+  /// A spawner gives files as one text, "['/a.yaml', '/b.yaml']" or "/a.yaml"; the last has the last word.
+  static std::string last_file(const Json& value) {
+    if (value.is_array()) return value.empty() ? "" : value.back().get<std::string>();
+    std::string text = value.get<std::string>();
+    if (!text.ends_with("']") && !text.ends_with("\"]")) return text;
+    text.resize(text.size() - 2);
+    return text.substr(text.find_last_of("'\"") + 1);
+  }
+
+  /// "" where a spawner may set this before it loads a controller.
+  std::string spawn(const std::string& key, const Json& value) {
+    const std::size_t dot = key.rfind('.');
+    const std::string last = dot == std::string::npos ? "" : key.substr(dot);
+    if (last != ".type" && last != ".params_file") return "it is read when the cell is built";
+    const bool list = value.is_array() && !value.empty() && value.back().is_string();
+    if (!value.is_string() && !list) return key + " is a text";
+    spawned_[key] = last_file(value);
+    return "";
+  }
+
   ParameterSource parameters() {
     ParameterSource out;
     out.list = [this](std::function<void(Json)> got) {
+      const auto entry = [](Json value, const char* text, bool read_only) {
+        return Json{{"value", std::move(value)}, {"text", text}, {"read_only", read_only}};
+      };
       const double rate = 1e9 / static_cast<double>(bridge_.cell().loop().options().period);
-      got({{"update_rate",
-            {{"value", static_cast<std::int64_t>(rate + 0.5)},
-             {"text", "of the control loop, Hz"},
-             {"read_only", true}}}});
+      Json all{
+          {"update_rate", entry(static_cast<std::int64_t>(rate + 0.5), "of the control loop, Hz", true)}};
+      for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+        all[c.name + ".type"] = entry(c.type, "what it is", false);
+      for (const auto& [key, value] : spawned_)
+        all[key] = entry(value, "for a controller that is to be loaded", false);
+      got(std::move(all));
     };
-    out.set = [](const Json&, std::function<void(std::string)> done) {
-      done("it is read when the cell is built");
+    out.set = [this](const Json& values, std::function<void(std::string)> done) {
+      std::string refusal;
+      for (const auto& [key, value] : values.items())
+        if (refusal.empty()) refusal = spawn(key, value);
+      done(refusal);
     };
     return out;
   }
@@ -228,6 +274,8 @@ class ManagerNode : public Part {
   Wire::Id activity_ = 0;
   Nanoseconds looked_ = -1;
   Json told_;
+  std::map<std::string, std::string>
+      spawned_;  ///< `NAME.type` and `NAME.params_file`, as a spawner sets them
 };
 
 }  // namespace

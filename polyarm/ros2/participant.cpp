@@ -75,9 +75,10 @@ class OnlyItsOwn : public eprosima::fastdds::rtps::IReaderDataFilter {
 };
 
 /// What came over the wire stands in one place, what came from within this process in the other.
-Guid related_of(const rtps::WriteParams& params) {
-  const rtps::GUID_t within = params.related_sample_identity().writer_guid();
-  return guid_of(within != rtps::c_Guid_Unknown ? within : params.sample_identity().writer_guid());
+Related related_of(const rtps::WriteParams& params) {
+  const auto& within = params.related_sample_identity();
+  const auto& identity = within.writer_guid() != rtps::c_Guid_Unknown ? within : params.sample_identity();
+  return {guid_of(identity.writer_guid()), static_cast<std::int64_t>(identity.sequence_number().to64long())};
 }
 
 rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options) {
@@ -132,6 +133,8 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     if (!participant_)
       refuse("no participant in domain " + std::to_string(options.domain) + " can be made",
              "look whether its ports are free: 7400 + 250 × domain and those after it");
+    const std::lock_guard lock(mutex_);
+    own_ = participant_->getGuid().guidPrefix;
   }
 
   ~Work() override {
@@ -201,27 +204,27 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     if (endpoint->reader) rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
   }
 
-  bool write(Id id, std::span<const std::byte> payload, const std::optional<Related>& related) {
+  std::int64_t write(Id id, std::span<const std::byte> payload, const std::optional<Related>& related) {
     Endpoint* endpoint = find(id);
-    if (!endpoint || !endpoint->writer) return false;
+    if (!endpoint || !endpoint->writer) return 0;
     const std::lock_guard one_at_a_time(endpoint->writing);
     const auto size = static_cast<std::uint32_t>(payload.size());
     while (endpoint->written->getHistorySize() >= endpoint->depth) endpoint->written->remove_min_change();
     rtps::CacheChange_t* change = endpoint->writer->new_change([size] { return size; }, rtps::ALIVE);
     if (!change || change->serializedPayload.max_size < size) {
       if (change) endpoint->writer->release_change(change);
-      return false;
+      return 0;
     }
     std::memcpy(change->serializedPayload.data, payload.data(), size);
     change->serializedPayload.length = size;
     change->serializedPayload.encapsulation = CDR_LE;
-    if (!related) return endpoint->written->add_change(change);
     rtps::WriteParams params;
+    if (!related) return added(*endpoint, change, params);
     params.related_sample_identity().writer_guid(guid_of(related->guid));
     const auto sequence = static_cast<std::uint64_t>(related->sequence);
     params.related_sample_identity().sequence_number(rtps::SequenceNumber_t(
         static_cast<std::int32_t>(sequence >> 32), static_cast<std::uint32_t>(sequence)));
-    return endpoint->written->add_change(change, params);
+    return added(*endpoint, change, params);
   }
 
   Guid guid(Id id) const {
@@ -249,13 +252,9 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     return known == remotes_.end() ? "" : known->second;
   }
 
-  void on_change(std::function<void()> changed) {
+  std::size_t known() const {
     const std::lock_guard lock(mutex_);
-    changed_ = std::move(changed);
-  }
-  std::size_t others() const {
-    const std::lock_guard lock(mutex_);
-    return participants_.size();
+    return remotes_.size();
   }
 
  private:
@@ -265,11 +264,13 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     void onReaderMatched(rtps::RTPSReader*, rtps::MatchingInfo& info) override { owner.match(*this, info); }
     void onNewCacheChangeAdded(rtps::RTPSReader*, const rtps::CacheChange_t* const change) override {
       const rtps::SerializedPayload_t& payload = change->serializedPayload;
+      const Related related = related_of(change->write_params);
       if (change->kind == rtps::ALIVE && payload.data)
         on_sample({{reinterpret_cast<const std::byte*>(payload.data), payload.length},
                    guid_of(change->writerGUID),
                    static_cast<std::int64_t>(change->sequenceNumber.to64long()),
-                   related_of(change->write_params)});
+                   related.guid,
+                   related.sequence});
       received->remove_change(const_cast<rtps::CacheChange_t*>(change));
     }
 
@@ -283,6 +284,11 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     OnSample on_sample;
     std::set<Guid> matched;  ///< under the mutex of the work
   };
+
+  static std::int64_t added(Endpoint& endpoint, rtps::CacheChange_t* change, rtps::WriteParams& params) {
+    if (!endpoint.written->add_change(change, params)) return 0;
+    return static_cast<std::int64_t>(params.sample_identity().sequence_number().to64long());
+  }
 
   static rtps::EndpointAttributes endpoint_attributes(const Qos& qos) {
     rtps::EndpointAttributes out;
@@ -320,21 +326,17 @@ class Participant::Work : public rtps::RTPSParticipantListener {
   }
 
   void match(Endpoint& endpoint, const rtps::MatchingInfo& info) {
-    std::function<void()> changed;
-    {
-      const std::lock_guard lock(mutex_);
-      const Guid guid = guid_of(info.remoteEndpointGuid);
-      if (info.status == rtps::MATCHED_MATCHING)
-        endpoint.matched.insert(guid);
-      else
-        endpoint.matched.erase(guid);
-      changed = changed_;
-    }
-    if (changed) changed();
+    const std::lock_guard lock(mutex_);
+    const Guid guid = guid_of(info.remoteEndpointGuid);
+    if (info.status == rtps::MATCHED_MATCHING)
+      endpoint.matched.insert(guid);
+    else
+      endpoint.matched.erase(guid);
   }
 
   void know(const rtps::GUID_t& guid, bool there, std::string user_data) {
     const std::lock_guard lock(mutex_);
+    if (guid.guidPrefix == own_) return;
     if (there)
       remotes_[guid_of(guid)] = std::move(user_data);
     else
@@ -349,24 +351,24 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     know(info.info.guid(), info.status != rtps::WriterDiscoveryInfo::REMOVED_WRITER,
          text_of_octets(info.info.m_qos.m_userData.data_vec()));
   }
+  /// Of one that has left, or has not been heard of for too long, the endpoints are not told one by one.
   void onParticipantDiscovery(rtps::RTPSParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = rtps::ParticipantDiscoveryInfo;
-    const Guid guid = guid_of(info.info.m_guid);
+    if (info.status != Info::REMOVED_PARTICIPANT && info.status != Info::DROPPED_PARTICIPANT) return;
+    const Guid gone = guid_of(info.info.m_guid);
     const std::lock_guard lock(mutex_);
-    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT)
-      participants_.erase(guid);
-    else
-      participants_.insert(guid);
+    std::erase_if(remotes_, [&](const auto& remote) {
+      return std::equal(gone.begin(), gone.begin() + 12, remote.first.begin());
+    });
   }
 
   rtps::RTPSParticipant* participant_ = nullptr;
+  rtps::GuidPrefix_t own_;
   OnlyItsOwn filter_;
   mutable std::mutex mutex_;
   std::map<Id, std::unique_ptr<Endpoint>> endpoints_;
   Id last_id_ = 0;
   std::map<Guid, std::string> remotes_;  ///< user data
-  std::set<Guid> participants_;
-  std::function<void()> changed_;
 };
 
 Participant::Participant(const ParticipantOptions& options) : work_{std::make_unique<Work>(options)} {}
@@ -382,8 +384,8 @@ Participant::Id Participant::add_reader(const std::string& topic, const std::str
 void Participant::remove(Id id) {
   work_->remove(id);
 }
-bool Participant::write(Id writer, std::span<const std::byte> payload,
-                        const std::optional<Related>& related) {
+std::int64_t Participant::write(Id writer, std::span<const std::byte> payload,
+                                const std::optional<Related>& related) {
   return work_->write(writer, payload, related);
 }
 Guid Participant::guid(Id id) const {
@@ -398,11 +400,8 @@ std::vector<Remote> Participant::matched(Id id) const {
 std::string Participant::user_data_of_writer(const Guid& writer) const {
   return work_->user_data_of_writer(writer);
 }
-void Participant::on_change(std::function<void()> changed) {
-  work_->on_change(std::move(changed));
-}
-std::size_t Participant::others() const {
-  return work_->others();
+std::size_t Participant::known() const {
+  return work_->known();
 }
 
 }  // namespace polyarm::ros2

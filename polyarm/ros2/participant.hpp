@@ -41,7 +41,9 @@ struct Sample {
   std::span<const std::byte> payload;  ///< with its encapsulation; valid during the call
   Guid writer;
   std::int64_t sequence = 0;
-  Guid related = kNoGuid;  ///< of a request: the reader that waits for the reply, where it says so
+  /// Of a request: the reader that waits for the reply, where it says so. Of a reply: who asked, and what.
+  Guid related = kNoGuid;
+  std::int64_t related_sequence = 0;
 };
 /// Called on threads of the participant; must not block.
 using OnSample = std::function<void(const Sample&)>;
@@ -77,8 +79,9 @@ class Participant {
   /// Ends the endpoint; no OnSample of it is under way any more when this returns.
   void remove(Id id);
 
-  /// False where the sample could not be taken (too large, no memory).
-  bool write(Id writer, std::span<const std::byte> payload, const std::optional<Related>& related = {});
+  /// Its sequence number, from 1; 0 where the sample could not be taken (too large, no memory).
+  std::int64_t write(Id writer, std::span<const std::byte> payload,
+                     const std::optional<Related>& related = {});
 
   Guid guid(Id id) const;
   Guid prefix() const;
@@ -86,10 +89,8 @@ class Participant {
   std::vector<Remote> matched(Id id) const;
   /// What the writer of a sample says of itself, "" where it is not known.
   std::string user_data_of_writer(const Guid& writer) const;
-  /// Told on a thread of the participant whenever something matches or ceases to.
-  void on_change(std::function<void()> changed);
-  /// How many participants of others are known.
-  std::size_t others() const;
+  /// How many endpoints of others are known, whether they match or not.
+  std::size_t known() const;
 
  private:
   class Work;

@@ -1,12 +1,11 @@
-/// /robot_state_publisher, and what a cell tells as a whole: descriptions and frames, clock and diagnostics,
-/// and the services that stop it.
+/// /robot_state_publisher: descriptions and frames; and /clock.
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/description/urdf.hpp"
+#include "polyarm/description/plain_urdf.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/ros2/cell_door.hpp"
@@ -16,7 +15,7 @@ namespace polyarm::ros2 {
 namespace {
 
 namespace msg = messages::geometry_msgs::msg;
-constexpr Nanoseconds kFrames = 20'000'000, kDiagnostics = 1'000'000'000;
+constexpr Nanoseconds kFrames = 20'000'000;
 
 msg::Transform to_message(const Pose& pose) {
   return {{pose.position.x, pose.position.y, pose.position.z},
@@ -27,8 +26,8 @@ msg::Transform to_message(const Pose& pose) {
 /// several.
 class Frames {
  public:
-  Frames(const Bridge& bridge, cell::Cell& cell, std::size_t robot)
-      : cell_{cell}, robot_{*cell.robots()[robot]}, several_{cell.robots().size() > 1} {
+  Frames(cell::Cell& cell, std::size_t robot)
+      : robot_{*cell.robots()[robot]}, several_{cell.robots().size() > 1} {
     const auto& table = cell.loop().table();
     for (const description::Joint& joint : robot_.model.joints) {
       const description::Joint& followed =
@@ -81,7 +80,6 @@ class Frames {
     return out;
   }
 
-  cell::Cell& cell_;
   const cell::CellRobot& robot_;
   bool several_;
   std::vector<int> states_;  ///< by joint: the state whose value it has, -1: none
@@ -90,8 +88,7 @@ class Frames {
 class RobotNode : public Part {
  public:
   explicit RobotNode(Bridge& bridge) : bridge_{bridge}, node_{bridge.name("robot_state_publisher")} {
-    for (std::size_t i = 0; i < bridge.cell().robots().size(); ++i)
-      frames_.emplace_back(bridge, bridge.cell(), i);
+    for (std::size_t i = 0; i < bridge.cell().robots().size(); ++i) frames_.emplace_back(bridge.cell(), i);
     tell_descriptions();
     const Qos often{true, false, 100}, latched{true, true, 1};
     const auto& transforms = messages::type_info<messages::tf2_msgs::msg::TFMessage>();
@@ -104,10 +101,7 @@ class RobotNode : public Part {
     if (bridge.cell().lock_step())
       clock_ = bridge.wire().publisher(node_, "/clock",
                                        messages::type_info<messages::rosgraph_msgs::msg::Clock>());
-    diagnostics_ = bridge.wire().publisher(
-        node_, "/diagnostics", messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>());
-    offer_parameters(bridge, node_, parameters());
-    offer_stops();
+    offer_standard_services(bridge, node_, parameters());
   }
 
   void serve() override {
@@ -117,7 +111,6 @@ class RobotNode : public Part {
       bridge_.wire().publish(*clock_, messages::to_cdr(messages::rosgraph_msgs::msg::Clock{stamp(time)}));
     }
     if (told_frames_ < 0 || now - told_frames_ >= kFrames) tell_frames(now);
-    if (told_diagnostics_ < 0 || now - told_diagnostics_ >= kDiagnostics) tell_diagnostics(now);
   }
 
  private:
@@ -136,7 +129,7 @@ class RobotNode : public Part {
           node_, topic, messages::type_info<messages::std_msgs::msg::String>(), {true, true, 1});
       bridge_.wire().publish(
           publisher,
-          messages::to_cdr(messages::std_msgs::msg::String{description::write_urdf(robot->model)}));
+          messages::to_cdr(messages::std_msgs::msg::String{description::write_plain_urdf(robot->model)}));
     }
   }
 
@@ -151,31 +144,6 @@ class RobotNode : public Part {
     bridge_.wire().publish(moving_, messages::to_cdr(all));
   }
 
-  void tell_diagnostics(Nanoseconds now) {
-    told_diagnostics_ = now;
-    if (!bridge_.wire().wanted(diagnostics_)) return;
-    bridge_.ask({{"request", "health"}}, [this](const Json& answer) {
-      const Json health = answer.value("result", Json::object());
-      using Status = messages::diagnostic_msgs::msg::DiagnosticStatus;
-      const std::string state = health.value("state", std::string());
-      Json values = Json::array();
-      for (const char* key : {"cause", "rate_hz", "cycles", "late", "clamps", "override_percent", "time_s"})
-        if (health.contains(key)) values.push_back({{"key", key}, {"value", text_of(health[key])}});
-      const int level = state == "fault" ? Status::ERROR : state == "running" ? Status::OK : Status::WARN;
-      Json message{{"header", {{"stamp", bridge_.ros_stamp(bridge_.cell().now())}}},
-                   {"status", Json::array({{{"level", level},
-                                            {"name", bridge_.cell().file().name + ": control loop"},
-                                            {"message", state},
-                                            {"hardware_id", bridge_.cell().file().name},
-                                            {"values", values}}})}};
-      const auto& type = messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>();
-      bridge_.wire().publish(diagnostics_, messages::from_json(type, message));
-    });
-  }
-  static std::string text_of(const Json& value) {
-    return value.is_string() ? value.get<std::string>() : value.dump();
-  }
-
   ParameterSource parameters() {
     ParameterSource out;
     out.list = [this](std::function<void(Json)> got) {
@@ -183,7 +151,7 @@ class RobotNode : public Part {
       for (const auto& robot : bridge_.cell().robots()) {
         const std::string key =
             (bridge_.cell().robots().size() == 1 ? "" : robot->entry.name + ".") + "robot_description";
-        all[key] = {{"value", description::write_urdf(robot->model)}, {"text", "URDF"}, {"read_only", true}};
+        all[key] = {{"value", description::write_plain_urdf(robot->model)}, {"text", "URDF"}, {"read_only", true}};
       }
       got(std::move(all));
     };
@@ -193,31 +161,12 @@ class RobotNode : public Part {
     return out;
   }
 
-  /// Nothing moves that a person has not asked for: what these services do is what the verbs of the same
-  /// names do.
-  void offer_stops() {
-    const std::string node = bridge_.name("polyarm");
-    for (const char* verb : {"stop", "hold", "resume", "discard", "recover"})
-      bridge_.service(
-          node, node + "/" + verb, "std_srvs/srv/Trigger", [this, verb](const Json&, const Reply& reply) {
-            bridge_.ask({{"request", std::string("control.") + verb}}, [reply](const Json& answer) {
-              const Json error = answer.value("error", Json::object());
-              reply(
-                  {{"success", answer.value("ok", false)}, {"message", error.value("what", std::string())}});
-            });
-          });
-    ParameterSource none;
-    none.list = [](std::function<void(Json)> got) { got(Json::object()); };
-    none.set = [](const Json&, std::function<void(std::string)> done) { done("there is no such parameter"); };
-    offer_parameters(bridge_, node, std::move(none));
-  }
-
   Bridge& bridge_;
   std::string node_;
   std::vector<Frames> frames_;
-  Wire::Id moving_ = 0, diagnostics_ = 0;
+  Wire::Id moving_ = 0;
   std::optional<Wire::Id> clock_;
-  Nanoseconds told_frames_ = -1, told_diagnostics_ = -1;
+  Nanoseconds told_frames_ = -1;
 };
 
 }  // namespace

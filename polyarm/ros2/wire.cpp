@@ -7,12 +7,13 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/messages/types.hpp"
+#include "polyarm/messages/json.hpp"
 
 namespace polyarm::ros2 {
 
@@ -25,22 +26,12 @@ constexpr auto kPatience = std::chrono::milliseconds(100);
 constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
 constexpr std::size_t kLargest = 16u << 20;
 
-std::string type_hash(const messages::TypeInfo& type) {
-  return std::string("typehash=") + type.hash + ";";
-}
-
 /// The value of `key=value;` in user data, "" without.
 std::string entry_of(const std::string& user_data, const std::string& key) {
   const std::size_t at = user_data.find(key + "=");
   if (at == std::string::npos) return "";
   const std::size_t begin = at + key.size() + 1;
   return user_data.substr(begin, user_data.find(';', begin) - begin);
-}
-
-const messages::TypeInfo& part(const std::string& type, const char* name) {
-  const messages::TypeInfo* found = messages::find_type(type + name);
-  if (!found) throw Error("unknown-type", "there is no service type " + type);
-  return *found;
 }
 
 /// Who asked: what a reply needs to find back.
@@ -55,8 +46,9 @@ struct Asker {
 
 class Wire::Work {
  public:
-  explicit Work(const ParticipantOptions& options) : participant_{options} {
-    const auto& type = messages::type_info<messages::rmw_dds_common::msg::ParticipantEntitiesInfo>();
+  Work(const ParticipantOptions& options, messages::Distribution distribution)
+      : participant_{options}, distribution_{distribution} {
+    const messages::TypeInfo& type = *find_type(kGraph);
     graph_ = participant_.add_writer("ros_discovery_info", type.dds_name, {true, true, 1}, type_hash(type));
     thread_ = std::thread([this] { run(); });
   }
@@ -83,8 +75,11 @@ class Wire::Work {
     const auto shared = std::make_shared<OnMessage>(std::move(on_message));
     const Id id = participant_.add_reader(
         "rt" + topic, type.dds_name, qos, type_hash(type), [this, shared](const Sample& sample) {
+          const Guid own = participant_.prefix();
+          if (std::equal(own.begin(), own.begin() + 12, sample.writer.begin())) return;
+          if (sample.payload.size() > kLargest) return refuse(true);
           enqueue([shared, payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())] {
-            if (*shared) (*shared)(payload);
+            return !*shared || (*shared)(payload);
           });
         });
     return own(node, id, {true, [shared] { *shared = nullptr; }});
@@ -94,10 +89,7 @@ class Wire::Work {
              OnRequest on_request) {
     const messages::TypeInfo& request = part(type, "_Request");
     const messages::TypeInfo& response = part(type, "_Response");
-    Guid unique = participant_.prefix();
-    const auto number = static_cast<std::uint32_t>(++services_);
-    std::memcpy(unique.data() + 12, &number, 4);
-    const std::string service_id = "serviceid=" + text_of(unique) + ";";
+    const std::string service_id = "serviceid=" + text_of(unique()) + ";";
     const Id replies = participant_.add_writer("rr" + name + "Reply", response.dds_name, {},
                                                service_id + type_hash(response), true);
     const auto shared = std::make_shared<OnRequest>(std::move(on_request));
@@ -108,9 +100,46 @@ class Wire::Work {
     return own(node, requests, {true, [shared] { *shared = nullptr; }});
   }
 
-  void node(const std::string& name) {
-    nodes_[name];
-    graph_changed_ = true;
+  Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply) {
+    const messages::TypeInfo& request = part(type, "_Request");
+    const messages::TypeInfo& response = part(type, "_Response");
+    const auto caller = std::make_shared<Caller>();
+    caller->me = unique();
+    caller->on_reply = std::move(on_reply);
+    const std::string client_id = "clientid=" + text_of(caller->me) + ";";
+    const Id replies =
+        participant_.add_reader("rr" + name + "Reply", response.dds_name, {}, client_id + type_hash(response),
+                                [this, caller](const Sample& sample) { take_reply(sample, caller); });
+    const Id requests = participant_.add_writer("rq" + name + "Request", request.dds_name, {},
+                                                client_id + type_hash(request));
+    caller->writer = participant_.guid(requests);
+    caller->reader = participant_.guid(replies);
+    own(node, replies, {true, [caller] { caller->on_reply = nullptr; }});
+    callers_[requests] = {caller, replies};
+    return own(node, requests, {false, {}});
+  }
+
+  bool ready(Id client) const {
+    const auto caller = callers_.find(client);
+    return caller != callers_.end() && !participant_.matched(client).empty() &&
+           !participant_.matched(caller->second.second).empty();
+  }
+
+  bool call(Id client, std::vector<std::byte> request) {
+    if (!ready(client)) return false;
+    Caller& caller = *callers_.at(client).first;
+    caller.cyclone = vendor_of(participant_.matched(client).front().guid) == Vendor::cyclone;
+    ++caller.number;
+    if (caller.cyclone) {
+      const auto header = caller.header();
+      request.insert(request.begin() + kEncapsulation, header.begin(), header.end());
+    }
+    caller.awaited = participant_.write(client, request, Related{caller.reader, 0});
+    return caller.awaited != 0;
+  }
+
+  const messages::TypeInfo* find_type(const std::string& name) const {
+    return messages::find_type(name, distribution_);
   }
 
   void remove_node(const std::string& name) {
@@ -118,6 +147,7 @@ class Wire::Work {
     if (at == nodes_.end()) return;
     for (const auto& [id, endpoint] : at->second.endpoints) {
       participant_.remove(id);
+      callers_.erase(id);
       if (endpoint.silence) endpoint.silence();
     }
     nodes_.erase(at);
@@ -129,7 +159,7 @@ class Wire::Work {
 
   std::size_t take(std::size_t most) {
     if (graph_changed_) tell_graph();
-    std::deque<std::function<void()>> now;
+    std::deque<std::function<bool()>> now;
     {
       const std::lock_guard lock(mutex_);
       while (!waiting_.empty() && now.size() < most) {
@@ -137,8 +167,14 @@ class Wire::Work {
         waiting_.pop_front();
       }
     }
-    for (const auto& work : now) work();
+    for (const auto& work : now)
+      if (!work()) refuse(false);
     return now.size();
+  }
+
+  void wait(std::chrono::nanoseconds patience) const {
+    std::unique_lock lock(mutex_);
+    arrived_.wait_for(lock, patience, [this] { return !waiting_.empty(); });
   }
 
   WireStatistics statistics() const {
@@ -162,46 +198,110 @@ class Wire::Work {
     Clock::time_point until;
   };
 
+  /// Of a client of ours: whom it awaits an answer from, and which. The cell's thread's.
+  struct Caller {
+    Guid me = kNoGuid;  ///< what its writer and reader have in common
+    Guid writer = kNoGuid, reader = kNoGuid;
+    OnMessage on_reply;
+    bool cyclone = false;
+    std::int64_t awaited = 0;  ///< Fast DDS: sequence number of the request
+    std::int64_t number = 0;   ///< Cyclone: the how manieth call
+    std::array<std::byte, kCycloneHeader> header() const {
+      std::array<std::byte, kCycloneHeader> out;
+      std::memcpy(out.data(), me.data() + 8, 8);
+      std::memcpy(out.data() + 8, &number, 8);
+      return out;
+    }
+  };
+
+  static constexpr const char* kGraph = "rmw_dds_common/msg/ParticipantEntitiesInfo";
+
+  const messages::TypeInfo& part(const std::string& type, const char* name) const {
+    const messages::TypeInfo* found = find_type(type + name);
+    if (!found) throw Error("unknown-type", "there is no service type " + type);
+    return *found;
+  }
+
+  /// Humble knows of no hashes.
+  std::string type_hash(const messages::TypeInfo& type) const {
+    return distribution_ == messages::Distribution::humble ? "" : std::string("typehash=") + type.hash + ";";
+  }
+
+  /// Shaped like a guid, and of nobody else.
+  Guid unique() {
+    Guid out = participant_.prefix();
+    const auto number = static_cast<std::uint32_t>(++uniques_);
+    std::memcpy(out.data() + 12, &number, 4);
+    return out;
+  }
+
   Id own(const std::string& node, Id id, Endpoint endpoint) {
     nodes_[node].endpoints[id] = std::move(endpoint);
     graph_changed_ = true;
     return id;
   }
 
-  void enqueue(std::function<void()> work) {
-    const std::lock_guard lock(mutex_);
-    ++statistics_.received;
-    if (waiting_.size() < kMostWaiting)
-      waiting_.push_back(std::move(work));
-    else
-      ++statistics_.dropped;
+  /// `work` is false where what came is no message of its type.
+  void enqueue(std::function<bool()> work) {
+    {
+      const std::lock_guard lock(mutex_);
+      ++statistics_.received;
+      if (waiting_.size() < kMostWaiting)
+        waiting_.push_back(std::move(work));
+      else
+        ++statistics_.dropped;
+    }
+    arrived_.notify_one();
   }
 
   /// On a thread of the participant.
   void take_request(const Sample& sample, Id replies, const std::shared_ptr<OnRequest>& on_request) {
     Asker asker;
     asker.vendor = vendor_of(sample.writer);
+    if (sample.payload.size() < kEncapsulation || sample.payload.size() > kLargest) return refuse(true);
     std::vector<std::byte> payload(sample.payload.begin(), sample.payload.end());
     asker.related = {sample.related == kNoGuid ? sample.writer : sample.related, sample.sequence};
     if (asker.vendor == Vendor::cyclone) {
-      if (payload.size() < kEncapsulation + kCycloneHeader || payload.size() > kLargest) return refuse();
+      if (payload.size() < kEncapsulation + kCycloneHeader) return refuse(true);
       const auto begin = payload.begin() + kEncapsulation, end = begin + kCycloneHeader;
       std::copy(begin, end, asker.header.begin());
       payload.erase(begin, end);
       asker.client_id = entry_of(participant_.user_data_of_writer(sample.writer), "clientid");
-    } else if (payload.size() < kEncapsulation) {
-      return refuse();
     }
     enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
-      if (!*on_request) return;
-      (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
-                       send({replies, std::move(reply), asker, Clock::now() + kPatience});
-                     }});
+      if (!*on_request) return true;
+      return (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
+                              send({replies, std::move(reply), asker, Clock::now() + kPatience});
+                            }});
     });
   }
 
-  void refuse() {
+  /// On a thread of the participant. Others' replies come here, too.
+  void take_reply(const Sample& sample, const std::shared_ptr<Caller>& caller) {
+    const bool cyclone = vendor_of(sample.writer) == Vendor::cyclone;
+    if (sample.payload.size() < kEncapsulation + (cyclone ? kCycloneHeader : 0) ||
+        sample.payload.size() > kLargest)
+      return refuse(true);
+    enqueue([this, caller, cyclone, related = sample.related, sequence = sample.related_sequence,
+             payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())]() mutable {
+      if (!caller->on_reply || caller->awaited == 0 || cyclone != caller->cyclone) return true;
+      if (cyclone) {
+        const auto header = caller->header();
+        const auto begin = payload.begin() + kEncapsulation;
+        if (!std::equal(header.begin(), header.end(), begin)) return true;
+        payload.erase(begin, begin + kCycloneHeader);
+      } else if (sequence != caller->awaited || (related != caller->reader && related != caller->writer)) {
+        return true;
+      }
+      caller->awaited = 0;
+      return caller->on_reply(payload);
+    });
+  }
+
+  /// `unseen`: it has not been counted as received yet.
+  void refuse(bool unseen) {
     const std::lock_guard lock(mutex_);
+    statistics_.received += unseen ? 1 : 0;
     ++statistics_.refused;
   }
 
@@ -250,7 +350,7 @@ class Wire::Work {
         out.payload.insert(out.payload.begin() + kEncapsulation, out.to->header.begin(),
                            out.to->header.end());
     }
-    const bool sent = participant_.write(out.writer, out.payload, related);
+    const bool sent = participant_.write(out.writer, out.payload, related) != 0;
     const std::lock_guard lock(mutex_);
     ++(sent ? statistics_.sent : statistics_.unsent);
     return true;
@@ -275,36 +375,49 @@ class Wire::Work {
 
   /// The whole of what our nodes have, after every change.
   void tell_graph() {
-    messages::rmw_dds_common::msg::ParticipantEntitiesInfo info;
-    info.gid.data = participant_.prefix();
+    nlohmann::json nodes = nlohmann::json::array();
     for (const auto& [name, node] : nodes_) {
       const std::size_t slash = name.rfind('/');
-      auto& entry = info.node_entities_info_seq.emplace_back();
-      entry.node_namespace = slash == 0 ? "/" : name.substr(0, slash);
-      entry.node_name = name.substr(slash + 1);
+      nlohmann::json readers = nlohmann::json::array(), writers = nlohmann::json::array();
       for (const auto& [id, endpoint] : node.endpoints)
-        (endpoint.reader ? entry.reader_gid_seq : entry.writer_gid_seq).push_back({participant_.guid(id)});
+        (endpoint.reader ? readers : writers).push_back(gid(participant_.guid(id)));
+      nodes.push_back({{"node_namespace", slash == 0 ? "/" : name.substr(0, slash)},
+                       {"node_name", name.substr(slash + 1)},
+                       {"reader_gid_seq", std::move(readers)},
+                       {"writer_gid_seq", std::move(writers)}});
     }
     graph_changed_ = false;
-    publish(graph_, messages::to_cdr(info));
+    publish(graph_, messages::from_json(*find_type(kGraph), {{"gid", gid(participant_.prefix())},
+                                                             {"node_entities_info_seq", std::move(nodes)}}));
+  }
+
+  /// Humble has 24 bytes, of which the last are zero.
+  nlohmann::json gid(const Guid& guid) const {
+    std::vector<std::uint8_t> bytes(guid.begin(), guid.end());
+    bytes.resize(distribution_ == messages::Distribution::humble ? 24 : 16);
+    return {{"data", bytes}};
   }
 
   Participant participant_;
+  const messages::Distribution distribution_;
   Id graph_ = 0;
   std::map<std::string, Node> nodes_;
   bool graph_changed_ = true;
-  std::uint64_t services_ = 0;
+  std::uint64_t uniques_ = 0;
+  std::map<Id, std::pair<std::shared_ptr<Caller>, Id>> callers_;  ///< and readers, by request writers
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<std::function<void()>> waiting_;
+  mutable std::condition_variable arrived_;
+  std::deque<std::function<bool()>> waiting_;
   std::deque<Outgoing> to_send_;
   WireStatistics statistics_;
   bool over_ = false;
   std::thread thread_;
 };
 
-Wire::Wire(const ParticipantOptions& options) : work_{std::make_unique<Work>(options)} {}
+Wire::Wire(const ParticipantOptions& options, messages::Distribution distribution)
+    : work_{std::make_unique<Work>(options, distribution)} {}
 Wire::~Wire() = default;
 Wire::Id Wire::publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                          const Qos& qos) {
@@ -318,8 +431,18 @@ Wire::Id Wire::service(const std::string& node, const std::string& name, const s
                        OnRequest on_request) {
   return work_->service(node, name, type, std::move(on_request));
 }
-void Wire::node(const std::string& name) {
-  work_->node(name);
+Wire::Id Wire::client(const std::string& node, const std::string& name, const std::string& type,
+                      OnMessage on_reply) {
+  return work_->client(node, name, type, std::move(on_reply));
+}
+bool Wire::ready(Id client) const {
+  return work_->ready(client);
+}
+bool Wire::call(Id client, std::vector<std::byte> request) {
+  return work_->call(client, std::move(request));
+}
+const messages::TypeInfo* Wire::find_type(const std::string& name) const {
+  return work_->find_type(name);
 }
 void Wire::remove_node(const std::string& name) {
   work_->remove_node(name);
@@ -332,6 +455,9 @@ bool Wire::wanted(Id publisher) const {
 }
 std::size_t Wire::take(std::size_t most) {
   return work_->take(most);
+}
+void Wire::wait(std::chrono::nanoseconds patience) const {
+  work_->wait(patience);
 }
 WireStatistics Wire::statistics() const {
   return work_->statistics();

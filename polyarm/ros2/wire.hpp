@@ -4,6 +4,7 @@
 /// What comes in waits until `take` is called: callbacks run on that thread alone. What goes out is written
 /// by a thread of this class; a reply waits up to 100 ms until its reader is matched, as the middlewares of
 /// ROS 2 do.
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,34 +19,48 @@
 namespace polyarm::ros2 {
 
 struct WireStatistics {
-  std::uint64_t received = 0, refused = 0;  ///< refused: no payload of the type, or too short for its header
-  std::uint64_t dropped = 0;                ///< came faster than they were taken
+  std::uint64_t received = 0;  ///< samples of all topics, requests and replies
+  std::uint64_t refused = 0;   ///< of these: too large, too short for their header, or no message of the type
+  std::uint64_t dropped = 0;   ///< of these: came faster than they were taken
   std::uint64_t sent = 0, unsent = 0;
 };
 
 class Wire {
  public:
   using Id = std::size_t;
-  using OnMessage = std::function<void(std::span<const std::byte> payload)>;
+  /// False where the payload is no message of the type.
+  using OnMessage = std::function<bool(std::span<const std::byte> payload)>;
   /// A request, and how it is answered later: once, from the thread that calls take().
   struct Request {
     std::vector<std::byte> payload;
     std::function<void(std::vector<std::byte> reply)> answer;
   };
-  using OnRequest = std::function<void(Request request)>;
+  /// False as above; then nobody is answered.
+  using OnRequest = std::function<bool(Request request)>;
 
-  explicit Wire(const ParticipantOptions& options);
+  /// What types and the graph look like is of the distribution.
+  explicit Wire(const ParticipantOptions& options,
+                messages::Distribution distribution = messages::Distribution::jazzy);
   ~Wire();
 
   /// `node`: whole name ("/controller_manager"); `topic`: whole name ("/joint_states"). Of a service `type`
   /// is its name without the part ("std_srvs/srv/Trigger"). Throw Error("no-dds") and Error("unknown-type").
   Id publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                const Qos& qos = {});
+  /// Not told of what this wire itself publishes.
   Id subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                   const Qos& qos, OnMessage on_message);
   Id service(const std::string& node, const std::string& name, const std::string& type, OnRequest on_request);
-  /// A node without endpoints yet.
-  void node(const std::string& name);
+  /// Asks a service of others, whatever their middleware; `on_reply` is told of the answer to the latest
+  /// call.
+  Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply);
+  /// Is there a service to ask?
+  bool ready(Id client) const;
+  /// From the thread that calls take(). False where there is none to ask.
+  bool call(Id client, std::vector<std::byte> request);
+
+  /// In the form of the distribution; null where there is none.
+  const messages::TypeInfo* find_type(const std::string& name) const;
   /// Ends the node with all it has.
   void remove_node(const std::string& name);
 
@@ -55,6 +70,8 @@ class Wire {
   bool wanted(Id publisher) const;
   /// Runs the callbacks of at most `most` messages that have come in, and tells the graph what has changed.
   std::size_t take(std::size_t most);
+  /// Until something waits to be taken, at most so long.
+  void wait(std::chrono::nanoseconds patience) const;
 
   WireStatistics statistics() const;
   const Participant& participant() const;

@@ -2,6 +2,11 @@
 polyarm_test(ros2 polyarm_ros2_wire nlohmann_json::nlohmann_json)
 if(TARGET test_ros2)
   add_dependencies(test_ros2 polyarm polyarm_door_ros2)  # it runs the command
+  # Clients that tests kill.
+  add_executable(ros2_client_process ros2/client_process.cpp)
+  target_link_libraries(ros2_client_process PRIVATE polyarm_ros2_wire nlohmann_json::nlohmann_json)
+  target_compile_definitions(test_ros2 PRIVATE POLYARM_ROS2_CLIENT="$<TARGET_FILE:ros2_client_process>")
+  add_dependencies(test_ros2 ros2_client_process)
 endif()
 find_package(CycloneDDS QUIET)
 if(TARGET test_ros2 AND CycloneDDS_FOUND)

@@ -1,19 +1,23 @@
 #include "polyarm/ros2/wire.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <cstring>
-#include <optional>
+#include <csignal>
+#include <deque>
+#include <mutex>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/messages/types.hpp"
+#include "tests/ros2/client.hpp"
 #ifdef POLYARM_CYCLONE
 #include "messages.h"
 #include "tests/ros2/cyclone.hpp"
@@ -25,20 +29,12 @@ namespace {
 using messages::from_cdr;
 using messages::to_cdr;
 using messages::type_info;
+using test::json;
+using test::wait;
 
 /// Each test has a domain of its own, so that those that run beside it are not met.
 std::uint32_t own_domain() {
   return 20 + static_cast<std::uint32_t>(::getpid()) % 80;
-}
-
-template <class Until>
-bool wait(Until until) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!until()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
 }
 
 ParticipantOptions options() {
@@ -51,8 +47,9 @@ void serve_set_bool(Wire& wire) {
   using SetBool = messages::std_srvs::srv::SetBool;
   wire.service("/arm/switch", "/arm/switch/set", "std_srvs/srv/SetBool", [](Wire::Request request) {
     SetBool::Request asked;
-    ASSERT_EQ(from_cdr(request.payload, asked), messages::CdrError::none);
+    if (from_cdr(request.payload, asked) != messages::CdrError::none) return false;
     request.answer(to_cdr(SetBool::Response{asked.data, asked.data ? "on" : "off"}));
+    return true;
   });
 }
 
@@ -111,17 +108,21 @@ TEST(Wire, RubbishIsCountedAndAnswersNobody) {
   int asked = 0;
   wire.service("/n", "/arm/switch/set", "std_srvs/srv/SetBool", [&](Wire::Request request) {
     messages::std_srvs::srv::SetBool::Request out;
-    if (from_cdr(request.payload, out) == messages::CdrError::none) ++asked;
+    if (from_cdr(request.payload, out) != messages::CdrError::none) return false;
+    ++asked;
+    return true;
   });
   Participant other(options());
   const auto writer =
       other.add_writer("rq/arm/switch/setRequest", "std_srvs::srv::dds_::SetBool_Request_", {}, "");
   ASSERT_TRUE(wait([&] { return !other.matched(writer).empty(); }));
-  for (std::size_t size = 0; size < 12; ++size)
-    other.write(writer, std::vector<std::byte>(size, static_cast<std::byte>(size * 37)));
+  for (std::size_t size = 0; size < 9; ++size)
+    other.write(writer, std::vector<std::byte>(size, static_cast<std::byte>(size * 37 + 5)));
   other.write(writer, to_cdr(messages::std_srvs::srv::SetBool::Request{true}));
   ASSERT_TRUE(wait([&] { return wire.take(100), asked > 0; }));
   EXPECT_EQ(asked, 1);
+  EXPECT_EQ(wire.statistics().received, 10u);
+  EXPECT_EQ(wire.statistics().refused, 9u);
 }
 
 TEST(Wire, ATypeThatIsNotKnownIsRefused) {
@@ -133,7 +134,7 @@ TEST(Wire, MoreThanIsTakenIsDroppedAndCounted) {
   Wire wire(options());
   int taken = 0;
   wire.subscription("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>(), {true, false, 5000},
-                    [&](std::span<const std::byte>) { ++taken; });
+                    [&](std::span<const std::byte>) { return ++taken > 0; });
   Participant other(options());
   const auto writer = other.add_writer("rt/chatter", "std_msgs::msg::dds_::Int32_", {true, false, 5000}, "");
   ASSERT_TRUE(wait([&] { return !other.matched(writer).empty(); }));
@@ -145,8 +146,202 @@ TEST(Wire, MoreThanIsTakenIsDroppedAndCounted) {
   EXPECT_EQ(wire.statistics().dropped, 500u);
 }
 
+TEST(Wire, AClientIsAnsweredByAServiceOnFastDds) {
+  Wire server(options()), asker(options());
+  serve_set_bool(server);
+  std::string heard;
+  const auto client = asker.client("/asker", "/arm/switch/set", "std_srvs/srv/SetBool",
+                                   [&](std::span<const std::byte> payload) {
+                                     messages::std_srvs::srv::SetBool::Response reply;
+                                     if (from_cdr(payload, reply) != messages::CdrError::none) return false;
+                                     heard += reply.message;
+                                     return true;
+                                   });
+  EXPECT_FALSE(asker.call(client, to_cdr(messages::std_srvs::srv::SetBool::Request{true}))) << "too early";
+  ASSERT_TRUE(wait([&] { return server.take(10), asker.ready(client); }));
+  for (const bool data : {true, false, true}) {
+    heard.clear();
+    ASSERT_TRUE(asker.call(client, to_cdr(messages::std_srvs::srv::SetBool::Request{data})));
+    ASSERT_TRUE(wait([&] { return server.take(10), asker.take(10), !heard.empty(); }));
+    EXPECT_EQ(heard, data ? "on" : "off");
+  }
+}
+
+TEST(Wire, WhatIsLargerThanAnyMessageIsRefused) {
+  Wire wire(options());
+  bool taken = false;
+  wire.subscription("/n", "/chatter", type_info<messages::std_msgs::msg::String>(), {},
+                    [&](std::span<const std::byte>) { return taken = true; });
+  Participant other(options());
+  const auto writer = other.add_writer("rt/chatter", "std_msgs::msg::dds_::String_", {}, "");
+  ASSERT_TRUE(wait([&] { return !other.matched(writer).empty(); }));
+  ASSERT_GT(other.write(writer, std::vector<std::byte>((16u << 20) + 5)), 0);
+  ASSERT_TRUE(wait([&] { return wire.statistics().refused == 1; }));
+  ASSERT_GT(other.write(writer, to_cdr(messages::std_msgs::msg::String{std::string(300'000, 'x')})), 0);
+  EXPECT_TRUE(wait([&] { return wire.take(1), taken; })) << "one of many fragments is none too many";
+}
+
+/// A program of its own, so that it can be killed.
+class Process {
+ public:
+  explicit Process(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), POLYARM_ROS2_CLIENT);
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addclose(&actions, ends[0]);
+    EXPECT_EQ(::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    output_ = ends[0];
+  }
+  ~Process() {
+    kill();
+    ::close(output_);
+  }
+  /// Waits for a byte of its output.
+  bool said_something() const {
+    char byte = 0;
+    return ::read(output_, &byte, 1) == 1;
+  }
+  void kill() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(std::exchange(pid_, 0), nullptr, 0);
+  }
+  bool ended_well() {
+    int status = -1;
+    ::waitpid(std::exchange(pid_, 0), &status, 0);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  pid_t pid_ = 0;
+  int output_ = -1;
+};
+
+TEST(Wire, AParticipantThatVanishesHoldsNobodyBackAndIsForgotten) {
+  Wire wire(options());
+  const auto publisher = wire.publisher("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>());
+  Process gone({"listen", std::to_string(own_domain())});
+  ASSERT_TRUE(gone.said_something());
+  ASSERT_TRUE(wait([&] { return wire.wanted(publisher); }));
+  std::atomic<int> heard{0};
+  Participant other(options());
+  other.add_reader("rt/chatter", "std_msgs::msg::dds_::Int32_", {true, false, 5000}, "",
+                   [&](const Sample&) { ++heard; });
+  ASSERT_TRUE(wait([&] { return wire.participant().matched(publisher).size() == 2; }));
+  gone.kill();
+  for (int i = 0; i < 500; ++i) {
+    wire.publish(publisher, to_cdr(messages::std_msgs::msg::Int32{i}));
+    ASSERT_TRUE(wait([&] { return heard == i + 1; })) << i;
+  }
+  EXPECT_TRUE(wait([&] { return wire.participant().matched(publisher).size() == 1; })) << "after its lease";
+}
+
+std::size_t allocated() {
+  return ::mallinfo2().uordblks;
+}
+
+TEST(Wire, AThousandClientsThatComeAndGoLeaveNothing) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "memory is not counted under a sanitizer";
+#endif
+  Wire wire(options());
+  wire.publisher("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>());
+  serve_set_bool(wire);
+  const auto come_and_go = [&](int each) {
+    std::deque<Process> processes;
+    for (int i = 0; i < 4; ++i)
+      processes.emplace_back(
+          std::vector<std::string>{"cycles", std::to_string(own_domain()), std::to_string(each)});
+    for (Process& process : processes) {
+      EXPECT_TRUE(process.ended_well());
+      wire.take(1000);
+    }
+    EXPECT_TRUE(wait([&] { return wire.participant().known() == 0; }))
+        << wire.participant().known() << " endpoints are still known";
+  };
+  come_and_go(25);
+  const std::size_t before = allocated();
+  come_and_go(250);
+  EXPECT_LT(allocated(), before + 64 * 1024) << "of 1000 clients, nothing may stay";
+}
+
+TEST(Wire, WhatHumbleHasOtherwiseIsOtherwise) {
+  Wire wire(options(), messages::Distribution::humble);
+  wire.publisher("/arm/talker", "/chatter", type_info<messages::std_msgs::msg::String>());
+  Participant other(options());
+  std::mutex mutex;
+  json graph;
+  other.add_reader("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                   {true, true, 1}, "", [&](const Sample& sample) {
+                     const std::lock_guard lock(mutex);
+                     messages::to_json(*messages::find_type("rmw_dds_common/msg/ParticipantEntitiesInfo",
+                                                            messages::Distribution::humble),
+                                       sample.payload, graph);
+                   });
+  ASSERT_TRUE(wait([&] {
+    wire.take(10);
+    const std::lock_guard lock(mutex);
+    return graph.is_object() && !graph["node_entities_info_seq"].empty();
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(graph["gid"]["data"].size(), 24u);
+  EXPECT_EQ(graph["node_entities_info_seq"][0]["writer_gid_seq"][0]["data"].size(), 24u);
+  EXPECT_EQ(graph["node_entities_info_seq"][0]["node_name"], "talker");
+  const auto reader = other.add_reader("rt/chatter", "std_msgs::msg::dds_::String_", {}, "", {});
+  ASSERT_TRUE(wait([&] { return !other.matched(reader).empty(); }));
+  EXPECT_EQ(other.matched(reader).front().user_data.find("typehash"), std::string::npos);
+}
+
 #ifdef POLYARM_CYCLONE
 using test::Cyclone;
+
+/// The other way round: a service on Cyclone DDS, whose header says who asks.
+TEST(WireAndCyclone, AClientIsAnsweredByAServiceOnCyclone) {
+  Wire asker(options());
+  const Cyclone cyclone(own_domain());
+  const auto requests = cyclone.reader(std_srvs_srv_dds__SetBool_Request__desc, "rq/arm/switch/setRequest");
+  const auto replies = cyclone.writer(std_srvs_srv_dds__SetBool_Response__desc, "rr/arm/switch/setReply");
+  std::string heard;
+  const auto client = asker.client("/asker", "/arm/switch/set", "std_srvs/srv/SetBool",
+                                   [&](std::span<const std::byte> payload) {
+                                     messages::std_srvs::srv::SetBool::Response reply;
+                                     if (from_cdr(payload, reply) != messages::CdrError::none) return false;
+                                     heard += reply.message;
+                                     return true;
+                                   });
+  // A service of ROS 2 waits for its client before it answers.
+  const auto known_there = [&] {
+    dds_publication_matched_status_t answered;
+    dds_subscription_matched_status_t asked;
+    dds_get_publication_matched_status(replies, &answered);
+    dds_get_subscription_matched_status(requests, &asked);
+    return answered.current_count > 0 && asked.current_count > 0;
+  };
+  ASSERT_TRUE(wait([&] { return asker.ready(client) && known_there(); }));
+  for (const bool data : {true, false, true}) {
+    heard.clear();
+    ASSERT_TRUE(asker.call(client, to_cdr(messages::std_srvs::srv::SetBool::Request{data})));
+    ASSERT_TRUE(wait([&] {
+      test::take<std_srvs_srv_dds__SetBool_Request_>(requests, [&](const auto& request) {
+        std::string other = "for another", mine = request.data ? "on" : "off";
+        std_srvs_srv_dds__SetBool_Response_ reply{request.guid + 1, request.number, true, other.data()};
+        dds_write(replies, &reply);
+        reply = {request.guid, request.number, true, mine.data()};
+        dds_write(replies, &reply);
+      });
+      return asker.take(10), !heard.empty();
+    }));
+    EXPECT_EQ(heard, data ? "on" : "off");
+  }
+}
 
 TEST(WireAndCyclone, TopicsGoBothWays) {
   Wire wire(options());
@@ -160,7 +355,9 @@ TEST(WireAndCyclone, TopicsGoBothWays) {
   wire.subscription("/listener", "/chatter", type_info<messages::std_msgs::msg::String>(), {},
                     [&](std::span<const std::byte> payload) {
                       messages::std_msgs::msg::String text;
-                      if (from_cdr(payload, text) == messages::CdrError::none) heard = text.data;
+                      if (from_cdr(payload, text) != messages::CdrError::none) return false;
+                      heard = text.data;
+                      return true;
                     });
   const Cyclone cyclone(own_domain());
   const auto reader = cyclone.reader(sensor_msgs_msg_dds__JointState__desc, "rt/joint_states");

@@ -1,0 +1,132 @@
+/// /polyarm: what a person does with the cell as a whole, and how it and the wire are.
+#include <utility>
+
+#include "polyarm/messages/json.hpp"
+#include "polyarm/messages/types.hpp"
+#include "polyarm/ros2/cell_door.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+using Status = messages::diagnostic_msgs::msg::DiagnosticStatus;
+constexpr Nanoseconds kDiagnostics = 1'000'000'000;
+
+std::string text_of(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+/// What std_srvs/Trigger says of an answer of the cell.
+Json triggered(const Json& answer) {
+  const Json error = answer.value("error", Json::object());
+  return {{"success", answer.value("ok", false)}, {"message", error.value("what", std::string())}};
+}
+
+class CellNode : public Part {
+ public:
+  explicit CellNode(Bridge& bridge) : bridge_{bridge}, node_{bridge.name("polyarm")} {
+    diagnostics_ = bridge.wire().publisher(
+        node_, "/diagnostics", messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>());
+    // Nothing moves that a person has not asked for: these do what the verbs of the same names do.
+    for (const char* verb : {"stop", "hold", "resume", "discard", "recover"})
+      offer(verb, std::string("control.") + verb);
+    if (bridge.cell().program()) {
+      offer("program/pause", "program.pause");
+      offer("program/stop", "program.stop");
+      trigger("program/start", [this](const Reply& reply) { start_program(reply); });
+    }
+    ParameterSource none;
+    none.list = [](std::function<void(Json)> got) { got(Json::object()); };
+    none.set = [](const Json&, std::function<void(std::string)> done) { done("there is no such parameter"); };
+    offer_standard_services(bridge_, node_, std::move(none));
+  }
+
+  void serve() override {
+    const Nanoseconds now = bridge_.cell().now();
+    if (told_ >= 0 && now - told_ < kDiagnostics) return;
+    told_ = now;
+    if (bridge_.wire().wanted(diagnostics_))
+      bridge_.ask({{"request", "health"}}, [this](const Json& answer) { tell_diagnostics(answer); });
+  }
+
+ private:
+  void trigger(const std::string& service, std::function<void(const Reply&)> work) {
+    bridge_.service(node_, node_ + "/" + service, "std_srvs/srv/Trigger",
+                    [work = std::move(work)](const Json&, const Reply& reply) { work(reply); });
+  }
+  void offer(const std::string& service, const std::string& request) {
+    trigger(service, [this, request](const Reply& reply) { pass(request, reply); });
+  }
+  void pass(const std::string& request, const Reply& reply, Json arguments = Json::object()) {
+    arguments["request"] = request;
+    bridge_.ask(std::move(arguments), [reply](const Json& answer) { reply(triggered(answer)); });
+  }
+
+  /// Goes on where it is paused, and begins anew where it has ended.
+  void start_program(const Reply& reply) {
+    bridge_.ask({{"request", "program"}}, [this, reply](const Json& answer) {
+      if (!answer.value("ok", false)) return reply(triggered(answer));
+      if (answer["result"].value("paused", false)) return pass("program.go", reply);
+      pass("program.from", reply, {{"confirmed", true}});
+    });
+  }
+
+  Json status(const std::string& of, int level, const std::string& text, Json values) const {
+    const std::string name = bridge_.cell().file().name;
+    return {{"level", level},
+            {"name", name + ": " + of},
+            {"message", text},
+            {"hardware_id", name},
+            {"values", std::move(values)}};
+  }
+
+  Json of_loop(const Json& health) const {
+    const std::string state = health.value("state", std::string());
+    Json values = Json::array();
+    for (const char* key : {"cause", "rate_hz", "cycles", "late", "clamps", "override_percent", "time_s"})
+      if (health.contains(key)) values.push_back({{"key", key}, {"value", text_of(health[key])}});
+    return status("control loop",
+                  state == "fault"     ? Status::ERROR
+                  : state == "running" ? Status::OK
+                                       : Status::WARN,
+                  state, std::move(values));
+  }
+
+  /// Samples since the start; more of those that were refused or dropped since the last time is a warning.
+  Json of_wire() {
+    const WireStatistics now = bridge_.wire().statistics();
+    const std::uint64_t bad = now.refused + now.dropped + now.unsent;
+    const bool worse = bad > std::exchange(bad_, bad);
+    Json values = Json::array();
+    const std::pair<const char*, std::uint64_t> counts[] = {{"received", now.received},
+                                                            {"refused", now.refused},
+                                                            {"dropped", now.dropped},
+                                                            {"sent", now.sent},
+                                                            {"unsent", now.unsent}};
+    for (const auto& [key, count] : counts)
+      values.push_back({{"key", key}, {"value", std::to_string(count)}});
+    return status("messages", worse ? Status::WARN : Status::OK,
+                  worse ? "messages were refused, dropped or not sent" : "ok", std::move(values));
+  }
+
+  void tell_diagnostics(const Json& answer) {
+    const Json message{{"header", {{"stamp", bridge_.ros_stamp(bridge_.cell().now())}}},
+                       {"status", {of_loop(answer.value("result", Json::object())), of_wire()}}};
+    const auto& type = messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>();
+    bridge_.wire().publish(diagnostics_, messages::from_json(type, message));
+  }
+
+  Bridge& bridge_;
+  std::string node_;
+  Wire::Id diagnostics_ = 0;
+  Nanoseconds told_ = -1;
+  std::uint64_t bad_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Part> make_cell_node(Bridge& bridge) {
+  return std::make_unique<CellNode>(bridge);
+}
+
+}  // namespace polyarm::ros2

@@ -1,0 +1,62 @@
+#include "polyarm/ros2/options.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+std::string option(const Options& options, const char* key, const char* variable) {
+  const auto at = options.find(key);
+  return at == options.end() ? environment(variable) : at->second;
+}
+
+}  // namespace
+
+std::string option_of(const Options& options, const std::string& key) {
+  const auto at = options.find(key);
+  return at == options.end() ? "" : at->second;
+}
+
+ParticipantOptions participant_options(const Options& options) {
+  ParticipantOptions out;
+  const std::string domain = option(options, "domain", "ROS_DOMAIN_ID");
+  if (const auto number = parse_number(domain.empty() ? "0" : domain);
+      number && *number >= 0 && *number <= 232 && *number == static_cast<int>(*number))
+    out.domain = static_cast<std::uint32_t>(*number);
+  else
+    throw Error("bad-value", "the domain '" + domain + "' is no number from 0 to 232",
+                "look at `ros2: {domain: …}` and ROS_DOMAIN_ID");
+  const std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
+  if (!range.empty() && range != "localhost" && range != "subnet")
+    throw Error("bad-value", "the range '" + range + "' is neither LOCALHOST nor SUBNET",
+                "SUBNET lets the robot be reached from other machines");
+  out.loopback = range != "subnet";
+  for (const std::string& peer : split_words(option(options, "peers", "ROS_STATIC_PEERS"), ";, "))
+    out.peers.push_back(peer);
+  if (out.loopback)
+    std::erase_if(out.peers, [](const std::string& peer) { return !peer.starts_with("127."); });
+  return out;
+}
+
+messages::Distribution distribution_of(const Options& options) {
+  const std::string name = lower(option(options, "distribution", "ROS_DISTRO"));
+  if (name == "humble") return messages::Distribution::humble;
+  for (const char* newer : {"kilted", "lyrical", "rolling"})
+    if (name == newer) return messages::Distribution::kilted;
+  // What the environment says is meant for other programs, too, and is not refused.
+  if (name == "jazzy" || !options.contains("distribution")) return messages::Distribution::jazzy;
+  throw Error("bad-value", "the distribution '" + name + "' is not known",
+              "humble, jazzy, kilted or rolling");
+}
+
+}  // namespace polyarm::ros2
