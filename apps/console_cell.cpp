@@ -127,7 +127,7 @@ void ConsoleCell::attach(const std::string& name) {
 
 void ConsoleCell::meet(std::unique_ptr<Client> client) {
   client_ = std::move(client);
-  const Json state = ask({{"request", "program.state"}});
+  const Json state = ask({{"request", "program"}});
   folder_ = state["folder"].get<std::string>();
   events_ = Client::at(cell::SocketDoor::folder_of_user() / (name_ + ".sock"));
   events_->send({{"request", "events"}, {"since", state["events"]}});
@@ -206,15 +206,15 @@ Json ConsoleCell::ask(Json request) {
 }
 
 std::string ConsoleCell::catch_up() {
-  Json now = ask({{"request", "program.state"}});
+  Json now = ask({{"request", "program"}});
   const std::string cause = now["cause"];
   const bool fell_behind =
       cause.find("silent") != std::string::npos || cause.find("wall time") != std::string::npos;
-  if (!is_own() || !fell_behind || (now["cell"] != "held" && now["cell"] != "stopping")) return "";
-  for (int tries = 0; tries < 1000 && now["cell"] != "running"; ++tries) {
-    if (now["cell"] == "held") ask({{"request", "control.resume"}});
+  if (!is_own() || !fell_behind || (now["control"] != "held" && now["control"] != "stopping")) return "";
+  for (int tries = 0; tries < 1000 && now["control"] != "running"; ++tries) {
+    if (now["control"] == "held") ask({{"request", "control.resume"}});
     std::this_thread::sleep_for(kLook);
-    now = ask({{"request", "program.state"}});
+    now = ask({{"request", "program"}});
   }
   return cause;
 }

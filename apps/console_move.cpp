@@ -133,8 +133,8 @@ void ConsoleMove::move_mixed() {
 /// What is held is told, and goes on only if the person says so.
 void ConsoleMove::require_running() {
   if (!cell_.catch_up().empty()) return;
-  const Json now = cell_.ask({{"request", "program.state"}});
-  if (now["cell"] != "held") return;
+  const Json now = cell_.ask({{"request", "program"}});
+  if (now["control"] != "held") return;
   if (!talk_.yes("The cell is held: " + shown(now["cause"]) + ". Go on?", true)) throw GivenUp{};
   cell_.ask({{"request", "control.resume"}});
 }

@@ -22,6 +22,13 @@ constexpr milliseconds kLook{50};
 bool is_one_of(const Json& value, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* word) { return value == word; });
 }
+/// Does it stand in front of a statement, at work?
+bool is_paused(const Json& state) {
+  return state["paused"].get<bool>() && is_one_of(state["state"], {"running", "waiting"});
+}
+std::string state_word(const Json& state) {
+  return is_paused(state) ? "paused" : shown(state["state"]);
+}
 bool has_ended(const Json& state) {
   return is_one_of(state["state"], {"finished", "failed", "stopped", "none"});
 }
@@ -39,26 +46,33 @@ std::vector<std::string> ConsoleScript::files() const {
   return out;
 }
 
-void ConsoleScript::load_file(const std::string& file, int line) {
+void ConsoleScript::load_file(const std::string& file) {
   if (editor_.has_unsaved()) talk_.say("note: " + editor_.summary() + "; the script gets what is saved");
-  Json request{{"request", "program.load"}, {"file", file}};
-  if (line > 0) request["line"] = line;
-  const Json loaded = cell_.ask(std::move(request));
+  const Json loaded = cell_.ask({{"request", "program.load"}, {"file", file}});
   file_ = file;
   for (const Json& warning : loaded["warnings"]) talk_.say(shown(warning));
   talk_.say("loaded " + file_name(loaded));
-  if (!loaded.contains("assumes")) return;
-  const Json& assumes = loaded["assumes"];
-  talk_.say(fmt::format("it will begin at line {}: {}", shown(loaded["line"]), shown(loaded["source"])));
+}
+
+/// What a program that begins in the middle takes for given.
+void ConsoleScript::tell_assumed(const Json& assumed) {
+  talk_.say(
+      fmt::format("it will begin at line {}: {}", shown(assumed["where"]["line"]), shown(assumed["source"])));
   const std::pair<const char*, const char*> kTexts[] = {{"last_point", "the robot is as after the move to"},
                                                         {"robot", "robot"},
                                                         {"tool", "tool"},
-                                                        {"frame", "frame"},
-                                                        {"sets", "these were set before"},
-                                                        {"reads", "these are read from there on"}};
+                                                        {"frame", "frame"}};
   for (const auto& [key, text] : kTexts)
-    if (!assumes[key].empty() && assumes[key] != "")
-      talk_.say(fmt::format("  {}: {}", text, shown(assumes[key])));
+    if (assumed[key] != "") talk_.say(fmt::format("  {}: {}", text, shown(assumed[key])));
+  const std::pair<const char*, const char*> kValues[] = {
+      {"sets", "set before"}, {"reads", "read from there on"}, {"variables", "variables"}};
+  for (const auto& [key, text] : kValues) {
+    std::string values;
+    for (const Json& each : assumed[key])
+      values += (values.empty() ? "" : ", ") + shown(each["name"]) + " = " + shown(each["value"]);
+    if (!values.empty()) talk_.say(fmt::format("  {}: {}", text, values));
+  }
+  if (!assumed["held"].empty()) talk_.say("  held: " + shown(assumed["held"]));
 }
 
 void ConsoleScript::load() {
@@ -82,8 +96,8 @@ void ConsoleScript::start_or_resume() {
   cell_.catch_up();
   Json now = state();
   if (now["state"] == "none") throw Error("no-script", "no script is loaded", "load one: 1");
-  if (now["state"] == "paused") {
-    cell_.ask({{"request", "program.resume"}});
+  if (is_paused(now)) {
+    cell_.ask({{"request", "program.go"}});
     return follow();
   }
   if (has_ended(now)) load_file(!file_.empty() ? file_ : now["file"].get<std::string>());
@@ -95,7 +109,7 @@ void ConsoleScript::start_or_resume() {
 }
 
 void ConsoleScript::pause() {
-  cell_.ask({{"request", "program.pause"}});
+  cell_.ask({{"request", "program.pause"}, {"at_once", true}});
   follow();
 }
 
@@ -108,14 +122,14 @@ void ConsoleScript::step(const char* kind) {
     cell_.ask({{"request", "program.start"}, {"paused", true}});
     return follow();
   }
-  if (now["state"] != "paused") return pause();
-  cell_.ask({{"request", "program.step"}, {"kind", kind}});
+  if (!is_paused(now)) return pause();
+  cell_.ask({{"request", "program.step"}, {"how", kind}, {"at_once", true}});
   follow();
 }
 
 void ConsoleScript::stop() {
   Json now = cell_.ask({{"request", "program.stop"}});
-  if (now["cell"] == "held") {  // the rest of its motion goes with it
+  if (now["control"] == "held") {  // the rest of its motion goes with it
     cell_.ask({{"request", "control.discard"}});
     cell_.ask({{"request", "control.resume"}});
   }
@@ -128,13 +142,15 @@ void ConsoleScript::run_from_line() {
   const Json now = state();
   const std::string file = !file_.empty() ? file_ : now["file"].get<std::string>();
   if (file.empty()) throw Error("no-script", "no script is loaded", "load one: 1");
-  load_file(file, talk_.number("Line to begin at: ", 1, 1'000'000'000));
+  const int line = talk_.number("Line to begin at: ", 1, 1'000'000'000);
+  if (has_ended(now) || now["state"] == "ready") load_file(file);  // with its data as they are now
+  tell_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
   if (!talk_.yes("Is all of that so, and may it begin there?")) {
-    load_file(file);
+    stop();
     throw GivenUp{};
   }
   cell_.catch_up();
-  cell_.ask({{"request", "program.start"}});
+  cell_.ask({{"request", "program.go"}});
   follow();
 }
 
@@ -167,10 +183,10 @@ void ConsoleScript::follow() {
     const Json now = state();
     tell_events();
     if (has_ended(now)) return tell_end(now);
-    if (now["cell"] == "fault")
+    if (now["control"] == "fault")
       throw Error("fault", "the cell is in a fault: " + shown(now["cause"]),
                   "polyarm control recover, polyarm health");
-    if (now["cell"] == "held") {
+    if (now["control"] == "held") {
       if (const std::string why = cell_.catch_up(); !why.empty()) {
         talk_.say(talk_.dim("the simulation went on after " + why));
         continue;
@@ -180,8 +196,9 @@ void ConsoleScript::follow() {
       asked = 0;
       continue;
     }
-    if (now["state"] == "paused") {
-      talk_.say(fmt::format("paused in front of line {}: {}", shown(now["line"]), shown(now["source"])));
+    if (is_paused(now)) {
+      talk_.say(
+          fmt::format("paused in front of line {}: {}", shown(now["where"]["line"]), shown(now["source"])));
       return;
     }
     if (!now["question"].is_null()) {
@@ -191,7 +208,7 @@ void ConsoleScript::follow() {
     if (!talk_.at_terminal())
       std::this_thread::sleep_for(kLook);
     else if (talk_.line_within(kLook))
-      cell_.ask({{"request", "program.pause"}});
+      cell_.ask({{"request", "program.pause"}, {"at_once", true}});
   }
 }
 
@@ -219,7 +236,7 @@ bool ConsoleScript::decide_when_held() {
     try {
       if (answer == "1") {
         cell_.ask({{"request", "control.resume"}});
-        for (int tries = 0; tries < 200 && state()["cell"] == "held"; ++tries)
+        for (int tries = 0; tries < 200 && state()["control"] == "held"; ++tries)
           std::this_thread::sleep_for(milliseconds(5));
         return true;
       }
@@ -253,16 +270,17 @@ void ConsoleScript::tell_end(const Json& state) {
 }
 
 void ConsoleScript::show_state() {
-  const Json now = cell_.ask({{"request", "program.state"}, {"variables", true}});
+  const Json now = cell_.ask({{"request", "program"}, {"data", true}});
   tell_events();
-  talk_.say(fmt::format("{}: {}{}", now["state"] == "none" ? "no script" : file_name(now),
-                        shown(now["state"]),
-                        now["cell"] == "running" ? "" : ", the cell is " + shown(now["cell"])));
-  if (!now.contains("sentence")) return;
-  talk_.say(fmt::format("line {}: {}", shown(now["line"]), shown(now["sentence"])));
-  for (const char* which : {"variables", "data"})
-    for (const auto& [name, value] : now[which].items())
-      talk_.say(fmt::format("  {} = {}", name, shown(value)));
+  talk_.say(fmt::format("{}: {}{}", now["state"] == "none" ? "no script" : file_name(now), state_word(now),
+                        now["control"] == "running" ? "" : ", the cell is " + shown(now["control"])));
+  if (now["state"] == "none") return;
+  talk_.say(fmt::format("line {}: {}", shown(now["where"]["line"]), shown(now["sentence"])));
+  for (const Json& task : now["tasks"])
+    for (const Json& each : task["variables"])
+      talk_.say(fmt::format("  {} = {}", shown(each["name"]), shown(each["value"])));
+  for (const auto& [name, value] : now["data"].items())
+    talk_.say(fmt::format("  {} = {}", name, shown(value)));
 }
 
 // --- the menu ---------------------------------------------------------------------------------------------
@@ -270,8 +288,9 @@ void ConsoleScript::show_state() {
 std::string ConsoleScript::heading() {
   const Json now = state();
   const std::string what =
-      now["state"] == "none" ? "no script is loaded" : file_name(now) + ", " + shown(now["state"]);
-  return "Script Menu   " + what + (now["cell"] == "running" ? "" : "; the cell is " + shown(now["cell"]));
+      now["state"] == "none" ? "no script is loaded" : file_name(now) + ", " + state_word(now);
+  return "Script Menu   " + what +
+         (now["control"] == "running" ? "" : "; the cell is " + shown(now["control"]));
 }
 
 void ConsoleScript::run() {

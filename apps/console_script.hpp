@@ -19,14 +19,15 @@ class ConsoleScript {
  private:
   void load();
   void import();
-  void load_file(const std::string& file, int line = 0);
+  void load_file(const std::string& file);
+  void tell_assumed(const Json& assumed);
   void start_or_resume();
   void pause();
   void step(const char* kind);
   void stop();
   void run_from_line();
   void show_state();
-  Json state() { return cell_.ask({{"request", "program.state"}}); }
+  Json state() { return cell_.ask({{"request", "program"}}); }
   /// Shows what happens until the script ends or pauses; while it runs Enter pauses, Ctrl-C stops on the
   /// path.
   void follow();
