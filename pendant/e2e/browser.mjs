@@ -19,8 +19,8 @@ export async function launch() {
   const browser = await chromium.connect(server.wsEndpoint());
   return {
     browser,
-    /** Kills it at once, as when the machine loses power. */
-    kill: () => process.kill(server.process().pid, 'SIGKILL'),
+    /** Kills all of its processes at once, as when its machine loses power. */
+    kill: () => process.kill(-server.process().pid, 'SIGKILL'),
     end: async () => {
       await server.kill().catch(() => undefined);
       rmSync(folder, { recursive: true, force: true });

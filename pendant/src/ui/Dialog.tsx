@@ -11,11 +11,13 @@ interface DialogProps {
   wide?: boolean;
   /** At the side, over the page's edge, rather than in its middle. */
   side?: boolean;
+  /** What is behind stays clear to be seen. */
+  clear?: boolean;
   children?: ComponentChildren;
 }
 
 /** A modal dialog: the page behind is inert but for Stop, which is shown in it, too (see StopButton). */
-export function Dialog({ title, onClose, actions, wide, side, children }: DialogProps) {
+export function Dialog({ title, onClose, actions, wide, side, clear, children }: DialogProps) {
   const id = useId();
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -26,7 +28,7 @@ export function Dialog({ title, onClose, actions, wide, side, children }: Dialog
   }, []);
   return (
     <div
-      class={`veil ${side ? 'side' : ''}`}
+      class={`veil ${side ? 'side' : ''} ${clear ? 'clear' : ''}`}
       onPointerDown={(e) => {
         if (e.target === e.currentTarget) onClose?.();
       }}

@@ -11,7 +11,7 @@ import { programMoves } from './JogKeys';
 
 /** Below the first the TCP is slowed down, below the second it hardly moves (of Chain.smallestGain). */
 const kNear = 0.09;
-const kAt = 0.025;
+const kAt = 0.01;
 
 /** 0 far from every singularity, 1 in one; NaN where there is no telling. */
 export const singularity = computed(() => {

@@ -43,8 +43,8 @@ export function DragBar() {
       />
       {on && (
         <>
-          <Button label={t('move.dragLine')} icon="move" pressed={!turning.value} onClick={() => (turning.value = false)} />
-          <Button label={t('move.dragTurn')} icon="turnRight" pressed={turning.value} onClick={() => (turning.value = true)} />
+          <Button label={t('move.dragLine')} icon="move" bare pressed={!turning.value} onClick={() => (turning.value = false)} />
+          <Button label={t('move.dragTurn')} icon="turnRight" bare pressed={turning.value} onClick={() => (turning.value = true)} />
         </>
       )}
     </>

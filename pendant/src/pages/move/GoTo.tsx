@@ -62,7 +62,7 @@ export function GoTo({ onClose }: { onClose: () => void }) {
   const request = goal && plan?.joints ? requestOf(goal, plan.joints, line) : null;
   const moving = heldKey.value === 'goto';
   return (
-    <Dialog title={t('goto.title')} onClose={onClose} side>
+    <Dialog title={t('goto.title')} onClose={onClose} side clear>
       <Segmented<What>
         label={t('goto.title')}
         value={what}
@@ -170,7 +170,7 @@ function arrived(joints: Record<string, number>): boolean {
   beat.value;
   return robot.peek()!.joints.every((joint) => {
     const way = Math.abs(valueNow(`${joint.interface}/position`) - (joints[joint.name] ?? NaN));
-    return !(way > 2e-3) || !joint.moves_tcp;
+    return !(way > 2e-3) || joint.moves_tcp === false;
   });
 }
 
