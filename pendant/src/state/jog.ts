@@ -65,8 +65,17 @@ export function pushJog(key: string, axis: number[]): void {
   heldKey.value = key;
 }
 
-/** Goes to joints or a pose of the world ({joints} or {pose: {position, orientation}}) as long as it is held. */
-export function pressGoTo(goal: Json): void {
+/** Goes where `jog.goto` says, planned by the cell, as long as it is held. */
+export function pressGoTo(args: Json): void {
+  if (!mayMove.peek()) return;
+  release();
+  heldBack.value = null;
+  void jogger.begin({ request: 'jog.goto', args: { speed: jogSpeed.peek() / 100, ...args } });
+  heldKey.value = 'goto';
+}
+
+/** Follows to joints or a pose of the world ({joints} or {pose: {position, orientation}}) as long as it is held. */
+export function pressFollow(goal: Json): void {
   if (!mayMove.peek()) return;
   release();
   heldBack.value = null;
@@ -74,7 +83,7 @@ export function pressGoTo(goal: Json): void {
   heldKey.value = 'goto';
 }
 
-export function followArgs(goal: Json): Json {
+function followArgs(goal: Json): Json {
   return { robot: robot.peek()?.name ?? '', speed: jogSpeed.peek() / 100, ...goal };
 }
 

@@ -5,6 +5,7 @@ import { t } from '../i18n';
 import { cell, parts, plans, status } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
 import { frames, jointValues, models, scene } from '../state/models';
+import { chosenPoints, dryPaths, pointsIn3d, problemsIn3d } from '../state/preview';
 import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
 import type { Vec3 } from '../wire/types';
@@ -102,6 +103,8 @@ function follow(picture: CellPicture): (() => void)[] {
       picture.setParts(parts.peek());
     }),
     effect(() => picture.setFrames(frames.value)),
+    effect(() => picture.setPoints(pointsIn3d.value, chosenPoints.value)),
+    effect(() => picture.setDryRun(dryPaths.value, problemsIn3d.value)),
     effect(() => picture.setParts(parts.value)),
     effect(() => picture.setLayers(layers.value)),
     effect(() => showPlans(picture)),

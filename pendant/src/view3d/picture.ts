@@ -2,7 +2,9 @@
 import * as THREE from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
 import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Vec3 } from '../wire/types';
+import type { DryPath, DryProblem, NamedPose } from '../state/preview';
 import { RobotFigure } from './figure';
+import { Overlay } from './overlay';
 import { axes, place, shape } from './shapes';
 import { Stage, type ViewName } from './stage';
 import { Trail } from './trail';
@@ -36,6 +38,7 @@ export class CellPicture {
   private readonly things = new THREE.Group();
   private readonly zones = new THREE.Group();
   private readonly frames = new THREE.Group();
+  private readonly overlay = new Overlay();
   private readonly moving = new Map<string, THREE.Object3D>();
   private readonly carried: { object: THREE.Object3D; home: THREE.Vector3; axis: THREE.Vector3; field: string }[] = [];
   private readonly trails = new Map<string, Trail>();
@@ -56,7 +59,7 @@ export class CellPicture {
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
-    this.stage.scene.add(this.things, this.zones, this.frames);
+    this.stage.scene.add(this.things, this.zones, this.frames, this.overlay.group);
   }
 
   setTheme(dark: boolean): void {
@@ -105,6 +108,17 @@ export class CellPicture {
     this.floor = scene.floor ?? 0;
     this.stage.setFloor(this.floor, this.dark);
     if (this.framed && !this.stage.touched) this.fit('free');
+    this.redraw();
+  }
+
+  /** Points of a page's list; those that are chosen stand out. */
+  setPoints(points: readonly NamedPose[], chosen: readonly string[]): void {
+    this.overlay.setPoints(points, chosen);
+    this.redraw();
+  }
+
+  setDryRun(paths: readonly DryPath[], problems: readonly DryProblem[]): void {
+    this.overlay.setDryRun(paths, problems);
     this.redraw();
   }
 

@@ -61,6 +61,7 @@ export const move = {
   'goto.moving': 'Moving… keep holding',
   'goto.arrived': 'Arrived',
   'goto.unreachable': 'The robot does not reach this from where it is.',
+  'goto.seconds': 'about {seconds} s',
   'goto.bad': 'Not a number',
   'goto.outside': 'Outside {range}',
 } as const;

@@ -63,6 +63,7 @@ export const move: Record<keyof typeof en, string> = {
   'goto.moving': 'En marcha… siga pulsando',
   'goto.arrived': 'Ha llegado',
   'goto.unreachable': 'El robot no llega ahí desde donde está.',
+  'goto.seconds': 'unos {seconds} s',
   'goto.bad': 'No es un número',
   'goto.outside': 'Fuera de {range}',
 };

@@ -2,7 +2,7 @@
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { request as ask, robot, status } from '../../state/cell';
-import { heldKey, pressGoTo, release } from '../../state/jog';
+import { heldKey, pressFollow, release } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
 import { settings } from '../../state/settings';
@@ -98,7 +98,7 @@ export function GoTo({ onClose }: { onClose: () => void }) {
         label={t(moving ? 'goto.moving' : 'goto.move')}
         held={moving}
         disabled={!request}
-        onPress={() => request && pressGoTo(request)}
+        onPress={() => request && pressFollow(request)}
         onRelease={release}
       >
         {t(moving ? 'goto.moving' : 'goto.move')}

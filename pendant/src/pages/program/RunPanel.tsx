@@ -1,4 +1,5 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
+import { lastCycle } from '../../state/cycle';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { attempt, complain, mayMove, program, request, status } from '../../state/cell';
@@ -48,7 +49,7 @@ function Where() {
         </div>
         <div>
           <dt>{t('program.cycle')}</dt>
-          <dd>{now.cycle_s == null ? '–' : duration(now.cycle_s)}</dd>
+          <dd>{duration(lastCycle.value)}</dd>
         </div>
       </dl>
     </div>
