@@ -43,6 +43,7 @@ export const settings = {
   clientName: kept<string>('clientName', deviceName()),
   takeWhenFree: kept<boolean>('takeWhenFree', true),
   degrees: kept<boolean>('degrees', true),
+  leftHanded: kept<boolean>('leftHanded', false),
 };
 
 export const darkNow = signal(true);
@@ -51,6 +52,9 @@ export function startTheme(): void {
   const system = matchMedia('(prefers-color-scheme: dark)');
   const systemDark = signal(system.matches);
   system.addEventListener('change', () => (systemDark.value = system.matches));
+  effect(() => {
+    document.documentElement.dataset.hand = settings.leftHanded.value ? 'left' : 'right';
+  });
   effect(() => {
     const theme = settings.theme.value;
     const dark = theme === 'dark' || (theme === 'auto' && systemDark.value);

@@ -1,3 +1,5 @@
+import { cell } from './cell';
+import { health } from './health';
 import { move } from './move';
 import { program } from './program';
 import { plots } from './plots';
@@ -7,4 +9,4 @@ import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots };
+export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell };

@@ -1,4 +1,6 @@
 import type { en } from '../en';
+import { cell } from './cell';
+import { health } from './health';
 import { move } from './move';
 import { program } from './program';
 import { plots } from './plots';
@@ -8,4 +10,4 @@ import { run } from './run';
 import { shell } from './shell';
 import { view } from './view';
 
-export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots };
+export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell };

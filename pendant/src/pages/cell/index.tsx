@@ -1,6 +1,38 @@
+/** The cell as a whole: which robot, simulated or real, projects, settings. */
+import { signal } from '@preact/signals';
 import { t } from '../../i18n';
-import { Empty } from '../../ui/controls';
+import { WatchOnly } from '../../shell/Control';
+import { Segmented } from '../../ui/controls';
+import './cell.css';
+import { Catalogue } from './Catalogue';
+import { Overview } from './Overview';
+import { Projects } from './Projects';
+import { SettingsTab } from './Settings';
+
+type Tab = 'cell' | 'robot' | 'projects' | 'settings';
+export const tab = signal<Tab>('cell');
 
 export default function Page() {
-  return <Empty icon="cell" text={t('page.soon')} />;
+  return (
+    <div class="cell-page">
+      <WatchOnly />
+      <Segmented<Tab>
+        label={t('cell.shown')}
+        value={tab.value}
+        options={[
+          { id: 'cell', name: t('nav.cell') },
+          { id: 'robot', name: t('cell.robots') },
+          { id: 'projects', name: t('cell.projects') },
+          { id: 'settings', name: t('menu.label') },
+        ]}
+        onChange={(id) => (tab.value = id)}
+      />
+      <div class="cell-body">
+        {tab.value === 'cell' && <Overview onRobots={() => (tab.value = 'robot')} />}
+        {tab.value === 'robot' && <Catalogue onDone={() => (tab.value = 'cell')} />}
+        {tab.value === 'projects' && <Projects />}
+        {tab.value === 'settings' && <SettingsTab />}
+      </div>
+    </div>
+  );
 }

@@ -1,8 +1,8 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
-import { lastCycle } from '../../state/cycle';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { attempt, complain, mayMove, program, request, status } from '../../state/cell';
+import { lastCycle } from '../../state/cycle';
 import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
 import { Button, Segmented } from '../../ui/controls';
@@ -49,7 +49,7 @@ function Where() {
         </div>
         <div>
           <dt>{t('program.cycle')}</dt>
-          <dd>{duration(lastCycle.value)}</dd>
+          <dd>{Number.isFinite(lastCycle.value ?? NaN) ? duration(lastCycle.value!) : '–'}</dd>
         </div>
       </dl>
     </div>

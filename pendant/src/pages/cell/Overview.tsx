@@ -1,0 +1,225 @@
+/** What cell this is, what it runs on, and putting it back to its beginning. */
+import { useState } from 'preact/hooks';
+import { number, t } from '../../i18n';
+import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { loadScene } from '../../state/models';
+import { ask, open } from '../../ui/ask';
+import { Button, Card, Loading, Segmented } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { jointText } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import type { RobotInfo } from '../../wire/types';
+import { restart, restarting } from './restart';
+
+interface Found {
+  severity: string;
+  what: string;
+  advice: string;
+  file: string;
+  line: number;
+}
+
+export function Overview({ onRobots }: { onRobots: () => void }) {
+  const now = cell.value;
+  if (!now) return <Loading />;
+  return (
+    <div class="cell-grid">
+      <Card title={now.name}>
+        <dl class="cell-facts">
+          <div>
+            <dt>{t('cell.folder')}</dt>
+            <dd>{now.folder}</dd>
+          </div>
+          <div>
+            <dt>{t('health.rate')}</dt>
+            <dd>{number(now.rate_hz, 0)} Hz</dd>
+          </div>
+          <div>
+            <dt>{t('cell.clients')}</dt>
+            <dd>{status.value?.clients ?? '–'}</dd>
+          </div>
+        </dl>
+        <div class="row">
+          <Button
+            label={t('cell.reset')}
+            icon="undo"
+            disabled={!mayMove.value || restarting.value !== ''}
+            onClick={() => ask({ title: t('cell.resetQ'), text: t('cell.resetText'), action: t('cell.reset'), onYes: () => void reset() })}
+          />
+          <Check />
+        </div>
+      </Card>
+      <Mode />
+      {now.robots.map((robot) => (
+        <Robot key={robot.name} robot={robot} onRobots={onRobots} />
+      ))}
+      {restarting.value && <Working />}
+    </div>
+  );
+}
+
+export function Working() {
+  return (
+    <div class="cell-working" role="status">
+      <span class="spinner" aria-hidden="true" />
+      {restarting.value}
+    </div>
+  );
+}
+
+async function reset(): Promise<void> {
+  await restart(t('cell.resetting'), t('cell.wasReset'), 'cell.reset', {});
+  await loadScene();
+}
+
+function Check() {
+  const [found, setFound] = useState<Found[] | null>(null);
+  const [busy, setBusy] = useState(false);
+  const go = () => {
+    setBusy(true);
+    request<{ problems: Found[] }>('cell.check', {}, 60_000)
+      .then((answer) => setFound(answer.problems), complain)
+      .finally(() => setBusy(false));
+  };
+  return (
+    <>
+      <Button label={t(busy ? 'program.checking' : 'cell.check')} icon="check" disabled={busy} onClick={go} />
+      {found && (
+        <div class="cell-found" role="status">
+          {found.length === 0 && (
+            <p class="cell-good">
+              <Icon name="check" size={20} /> {t('cell.checkGood')}
+            </p>
+          )}
+          <ul>
+            {found.map((each, i) => (
+              <li key={i} class={each.severity}>
+                <small>
+                  {each.file}
+                  {each.line ? `:${each.line}` : ''}
+                </small>
+                <strong>{each.what}</strong>
+                {each.advice && <span>{each.advice}</span>}
+              </li>
+            ))}
+          </ul>
+        </div>
+      )}
+    </>
+  );
+}
+
+/** Simulated or on the real robot. */
+function Mode() {
+  const now = status.value;
+  const real = now ? !now.simulated : false;
+  const to = (next: boolean) =>
+    ask({
+      title: t(next ? 'cell.toRealQ' : 'cell.toSimQ'),
+      text: t(next ? 'cell.toRealText' : 'cell.toSimText'),
+      action: t(next ? 'cell.toReal' : 'cell.toSim'),
+      tone: next ? 'warn' : 'primary',
+      onYes: () => void restart(t('cell.starting'), t('cell.started'), 'cell.connect', { real: next }),
+    });
+  return (
+    <Card title={t('cell.mode')}>
+      <Segmented
+        label={t('cell.mode')}
+        value={real ? 'real' : 'simulated'}
+        disabled={!mayMove.value || restarting.value !== ''}
+        options={[
+          { id: 'simulated', name: t('mode.simulated'), icon: 'cube' },
+          { id: 'real', name: t('mode.real'), icon: 'link' },
+        ]}
+        onChange={(id) => to(id === 'real')}
+      />
+      <p class="note">{t(real ? 'cell.realNote' : 'cell.simNote')}</p>
+      {real && now && !now.armed && (
+        <Button label={t('cell.arm')} icon="lock" tone="warn" big disabled={!mayMove.value} onClick={() => open((close) => <ArmDialog onClose={close} />)} />
+      )}
+    </Card>
+  );
+}
+
+interface Compared {
+  joint: string;
+  measured: number;
+  expected: number;
+}
+
+/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
+function ArmDialog({ onClose }: { onClose: () => void }) {
+  const [joints, setJoints] = useState<Compared[] | null>(null);
+  const [asked, setAsked] = useState(false);
+  if (!asked) {
+    setAsked(true);
+    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
+  }
+  const unit = (name: string) => cell.value?.robots.flatMap((robot) => robot.joints).find((joint) => joint.interface === name || joint.name === name)?.unit ?? 'rad';
+  return (
+    <Dialog
+      title={t('cell.arm')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('cell.armDo')} tone="warn" disabled={!joints || !mayMove.value} onClick={() => (onClose(), void attempt('control.arm', { confirmed: true }))} />
+        </>
+      }
+    >
+      <p>{t('cell.armText')}</p>
+      {!joints ? (
+        <Loading />
+      ) : (
+        <table class="plain">
+          <thead>
+            <tr>
+              <th scope="col">{t('cell.joint')}</th>
+              <th scope="col" class="right">
+                {t('cell.measured')}
+              </th>
+              <th scope="col" class="right">
+                {t('cell.expected')}
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {joints.map((each) => (
+              <tr key={each.joint}>
+                <th scope="row">{each.joint}</th>
+                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
+                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </Dialog>
+  );
+}
+
+function Robot({ robot, onRobots }: { robot: RobotInfo; onRobots: () => void }) {
+  return (
+    <Card title={robot.name}>
+      <div class="cell-robot">
+        <Picture id={robot.id} title={robot.title} />
+        <div>
+          <h3>{robot.title || robot.id}</h3>
+          <p class="note">{t('cell.axesOf', { axes: robot.joints.length })}</p>
+          <Button label={t('cell.another')} icon="repeat" disabled={!mayMove.value || restarting.value !== ''} onClick={onRobots} />
+        </div>
+      </div>
+    </Card>
+  );
+}
+
+export function Picture({ id, title }: { id: string; title: string }) {
+  const [bad, setBad] = useState(false);
+  if (bad || !/^[\w.-]+\/[\w.-]+$/.test(id))
+    return (
+      <span class="cell-picture none">
+        <Icon name="cube" size={40} />
+      </span>
+    );
+  return <img class="cell-picture" src={`/api/catalogue/${id}.svg`} alt={title} loading="lazy" decoding="async" onError={() => setBad(true)} />;
+}

@@ -1,0 +1,143 @@
+/** Cells that can be opened; saving a copy; one zip out and in. */
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { t } from '../../i18n';
+import { cell, complain, mayMove, request } from '../../state/cell';
+import { toast } from '../../state/toasts';
+import { ask, open } from '../../ui/ask';
+import { Button, Card, Empty, Field, Loading, Select } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { Icon } from '../../ui/Icon';
+import { Working } from './Overview';
+import { restart, restarting } from './restart';
+
+interface Project {
+  name: string;
+  folder: string;
+  title: string;
+  robots: string[];
+  recent: boolean;
+}
+
+const goodName = (name: string) => /^[\w][\w-]*$/.test(name);
+
+export function Projects() {
+  const [list, setList] = useState<Project[] | null>(null);
+  const load = () =>
+    request<{ open: string; cells: Project[] }>('cells').then(
+      (answer) => setList(answer.cells),
+      (error) => {
+        complain(error);
+        setList([]);
+      },
+    );
+  useEffect(() => void load(), []);
+  const openOne = (project: Project) =>
+    ask({
+      title: t('cell.openQ', { name: project.title || project.name }),
+      text: t('cell.openText'),
+      action: t('cell.open'),
+      onYes: () => void restart(t('cell.opening', { name: project.name }), t('cell.opened', { name: project.name }), 'cell.open', { folder: project.folder }).then(load),
+    });
+  return (
+    <div class="cell-grid">
+      <Card title={t('cell.thisCell')}>
+        <div class="row">
+          <a class="button" href="/api/project.zip" download={`${cell.value?.name ?? 'cell'}.zip`}>
+            <Icon name="download" size={22} />
+            <span>{t('cell.backUp')}</span>
+          </a>
+          <Restore onDone={load} />
+        </div>
+        <div class="row">
+          <Button label={t('cell.saveAs')} icon="copy" disabled={!mayMove.value} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
+          <Button label={t('cell.new')} icon="plus" disabled={!mayMove.value} onClick={() => open((close) => <NameDialog kind="new" onClose={close} onDone={load} />)} />
+        </div>
+        <p class="note">{t('cell.backUpText')}</p>
+      </Card>
+      <Card title={t('cell.projects')} class="cell-wide">
+        {restarting.value && <Working />}
+        {list === null ? (
+          <Loading />
+        ) : list.length === 0 ? (
+          <Empty icon="folder" text={t('cell.noProjects')} />
+        ) : (
+          <ul class="cell-projects">
+            {list.map((each) => {
+              const here = each.folder === cell.value?.folder;
+              return (
+                <li key={each.folder}>
+                  <button type="button" aria-current={here ? 'true' : undefined} class={here ? 'here' : ''} disabled={here || !mayMove.value || restarting.value !== ''} onClick={() => openOne(each)}>
+                    <Icon name="folder" />
+                    <span>
+                      <strong>{each.title || each.name}</strong>
+                      <small>{[each.robots.join(', '), each.folder].filter(Boolean).join(' · ')}</small>
+                    </span>
+                    {here && <span class="chip good">{t('cell.isOpen')}</span>}
+                  </button>
+                </li>
+              );
+            })}
+          </ul>
+        )}
+      </Card>
+    </div>
+  );
+}
+
+function Restore({ onDone }: { onDone: () => void }) {
+  const input = useRef<HTMLInputElement>(null);
+  const take = async (file: File | undefined) => {
+    if (!file) return;
+    const name = file.name.replace(/\.zip$/i, '').replace(/[^\w-]+/g, '_');
+    try {
+      const answer = await fetch(`/api/project.zip?name=${encodeURIComponent(name)}`, { method: 'PUT', body: file, credentials: 'same-origin' });
+      if (!answer.ok) throw new Error((await answer.text()).slice(0, 300) || answer.statusText);
+      const { folder } = (await answer.json()) as { folder: string };
+      toast({ kind: 'ok', text: t('cell.restored', { name }), detail: folder });
+      onDone();
+    } catch (error) {
+      toast({ kind: 'error', text: t('cell.notRestored'), detail: String((error as Error).message) });
+    }
+  };
+  return (
+    <>
+      <input ref={input} type="file" accept=".zip,application/zip" hidden aria-label={t('cell.restore')} onChange={(e) => void take(e.currentTarget.files?.[0])} />
+      <Button label={t('cell.restore')} icon="upload" disabled={!mayMove.value} onClick={() => input.current?.click()} />
+    </>
+  );
+}
+
+function NameDialog({ kind, onClose, onDone }: { kind: 'copy' | 'new'; onClose: () => void; onDone: () => void }) {
+  const [name, setName] = useState('');
+  const [robot, setRobot] = useState(cell.value?.robots[0]?.id ?? '');
+  const problem = name !== '' && !goodName(name) ? t('cell.badName') : '';
+  const bad = name === '' || problem !== '' || (kind === 'new' && !/.\/./.test(robot));
+  const go = async () => {
+    if (bad) return;
+    onClose();
+    try {
+      const answer = await request<{ folder: string }>(kind === 'copy' ? 'cell.save_as' : 'cell.new', kind === 'copy' ? { name } : { name, robot }, 20_000);
+      toast({ kind: 'ok', text: t('cell.made', { name }), detail: answer.folder });
+      onDone();
+    } catch (error) {
+      complain(error);
+    }
+  };
+  const own = cell.value?.robots.map((each) => each.id) ?? [];
+  return (
+    <Dialog
+      title={t(kind === 'copy' ? 'cell.saveAs' : 'cell.new')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('program.create')} tone="primary" disabled={bad} onClick={() => void go()} />
+        </>
+      }
+    >
+      <Field label={t('program.name')} value={name} placeholder="my_cell" problem={problem} onInput={setName} onEnter={() => void go()} />
+      {kind === 'new' && own.length > 0 && <Select label={t('move.robot')} value={robot} options={own.map((id) => ({ id, name: id }))} onChange={setRobot} />}
+      {kind === 'new' && <p class="note">{t('cell.newText')}</p>}
+    </Dialog>
+  );
+}

@@ -1,0 +1,39 @@
+/** Requests after which the cell begins anew: the connection stays, the cell is away for a moment. */
+import { signal } from '@preact/signals';
+import { complain, request } from '../../state/cell';
+import { layout } from '../../state/live';
+import { toast } from '../../state/toasts';
+
+/** What is being done, in words; '' nothing. */
+export const restarting = signal('');
+const kPatienceMs = 30_000;
+
+/** True when the new cell is there. */
+export async function restart(what: string, done: string, name: string, args: Record<string, unknown>): Promise<boolean> {
+  if (restarting.value) return false;
+  restarting.value = what;
+  const before = layout.peek().id;
+  try {
+    await request(name, args, kPatienceMs);
+    await newLayout(before);
+    toast({ kind: 'ok', text: done });
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  } finally {
+    restarting.value = '';
+  }
+}
+
+/** A cell that begins tells a layout of its own. */
+function newLayout(before: number): Promise<void> {
+  return new Promise((resolve) => {
+    const until = performance.now() + 10_000;
+    const timer = setInterval(() => {
+      if (layout.peek().id === before && performance.now() < until) return;
+      clearInterval(timer);
+      resolve();
+    }, 50);
+  });
+}

@@ -1,0 +1,161 @@
+/** Hardware and controllers: their states, who uses what, and taking them to another state. */
+import { useEffect, useState } from 'preact/hooks';
+import { number, t, word } from '../../i18n';
+import { attempt, complain, mayMove, request } from '../../state/cell';
+import { type Component, type Controller, controllers, hardware, loadHealth } from '../../state/health';
+import { ask, open } from '../../ui/ask';
+import { Button, Empty } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { WatchOnly } from '../../shell/Control';
+
+const tone = (state: string) => (state === 'active' ? 'good' : state === 'inactive' || state === 'unconfigured' ? '' : 'bad');
+
+function StateChip({ state }: { state: string }) {
+  return <span class={`chip ${tone(state)}`}>{word('health.s', state)}</span>;
+}
+
+async function change(name: string, args: Record<string, unknown>): Promise<void> {
+  await attempt(name, args);
+  await loadHealth();
+}
+
+export function Hardware() {
+  const list = hardware.value;
+  return (
+    <>
+      <WatchOnly />
+      {list.length === 0 && <Empty icon="health" text={t('health.noHardware')} />}
+      <ul class="health-list">
+        {list.map((each) => (
+          <ComponentCard key={each.name} component={each} />
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function ComponentCard({ component }: { component: Component }) {
+  const { name, state } = component;
+  const failed = state !== 'active' && state !== 'inactive' && state !== 'unconfigured';
+  const to = (next: string) => ask({
+    title: t('health.toQ', { name, state: word('health.s', next) }),
+    text: next === 'active' ? t('health.toActive') : t('health.toLess'),
+    action: t('health.do'),
+    onYes: () => void change('hardware.state', { name, state: next }),
+  });
+  const users = [...new Set(component.commands.map((each) => each.claimed_by).filter(Boolean))];
+  return (
+    <li class={`health-item ${tone(state)}`}>
+      <header>
+        <h3>{name}</h3>
+        <StateChip state={state} />
+      </header>
+      <p class="note">
+        {[component.type, component.plugin, component.rate ? `${number(component.rate, 0)} Hz` : ''].filter(Boolean).join(' · ')}
+        {component.missed > 0 && ` · ${t('health.missed')}: ${component.missed}`}
+      </p>
+      <p class="note">
+        {t('health.counts', { states: component.states.length, commands: component.commands.length })}
+        {users.length > 0 && ` · ${t('health.usedBy', { names: users.join(', ') })}`}
+      </p>
+      <div class="row">
+        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => void change('hardware.recover', { name })} />}
+        {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayMove.value} onClick={() => to('active')} />}
+        {state === 'active' && <Button label={t('health.deactivate')} icon="power" disabled={!mayMove.value} onClick={() => to('inactive')} />}
+      </div>
+    </li>
+  );
+}
+
+export function Controllers() {
+  const list = controllers.value;
+  return (
+    <>
+      <WatchOnly />
+      {list.length === 0 && <Empty icon="health" text={t('health.noControllers')} />}
+      {list.length > 0 && (
+        <div class="row">
+          <Button label={t('health.switch')} icon="repeat" tone="primary" disabled={!mayMove.value} onClick={() => open((close) => <SwitchDialog onClose={close} />)} />
+        </div>
+      )}
+      <ul class="health-list">
+        {list.map((each) => (
+          <li key={each.name} class={`health-item ${tone(each.state)}`}>
+            <header>
+              <h3>{each.name}</h3>
+              <StateChip state={each.state} />
+            </header>
+            <p class="note">
+              {[each.type, each.rate ? `${number(each.rate, 0)} Hz` : '', each.stale ? t('health.stale') : '', each.missed ? `${t('health.missed')}: ${each.missed}` : ''].filter(Boolean).join(' · ')}
+            </p>
+            {each.claimed.length > 0 && <p class="note">{t('health.claims', { names: each.claimed.join(', ') })}</p>}
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+interface Plan {
+  ok: boolean;
+  reason: string;
+  advice?: string;
+  start: string[];
+  stop: string[];
+}
+
+/** Which controllers are to be active; what would happen is told before. */
+function SwitchDialog({ onClose }: { onClose: () => void }) {
+  const [list] = useState<Controller[]>(() => controllers.peek().filter((each) => each.state === 'active' || each.state === 'inactive'));
+  const [on, setOn] = useState(() => new Set(list.filter((each) => each.state === 'active').map((each) => each.name)));
+  const [plan, setPlan] = useState<Plan | null>(null);
+  const activate = list.filter((each) => on.has(each.name) && each.state !== 'active').map((each) => each.name);
+  const deactivate = list.filter((each) => !on.has(each.name) && each.state === 'active').map((each) => each.name);
+  const changes = activate.length + deactivate.length > 0;
+  const args = { activate, deactivate };
+  const key = JSON.stringify(args);
+  useEffect(() => {
+    setPlan(null);
+    if (!changes) return;
+    request<Plan>('control.switch', { ...args, dry: true }).then(setPlan, (error: Error) => setPlan({ ok: false, reason: error.message, start: [], stop: [] }));
+  }, [key]);
+  const toggle = (name: string) => {
+    const next = new Set(on);
+    if (!next.delete(name)) next.add(name);
+    setOn(next);
+  };
+  const go = () => {
+    onClose();
+    request('control.switch', args).then(loadHealth, complain);
+  };
+  return (
+    <Dialog
+      title={t('health.switch')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('health.do')} tone="primary" disabled={!changes || plan?.ok !== true} onClick={go} />
+        </>
+      }
+    >
+      <p>{t('health.switchText')}</p>
+      <ul class="health-switch">
+        {list.map((each) => (
+          <li key={each.name}>
+            <label>
+              <input type="checkbox" checked={on.has(each.name)} onChange={() => toggle(each.name)} />
+              <span>{each.name}</span>
+              <StateChip state={each.state} />
+            </label>
+          </li>
+        ))}
+      </ul>
+      {plan && (
+        <p role="status" class={plan.ok ? 'note' : 'health-bad'}>
+          {plan.ok ? t('health.plan', { start: plan.start.join(', ') || '–', stop: plan.stop.join(', ') || '–' }) : [plan.reason, plan.advice].filter(Boolean).join(' ')}
+        </p>
+      )}
+    </Dialog>
+  );
+}

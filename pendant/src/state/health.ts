@@ -1,0 +1,68 @@
+/** How the loop, the hardware and the controllers are doing: asked for once a second while somebody looks. */
+import { effect, signal } from '@preact/signals';
+import type { Json } from '../wire/connection';
+import { type HealthNow, readHealth } from '../wire/health';
+import { complain, connected, request } from './cell';
+
+export interface Limit {
+  interface: string;
+  limit: string;
+  count: number;
+  asked: number;
+  given: number;
+  time_s: number;
+}
+export interface Component {
+  name: string;
+  type: string;
+  plugin: string;
+  state: string;
+  being: string;
+  rate: number;
+  async: boolean;
+  missed: number;
+  states: string[];
+  commands: { name: string; claimed_by: string }[];
+}
+export interface Controller {
+  name: string;
+  type: string;
+  state: string;
+  chained: boolean;
+  stale: boolean;
+  rate: number;
+  missed: number;
+  claimed: string[];
+}
+
+export const health = signal<HealthNow | null>(null);
+export const limits = signal<Limit[]>([]);
+export const hardware = signal<Component[]>([]);
+export const controllers = signal<Controller[]>([]);
+
+export async function loadHealth(): Promise<void> {
+  try {
+    const [now, clamped, components, list] = await Promise.all([
+      request<Json>('health'), request<Limit[]>('limits'), request<Component[]>('hardware.list'), request<Controller[]>('control.list'),
+    ]);
+    health.value = readHealth(now);
+    limits.value = clamped;
+    hardware.value = components;
+    controllers.value = list;
+  } catch (error) {
+    if (connected.peek()) complain(error);
+  }
+}
+
+export function followHealth(): () => void {
+  const end = effect(() => {
+    if (connected.value) void loadHealth();
+  });
+  const timer = setInterval(() => {
+    if (connected.peek()) void loadHealth();
+  }, 1000);
+  return () => {
+    clearInterval(timer);
+    end();
+  };
+}
