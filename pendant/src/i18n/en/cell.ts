@@ -13,6 +13,7 @@ export const cell = {
   'cell.checkGood': 'Nothing is wrong.',
   'cell.mode': 'Simulate or connect',
   'cell.simNote': 'The robot and its scene are simulated. Nothing real moves.',
+  'cell.realHow': 'A real robot is connected by starting the cell with --real.',
   'cell.realNote': 'Commands go to the real robot.',
   'cell.toRealQ': 'Connect to the real robot?',
   'cell.toRealText': 'The cell starts again with its real hardware. It does not move before a person has compared the joints and armed it.',

@@ -15,6 +15,7 @@ export const cell: Record<keyof typeof en, string> = {
   'cell.checkGood': 'No hay nada mal.',
   'cell.mode': 'Simular o conectar',
   'cell.simNote': 'El robot y su escena se simulan. No se mueve nada real.',
+  'cell.realHow': 'Un robot real se conecta iniciando la celda con --real.',
   'cell.realNote': 'Las órdenes van al robot real.',
   'cell.toRealQ': '¿Conectar con el robot real?',
   'cell.toRealText': 'La celda arranca de nuevo con su equipo real. No se mueve antes de que una persona haya comparado los ejes y lo haya habilitado.',

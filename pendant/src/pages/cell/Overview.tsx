@@ -1,6 +1,7 @@
 /** What cell this is, what it runs on, and putting it back to its beginning. */
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
+import { able } from '../../state/abilities';
 import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
 import { loadScene } from '../../state/models';
 import { ask, open } from '../../ui/ask';
@@ -126,14 +127,17 @@ function Mode() {
       <Segmented
         label={t('cell.mode')}
         value={real ? 'real' : 'simulated'}
-        disabled={!mayMove.value || restarting.value !== ''}
+        disabled={!mayMove.value || restarting.value !== '' || !able('cell.connect')}
         options={[
           { id: 'simulated', name: t('mode.simulated'), icon: 'cube' },
           { id: 'real', name: t('mode.real'), icon: 'link' },
         ]}
         onChange={(id) => to(id === 'real')}
       />
-      <p class="note">{t(real ? 'cell.realNote' : 'cell.simNote')}</p>
+      <p class="note">
+        {t(real ? 'cell.realNote' : 'cell.simNote')}
+        {!able('cell.connect') && !real && ` ${t('cell.realHow')}`}
+      </p>
       {real && now && !now.armed && (
         <Button label={t('cell.arm')} icon="lock" tone="warn" big disabled={!mayMove.value} onClick={() => open((close) => <ArmDialog onClose={close} />)} />
       )}

@@ -1,6 +1,7 @@
 /** What is chosen: its numbers, and what can be done with it. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
+import { able } from '../../state/abilities';
 import { mayMove, request, robot } from '../../state/cell';
 import { heldBack, heldKey, pressGoTo, release } from '../../state/jog';
 import { changePoints, type DataValue, goodName, isPlace, values } from '../../state/points';
@@ -128,7 +129,7 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
       {poses && <Button label={t('points.shift')} icon="move" disabled={!may} onClick={() => open((close) => <Shift names={names} onClose={close} />)} />}
       {only && <Button label={t('points.rename')} icon="edit" disabled={!may} onClick={() => open((close) => <Rename value={only} onClose={close} />)} />}
       {only && <Button label={t('points.change')} icon="settings" disabled={!may} onClick={() => open((close) => <Change value={only} onClose={close} />)} />}
-      {all && <Button label={t('points.setGroup')} icon="layers" disabled={!may} onClick={() => open((close) => <Group list={list} onClose={close} />)} />}
+      {all && able('points.group') && <Button label={t('points.setGroup')} icon="layers" disabled={!may} onClick={() => open((close) => <Group list={list} onClose={close} />)} />}
       <Button label={t('points.delete')} icon="trash" disabled={!may} onClick={() => void remove(names)} />
     </div>
   );

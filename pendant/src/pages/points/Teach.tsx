@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { able } from '../../state/abilities';
 import { cell, complain, mayMove, robot, robotName } from '../../state/cell';
 import { frameNames, goodName, teach, values } from '../../state/points';
 import { kept } from '../../state/settings';
@@ -60,7 +61,7 @@ export function Teach() {
               onChange={(id) => (frame.value = id)}
             />
           )}
-          <Field label={t('points.group')} value={group.value} placeholder={t('points.noGroup')} onInput={(text) => (group.value = text)} />
+          {able('points.group') && <Field label={t('points.group')} value={group.value} placeholder={t('points.noGroup')} onInput={(text) => (group.value = text)} />}
         </div>
       )}
     </section>
