@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/description/self_collision.hpp"
 
 namespace polyarm::description {
 
@@ -15,6 +16,11 @@ namespace polyarm::description {
 /// disable_collisions that the robot lacks are warnings; with the nearest name. Throws Error for what is no
 /// SRDF; what is wrong within is passed over and added to `problems`.
 void read_srdf(std::string_view text, const std::string& file, RobotModel& model, Problems& problems);
+
+/// The model's groups, their named states, end effectors and `pairs` as SRDF, which reads back equal. A group
+/// whose links hang one below the other is written as a chain, any other as its joints. The root hangs on
+/// `world`.
+std::string write_srdf(const RobotModel& model, const std::vector<LinkPair>& pairs);
 
 /// Where the SRDF of a description would be: `arm.srdf` beside arm.urdf, arm.xacro or arm.urdf.xacro.
 std::filesystem::path srdf_beside(const std::filesystem::path& description);
