@@ -5,6 +5,7 @@
 #include <string>
 #include <tuple>
 
+#include "links/modbus/context.hpp"
 #include "links/modbus/port.hpp"
 #include "links/modbus/registers.hpp"
 
@@ -37,9 +38,7 @@ class Client : public signals::LinkPort {
 
   void open() override {
     close();
-    context_ = modbus_new_tcp_pi(entry_.host.c_str(), std::to_string(entry_.port).c_str());
-    if (!context_) throw Error("link-lost", "out of memory");
-    modbus_set_slave(context_, entry_.unit);
+    context_ = new_context(entry_);
     modbus_set_response_timeout(context_, static_cast<std::uint32_t>(entry_.timeout / 1'000'000'000),
                                 static_cast<std::uint32_t>(entry_.timeout % 1'000'000'000 / 1000));
     if (modbus_connect(context_) != 0) fail("cannot be reached");

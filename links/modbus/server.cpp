@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 
+#include "links/modbus/context.hpp"
 #include "links/modbus/port.hpp"
 #include "links/modbus/registers.hpp"
 
@@ -40,9 +41,7 @@ class Server : public signals::LinkPort {
 
   void open() override {
     close();
-    context_ = modbus_new_tcp_pi(entry_.host.c_str(), std::to_string(entry_.port).c_str());
-    if (!context_) throw Error("link-lost", "out of memory");
-    modbus_set_slave(context_, entry_.unit);
+    context_ = new_context(entry_);
     modbus_set_byte_timeout(context_, 0, 200'000);
     listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(kMostClients));
     if (listening_ < 0) {
