@@ -1,39 +1,17 @@
 #include "polyarm/ros2/participant.hpp"
 
-#include <fastdds/rtps/RTPSDomain.h>
-#include <fastdds/rtps/attributes/HistoryAttributes.h>
-#include <fastdds/rtps/attributes/RTPSParticipantAttributes.h>
-#include <fastdds/rtps/attributes/ReaderAttributes.h>
-#include <fastdds/rtps/attributes/WriterAttributes.h>
-#include <fastdds/rtps/builtin/data/ReaderProxyData.h>
-#include <fastdds/rtps/builtin/data/WriterProxyData.h>
-#include <fastdds/rtps/history/ReaderHistory.h>
-#include <fastdds/rtps/history/WriterHistory.h>
-#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
-#include <fastdds/rtps/participant/RTPSParticipant.h>
-#include <fastdds/rtps/participant/RTPSParticipantListener.h>
-#include <fastdds/rtps/reader/RTPSReader.h>
-#include <fastdds/rtps/reader/ReaderListener.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/writer/RTPSWriter.h>
-#include <fastdds/rtps/writer/WriterListener.h>
-#include <fastrtps/qos/ReaderQos.h>
-#include <fastrtps/qos/WriterQos.h>
-#include <fastrtps/utils/IPLocator.h>
-
 #include <algorithm>
 #include <cstring>
-#include <fastdds/rtps/interfaces/IReaderDataFilter.hpp>
 #include <map>
 #include <mutex>
 #include <set>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/ros2/fast_dds.hpp"
 
 namespace polyarm::ros2 {
 
-namespace rtps = eprosima::fastrtps::rtps;
 using rtps::IPLocator;
 
 namespace {
@@ -52,10 +30,6 @@ rtps::GUID_t guid_of(const Guid& guid) {
   return out;
 }
 
-template <class Octets>
-std::string text_of_octets(const Octets& octets) {
-  return {octets.begin(), octets.end()};
-}
 std::vector<rtps::octet> octets_of(const std::string& text) {
   return {text.begin(), text.end()};
 }
@@ -124,7 +98,7 @@ Vendor vendor_of(const Guid& guid) {
   return Vendor::other;
 }
 
-class Participant::Work : public rtps::RTPSParticipantListener {
+class Participant::Work : public DiscoveryListener {
   struct Endpoint;
 
  public:
@@ -147,20 +121,15 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     auto endpoint = std::make_unique<Endpoint>(*this);
     rtps::WriterAttributes attributes;
     attributes.endpoint = endpoint_attributes(qos);
-    attributes.times.heartbeatPeriod = {0, 200'000'000};
+    set_heartbeat_period(attributes, 200);
     endpoint->depth = std::max<std::size_t>(1, qos.depth);
     endpoint->written = std::make_unique<rtps::WriterHistory>(history_attributes());
     endpoint->writer =
         rtps::RTPSDomain::createRTPSWriter(participant_, attributes, endpoint->written.get(), endpoint.get());
     if (!endpoint->writer) refuse("no writer of " + topic + " can be made");
     if (addressed) endpoint->writer->reader_data_filter(&filter_);
-    eprosima::fastrtps::WriterQos wqos;
-    wqos.m_reliability.kind = qos.reliable ? eprosima::fastrtps::RELIABLE_RELIABILITY_QOS
-                                           : eprosima::fastrtps::BEST_EFFORT_RELIABILITY_QOS;
-    wqos.m_durability.kind = qos.transient_local ? eprosima::fastrtps::TRANSIENT_LOCAL_DURABILITY_QOS
-                                                 : eprosima::fastrtps::VOLATILE_DURABILITY_QOS;
-    wqos.m_userData.setValue(octets_of(user_data));
-    if (!participant_->registerWriter(endpoint->writer, topic_attributes(topic, type, qos), wqos)) {
+    if (!announce(*participant_, endpoint->writer, topic, type, endpoint->depth,
+                  stated<rtps_qos::WriterQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSWriter(endpoint->writer);
       refuse("the writer of " + topic + " cannot be told to others");
     }
@@ -178,13 +147,8 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     endpoint->reader = rtps::RTPSDomain::createRTPSReader(participant_, attributes, endpoint->received.get(),
                                                           endpoint.get());
     if (!endpoint->reader) refuse("no reader of " + topic + " can be made");
-    eprosima::fastrtps::ReaderQos rqos;
-    rqos.m_reliability.kind = qos.reliable ? eprosima::fastrtps::RELIABLE_RELIABILITY_QOS
-                                           : eprosima::fastrtps::BEST_EFFORT_RELIABILITY_QOS;
-    rqos.m_durability.kind = qos.transient_local ? eprosima::fastrtps::TRANSIENT_LOCAL_DURABILITY_QOS
-                                                 : eprosima::fastrtps::VOLATILE_DURABILITY_QOS;
-    rqos.m_userData.setValue(octets_of(user_data));
-    if (!participant_->registerReader(endpoint->reader, topic_attributes(topic, type, qos), rqos)) {
+    if (!announce(*participant_, endpoint->reader, topic, type, std::max<std::size_t>(1, qos.depth),
+                  stated<rtps_qos::ReaderQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
       refuse("the reader of " + topic + " cannot be told to others");
     }
@@ -210,9 +174,9 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     const std::lock_guard one_at_a_time(endpoint->writing);
     const auto size = static_cast<std::uint32_t>(payload.size());
     while (endpoint->written->getHistorySize() >= endpoint->depth) endpoint->written->remove_min_change();
-    rtps::CacheChange_t* change = endpoint->writer->new_change([size] { return size; }, rtps::ALIVE);
+    rtps::CacheChange_t* change = new_change(*endpoint->writer, *endpoint->written, size);
     if (!change || change->serializedPayload.max_size < size) {
-      if (change) endpoint->writer->release_change(change);
+      if (change) release_change(*endpoint->writer, *endpoint->written, change);
       return 0;
     }
     std::memcpy(change->serializedPayload.data, payload.data(), size);
@@ -258,20 +222,19 @@ class Participant::Work : public rtps::RTPSParticipantListener {
   }
 
  private:
-  struct Endpoint : rtps::WriterListener, rtps::ReaderListener {
+  struct Endpoint : EndpointListener {
     explicit Endpoint(Work& work) : owner(work) {}
-    void onWriterMatched(rtps::RTPSWriter*, rtps::MatchingInfo& info) override { owner.match(*this, info); }
-    void onReaderMatched(rtps::RTPSReader*, rtps::MatchingInfo& info) override { owner.match(*this, info); }
-    void onNewCacheChangeAdded(rtps::RTPSReader*, const rtps::CacheChange_t* const change) override {
-      const rtps::SerializedPayload_t& payload = change->serializedPayload;
-      const Related related = related_of(change->write_params);
-      if (change->kind == rtps::ALIVE && payload.data)
+    void match(const rtps::MatchingInfo& info) override { owner.match(*this, info); }
+    void take(const rtps::CacheChange_t& change) override {
+      const rtps::SerializedPayload_t& payload = change.serializedPayload;
+      const Related related = related_of(change.write_params);
+      if (change.kind == rtps::ALIVE && payload.data)
         on_sample({{reinterpret_cast<const std::byte*>(payload.data), payload.length},
-                   guid_of(change->writerGUID),
-                   static_cast<std::int64_t>(change->sequenceNumber.to64long()),
+                   guid_of(change.writerGUID),
+                   static_cast<std::int64_t>(change.sequenceNumber.to64long()),
                    related.guid,
                    related.sequence});
-      received->remove_change(const_cast<rtps::CacheChange_t*>(change));
+      received->remove_change(const_cast<rtps::CacheChange_t*>(&change));
     }
 
     Work& owner;
@@ -304,13 +267,15 @@ class Participant::Work : public rtps::RTPSParticipantListener {
     out.initialReservedCaches = 8;
     return out;
   }
-  static eprosima::fastrtps::TopicAttributes topic_attributes(const std::string& topic,
-                                                              const std::string& type, const Qos& qos) {
-    eprosima::fastrtps::TopicAttributes out(topic.c_str(), type.c_str(), rtps::NO_KEY);
-    out.historyQos.kind = eprosima::fastrtps::KEEP_LAST_HISTORY_QOS;
-    out.historyQos.depth = static_cast<std::int32_t>(qos.depth);
-    out.auto_fill_type_object = false;
-    out.auto_fill_type_information = false;
+  /// WriterQos or ReaderQos, whose kinds of reliability and durability have the same names.
+  template <class Stated>
+  static Stated stated(const Qos& wanted, const std::string& user_data) {
+    Stated out;
+    out.m_reliability.kind =
+        wanted.reliable ? rtps_qos::RELIABLE_RELIABILITY_QOS : rtps_qos::BEST_EFFORT_RELIABILITY_QOS;
+    out.m_durability.kind =
+        wanted.transient_local ? rtps_qos::TRANSIENT_LOCAL_DURABILITY_QOS : rtps_qos::VOLATILE_DURABILITY_QOS;
+    out.m_userData.setValue(octets_of(user_data));
     return out;
   }
 
@@ -334,7 +299,7 @@ class Participant::Work : public rtps::RTPSParticipantListener {
       endpoint.matched.erase(guid);
   }
 
-  void know(const rtps::GUID_t& guid, bool there, std::string user_data) {
+  void know(const rtps::GUID_t& guid, bool there, std::string user_data) override {
     const std::lock_guard lock(mutex_);
     if (guid.guidPrefix == own_) return;
     if (there)
@@ -343,19 +308,9 @@ class Participant::Work : public rtps::RTPSParticipantListener {
       remotes_.erase(guid_of(guid));
   }
 
-  void onReaderDiscovery(rtps::RTPSParticipant*, rtps::ReaderDiscoveryInfo&& info) override {
-    know(info.info.guid(), info.status != rtps::ReaderDiscoveryInfo::REMOVED_READER,
-         text_of_octets(info.info.m_qos.m_userData.data_vec()));
-  }
-  void onWriterDiscovery(rtps::RTPSParticipant*, rtps::WriterDiscoveryInfo&& info) override {
-    know(info.info.guid(), info.status != rtps::WriterDiscoveryInfo::REMOVED_WRITER,
-         text_of_octets(info.info.m_qos.m_userData.data_vec()));
-  }
   /// Of one that has left, or has not been heard of for too long, the endpoints are not told one by one.
-  void onParticipantDiscovery(rtps::RTPSParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
-    using Info = rtps::ParticipantDiscoveryInfo;
-    if (info.status != Info::REMOVED_PARTICIPANT && info.status != Info::DROPPED_PARTICIPANT) return;
-    const Guid gone = guid_of(info.info.m_guid);
+  void forget(const rtps::GUID_t& participant) override {
+    const Guid gone = guid_of(participant);
     const std::lock_guard lock(mutex_);
     std::erase_if(remotes_, [&](const auto& remote) {
       return std::equal(gone.begin(), gone.begin() + 12, remote.first.begin());
