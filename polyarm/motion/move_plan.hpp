@@ -97,8 +97,8 @@ struct MovePlanOptions {
 /// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
 /// to the second derivative and stays within the radius at the TCP; joint moves through their ends are one
 /// trajectory::joint_spline. Each path is then timed within the limits of joints and TCP. Deterministic.
-/// Throws MoveError with the codes of those parts, of joints_for() and check_joints(), which holds between the
-/// points of a spline too, "workspace" where the TCP would leave the robot's, and "payload" where a joint
+/// Throws MoveError with the codes of those parts, of joints_for() and check_joints(), which holds between
+/// the points of a spline too, "workspace" where the TCP would leave the robot's, and "payload" where a joint
 /// cannot hold the load.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
