@@ -2,12 +2,14 @@
 // stop is to the shortest there is: on lines and arcs of the TCP, six and seven joints, and on random splines
 // of six joints. Of each cycle the cheapest of some repetitions counts, since a machine that does other
 // things interrupts some of them; so it cannot show what an interrupted cycle takes. Takes minutes with
-// `ratio`: the shortest stop is searched for (tests/support/slow_stop.hpp).
+// `ratio [STOPS] [SEED]`: the shortest stop is searched for (tests/support/slow_stop.hpp).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
 #include <random>
 #include <string>
@@ -18,6 +20,7 @@
 #include "polyarm/trajectory/path_follower.hpp"
 #include "polyarm/trajectory/timing.hpp"
 #include "tests/support/slow_stop.hpp"
+#include "tests/support/stop_moments.hpp"
 #include "tests/support/test_paths.hpp"
 
 namespace polyarm {
@@ -106,23 +109,59 @@ void cost(const Case& c) {
               at(all, 0.5), at(all, 0.99), all.back());
 }
 
+/// Random lines, arcs and splines of the TCP about a pose, with blends; limits that differ by joint.
+test::StopMoment moment_of_an_arm(std::uint64_t seed) {
+  struct Robot {
+    const char* name;
+    std::vector<double> q;
+  };
+  static const Robot kRobots[] = {{"universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}},
+                                  {"abb/irb_120", {0.2, 0.2, -0.1, 0.4, 0.8, 0.3}},
+                                  {"fanuc/lr_mate_200id_7l", {0.1, 0.3, -0.2, 0.3, -0.9, 0.2}},
+                                  {"kuka/lbr_iiwa_7_r800", {0.2, 0.5, -0.1, -1.4, 0.2, 0.9, 0}},
+                                  {"franka/fer_panda", {0, -0.4, 0, -2.0, 0, 1.7, 0.8}}};
+  const Robot& robot = kRobots[seed % std::size(kRobots)];
+  const kinematics::Chain chain = arm(robot.name);
+  std::mt19937_64 engine(seed);
+  const auto near = [&] {
+    std::vector<double> q = robot.q;
+    for (double& x : q) x += std::uniform_real_distribution<double>(-0.25, 0.25)(engine);
+    return chain.forward(q);
+  };
+  for (;;) {
+    CartesianPathBuilder builder(chain.forward(robot.q));
+    for (int i = 0; i < 4; ++i) {
+      const Corner corner{std::uniform_real_distribution<double>(0.005, 0.05)(engine), ""};
+      if (i % 3 == 0)
+        builder.line(near(), corner);
+      else if (i % 3 == 1)
+        builder.arc(near().position, near(), ArcOrientation::interpolated, corner);
+      else
+        builder.spline(std::vector<Pose>{near(), near()}, corner);
+    }
+    try {
+      std::shared_ptr<const Path> path = motion::joints_along(chain, builder.build().sections[0], robot.q);
+      return test::moment_on(path, test::unequal_limits(engine, robot.q.size()), engine, seed % 4 < 2);
+    } catch (const Error&) {  // leads where this arm does not go
+    }
+  }
+}
+
 /// Stops from random moments at random factors, every other one at full speed.
-void ratio(std::size_t stops) {
-  std::mt19937_64 engine(5);
-  std::uniform_real_distribution<double> draw(0, 1);
+void ratio(const char* name, std::size_t stops, std::uint64_t seed,
+           test::StopMoment (*moment)(std::uint64_t)) {
   std::vector<double> all;
-  for (std::size_t k = 0; all.size() < stops; ++k) {
-    const Case c = spline(100 + k);
-    const double from = (0.03 + 0.9 * draw(engine)) * c.path.duration(),
-                 factor = k % 2 ? 1 : 0.1 + 0.9 * draw(engine);
-    PathOverride o(c.path, c.limits, kPeriod);
-    o.begin(from, factor);
+  for (; all.size() < stops; ++seed) {
+    const test::StopMoment m = moment(seed);
+    PathOverride o(m.path, m.limits, kPeriod);
+    o.begin(m.time, m.factor);
     const StoppingWay stop = o.stopping();
     if (o.finished() || !stop.known) continue;
-    all.push_back(stop.time / test::SlowStop(c.path, c.limits).search(from, factor));
+    all.push_back(stop.time / test::SlowStop(m.path, m.limits).search(m.time, m.factor));
+    if (all.back() > 1.1) std::printf("%s, seed %llu: %.3f\n", name, (unsigned long long)seed, all.back());
   }
   std::sort(all.begin(), all.end());
-  std::printf("stop over the shortest found: %zu stops  p10 %.3f  p50 %.3f  p90 %.3f  worst %.3f\n",
+  std::printf("%s: %zu stops over the shortest found: p10 %.3f  p50 %.3f  p90 %.3f  worst %.3f\n", name,
               all.size(), at(all, 0.1), at(all, 0.5), at(all, 0.9), all.back());
 }
 
@@ -185,8 +224,14 @@ int main(int argc, char** argv) {
     plot(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));
     return 0;
   }
+  if (argc > 1 && std::string(argv[1]) == "ratio") {
+    const std::size_t stops = argc > 2 ? std::size_t(std::atoi(argv[2])) : 60;
+    const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
+    ratio("splines and blended lines of six joints", stops, seed, test::random_moment);
+    ratio("lines, arcs and splines of five arms", stops, seed, moment_of_an_arm);
+    return 0;
+  }
   cost(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));
   cost(lines_and_arcs("kuka/lbr_iiwa_7_r800", {0.2, 0.5, -0.1, -1.4, 0.2, 0.9, 0}));
   for (const std::uint64_t seed : {1, 2, 3}) cost(spline(seed));
-  if (argc > 1 && std::string(argv[1]) == "ratio") ratio(argc > 2 ? std::size_t(std::atoi(argv[2])) : 60);
 }

@@ -10,22 +10,24 @@ namespace polyarm::trajectory {
 namespace {
 
 /// Of a limit: what f'' is chosen with, and what is accepted; the rest is for what lies between two looks.
-/// Where the plan by itself uses more, no more than nearly that is left.
+/// Where the plan by itself uses more, nothing is added to that.
 struct Room {
-  double share, at_limit;
+  double share;
   double most(double own, double limit) const noexcept {
-    const double within = share * limit, keep = (at_limit - share) / (1 - share);
-    return own > within ? within + keep * (own - within) : within;
+    return std::max(share * limit, own + kRounding * limit);
   }
+  static constexpr double kRounding = 1e-9;
 };
-constexpr Room kChosen{0.9965, 0.9996}, kAccepted{0.9985, 0.9998};
+constexpr Room kChosen{0.999}, kAccepted{0.9997};
+constexpr double kBetween = 2e-4;  // of a limit: what may lie between two looks
 // Of the factor, where the joints hardly move and leave any room: 0 to 1 in some 20 ms.
-constexpr double kMostRate = 50, kMostBend = 20000, kMuchBend = 3000;
-constexpr int kLooks = 10;
+constexpr double kMostRate = 50, kMostBend = 20000;
+constexpr double kMostLooks = 32;      // beside the table's nodes, in one step
 constexpr double kSpacing = 1e-3;      // s of the plan between two rows
 constexpr double kSame = 1e-12;        // of factors
 constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
 constexpr double kLeastBoldness = 1.0 / 64;
+constexpr std::size_t kPushSteps = 12, kLeastPush = 4, kMostPush = 256;  // cycles
 
 double sign(double x) noexcept {
   return x < 0 ? -1 : 1;
@@ -45,7 +47,8 @@ std::span<const MotionLimits> checked(std::span<const MotionLimits> limits, cons
 PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
     : path_(path), table_(path, checked(limits, path, period), kSpacing), period_(period) {
   for (const MotionLimits& l : limits)
-    back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity});
+    back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity}),
+    ramp_ = std::max(ramp_, std::max(l.max_acceleration, -l.min_acceleration) / l.max_jerk);
   std::size_t hint = 0;
   const PathMotion start = path.profile().at(0, hint);
   if (start.speed != 0 || start.acceleration != 0) back_ = 0;
@@ -140,7 +143,17 @@ bool PathOverride::within(const Rows* rows, double factor, double rate, double b
   return *std::max_element(std::begin(over), std::end(over)) <= 0;
 }
 
-/// Are they kept for `t` s of this f'': at both ends, in the middle, and at every node of the table passed?
+/// Into how many parts `t` s of this f'' are divided, so that the jerk between two looks is nearly linear:
+/// from the second derivative of the rows by time, with a planned acceleration and jerk at their limits.
+double PathOverride::looks(const State& s, const State& end, double bend, double t) const noexcept {
+  const double f = std::max(std::abs(s.factor), std::abs(end.factor)), most = std::abs(bend);
+  const double rate = std::max(std::abs(s.rate), std::abs(end.rate));
+  const double curve = 10 * ramp_ * rate * most + 12 * f * rate * rate + 10 * f * f * most;
+  return std::ceil(t * std::sqrt(curve / (8 * kBetween)));
+}
+
+/// Are they kept for `t` s of this f'': at both ends, often enough between them, and at every node of the
+/// table passed?
 bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   const State end = during(s, bend, t);
   if (end.factor > 1 + kSame || end.factor < -back_ - kSame) return false;
@@ -149,10 +162,10 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
     look(inside.time, inside_);
     return within(inside_.data(), inside.factor, inside.rate, bend);
   };
-  if (!kept(0) || !kept(1)) return false;
-  // Where joints hardly move the factor changes much in one cycle, and the rows bend with it.
-  for (int k = 1; std::abs(bend) > kMuchBend && k < kLooks; ++k)
-    if (!kept(double(k) / kLooks)) return false;
+  const double parts = looks(s, end, bend, t);
+  if (parts > kMostLooks || !kept(0) || !kept(1)) return false;
+  for (double k = 1; k < parts; ++k)
+    if (!kept(k / parts)) return false;
   const double low = std::min(s.time, end.time), high = std::max(s.time, end.time);
   std::size_t node = table_.before(low, node_);
   if (table_.time(node) < low) ++node;
@@ -163,33 +176,36 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
     const double rate = s.rate + part * bend;
     if (!within(table_.at(node), s.factor + part * (s.rate + part * bend / 2), rate, bend)) return false;
   }
-  return passed || kept(0.5);
+  return passed || parts > 1 || kept(0.5);
 }
 
-/// The quickest way found to a steady factor. False where none keeps the limits.
-bool PathOverride::recover(State s, Way& way) noexcept {
-  way.steps = 0, way.cycles = 1;
-  const double direction = -sign(s.rate);
+/// A way to a steady factor: in `direction` for `push` cycles as far as the rows leave, then as soon as they
+/// leave. False where that does not keep the limits.
+bool PathOverride::recover(State s, Way& way, double direction, std::size_t push) noexcept {
+  way.steps = 0;
+  way.cycles = (push + kPushSteps - 1) / kPushSteps;
+  const std::size_t pushed = push > 0 ? push / way.cycles : 0;
   for (; way.steps < kMostSteps; ++way.steps) {
-    if (s.rate == 0 || (s.time >= path_.duration() && s.factor >= 0) || (s.time <= 0 && s.factor < 0)) {
-      way.end = s.factor;
-      return true;
-    }
-    double bend = boldest(s, period_ * double(way.cycles), direction);
-    if (way.steps == 0 && direction * bend > 0) {
-      const double cycles = std::abs(s.rate / bend) / period_;
-      way.cycles = std::size_t(std::clamp(std::ceil(cycles / 32), 1.0, 64.0));
-      if (way.cycles > 1) bend = boldest(s, period_ * double(way.cycles), direction);
+    const bool on = way.steps < pushed;
+    if (!on && s.rate == 0) break;
+    if ((s.time >= path_.duration() && s.factor >= 0) || (s.time <= 0 && s.factor < 0)) break;
+    const double towards = on ? direction : -sign(s.rate);
+    if (way.cycles == 0) {
+      way.cycles = 1;
+      const double most = boldest(s, period_, towards), cycles = std::abs(s.rate / most) / period_;
+      if (towards * most > 0) way.cycles = std::size_t(std::clamp(std::ceil(cycles / 32), 1.0, 64.0));
     }
     const double t = period_ * double(way.cycles), rest = -s.rate / t;
-    const bool last = direction * rest <= direction * bend;
+    double bend = boldest(s, t, towards);
+    const bool last = !on && towards * rest <= towards * bend;
     if (last) bend = rest;
     if (!keeps(s, bend, t)) return false;
     s = during(s, bend, t);
     if (last) s.rate = 0;
     way.bends[way.steps] = bend;
   }
-  return false;
+  way.end = s.factor;
+  return way.steps < kMostSteps;
 }
 
 void PathOverride::begin(double time, double factor) noexcept {
@@ -229,16 +245,17 @@ bool PathOverride::arrive(double target) noexcept {
   return true;
 }
 
-/// Looks for an f'' towards the target that can be taken back.
+/// Looks for an f'' towards the target that can be taken back, or that leads past what is in the way.
 bool PathOverride::attempt(double target) noexcept {
   Motion& m = motion_;
   const double direction = sign(target - m.out.end), t = period_;
   const double calm = m.step < m.out.steps ? m.out.bends[m.step] : 0;
-  double more = m.boldness * (boldest(m.at, t, direction) - calm);
+  const double most = boldest(m.at, t, direction) - calm;
+  double more = m.boldness * most;
   for (std::size_t tries = 0; tries < kMostTries; ++tries) {
     if (!(direction * more > 0)) return false;
     const double bend = calm + more;
-    const bool safe = keeps(m.at, bend, t) && recover(during(m.at, bend, t), tried_);
+    const bool safe = keeps(m.at, bend, t) && recover(during(m.at, bend, t), tried_, direction, 0);
     const double beyond = safe ? direction * (tried_.end - target) : 0;
     if (safe && beyond <= kSame) {
       take(bend, tried_);
@@ -247,11 +264,28 @@ bool PathOverride::attempt(double target) noexcept {
     }
     if (safe) {  // less by what the end lies beyond, as the way out passes it on
       more -= direction * beyond / (t * (t / 2 + t * double(tried_.steps * tried_.cycles)));
-    } else {
-      more /= 2;
-      m.boldness = std::max(m.boldness / 2, kLeastBoldness);
+      continue;
     }
+    if (tries == 0 && push_past(calm + most, direction, target)) return true;
+    more /= 2;
+    m.boldness = std::max(m.boldness / 2, kLeastBoldness);
   }
+  return false;
+}
+
+/// Goes on as far as the rows leave for some cycles more, and then to a steady factor.
+bool PathOverride::push_past(double bend, double direction, double target) noexcept {
+  Motion& m = motion_;
+  if (!keeps(m.at, bend, period_)) return false;
+  if (recover(during(m.at, bend, period_), tried_, direction, m.push)) {
+    if (direction * (tried_.end - target) <= kSame) {
+      take(bend, tried_);
+      return true;
+    }
+    m.push = std::max(m.push / 2, kLeastPush);
+    return false;
+  }
+  m.push = m.push >= kMostPush ? kLeastPush : 2 * m.push;
   return false;
 }
 

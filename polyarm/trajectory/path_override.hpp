@@ -27,12 +27,14 @@ struct StoppingWay {
 /// Method: whatever moves f can be given up: there is always a way from here to a steady f that keeps every
 /// limit, found before and followed where nothing better is. In each cycle a bolder f'' towards the target is
 /// tried: first as much as the rows above leave, then less. It is taken when from where it leads there is a
-/// way to a steady f again, not beyond the target. That way is run through in steps of the cycle, or of
-/// several where it is long, on a table of the rows; so a cycle costs a bounded number of looks at the table,
-/// acts at once, and never enters what it could not leave. docs/decisions/0010-timing.md.
+/// way to a steady f again, not beyond the target. Where that cannot be at once, what is in the way may be
+/// past when f has changed more: then a way that goes on boldly for some cycles is tried, too. Ways are run
+/// through in steps of the cycle, or of several where they are long, on a table of the rows; so a cycle costs
+/// a bounded number of looks at the table, acts at once, and never enters what it could not leave.
+/// docs/decisions/0010-timing.md.
 ///
-/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries runs of at most
-/// kMostSteps steps. Keeps a reference to the path given.
+/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries + 1 runs of at
+/// most kMostSteps steps. Keeps a reference to the path given.
 class PathOverride {
  public:
   static constexpr std::size_t kMostSteps = 96;
@@ -84,6 +86,7 @@ class PathOverride {
     Way out;
     std::size_t step = 0, cycle = 0;  // of the way out that come next
     double boldness = 1;
+    std::size_t push = 16;  // cycles that a way boldly goes on for
     bool hard = false;
   };
   using Rows = PlannedRows::Rows;
@@ -94,8 +97,10 @@ class PathOverride {
   double most_bend(const Rows* rows, double factor, double rate, double t, double direction) const noexcept;
   double boldest(const State& s, double t, double direction) noexcept;
   bool within(const Rows* rows, double factor, double rate, double bend) const noexcept;
+  double looks(const State& s, const State& end, double bend, double t) const noexcept;
   bool keeps(const State& s, double bend, double t) noexcept;
-  bool recover(State s, Way& way) noexcept;
+  bool recover(State s, Way& way, double direction, std::size_t push) noexcept;
+  bool push_past(double bend, double direction, double target) noexcept;
   bool arrive(double target) noexcept;
   bool attempt(double target) noexcept;
   void follow_way_out() noexcept;
@@ -106,6 +111,7 @@ class PathOverride {
   PlannedRows table_;
   std::vector<PlannedRows::Limits> own_limits_, hard_limits_;
   double period_, back_ = 1;
+  double ramp_ = 0;  // s: the longest of a joint's acceleration over its jerk
   Motion motion_;
   Way tried_;
   double bend_ = 0;

@@ -134,11 +134,14 @@ void PlannedRows::between(std::size_t node, double t, Rows* out) const noexcept 
   const double length = times_[next] - times_[node];
   const double share = length > 0 ? std::clamp((t - times_[node]) / length, 0.0, 1.0) : 0;
   const Rows *from = at(node), *to = at(next);
+  // A velocity whose acceleration is linear bends by that; the factor's second derivative makes much of it.
+  const double bent = length * share * (1 - share) / 2;
   for (std::size_t b = 0; b < blocks_; ++b)
     for (std::size_t i = 0; i < kWidth; ++i) {
-      out[b].velocity[i] = from[b].velocity[i] + share * (to[b].velocity[i] - from[b].velocity[i]);
-      out[b].acceleration[i] =
-          from[b].acceleration[i] + share * (to[b].acceleration[i] - from[b].acceleration[i]);
+      const double more = to[b].acceleration[i] - from[b].acceleration[i];
+      out[b].velocity[i] =
+          from[b].velocity[i] + share * (to[b].velocity[i] - from[b].velocity[i]) - bent * more;
+      out[b].acceleration[i] = from[b].acceleration[i] + share * more;
       out[b].jerk[i] = from[b].jerk[i] + share * (to[b].jerk[i] - from[b].jerk[i]);
     }
 }

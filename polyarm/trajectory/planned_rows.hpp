@@ -9,8 +9,9 @@
 
 namespace polyarm::trajectory {
 
-/// Velocity, acceleration and jerk of all joints as planned, at nodes of time, linear between them. Every
-/// jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then const.
+/// Velocity, acceleration and jerk of all joints as planned, at nodes of time; between them the last two are
+/// linear. Every jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then
+/// const.
 class PlannedRows {
  public:
   /// Joints side by side, eight at a time; unused places are 0.

@@ -13,10 +13,11 @@
 
 namespace polyarm::test {
 
-/// The shortest stop found from `time` on the plan at the steady `factor`, s. In layers of `step` s all f''
-/// out of nine between the lowest and the highest that the rows leave are tried from every state; of states
-/// with nearly the same f and f' one is kept, that which has come the least far. Rows are looked at where
-/// steps begin and end and in their middle, with limits a little higher, so that it errs on the fast side.
+/// The shortest stop found from `time` on the plan at the steady `factor`, s. In layers of `step` s eleven
+/// f'' between the lowest and the highest that the rows leave are tried from every state, and those that
+/// change nothing or end at a steady f; of states with nearly the same f and f' one is kept, that which has
+/// come the least far. Rows are looked at where steps begin and end and in their middle, with limits a little
+/// higher, so that it errs on the fast side.
 class SlowStop {
  public:
   SlowStop(const trajectory::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
@@ -34,15 +35,14 @@ class SlowStop {
       std::unordered_map<std::int64_t, State> next;
       for (const State& s : layer) {
         best = std::min(best, double(k) * step_ + landing(s, best));
-        const auto [low, high] = room(s);
-        for (int i = 0; i <= 8 && low <= high; ++i) {
-          const State to = after(s, low + (high - low) * i / 8, step_);
+        for (const double bend : bends(s)) {
+          const State to = after(s, bend, step_);
           if (to.factor < 0 || to.factor > 1 + 1e-9 || to.rate > 1e-9) continue;
-          if (!kept(s, low + (high - low) * i / 8, step_)) continue;
           const auto bin =
-              std::int64_t(std::round(to.factor * 150)) * 100'000 + std::int64_t(std::round(-to.rate * 15));
-          const auto [at, fresh] = next.try_emplace(bin, to);
-          if (!fresh && to.time < at->second.time) at->second = to;
+              std::int64_t(std::round(to.factor * 300)) * 100'000 + std::int64_t(std::round(-to.rate * 30));
+          const auto at = next.find(bin);
+          if (at != next.end() && !(to.time < at->second.time)) continue;
+          if (kept(s, bend, step_)) next[bin] = to;
         }
       }
       layer.clear();
@@ -60,24 +60,30 @@ class SlowStop {
             s.rate + t * bend};
   }
   void look(double time) { path_.sample(time, q_, v_, a_, j_, hint_); }
-  /// What the rows leave f'' here.
-  std::pair<double, double> room(const State& s) {
-    look(s.time);
+  std::vector<double> bends(const State& s) {
+    std::vector<double> out{0, -s.rate / step_};
     double low = -20'000, high = 20'000;
-    const double square = s.factor * s.factor;
-    for (std::size_t i = 0; i < limits_.size(); ++i) {
-      const double own = j_[i] * square * s.factor + 3 * a_[i] * s.factor * s.rate,
-                   most = limits_[i].max_jerk;
-      if (std::abs(v_[i]) < 1e-12) continue;
-      const double x = (-most - own) / v_[i], y = (most - own) / v_[i];
+    for (const double part : {0.0, 0.5, 1.0}) narrow(s, part * step_, low, high);
+    for (int i = 0; i <= 10 && low <= high; ++i) out.push_back(low + (high - low) * i / 10);
+    return out;
+  }
+  /// What the rows leave an f'' that has acted for `t` s.
+  void narrow(const State& s, double t, double& low, double& high) {
+    const State in = after(s, 0, t);
+    look(in.time);
+    const double square = in.factor * in.factor;
+    const auto within = [&](double own, double slope, double least, double most) {
+      if (std::abs(slope) < 1e-12) return;
+      const double x = (least - own) / slope, y = (most - own) / slope;
       low = std::max(low, std::min(x, y)), high = std::min(high, std::max(x, y));
-      // The acceleration at the step's end, roughly: what ends beyond it is found out by kept().
-      const double now = a_[i] * square + v_[i] * s.rate, gain = v_[i] * step_;
-      const double p = (limits_[i].min_acceleration - now) / gain,
-                   r = (limits_[i].max_acceleration - now) / gain;
-      low = std::max(low, std::min(p, r) - 5), high = std::min(high, std::max(p, r) + 5);
+    };
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      const double turn = a_[i] * in.factor;
+      within(j_[i] * square * in.factor + 3 * turn * s.rate, v_[i] + 3 * turn * t, -limits_[i].max_jerk,
+             limits_[i].max_jerk);
+      within(a_[i] * square + v_[i] * s.rate, t * (v_[i] + turn * t), limits_[i].min_acceleration,
+             limits_[i].max_acceleration);
     }
-    return {low, high};
   }
   bool kept(const State& s, double bend, double t) {
     for (const double part : {0.0, 0.5, 1.0}) {
