@@ -5,10 +5,13 @@ import './style/controls.css';
 import './style/shell.css';
 import { App } from './shell/App';
 import { startKeys } from './shell/keys';
+import { pageId } from './shell/route';
 import { connect } from './state/cell';
 import { startTheme } from './state/settings';
 
 startTheme();
 startKeys();
 connect();
+// The picture is large: it is fetched beside the page that shows it.
+if (['run', 'move'].includes(pageId.peek())) import('./view3d/picture').catch(() => undefined);
 render(<App />, document.getElementById('app')!);

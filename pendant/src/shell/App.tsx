@@ -8,6 +8,7 @@ import { Button, Empty, Loading } from '../ui/controls';
 import { Toasts } from '../ui/Toasts';
 import { ControlQuestion } from './Control';
 import { Header } from './Header';
+import { ProgramQuestion } from './ProgramQuestion';
 import { LinkBanner } from './LinkBanner';
 import { RobotBar } from './RobotBar';
 import { pageId } from './route';
@@ -26,6 +27,7 @@ export function App() {
       <Header />
       <main id="page" tabIndex={-1} aria-label={t(page.label)}>
         <LinkBanner />
+        <ProgramQuestion />
         <Shown key={page.id} page={page} />
       </main>
       <RobotBar />

@@ -1,7 +1,7 @@
 /** Always at the bottom: the state in words, the modes, the speed, hold and resume, and Stop. */
 import { t } from '../i18n';
 import { discard, hold, recover, resume, setOverride, setProfile, stop } from '../state/actions';
-import { connected, mayMove, status } from '../state/cell';
+import { connected, mayMove, programRuns, status } from '../state/cell';
 import { ask, close } from '../ui/ask';
 import { Button, Slider } from '../ui/controls';
 import { Icon } from '../ui/Icon';
@@ -43,7 +43,13 @@ function Modes() {
         <Icon name={now.simulated ? 'cube' : 'power'} size={16} />
         {t(now.simulated ? 'mode.simulated' : 'mode.real')}
       </span>
-      <ProfileChip />
+      {now.armed || now.simulated ? (
+        <ProfileChip />
+      ) : (
+        <a class="chip warn" href="#/cell">
+          {t('mode.notArmed')}
+        </a>
+      )}
     </div>
   );
 }
@@ -107,8 +113,7 @@ function Override() {
 }
 
 function moves(): boolean {
-  const program = status.value?.program;
-  return status.value?.moving === true || (program !== null && program !== undefined && !program.ended && !program.paused);
+  return status.value?.moving === true || programRuns.value;
 }
 
 /** The one thing that a person may want next: hold what goes, resume what is held, recover from a fault. */

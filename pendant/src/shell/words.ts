@@ -41,7 +41,7 @@ function runningWord(): StateWord {
   if (now.jogged.length > 0 && now.moving)
     return word(t('state.jogging'), 'busy', 'hand');
   const program = now.program;
-  if (program?.ended) return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
+  if (!program || program.ended || program.ready) return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
   if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
   if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');

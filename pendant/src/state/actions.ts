@@ -1,7 +1,7 @@
 /** What a person does to the cell as a whole. */
 import { toast } from './toasts';
 import { t } from '../i18n';
-import { attempt, request, status } from './cell';
+import { attempt, programRuns, request, status } from './cell';
 
 /** Stops whatever moves. Needs no control; tried by every way there is. */
 export async function stop(): Promise<void> {
@@ -22,7 +22,5 @@ export const setProfile = (name: string) => attempt('profile', { name });
 export function somethingGoesOn(): boolean {
   const now = status.peek();
   if (!now) return false;
-  const program = now.program;
-  const runs = program !== null && !program.ended && !program.paused;
-  return now.moving || now.state === 'backing' || now.state === 'stopping' || (now.state === 'running' && runs);
+  return now.moving || now.state === 'backing' || now.state === 'stopping' || (now.state === 'running' && programRuns.peek());
 }

@@ -51,6 +51,11 @@ export const robot = computed<RobotInfo | null>(() => {
 export const connected = computed(() => link.value === 'open' && status.value !== null);
 /** May this page move the robot now? */
 export const mayMove = computed(() => connected.value && youHold.value);
+/** A program is under way and neither paused nor waiting to be started. */
+export const programRuns = computed(() => {
+  const it = status.value?.program;
+  return !!it && !it.ended && !it.ready && !it.paused;
+});
 export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).length);
 
 const kLogLines = 2000;

@@ -19,6 +19,7 @@ function readProgram(value: unknown): ProgramStatus | null {
     state: text(program.state) as ProgramStatus['state'],
     paused: program.paused === true,
     ended: program.ended === true,
+    ready: program.state === 'ready' || program.begun === false,
     line: num(program.line, 0),
     source: text(program.source),
     passes: num(program.cycle, 0),

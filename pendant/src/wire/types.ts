@@ -8,7 +8,7 @@ export interface Pose {
 }
 
 export type RunState = 'running' | 'stopping' | 'held' | 'fault' | 'backing';
-export type ProgramState = 'running' | 'waiting' | 'finished' | 'failed' | 'stopped';
+export type ProgramState = 'ready' | 'running' | 'waiting' | 'finished' | 'failed' | 'stopped';
 
 export interface Holder {
   client: number;
@@ -20,6 +20,8 @@ export interface ProgramStatus {
   state: ProgramState;
   paused: boolean;
   ended: boolean;
+  /** It stands ready, and was not started yet. */
+  ready: boolean;
   line: number;
   /** The statement at that line. */
   source: string;

@@ -20,6 +20,7 @@ export const run = {
   'run.problem': 'Why it ended',
   'run.text': 'Program text',
 
+  'program.ready': 'ready',
   'program.running': 'running',
   'program.waiting': 'waiting',
   'program.paused': 'paused',

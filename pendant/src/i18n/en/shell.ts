@@ -86,6 +86,11 @@ export const shell = {
   'bar.speedOf': 'Speed {percent} %',
   'bar.allowed': 'at most {percent} % allowed',
 
+  'question.label': 'The program asks',
+  'question.wait': 'The program waits for you.',
+  'question.answer': 'Answer',
+  'question.go': 'Go on',
+
   'alarms.label': 'Alarms',
   'alarms.count': '{count} new alarms',
   'alarms.none': 'No alarms',

@@ -22,6 +22,7 @@ export const run: Record<keyof typeof en, string> = {
   'run.problem': 'Por qué terminó',
   'run.text': 'Texto del programa',
 
+  'program.ready': 'listo',
   'program.running': 'en marcha',
   'program.waiting': 'en espera',
   'program.paused': 'en pausa',

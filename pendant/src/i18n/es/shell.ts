@@ -88,6 +88,11 @@ export const shell: Record<keyof typeof en, string> = {
   'bar.speedOf': 'Velocidad {percent} %',
   'bar.allowed': 'permitido {percent} % como máximo',
 
+  'question.label': 'El programa pregunta',
+  'question.wait': 'El programa le espera.',
+  'question.answer': 'Respuesta',
+  'question.go': 'Seguir',
+
   'alarms.label': 'Alarmas',
   'alarms.count': '{count} alarmas nuevas',
   'alarms.none': 'Sin alarmas',

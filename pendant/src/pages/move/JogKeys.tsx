@@ -1,7 +1,7 @@
 /** A row an axis: minus, the value with its bar, plus. Keys move while they are pressed. */
 import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
-import { mayMove, status } from '../../state/cell';
+import { mayMove, programRuns, status } from '../../state/cell';
 import { heldKey, jogMode, jogStep, pressJog, release } from '../../state/jog';
 import { beat } from '../../state/live';
 import { jointText } from '../../ui/format';
@@ -10,9 +10,7 @@ import { type Axis, axesNow, nearLimit, roomTo } from './axes';
 
 /** A program that moves must be held first. */
 export function programMoves(): boolean {
-  const now = status.value;
-  const program = now?.program;
-  return now?.state === 'running' && !!program && !program.ended && !program.paused;
+  return status.value?.state === 'running' && programRuns.value;
 }
 
 export function JogKeys() {

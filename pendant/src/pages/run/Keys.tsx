@@ -4,14 +4,20 @@ import { attempt, mayMove, status } from '../../state/cell';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
 
-const start = (file: string) => attempt('program.from', { program: file, line: 1, confirmed: true });
+/** One that stands ready begins; one that has ended begins anew, from its file. */
+function start(): void {
+  const it = status.peek()?.program;
+  if (!it) return;
+  if (it.ready) void attempt('program.start');
+  else void attempt('program.from', { program: it.file, line: 1, confirmed: true });
+}
 
 /** Start, or pause and go on, in one big key; step and end beside it. */
 export function Keys() {
   const now = status.value;
   const it = now?.program;
   const disabled = !mayMove.value || !it || now.state === 'fault';
-  const ended = it?.ended ?? true;
+  const ended = it ? it.ended || it.ready : true;
   const paused = it?.paused ?? false;
   const held = now?.state === 'held';
   const end = () =>
@@ -33,7 +39,7 @@ export function Keys() {
 
 function mainKey(ended: boolean, paused: boolean, held: boolean) {
   if (ended)
-    return { label: t('run.start'), icon: 'run', tone: 'good', onClick: () => void start(status.peek()!.program!.file) } as const;
+    return { label: t('run.start'), icon: 'run', tone: 'good', onClick: start } as const;
   if (held) return { label: t('bar.resume'), icon: 'run', tone: 'good', onClick: () => void resume() } as const;
   if (paused)
     return { label: t('run.continue'), icon: 'run', tone: 'good', onClick: () => void attempt('program.go') } as const;

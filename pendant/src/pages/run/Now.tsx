@@ -12,6 +12,7 @@ export function programWord(): { text: string; tone: string } {
   const it = now?.program;
   if (!it) return { text: t('run.none'), tone: 'off' };
   if (now.state === 'fault') return { text: t('state.fault'), tone: 'bad' };
+  if (it.ready) return { text: t('program.ready'), tone: 'off' };
   if (it.ended) return { text: word('program', it.state), tone: it.state === 'failed' ? 'bad' : 'off' };
   if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
   if (it.paused) return { text: t('program.paused'), tone: 'warn' };
@@ -31,7 +32,7 @@ export function Now() {
           {state.text}
         </span>
       </header>
-      {!it.ended && (
+      {!it.ended && !it.ready && (
         <>
           <p class="statement">
             <span class="line">{t('run.line', { line: it.line })}</span>

@@ -9,7 +9,7 @@ export function Text() {
   const file = program ? shortName(program.file) : '';
   const [lines, setLines] = useState<string[]>([]);
   const list = useRef<HTMLOListElement>(null);
-  const ended = program?.ended ?? true;
+  const ended = program ? program.ended || program.ready : true;
   useEffect(() => {
     setLines([]);
     if (!file) return;

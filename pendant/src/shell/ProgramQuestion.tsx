@@ -1,0 +1,25 @@
+/** What the program asks a person (`wait user`), over whatever page is open, until it is answered. */
+import { useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { attempt, mayMove, program } from '../state/cell';
+import { Button, Field } from '../ui/controls';
+import { Icon } from '../ui/Icon';
+
+export function ProgramQuestion() {
+  const asked = program.value?.question;
+  const [text, setText] = useState('');
+  if (typeof asked !== 'string') return null;
+  const answer = async () => {
+    if (await attempt('program.answer', { text })) setText('');
+  };
+  return (
+    <section class="banner question" role="alert" aria-label={t('question.label')}>
+      <Icon name="hand" />
+      <div>
+        <strong>{asked || t('question.wait')}</strong>
+      </div>
+      <Field label={t('question.answer')} value={text} disabled={!mayMove.value} onInput={setText} onEnter={() => void answer()} />
+      <Button label={t('question.go')} icon="run" tone="good" disabled={!mayMove.value} onClick={() => void answer()} />
+    </section>
+  );
+}
