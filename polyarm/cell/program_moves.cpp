@@ -200,6 +200,28 @@ std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, cons
   return out;
 }
 
+namespace {
+/// A point that this robot was taught is reached in the configuration in which it stood there, with whatever
+/// tool and wherever its frame is now; where that cannot be, in the nearest.
+void keep_as_taught(const program::Move& move, const CellRobot& own, const motion::RobotFacts& robot,
+                    std::vector<motion::Move>& moves) {
+  if (move.kind != program::Move::Kind::joint || moves.size() != move.targets.size()) return;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const data::Point* point = move.targets[i].value.as_point();
+    const data::Taught* taught = point ? point->taught.get() : nullptr;
+    if (!taught || taught->joints.positions.empty() || taught->robot != own.entry.model) continue;
+    motion::MoveTarget& target = moves[i].targets.back();
+    const Pose* pose = std::get_if<Pose>(&target.at);
+    try {
+      if (pose)
+        target.at = motion::joints_for(robot, *pose, joints_by_name(own.model, taught->joints, target.name),
+                                       target.name);
+    } catch (const Error&) {
+    }
+  }
+}
+}  // namespace
+
 ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Location& where) {
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
@@ -207,7 +229,10 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
   check_payload(move, arm, where);
   const motion::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
-  if (move.near) keep_near(*move.near, facts ? *facts : own, moves);
+  if (move.near)
+    keep_near(*move.near, facts ? *facts : own, moves);
+  else
+    keep_as_taught(move, *arm.robot.robot, facts ? *facts : own, moves);
   return {index, std::move(moves), std::move(facts)};
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "polyarm/base/text.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -91,6 +92,69 @@ TEST_F(PointFrames, AFrameThatHangsOnItselfIsToldAndNothingHangs) {
   run(kPoints, "movej a\n");
   ASSERT_TRUE(cell->failure());
   EXPECT_NE(cell->failure()->problem.text().find("hangs on itself"), std::string::npos);
+}
+
+/// A point as `polyarm data teach` keeps it, of this robot standing in `joints` with `tool`.
+class TaughtPoints : public PointFrames {
+ protected:
+  static const std::vector<std::string>& names() {
+    static const std::vector<std::string> out = {"shoulder_pan_joint", "shoulder_lift_joint",
+                                                 "elbow_joint",        "wrist_1_joint",
+                                                 "wrist_2_joint",      "wrist_3_joint"};
+    return out;
+  }
+  static std::string taught(const std::vector<double>& joints, const Pose& tcp, const std::string& robot) {
+    const Quaternion& q = tcp.rotation;
+    std::string by_name;
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      by_name += (i ? ", " : "") + names()[i] + " = " + format_number(joints[i]);
+    std::string numbers;
+    for (const double n : {tcp.position.x, tcp.position.y, tcp.position.z, q.x, q.y, q.z, q.w})
+      numbers += (numbers.empty() ? "" : ", ") + format_number(n);
+    return "Pose: Quaternion\nName: p\nPoint: " + numbers + "; tool = \"suction_cup\", robot = \"" + robot +
+           "\", joints = joints(" + by_name + ")\n";
+  }
+  double joint(const std::string& name) const {
+    return cell->snapshot().states[*cell->loop().table().find_state("arm/" + name + "/position")];
+  }
+  /// Where the TCP is in these joints, with the cup.
+  Pose tcp_in(const std::vector<double>& joints) {
+    std::string line = "movej joints(";
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      line += (i ? ", " : "") + names()[i] + " = " + format_number(joints[i]) + "rad";
+    run("", line + ")\n");
+    return cell->tcp(0);
+  }
+  const std::vector<double> elbow_down = {0.3, -0.6, -1.3, -1.2, -1.5, 0.2};
+};
+
+TEST_F(TaughtPoints, AreReachedInTheConfigurationInWhichTheRobotStood) {
+  const Pose tcp = tcp_in(elbow_down);
+  run(taught(elbow_down, tcp, "universal_robots/ur3"), "movej p\n");
+  expect_tcp(tcp);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(joint(names()[i]), elbow_down[i], 1e-5) << names()[i];
+  run(taught(elbow_down, tcp, "universal_robots/ur5e"), "movej p\n");
+  expect_tcp(tcp);
+  EXPECT_GT(joint("elbow_joint"), 0) << "what another robot's joints were says nothing about these";
+}
+
+TEST_F(TaughtPoints, PutTheTipOfAnotherToolWhereTheTaughtOnesWas) {
+  const Pose tcp = tcp_in(elbow_down);
+  run(taught(elbow_down, tcp, "universal_robots/ur3") +
+          "Pose: RPY\nName: long_cup\nPoint: 0, 0, 0.14, 0, 0, 0\n",
+      "use tool long_cup\nmovej p\n");
+  ASSERT_FALSE(cell->failure()) << cell->failure()->problem.text();
+  const Pose flange = cell->tcp(0) * inverse(cell->robots()[0]->tool.tcp);
+  EXPECT_LT(norm((flange * Pose{{0, 0, 0.14}, {}}).position - tcp.position), 1e-6);
+  EXPECT_LT(joint("elbow_joint"), 0) << "and the configuration stays";
+}
+
+TEST_F(TaughtPoints, AJointStateOfAnotherMakeSaysWhyItCannot) {
+  run("JS: panda_joint1 panda_joint2\nName: p\nPoint: 0, 1\n", "movej p\n");
+  ASSERT_TRUE(cell->failure());
+  const std::string told = cell->failure()->problem.text();
+  EXPECT_NE(told.find("names the joint 'panda_joint1', which ur3 does not have"), std::string::npos) << told;
+  EXPECT_NE(told.find("a pose works for all"), std::string::npos) << told;
 }
 
 }  // namespace
