@@ -29,6 +29,12 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return out;
 }
 
+/// A data file of the same name is not meant where a script is asked for.
+fs::path find_script(const std::string& name, const fs::path& folder, const Location& named_at) {
+  std::error_code ignored;
+  const fs::path script = folder / (name + ".script");
+  return fs::is_regular_file(script, ignored) ? script : find_file(name, folder, named_at);
+}
 }  // namespace
 
 const std::vector<std::string>& file_endings() {
@@ -68,7 +74,8 @@ LoadedFiles load_files(const std::string& name, const fs::path& folder, Location
           ImportFile::load(find_file(*points->as_text(), beside, where("PointFile")).string()));
     });
   if (information)
-    collect(problems, [&] { out.script = find_file(information->script_file, beside, where("ScriptFile")); });
+    collect(problems,
+            [&] { out.script = find_script(information->script_file, beside, where("ScriptFile")); });
   problems.throw_if_errors();
   return out;
 }

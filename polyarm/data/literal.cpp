@@ -6,27 +6,12 @@
 #include <vector>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/format_parts.hpp"
 
 namespace polyarm::data {
 
 namespace {
 constexpr int kDeepest = 32;
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (c == '\n')
-      out += "\\n";
-    else if (c == '\r')
-      out += "\\r";
-    else if (c == '\t')
-      out += "\\t";
-    else
-      out += c;
-  }
-  return out + "\"";
-}
 
 bool is_name_char(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || static_cast<unsigned char>(c) >= 0x80;
@@ -50,13 +35,8 @@ std::string joints_text(const JointState& joints) {
 }
 
 std::string pose_text(const Point& point) {
-  const Vec3& p = point.pose.position;
-  const Quaternion& q = point.pose.rotation;
-  const Vec3 rpy = to_rpy(q);
-  std::vector<double> numbers = {p.x, p.y, p.z, rpy.x, rpy.y, rpy.z};
-  if (point.quaternion_given) numbers = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
   std::string out;
-  for (const double number : numbers) out += (out.empty() ? "" : ", ") + format_number(number);
+  for (const double number : numbers_of(point)) out += (out.empty() ? "" : ", ") + format_number(number);
   if (const std::string taught = point.taught ? taught_text(*point.taught) : ""; !taught.empty())
     out += ", " + taught;
   return (point.quaternion_given ? "quat(" : "pose(") + out + ")";

@@ -1,6 +1,9 @@
 #include "polyarm/data/file_lookup.hpp"
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <fstream>
 
 namespace polyarm::data {
 namespace {
@@ -31,6 +34,15 @@ TEST(FileLookup, FollowsPointFileAndScriptFile) {
   ASSERT_EQ(loaded.points.size(), 1u);
   EXPECT_TRUE(loaded.points[0].values().value("Place3"));
   EXPECT_EQ(loaded.script, kThesis / "SORscript.script");
+}
+
+TEST(FileLookup, AScriptIsFoundBesideDataOfTheSameName) {
+  std::string pattern = (std::filesystem::temp_directory_path() / "polyarm_XXXXXX").string();
+  const std::filesystem::path folder = ::mkdtemp(pattern.data());
+  std::ofstream(folder / "job.data") << "Name: ScriptFile\nText: job\n";
+  std::ofstream(folder / "job.script") << "log(1)\n";
+  EXPECT_EQ(load_files("job", folder).script, folder / "job.script");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(FileLookup, OddNamesAreErrorsNotCrashes) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
 #include <thread>
 
 namespace polyarm::data {
@@ -77,7 +78,7 @@ TEST(Value, AChangedPartLeavesCopiesAsTheyWere) {
   Value list = List{1, 2, 3};
   const Value before = list;
   (*list.own_parts())[1] = 20;
-  list.append("four");
+  list.append(Value("four"));
   EXPECT_EQ(list.text(), "[1, 20, 3, four]");
   EXPECT_EQ(before.text(), "[1, 2, 3]");
   Value record = Record{{"a", "b"}, {1, 2}};
@@ -87,7 +88,7 @@ TEST(Value, AChangedPartLeavesCopiesAsTheyWere) {
   EXPECT_EQ(other.text(), "{a = 1, b = 2}");
   Value text = "ab";
   const Value shorter = text;
-  text.append("cd");
+  text.append(std::string_view("cd"));
   EXPECT_EQ(text, Value("abcd"));
   EXPECT_EQ(shorter, Value("ab"));
   EXPECT_EQ(Value(1).own_parts(), nullptr);
