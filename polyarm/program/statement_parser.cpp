@@ -365,28 +365,26 @@ void parse_hold(TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the reason");
 }
 
-void parse_include(TokenCursor& cursor, Statement& out) {
-  out.kind = Kind::include;
+/// The text in quotes that `include` and `test` name.
+void parse_quoted(TokenCursor& cursor, Statement& out, const char* what, const char* example) {
   const Token& token = cursor.peek();
   out.name_place = token.place;
   if (token.kind != TokenKind::text)
     throw SyntaxError{"no-name", token.place,
-                      "the name of a file in quotes was expected, here is " + shown(token),
-                      "write `include \"tools.script\"`"};
+                      std::string(what) + " in quotes was expected, here is " + shown(token),
+                      std::string("write `") + example + "`"};
   out.name = cursor.take().text;
-  cursor.expect_end("the file");
+  cursor.expect_end("the text");
+}
+
+void parse_include(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::include;
+  parse_quoted(cursor, out, "the name of a file", "include \"tools.script\"");
 }
 
 void parse_test(TokenCursor& cursor, Statement& out) {
   out.kind = Kind::test;
-  const Token& token = cursor.peek();
-  out.name_place = token.place;
-  if (token.kind != TokenKind::text)
-    throw SyntaxError{"no-name", token.place,
-                      "what is tested was expected in quotes, here is " + shown(token),
-                      "write `test \"sorts blue parts\"`"};
-  out.name = cursor.take().text;
-  cursor.expect_end("the text");
+  parse_quoted(cursor, out, "the name of the test", "test \"sorts blue parts\"");
 }
 
 bool stands_in_test(const Openers& open) {
