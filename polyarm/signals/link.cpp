@@ -49,6 +49,7 @@ int LinkTag::registers() const {
 }
 
 std::string LinkEntry::address() const {
+  if (port == 0) return kind + (server ? " server" : "");
   return kind + (server ? " server at " : " at ") + host + ":" + std::to_string(port);
 }
 
@@ -145,9 +146,7 @@ std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
   }
   throw Error(Problem{"no-link-module", entry.where,
                       "the link '" + entry.name + "' needs " + file + ", which is not built here",
-                      std::string("install ") +
-                          (entry.kind == "mqtt" ? "libmosquitto-dev" : "libmodbus-dev") +
-                          " (tools/setup does) and build again"});
+                      "tools/setup installs what it needs; then build again"});
 }
 
 }  // namespace polyarm::signals

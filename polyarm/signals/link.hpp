@@ -63,6 +63,15 @@ struct LinkTag {
   int qos = 1;
   Nanoseconds stale = 0;  ///< older than this it is stale; 0: never by itself
 
+  // ROS 2; `topic` is a topic's or a service's name, `field` stands in the message, `retain`: latched
+  /// Of a service: the tag that asks (true) and is answered (false), a field of the request, one of the
+  /// answer.
+  enum class Role { topic, call, request, answer };
+  Role role = Role::topic;
+  std::string message;  ///< "geometry_msgs/PoseStamped", "std_srvs/srv/Trigger"
+  bool best_effort = false;
+  std::map<std::string, std::string> constants;  ///< fields of what goes out that stay as they are
+
   Location where;
   /// Registers that it takes (pose: six or seven numbers).
   int registers() const;
@@ -75,7 +84,7 @@ constexpr int kPoseNumbers = 6;
 struct LinkEntry {
   enum class OnLoss { hold, go_on };
   std::string name;
-  std::string kind;  ///< "modbus" or "mqtt": the module that makes its port
+  std::string kind;  ///< "modbus", "mqtt" or "ros2": the module that makes its port
   bool server = false;
   std::string host = "127.0.0.1";
   int port = 0;
@@ -96,6 +105,9 @@ struct LinkEntry {
   bool tls = false;
   std::string ca_file, certificate, key;
   Nanoseconds keep_alive = 10'000'000'000;
+
+  // ROS 2
+  std::map<std::string, std::string> graph;  ///< how its graph is joined: domain, range, namespace …
 
   /// "modbus at 127.0.0.1:502"
   std::string address() const;

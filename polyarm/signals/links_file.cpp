@@ -66,14 +66,19 @@ class TagReader {
 
   LinkTag read() {
     if (!node_.is_map())
-      throw Error(Problem{"bad-link", tag_.where, "'" + tag_.name + "' is not described",
-                          link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
-                                               : "write {coil: 0, direction: out}"});
+      throw Error(Problem{
+          "bad-link", tag_.where, "'" + tag_.name + "' is not described",
+          link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
+          : link_.kind == "ros2"
+              ? "write {topic: /" + tag_.name + ", message: std_msgs/Bool, field: data, direction: out}"
+              : "write {coil: 0, direction: out}"});
     if (link_.kind == "mqtt")
       read_topic();
+    else if (link_.kind == "ros2")
+      read_message();
     else
       read_registers();
-    read_direction();
+    if (tag_.role == LinkTag::Role::topic) read_direction();
     read_numbers();
     return tag_;
   }
@@ -131,6 +136,44 @@ class TagReader {
     tag_.json = node_["json"].boolean(!tag_.field.empty() || tag_.type == LinkTag::Type::pose);
     tag_.retain = node_["retain"].boolean(false);
     tag_.qos = whole(node_["qos"], 1, 0, 2);
+    if (node_.has("stale")) tag_.stale = time_of(node_["stale"], 0);
+    tag_.format = LinkTag::Format::float64;
+  }
+
+  /// A field of a topic of ROS 2, or a part of a service.
+  void read_message() {
+    node_.check_keys({"topic", "call",      "request", "answer",  "message",     "service", "field",
+                      "type",  "direction", "first",   "latched", "best_effort", "with",    "stale",
+                      "scale", "offset",    "range",   "within",  "length",      "angle"},
+                     problems_);
+    const std::vector<std::string> roles = {"topic", "call", "request", "answer"};
+    int found = 0;
+    for (std::size_t k = 0; k < roles.size(); ++k) {
+      if (!node_.has(roles[k])) continue;
+      ++found;
+      tag_.role = static_cast<LinkTag::Role>(k);
+      tag_.topic = node_[roles[k]].text();
+    }
+    if (found != 1)
+      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+             "one of: " + join(roles, ", ") + ", with the name of a topic or service");
+    const bool service = tag_.role != LinkTag::Role::topic;
+    if (tag_.role == LinkTag::Role::topic || tag_.role == LinkTag::Role::call)
+      tag_.message = node_.required(service ? "service" : "message").text();
+    if (node_.has("type")) tag_.type = static_cast<LinkTag::Type>(one_of(node_["type"], types()));
+    tag_.direction = tag_.role == LinkTag::Role::answer    ? Direction::in
+                     : tag_.role == LinkTag::Role::request ? Direction::out
+                                                           : Direction::both;
+    if (tag_.role == LinkTag::Role::call && (tag_.type != LinkTag::Type::boolean || node_.has("field")))
+      refuse(node_, "'" + tag_.name + "' calls a service: it is a bool of its own, and no field");
+    if (service && node_.has("direction") &&
+        one_of(node_["direction"], {"in", "out", "both"}) != static_cast<std::size_t>(tag_.direction))
+      refuse(node_["direction"], "this goes " + std::string(name(tag_.direction)), "leave out `direction`");
+    tag_.cell_first = true;
+    tag_.field = node_["field"].text("");
+    tag_.retain = node_["latched"].boolean(false);
+    tag_.best_effort = node_["best_effort"].boolean(false);
+    for (const std::string& field : node_["with"].keys()) tag_.constants[field] = node_["with"][field].text();
     if (node_.has("stale")) tag_.stale = time_of(node_["stale"], 0);
     tag_.format = LinkTag::Format::float64;
   }
@@ -230,6 +273,20 @@ void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry&
   out.will_qos = whole(will["qos"], 1, 0, 2);
 }
 
+void read_ros2(const Yaml& node, LinkEntry& out, Problems& problems) {
+  const std::vector<std::string> joins = {"domain", "range", "peers", "namespace", "distribution", "node"};
+  std::vector<std::string> keys = {"ros2", "timeout", "on_loss", "tags"};
+  keys.insert(keys.end(), joins.begin(), joins.end());
+  node.check_keys(keys, problems);
+  out.kind = "ros2";
+  one_of(node["ros2"], {"node"});
+  out.timeout = time_of(node["timeout"], out.timeout);
+  if (node.has("on_loss"))
+    out.on_loss = static_cast<LinkEntry::OnLoss>(one_of(node["on_loss"], {"hold", "go_on"}));
+  for (const std::string& key : joins)
+    if (node.has(key)) out.graph[key] = node[key].is_list() ? join(node[key].texts(), ",") : node[key].text();
+}
+
 /// Two tags in one place would fight.
 void check_places(const LinkEntry& link, Problems& problems) {
   if (link.kind != "modbus") return;
@@ -248,13 +305,12 @@ LinkEntry read_link(const std::string& name, const Yaml& node, const Location& w
   LinkEntry out;
   out.name = name;
   out.where = where;
-  if (node.has("modbus") == node.has("mqtt"))
+  if (node.has("modbus") + node.has("mqtt") + node.has("ros2") != 1)
     throw Error(Problem{"bad-link", where, "the link '" + name + "' says no protocol, or two",
-                        "write `modbus: client`, `modbus: server` or `mqtt: client`"});
-  if (node.has("modbus"))
-    read_modbus(node, out, problems);
-  else
-    read_mqtt(node, folder, out, problems);
+                        "write `modbus: client`, `modbus: server`, `mqtt: client` or `ros2: node`"});
+  if (node.has("modbus")) read_modbus(node, out, problems);
+  if (node.has("mqtt")) read_mqtt(node, folder, out, problems);
+  if (node.has("ros2")) read_ros2(node, out, problems);
   const Yaml tags = node["tags"];
   for (const std::string& tag : tags.keys())
     collect(problems, [&] {

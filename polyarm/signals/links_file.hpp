@@ -26,6 +26,13 @@
 ///         pinput: {topic: vision/pose, type: pose, json: true, direction: in}
 ///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out, retain:
 ///         true}
+///     camera:
+///       ros2: node                      # its graph is joined; domain, range, peers, namespace, distribution
+///       tags:
+///         pick: {topic: /camera/part, message: geometry_msgs/PoseStamped, type: pose, direction: in}
+///         Count: {topic: /cell/count, message: std_msgs/Int32, field: data, type: number, direction: out}
+///         Look: {call: /camera/look, service: std_srvs/Trigger}
+///         Found: {answer: /camera/look, field: success, direction: in}
 #include <vector>
 
 #include "polyarm/base/yaml.hpp"

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "polyarm/messages/json.hpp"
 #include "polyarm/ros2/participant.hpp"
@@ -60,7 +61,13 @@ class Client {
       const std::lock_guard lock(mutex_);
       return messages_.empty() ? json() : messages_.back();
     }
+    /// What has come after the first `count`.
+    std::vector<json> since(std::size_t count) const {
+      const std::lock_guard lock(mutex_);
+      return {messages_.begin() + static_cast<std::ptrdiff_t>(count), messages_.end()};
+    }
     bool heard() const { return count() > 0; }
+    bool matched() const { return !participant_.matched(id_).empty(); }
 
    private:
     Participant& participant_;

@@ -1,7 +1,7 @@
 # The far side is Cyclone DDS with its own compiler and its own CDR, where it is installed.
-polyarm_test(ros2 polyarm_ros2_wire nlohmann_json::nlohmann_json)
+polyarm_test(ros2 polyarm_ros2_objects polyarm_ros2_wire polyarm_signals polyarm_description nlohmann_json::nlohmann_json)
 if(TARGET test_ros2)
-  add_dependencies(test_ros2 polyarm polyarm_door_ros2)  # it runs the command
+  add_dependencies(test_ros2 polyarm polyarm_door_ros2 polyarm_link_ros2)  # it runs the command
   # Clients that tests kill.
   add_executable(ros2_client_process ros2/client_process.cpp)
   target_link_libraries(ros2_client_process PRIVATE polyarm_ros2_wire nlohmann_json::nlohmann_json)

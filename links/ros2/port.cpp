@@ -1,0 +1,281 @@
+#include "links/ros2/port.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "links/ros2/field.hpp"
+#include "polyarm/messages/json.hpp"
+#include "polyarm/ros2/options.hpp"
+#include "polyarm/ros2/wire.hpp"
+
+namespace polyarm::ros2 {
+
+namespace {
+
+using messages::TypeInfo;
+using signals::Direction;
+using signals::LinkEntry;
+using signals::LinkNews;
+using signals::LinkTag;
+using signals::LinkValue;
+using Role = LinkTag::Role;
+
+constexpr std::size_t kMost = 1000;
+
+/// "std_srvs/Trigger" is "std_srvs/srv/Trigger".
+std::string service_type(std::string name) {
+  const std::size_t slash = name.find('/');
+  if (slash != std::string::npos && slash == name.rfind('/')) name.insert(slash, "/srv");
+  return name;
+}
+
+class Port : public signals::LinkPort {
+ public:
+  explicit Port(const LinkEntry& entry)
+      : entry_{entry},
+        options_{participant_options(entry.graph)},
+        distribution_{distribution_of(entry.graph)},
+        node_{option_of(entry.graph, "node")},
+        space_{option_of(entry.graph, "namespace")},
+        last_(entry.tags.size()) {
+    if (node_.empty()) node_ = "polyarm_" + entry.name;
+    std::replace_if(
+        node_.begin(), node_.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+    while (space_.ends_with('/')) space_.pop_back();
+    if (!space_.empty() && space_[0] != '/') space_.insert(0, 1, '/');
+    for (std::size_t i = 0; i < entry_.tags.size(); ++i) plan_calls(i);
+    for (std::size_t i = 0; i < entry_.tags.size(); ++i) plan(i);
+  }
+
+  void open() override {
+    wire_.emplace(options_, distribution_);
+    const std::string node = name(node_);
+    for (auto& [topic, out] : outgoing_)
+      out.publisher = wire_->publisher(node, topic, *out.type, {true, out.latched, out.latched ? 1u : 10u});
+    for (auto& [topic, in] : incoming_)
+      wire_->subscription(node, topic, *in.type, {!in.best_effort, in.latched, in.latched ? 1u : 10u},
+                          [this, &in](std::span<const std::byte> payload) { return take(in, payload); });
+    for (auto& [service, call] : calls_) {
+      call.asked = false;
+      call.client = wire_->client(node, service, call.service, [this, &call](std::span<const std::byte> p) {
+        return take_answer(call, p);
+      });
+    }
+  }
+
+  void close() noexcept override { wire_.reset(); }
+  bool waits() const override { return true; }
+
+  void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
+                LinkNews& news) override {
+    for (const LinkValue& write : writes) put(write);
+    for (auto& [topic, out] : outgoing_)
+      if (std::exchange(out.changed, false)) publish(out);
+    for (auto& [service, call] : calls_)
+      if (call.wanted && !call.asked)
+        call.asked = wire_->call(call.client, messages::from_json(*call.request_type, call.request));
+    wire_->wait(std::chrono::nanoseconds(patience));
+    news_ = &news;
+    wire_->take(kMost);
+    news_ = nullptr;
+  }
+
+ private:
+  struct Place {
+    std::size_t tag;
+    Field field;
+  };
+  struct Outgoing {
+    const TypeInfo* type;
+    bool latched = false, changed = false, stamped = false;
+    Json message = Json::object();
+    Wire::Id publisher = 0;
+  };
+  struct Incoming {
+    const TypeInfo* type;
+    bool latched = false, best_effort = false;
+    std::vector<Place> places;
+  };
+  struct Call {
+    std::size_t tag;
+    std::string service;
+    const TypeInfo *request_type, *answer_type;
+    Json request = Json::object();
+    std::vector<Place> answers;
+    bool wanted = false, asked = false;
+    Wire::Id client = 0;
+  };
+
+  std::string name(const std::string& given) const {
+    return given.starts_with('/') ? given : space_ + "/" + given;
+  }
+
+  const TypeInfo& type(const LinkTag& tag, const std::string& wanted) const {
+    const TypeInfo* found = messages::find_type(wanted, distribution_);
+    if (!found)
+      throw Error(Problem{"bad-link", tag.where, "'" + tag.name + "': there is no type " + wanted,
+                          "docs/ros2.md says which types there are"});
+    return *found;
+  }
+
+  /// What is wrong with a field is told with its place.
+  template <class Work>
+  auto at(const LinkTag& tag, Work work) const {
+    try {
+      return work();
+    } catch (const Error& e) {
+      Problem problem = e.problems().front();
+      problem.where = tag.where;
+      throw Error(problem);
+    }
+  }
+
+  void plan_calls(std::size_t index) {
+    const LinkTag& tag = entry_.tags[index];
+    if (tag.role != Role::call) return;
+    const std::string service = service_type(tag.message);
+    Call call{index,          service, &type(tag, service + "_Request"), &type(tag, service + "_Response"),
+              Json::object(), {}};
+    at(tag, [&] { add_constants(tag, *call.request_type, call.request); });
+    if (!calls_.emplace(name(tag.topic), std::move(call)).second)
+      throw Error(Problem{"bad-link", tag.where, "two tags call " + tag.topic, "one tag calls a service"});
+  }
+
+  void plan(std::size_t index) {
+    const LinkTag& tag = entry_.tags[index];
+    if (tag.role == Role::call) return;
+    at(tag, [&] {
+      if (tag.role == Role::topic)
+        plan_topic(index, type(tag, tag.message));
+      else
+        plan_part(index);
+    });
+  }
+
+  void plan_topic(std::size_t index, const TypeInfo& type) {
+    const LinkTag& tag = entry_.tags[index];
+    Field field(type, tag.field);
+    check_fits(tag, field);
+    if (tag.direction != Direction::in) {
+      Outgoing& out = outgoing_.try_emplace(name(tag.topic), Outgoing{&type}).first->second;
+      if (out.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+      out.latched |= tag.retain;
+      out.stamped = !type.fields.empty() && std::string_view(type.fields[0].name) == "header";
+      add_constants(tag, type, out.message);
+      fields_.emplace(index, field);
+    }
+    if (tag.direction == Direction::out) return;
+    Incoming& in = incoming_.try_emplace(name(tag.topic), Incoming{&type}).first->second;
+    if (in.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+    in.latched |= tag.retain;
+    in.best_effort |= tag.best_effort;
+    in.places.push_back({index, std::move(field)});
+  }
+
+  void plan_part(std::size_t index) {
+    const LinkTag& tag = entry_.tags[index];
+    const auto call = calls_.find(name(tag.topic));
+    if (call == calls_.end())
+      throw Error("bad-link", "no tag calls " + tag.topic, "add one: {call: " + tag.topic + ", service: …}");
+    const bool request = tag.role == Role::request;
+    Field field(request ? *call->second.request_type : *call->second.answer_type, tag.field);
+    check_fits(tag, field);
+    if (request)
+      fields_.emplace(index, std::move(field));
+    else
+      call->second.answers.push_back({index, std::move(field)});
+  }
+
+  void add_constants(const LinkTag& tag, const TypeInfo& type, Json& message) const {
+    for (const auto& [path, text] : tag.constants) {
+      const Field field(type, path);
+      field.set(message, constant_of(field, text));
+    }
+    messages::from_json(type, message);  // throws where it does not fit
+  }
+
+  void put(const LinkValue& write) {
+    const LinkTag& tag = entry_.tags[write.tag];
+    if (tag.role == Role::call) {
+      Call& call = calls_.at(name(tag.topic));
+      call.wanted = write.value.as_boolean() && *write.value.as_boolean();
+      if (!call.wanted) call.asked = false;
+      return;
+    }
+    const Field& field = fields_.at(write.tag);
+    const Json value = json_of(tag, field, write.value);
+    last_[write.tag] = write.value;
+    if (tag.role == Role::request) return field.set(calls_.at(name(tag.topic)).request, value);
+    Outgoing& out = outgoing_.at(name(tag.topic));
+    field.set(out.message, value);
+    out.changed = true;
+  }
+
+  void publish(Outgoing& out) {
+    if (out.stamped) {
+      using std::chrono::nanoseconds;
+      const std::int64_t now =
+          std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+              .count();
+      out.message["header"]["stamp"] = {{"sec", now / 1'000'000'000}, {"nanosec", now % 1'000'000'000}};
+    }
+    wire_->publish(out.publisher, messages::from_json(*out.type, out.message));
+  }
+
+  bool take(const Incoming& in, std::span<const std::byte> payload) {
+    Json message;
+    if (messages::to_json(*in.type, payload, message) != messages::CdrError::none) return false;
+    for (const Place& place : in.places) take(place, message);
+    return true;
+  }
+
+  /// A list without the element is no news of it: the tag goes stale.
+  void take(const Place& place, const Json& message) {
+    const Json* given = place.field.find(message);
+    if (!given) return;
+    std::string why;
+    auto value = value_of(entry_.tags[place.tag], *given, why);
+    if (!value) return news_->refuse(place.tag, why);
+    news_->seen.push_back(place.tag);
+    if (last_[place.tag] == value) return;
+    last_[place.tag] = value;
+    news_->values.push_back({place.tag, std::move(*value)});
+  }
+
+  bool take_answer(Call& call, std::span<const std::byte> payload) {
+    Json message;
+    if (messages::to_json(*call.answer_type, payload, message) != messages::CdrError::none) return false;
+    if (!call.asked) return true;  // taken back meanwhile
+    for (const Place& place : call.answers) {
+      last_[place.tag].reset();  // an answer is new whatever it says
+      take(place, message);
+    }
+    call.wanted = call.asked = false;
+    news_->seen.push_back(call.tag);
+    news_->values.push_back({call.tag, data::Value(false)});
+    return true;
+  }
+
+  const LinkEntry entry_;
+  const ParticipantOptions options_;
+  const messages::Distribution distribution_;
+  std::string node_, space_;
+  std::map<std::string, Outgoing> outgoing_;
+  std::map<std::string, Incoming> incoming_;
+  std::map<std::string, Call> calls_;             ///< by service
+  std::map<std::size_t, Field> fields_;           ///< of what goes out, by tag
+  std::vector<std::optional<data::Value>> last_;  ///< by tag: what both sides know
+  std::optional<Wire> wire_;
+  LinkNews* news_ = nullptr;  ///< during an exchange
+};
+
+}  // namespace
+
+std::unique_ptr<signals::LinkPort> make_port(const LinkEntry& entry) {
+  return std::make_unique<Port>(entry);
+}
+
+}  // namespace polyarm::ros2
