@@ -32,6 +32,7 @@ const std::vector<Verb>& verbs() {
       {"workspace", "map where an arm reaches and how well it moves there", run_workspace},
       {"plan", "plan a motion without moving: how long, what bounds it where, a plot", run_plan},
       {"xacro", "expand a description in xacro to URDF", run_xacro},
+      {"export", "write what MoveIt 2 is configured with, from a cell", run_export},
       {"replay", "play the last cycles before a fault again", run_replay},
       {"control", "controllers of a running cell: list, switch, load, state, hold, resume", run_control},
       {"hardware", "hardware components of a running cell: list, state, recover", run_hardware},

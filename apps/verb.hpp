@@ -34,6 +34,7 @@ int run_fk(int argc, char** argv);
 int run_ik(int argc, char** argv);
 int run_plan(int argc, char** argv);
 int run_xacro(int argc, char** argv);
+int run_export(int argc, char** argv);
 int run_replay(int argc, char** argv);
 int run_control(int argc, char** argv);
 int run_hardware(int argc, char** argv);

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+
+#include "apps/export_moveit.hpp"
+#include "apps/options.hpp"
+#include "apps/verb.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/cell_file.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+void write_moveit(cell::Cell& cell, const std::filesystem::path& folder, int samples) {
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    const std::filesystem::path own =
+        cell.robots().size() == 1 ? folder : folder / cell.robots()[i]->entry.name;
+    const MoveItFiles files = moveit_files(cell, i, samples);
+    std::filesystem::create_directories(own);
+    for (const auto& [name, text] : files.texts) {
+      write_file_atomically(own / name, text);
+      fmt::print("{}\n", (own / name).string());
+    }
+    for (const std::string& note : files.notes) fmt::print(stderr, "note: {}\n", note);
+  }
+}
+
+}  // namespace
+
+int run_export(int argc, char** argv) {
+  CLI::App app("Writes what other programs are configured with", "polyarm export");
+  app.require_subcommand(1);
+  CLI::App& moveit =
+      *app.add_subcommand("moveit", "SRDF, kinematics, limits, controllers and a launch file for MoveIt 2");
+  std::string path, folder;
+  cell::Overrides overrides;
+  int samples = 10'000;
+  moveit.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
+  moveit.add_option("folder", folder, "where the files go; of several robots each has a folder of its name")
+      ->required();
+  moveit.add_option("--robot", overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
+  moveit.add_option("--samples", samples, "joint states that are tried to find which links never touch")
+      ->check(CLI::Range(100, 1'000'000));
+  app.footer(examples({"polyarm export moveit examples/pick_and_place moveit",
+                       "polyarm export moveit my_cell moveit --samples 100000"}));
+  if (const auto code = parse(app, argc, argv)) return *code;
+  cell::CellFile file = cell::read_cell_file(path, overrides);
+  for (cell::RobotEntry& robot : file.robots) robot.hardware = "mock";
+  file.doors.clear();
+  cell::CellOptions options;
+  options.lock_step = true;
+  cell::Observer silent;
+  cell::Cell cell(file, open_catalogue(), options, silent);
+  write_moveit(cell, folder, samples);
+  return kOk;
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,263 @@
+#include "apps/export_moveit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/plain_urdf.hpp"
+#include "polyarm/description/srdf.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+using description::GroupInfo;
+using description::Joint;
+using description::RobotModel;
+
+const Joint& joint_at(const RobotModel& model, int index) {
+  return model.joints[static_cast<std::size_t>(index)];
+}
+
+/// A controller that takes goals of MoveIt.
+struct Actor {
+  std::string name, type, action;   ///< "FollowJointTrajectory", "follow_joint_trajectory"
+  std::vector<std::string> joints;  ///< of the robot, in the controller's order
+  bool gripper() const { return type != "FollowJointTrajectory"; }
+};
+
+/// "arm/elbow_joint/position" → "elbow_joint" where the robot is `arm`; "" of another robot.
+std::string joint_of(const std::string& interface, const std::string& robot) {
+  const std::vector<std::string> parts = split_fields(interface, '/');
+  return parts.size() == 3 && parts[0] == robot ? parts[1] : "";
+}
+
+std::vector<Actor> actors_of(cell::Cell& cell, const std::string& robot) {
+  std::vector<Actor> out;
+  for (const control::ListedController& listed : cell.loop().controllers().list()) {
+    Actor actor{listed.name, {}, {}, {}};
+    for (const controllers::InputPort& port : cell.loop().controllers().find(listed.name)->inputs()) {
+      if (!port.action) continue;
+      actor.type = port.types.front().substr(port.types.front().find('/') + 1);
+      actor.action = port.name;
+    }
+    for (const std::string& interface : listed.required_commands)
+      if (const std::string joint = joint_of(interface, robot);
+          !joint.empty() && !std::count(actor.joints.begin(), actor.joints.end(), joint))
+        actor.joints.push_back(joint);
+    if (!actor.type.empty() && !actor.joints.empty()) out.push_back(std::move(actor));
+  }
+  return out;
+}
+
+/// The joints from the root to where a tool is bolted on, fixed ones among them.
+std::vector<int> joints_to_tool(const RobotModel& model) {
+  std::vector<int> out;
+  for (int link = model.tool_link(); model.links[static_cast<std::size_t>(link)].parent_joint >= 0;) {
+    out.insert(out.begin(), model.links[static_cast<std::size_t>(link)].parent_joint);
+    link = joint_at(model, out.front()).parent_link;
+  }
+  return out;
+}
+
+/// With a point, as a reader of YAML wants it that parts whole numbers from others.
+std::string decimal(double value) {
+  const std::string text = format_number(value);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
+/// Groups as the description has them; else the arm up to its tool, and what grippers move.
+void add_groups(RobotModel& model, const std::string& arm, const std::vector<Actor>& actors) {
+  if (!model.groups.empty()) return;
+  std::vector<int> chain = joints_to_tool(model);
+  std::set<std::string> gripping;
+  for (const Actor& actor : actors)
+    if (actor.gripper()) gripping.insert(actor.joints.begin(), actor.joints.end());
+  while (!chain.empty() && gripping.contains(joint_at(model, chain.back()).name)) chain.pop_back();
+  if (!chain.empty()) model.groups.push_back({arm, chain, {}});
+  for (const Actor& actor : actors) {
+    if (!actor.gripper()) continue;
+    GroupInfo group{actor.name == arm ? actor.name + "_gripper" : actor.name, {}, {}};
+    for (const std::string& joint : actor.joints)
+      if (const int index = model.find_joint(joint); index >= 0) group.joints.push_back(index);
+    std::sort(group.joints.begin(), group.joints.end());
+    if (group.joints.empty()) continue;
+    const int parent = joint_at(model, group.joints.front()).parent_link;
+    model.end_effectors.push_back({group.name + "_end", group.name, chain.empty() ? "" : arm, parent});
+    model.groups.push_back(std::move(group));
+  }
+}
+
+bool has_chain(const RobotModel& model, const GroupInfo& group) {
+  int moving = 0;
+  for (std::size_t i = 0; i < group.joints.size(); ++i) {
+    moving += joint_at(model, group.joints[i]).moves() ? 1 : 0;
+    if (i > 0 &&
+        joint_at(model, group.joints[i]).parent_link != joint_at(model, group.joints[i - 1]).child_link)
+      return false;
+  }
+  return moving >= 3;
+}
+
+std::string kinematics_yaml(const RobotModel& model) {
+  std::string out;
+  for (const GroupInfo& group : model.groups)
+    if (has_chain(model, group))
+      out += fmt::format(
+          "{}:\n  kinematics_solver: kdl_kinematics_plugin/KDLKinematicsPlugin\n"
+          "  kinematics_solver_search_resolution: 0.005\n  kinematics_solver_timeout: 0.05\n",
+          group.name);
+  return out.empty() ? "{}\n" : out;
+}
+
+std::string joint_limits_yaml(const RobotModel& model) {
+  std::string out =
+      "default_velocity_scaling_factor: 1.0\ndefault_acceleration_scaling_factor: 1.0\njoint_limits:\n";
+  for (const int index : model.actuated) {
+    const Joint& joint = joint_at(model, index);
+    const auto limit = [&](const char* name, const std::optional<double>& value) {
+      out += fmt::format("    has_{0}_limits: {1}\n    max_{0}: {2}\n", name, value ? "true" : "false",
+                         decimal(value.value_or(0)));
+    };
+    out += "  " + joint.name + ":\n";
+    limit("velocity", joint.limits.velocity);
+    limit("acceleration", joint.limits.acceleration);
+    if (joint.limits.jerk) limit("jerk", joint.limits.jerk);
+  }
+  return out;
+}
+
+std::string controllers_yaml(const std::vector<Actor>& actors) {
+  std::vector<std::string> names;
+  std::string each;
+  for (const Actor& actor : actors) {
+    names.push_back(actor.name);
+    each += fmt::format("  {}:\n    type: {}\n    action_ns: {}\n    default: true\n    joints: [{}]\n",
+                        actor.name, actor.type, actor.action, join(actor.joints, ", "));
+  }
+  return fmt::format(
+      "moveit_controller_manager: moveit_simple_controller_manager/MoveItSimpleControllerManager\n"
+      "moveit_manage_controllers: true\n"
+      "trajectory_execution:\n"
+      "  allowed_execution_duration_scaling: 1.2\n  allowed_goal_duration_margin: 0.5\n"
+      "  allowed_start_tolerance: 0.01\n"
+      "moveit_simple_controller_manager:\n  controller_names: [{}]\n{}",
+      join(names, ", "), each);
+}
+
+/// As a controller manager of ROS 2 would load them, where the cell has no file of its own for them: those
+/// whose joints the description has.
+std::string own_controllers_yaml(cell::Cell& cell, const cell::CellRobot& robot) {
+  const double rate = 1e9 / static_cast<double>(cell.loop().options().period);
+  std::string manager =
+      fmt::format("controller_manager:\n  ros__parameters:\n    update_rate: {:.0f}\n", rate);
+  std::string each;
+  for (const control::ListedController& c : cell.loop().controllers().list()) {
+    std::vector<std::string> joints;
+    std::set<std::string> interfaces;
+    bool known = true;
+    for (const std::string& interface : c.required_commands) {
+      const std::string joint = joint_of(interface, robot.entry.name);
+      known &= robot.model.find_joint(joint) >= 0;
+      if (!std::count(joints.begin(), joints.end(), joint)) joints.push_back(joint);
+      interfaces.insert(interface.substr(interface.rfind('/') + 1));
+    }
+    if (!known) continue;
+    manager += fmt::format("    {}: {{type: {}}}\n", c.name, c.type);
+    if (joints.empty()) continue;
+    each += fmt::format("{}:\n  ros__parameters:\n    joints: [{}]\n", c.name, join(joints, ", "));
+    each += c.type == "forward_command_controller/ForwardCommandController"
+                ? fmt::format("    interface_name: {}\n", *interfaces.begin())
+                : fmt::format("    command_interfaces: [{}]\n    state_interfaces: [position, velocity]\n",
+                              join(std::vector<std::string>(interfaces.begin(), interfaces.end()), ", "));
+  }
+  return manager + each;
+}
+
+constexpr const char* kLaunch =
+    R"(# ros2 launch ./moveit.launch.py beside a running cell: polyarm run CELL --ros2
+from pathlib import Path
+
+import yaml
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+here = Path(__file__).resolve().parent
+
+
+def read(name):
+    return yaml.safe_load((here / name).read_text()) or {{}}
+
+
+def generate_launch_description():
+    description = {{"robot_description": (here / "robot.urdf").read_text()}}
+    semantic = {{"robot_description_semantic": (here / "robot.srdf").read_text()}}
+    kinematics = {{"robot_description_kinematics": read("kinematics.yaml")}}
+    limits = {{"robot_description_planning": read("joint_limits.yaml")}}
+    planning = {{
+        "planning_pipelines": ["ompl"],
+        "default_planning_pipeline": "ompl",
+        "ompl": {{
+            "planning_plugins": ["ompl_interface/OMPLPlanner"],
+            "request_adapters": [
+                "default_planning_request_adapters/ResolveConstraintFrames",
+                "default_planning_request_adapters/ValidateWorkspaceBounds",
+                "default_planning_request_adapters/CheckStartStateBounds",
+                "default_planning_request_adapters/CheckStartStateCollision",
+            ],
+            "response_adapters": [
+                "default_planning_response_adapters/AddTimeOptimalParameterization",
+                "default_planning_response_adapters/ValidateSolution",
+            ],
+        }},
+        "publish_robot_description_semantic": True,
+    }}
+    common = [description, semantic, kinematics, limits]
+    return LaunchDescription([
+        Node(package="moveit_ros_move_group", executable="move_group", output="screen",
+             parameters=common + [planning, read("moveit_controllers.yaml")],
+             remappings=[("joint_states", "{joint_states}")]),
+        Node(package="rviz2", executable="rviz2", output="log", parameters=common),
+    ])
+)";
+
+}  // namespace
+
+MoveItFiles moveit_files(cell::Cell& cell, std::size_t index, int samples) {
+  const cell::CellRobot& robot = *cell.robots()[index];
+  RobotModel model = robot.model;
+  const std::vector<Actor> actors = actors_of(cell, robot.entry.name);
+  add_groups(model, robot.entry.name, actors);
+  const auto pairs = description::needless_pairs(model, samples);
+  MoveItFiles out;
+  out.texts["robot.urdf"] = description::write_plain_urdf(model);
+  out.texts["robot.srdf"] = description::write_srdf(model, pairs);
+  out.texts["kinematics.yaml"] = kinematics_yaml(model);
+  out.texts["joint_limits.yaml"] = joint_limits_yaml(model);
+  out.texts["moveit_controllers.yaml"] = controllers_yaml(actors);
+  out.texts["moveit.launch.py"] = fmt::format(kLaunch, fmt::arg("joint_states", "/joint_states"));
+  const auto& files = cell.file().controllers;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    out.texts[files.size() == 1 ? "ros2_controllers.yaml" : fmt::format("ros2_controllers_{}.yaml", i + 1)] =
+        read_file(cell.file().folder / files[i]);
+  if (files.empty()) out.texts["ros2_controllers.yaml"] = own_controllers_yaml(cell, robot);
+  std::vector<std::string> without;
+  for (const int joint : model.actuated)
+    if (!joint_at(model, joint).limits.acceleration) without.push_back(joint_at(model, joint).name);
+  if (!without.empty())
+    out.notes.push_back("no limit of acceleration is known of " + join(without, ", ") +
+                        ": MoveIt takes 1 rad/s² for each");
+  if (std::none_of(actors.begin(), actors.end(), [](const Actor& a) { return !a.gripper(); }))
+    out.notes.push_back("no controller of '" + robot.entry.name +
+                        "' follows joint trajectories, so MoveIt can plan and not move");
+  std::size_t shaped = 0;
+  for (const description::Link& link : model.links) shaped += link.collisions.empty() ? 0 : 1;
+  if (shaped < 2) out.notes.push_back("the description has no shapes to collide: nothing was compared");
+  return out;
+}
+
+}  // namespace polyarm::apps
