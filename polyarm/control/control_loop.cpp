@@ -45,6 +45,26 @@ std::shared_ptr<ControlLoop::TakeBlackBox> ControlLoop::take_black_box() {
   return job;
 }
 
+class ControlLoop::SetTap : public realtime::Job {
+ public:
+  SetTap(CycleTap*& place, CycleTap* tap) : place_(place), tap_(tap) {}
+  void run() noexcept override { place_ = tap_; }
+
+ private:
+  CycleTap*& place_;
+  CycleTap* tap_;
+};
+
+std::unique_ptr<CycleTap> ControlLoop::make_tap(std::size_t rows, unsigned every) const {
+  return std::make_unique<CycleTap>(table_.built_states(), table_.built_commands(), rows, every);
+}
+
+std::shared_ptr<realtime::Job> ControlLoop::tap(CycleTap* tap) {
+  auto job = std::make_shared<SetTap>(tap_, tap);
+  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
+  return job;
+}
+
 ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
   cycle_.period = options.period;
   controllers_.set_cycle(cycle_);
@@ -139,6 +159,7 @@ bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
 bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
   const bool late = latency > options_.period / 2 || skipped > 0;
   paced_ = true;
+  last_wake_ = latency;
   health_.wake_up.add(latency);
   health_.late += (latency > options_.period / 2 ? 1 : 0) + skipped;
   late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
@@ -159,7 +180,7 @@ controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
   if (paced_ && began_ > 0) health_.period.add(before - began_);
   began_ = before;
   const controllers::Verdict verdict = step(cycle_, gap);
-  if (options_.measure) health_.cost.add(realtime::monotonic_now() - before);
+  if (options_.measure) health_.cost.add(last_cost_ = realtime::monotonic_now() - before);
   ++health_.cycles;
   cycle_.time += cycle_.period;
   ++cycle_.index;
@@ -171,6 +192,10 @@ void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcep
   for (const std::uint32_t index : traced_) trace_.add(states[index]);
   black_box_.record({cycle.index, supervisor_.state(), supervisor_.cause(), request,
                      states.first(table_.built_states()), commands.first(table_.built_commands())});
+  if (tap_)
+    tap_->record({cycle.index, cycle.time, last_wake_, last_cost_, health_.late, supervisor_.state(),
+                  supervisor_.cause(), controllers_.standing()},
+                 states, commands);
   Snapshot& draft = outbox_.draft();
   draft.cycle = cycle;
   draft.state = supervisor_.state();

@@ -7,6 +7,7 @@
 
 #include "polyarm/base/hash.hpp"
 #include "polyarm/control/controller_manager.hpp"
+#include "polyarm/control/cycle_tap.hpp"
 #include "polyarm/control/limits.hpp"
 #include "polyarm/control/supervisor.hpp"
 #include "polyarm/realtime/histogram.hpp"
@@ -111,6 +112,12 @@ class ControlLoop {
   std::shared_ptr<TakeBlackBox> take_black_box();
   const LoopOptions& options() const { return options_; }
 
+  /// A tap with room for so many cycles; `every`: one of so many.
+  std::unique_ptr<CycleTap> make_tap(std::size_t rows, unsigned every) const;
+  /// From the next cycle on rows go to `tap`; null: to nobody any more. What was tapped into before must live
+  /// until the job is done. Throws Error("busy").
+  std::shared_ptr<realtime::Job> tap(CycleTap* tap);
+
   /// Configures and activates the hardware, reads it once, and makes everything that a cycle needs.
   void start_hardware();
   void start_hardware(hardware::Caller& caller);
@@ -157,7 +164,10 @@ class ControlLoop {
   ControllerManager controllers_{table_, hardware_, jobs_};
   Supervisor supervisor_;
   CommandLimits limits_;
+  class SetTap;
   BlackBox black_box_;
+  CycleTap* tap_ = nullptr;
+  Nanoseconds last_wake_ = 0, last_cost_ = 0;
   Health health_;
   TraceHash trace_;
   std::vector<std::uint32_t> traced_;  // indices of joint position states
