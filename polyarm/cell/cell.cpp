@@ -21,9 +21,9 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
            Observer& observer)
     : file_(file),
       options_(std::move(options)),
-      observer_(observer),
       calls_(options_.lock_step, observer_),
       catalogue_(catalogue) {
+  observers_.add(observer);
   Problems problems;
   std::vector<std::string> notes = file_.notes;
   load_plugins(file_, problems);
@@ -80,6 +80,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
 }
 
 Cell::~Cell() {
+  recording_.reset();
   if (loop_) shut_hardware_down(options_.hardware_patience);
 }
 
@@ -422,10 +423,12 @@ void Cell::tick(Nanoseconds now) {
   contacts_max_ = std::max(contacts_max_, snapshot.world.contacts);
   tracking_error_max_ = std::max(tracking_error_max_, snapshot.world.tracking_error);
   tell_changes(now);
-  if (failure_) return;
-  watch_contacts(now, snapshot);
-  watch_for_deadlock(now, snapshot);
-  watch_end(now);
+  if (!failure_) {
+    watch_contacts(now, snapshot);
+    watch_for_deadlock(now, snapshot);
+    watch_end(now);
+  }
+  if (recording_) recording_->tick(now);
 }
 
 /// Tags to interfaces and links, or what their rules say.

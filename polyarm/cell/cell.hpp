@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/cell/arming.hpp"
@@ -24,6 +25,7 @@
 #include "polyarm/cell/links.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
+#include "polyarm/cell/recorder.hpp"
 #include "polyarm/cell/requests.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/cell/safe_points.hpp"
@@ -188,6 +190,11 @@ class Cell {
   StopWatch& stop_watch() { return stop_watch_; }
   const HeldPlace& held_place() const { return held_place_; }
   const JointPlaces& joint_places() const { return joint_places_; }
+  /// Who is told what happens; the one that the cell was built with is the first.
+  Observers& observers() { return observers_; }
+  /// What records the cell; null where nothing can. It goes before the cell does.
+  Recorder* recorder() { return recording_.get(); }
+  void set_recorder(std::unique_ptr<Recorder> recorder) { recording_ = std::move(recorder); }
   /// Tells a person.
   void tell(const std::string& note) { observer_.on_note(note); }
   Requests& requests() { return *requests_; }
@@ -253,7 +260,8 @@ class Cell {
 
   CellFile file_;
   CellOptions options_;
-  EventLog observer_;
+  Observers observers_;
+  EventLog observer_{observers_};
   HardwareCalls calls_;
   std::map<std::pair<std::string, std::string>, std::uint64_t> overruns_;  ///< by name and callback
   std::vector<char> told_threads_;  // by component: what the machine refused its thread was told
@@ -312,6 +320,7 @@ class Cell {
   Nanoseconds quiet_since_ = 0, ended_at_ = -1;
   std::optional<Failure> failure_;
   bool finished_ = false;
+  std::unique_ptr<Recorder> recording_;
 };
 
 }  // namespace polyarm::cell

@@ -206,6 +206,27 @@ void read_door(const DoorKind& kind, const Yaml& yaml, CellFile& cell, Problems&
   for (const std::string& key : yaml.keys())
     options[key] = yaml[key].is_list() ? join(yaml[key].texts(), ",") : yaml[key].text();
 }
+
+/// `true`, a file, or `{file, rate}`.
+std::optional<RecordOptions> read_record(const Yaml& yaml, const std::filesystem::path& folder,
+                                         Problems& problems) {
+  if (!yaml.defined()) return std::nullopt;
+  RecordOptions out;
+  std::string file;
+  if (yaml.is_map()) {
+    yaml.check_keys({"file", "rate"}, problems);
+    file = yaml["file"].text("");
+    out.rate = yaml["rate"].number(Dimension::rate, out.rate);
+    if (!(out.rate > 0))
+      problems.error("bad-value", yaml["rate"].where(), "a recording needs a rate above 0 Hz");
+  } else if (const std::string text = yaml.text(); text == "true" || text == "false") {
+    if (text == "false") return std::nullopt;
+  } else {
+    file = text;
+  }
+  if (!file.empty()) out.file = folder / file;
+  return out;
+}
 }  // namespace
 
 CellFile read_cell_file(const std::filesystem::path& given, const Overrides& overrides) {
@@ -223,7 +244,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   check_kind(yaml, problems);
   std::vector<std::string> keys{"polyarm", "rate",    "robots",  "scene",    "controllers", "activate",
                                 "send",    "plugins", "budget",  "signals",  "program",     "plc",
-                                "motion",  "loop",    "profile", "profiles", "workspace"};
+                                "motion",  "loop",    "profile", "profiles", "workspace",   "record"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -257,6 +278,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.loop = read_loop(yaml["loop"], problems);
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
+  collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });
   apply(overrides, cell, problems);
   problems.throw_if_errors();
   return cell;

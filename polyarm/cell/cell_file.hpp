@@ -11,6 +11,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/cell/door.hpp"
+#include "polyarm/cell/recorder.hpp"
 #include "polyarm/cell/safety_entries.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/motion/robot_facts.hpp"
@@ -89,6 +90,7 @@ struct CellFile {
   ProfileEntries profiles;
   std::vector<motion::WorkspaceZone> workspace;  ///< of all robots
   std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules
+  std::optional<RecordOptions> record;           ///< each run is recorded
 };
 
 /// What the command line puts over the file.

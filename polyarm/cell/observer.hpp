@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
@@ -25,6 +27,50 @@ class Observer {
   virtual void on_stop(Nanoseconds time, const StopReport& stop) {}
   virtual void on_question(const std::string& text) {}
   virtual void on_problem(Nanoseconds time, const Problem& problem) {}
+};
+
+/// Several who are told the same, in the order in which they came. Cell thread; none may come or go while it
+/// is told.
+class Observers : public Observer {
+ public:
+  /// Once, however often it is added.
+  void add(Observer& observer) {
+    if (std::find(list_.begin(), list_.end(), &observer) == list_.end()) list_.push_back(&observer);
+  }
+  void remove(Observer& observer) { std::erase(list_, &observer); }
+
+  void on_note(const std::string& text) override {
+    for (Observer* each : list_) each->on_note(text);
+  }
+  void on_line(Nanoseconds time, const std::string& task, const Location& where,
+               const std::string& source) override {
+    for (Observer* each : list_) each->on_line(time, task, where, source);
+  }
+  void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
+              const std::string& who) override {
+    for (Observer* each : list_) each->on_tag(time, name, value, who);
+  }
+  void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override {
+    for (Observer* each : list_) each->on_pose(time, robot, tcp);
+  }
+  void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
+    for (Observer* each : list_) each->on_log(time, task, text);
+  }
+  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
+    for (Observer* each : list_) each->on_state(time, state, cause);
+  }
+  void on_stop(Nanoseconds time, const StopReport& stop) override {
+    for (Observer* each : list_) each->on_stop(time, stop);
+  }
+  void on_question(const std::string& text) override {
+    for (Observer* each : list_) each->on_question(text);
+  }
+  void on_problem(Nanoseconds time, const Problem& problem) override {
+    for (Observer* each : list_) each->on_problem(time, problem);
+  }
+
+ private:
+  std::vector<Observer*> list_;
 };
 
 }  // namespace polyarm::cell

@@ -51,6 +51,8 @@ const char* const kProgram =
     "names, "
     "text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, problem}]}";
 
+const char* const kRecord = "{recording, file, seconds, rate, messages, bytes, lost, problem}";
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> table = {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
@@ -359,6 +361,15 @@ const std::vector<Row>& rows() {
         "end the program where it is: moves end on their paths, and its `on stop` is done",
         true},
        program_stop},
+      {{"record", {}, kRecord, "whether the cell is recorded, and what that has come to", false},
+       record_state},
+      {{"record.start",
+        {{"file", kText}, {"rate", kNumber}},
+        kRecord,
+        "record into a file of this name in .state/recordings of the cell, `rate` times a second (100)",
+        false},
+       record_start},
+      {{"record.stop", {}, kRecord, "close the recording", false}, record_stop},
   };
   return table;
 }

@@ -129,7 +129,11 @@ class ControlThread {
 class Runner {
  public:
   Runner(Cell& cell, const RunOptions& options, Observer& observer)
-      : cell_(cell), options_(options), observer_(observer), console_(options.console && !options.fast) {
+      : cell_(cell),
+        options_(options),
+        observer_(cell.observers()),
+        console_(options.console && !options.fast) {
+    cell_.observers().add(observer);
     cell_.answers().somebody_there = console_.on();
     wall_start_ = realtime::monotonic_now();
     limit_ = options.seconds > 0 ? nanoseconds(options.seconds) : INT64_MAX;
@@ -143,6 +147,7 @@ class Runner {
     else
       wall_clock();
     if (!stuck_) cell_.loop().end();
+    if (!stuck_ && cell_.recorder()) cell_.recorder()->stop();
     running_supervisor = nullptr;
     const RunResult out = result();
     stops_asked = 0;

@@ -1,0 +1,54 @@
+/// Requests that record what the cell does.
+#include <utility>
+
+#include "polyarm/cell/requests_work.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+Recorder& recorder_of(Cell& cell) {
+  if (Recorder* recorder = cell.recorder()) return *recorder;
+  throw Error("no-recorder", "whoever runs this cell records nothing", "run it with polyarm run");
+}
+
+Json status_json(const RecordStatus& status) {
+  return {{"recording", status.recording}, {"file", status.file.string()}, {"seconds", status.seconds},
+          {"rate", status.rate},           {"messages", status.messages},  {"bytes", status.bytes},
+          {"lost", status.lost},           {"problem", status.problem}};
+}
+
+/// Who asks from afar names a file, and never a place.
+std::filesystem::path recording_named(const Cell& cell, const std::string& name) {
+  if (name.empty()) return {};
+  const std::filesystem::path plain = name;
+  if (plain.filename() != plain || name == "." || name == ".." || name.find('\0') != std::string::npos)
+    throw Error("bad-argument", "'" + name + "' is no plain name of a file",
+                "recordings go to .state/recordings of the cell");
+  const bool has = plain.extension() == ".mcap";
+  return cell.file().folder / ".state" / "recordings" / (has ? name : name + ".mcap");
+}
+
+}  // namespace
+
+Poll record_state(Cell& cell, const Json&) {
+  return at_once(status_json(recorder_of(cell).status()));
+}
+
+Poll record_start(Cell& cell, const Json& arguments) {
+  RecordOptions options;
+  options.file = recording_named(cell, text_argument(arguments, "file", ""));
+  options.rate = number_argument(arguments, "rate", options.rate);
+  recorder_of(cell).start(options);
+  return at_once(status_json(recorder_of(cell).status()));
+}
+
+Poll record_stop(Cell& cell, const Json&) {
+  recorder_of(cell).stop();
+  return [](Cell& c) {
+    const RecordStatus status = recorder_of(c).status();
+    return status.recording ? Progress{} : Progress::done(status_json(status));
+  };
+}
+
+}  // namespace polyarm::cell
