@@ -22,6 +22,7 @@
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/fault_record.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/recording/cell_recorder.hpp"
 
 namespace polyarm::apps {
 
@@ -36,6 +37,7 @@ struct RunArguments {
   cell::CellOptions cell_options;
   cell::RunOptions run;
   PendantArguments pendant;
+  cell::RecordOptions record;
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
   int line = 0;
@@ -83,6 +85,10 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
   add_pendant_options(app, a.pendant);
+  app.add_option("--record", a.record.file,
+                 "record into this MCAP file what happens, for Foxglove and others");
+  app.add_option("--record-rate", a.record.rate, "cycles a second in the recording (100)")
+      ->check(CLI::Range(0.1, 10'000.0));
   app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
@@ -100,6 +106,7 @@ void add_options(CLI::App& app, RunArguments& a) {
                 "polyarm run examples/sorting --robot abb/irb_120 --fast",
                 "polyarm run examples/bin_picking --fast --cycles 4 --json",
                 "polyarm run examples/pick_and_place --fault arm/tool/vacuum=off --fast",
+                "polyarm run examples/pick_and_place --record run.mcap",
                 "polyarm run --description my_robot.urdf --controllers controllers.yaml --seconds 5"}) +
       "\nWhile it runs: Ctrl-C stops on the path, a second one at once; type hold, resume, discard or stop.\n"
       "Exit codes: 0 completed, 1 failed, 2 wrong command line, 3 stopped by a person\n");
@@ -282,6 +289,15 @@ bool begins_where_told(cell::Cell& cell, const RunArguments& a) {
   return true;
 }
 
+/// The cell can be recorded, and is from the start where that was asked for.
+void begin_recording(cell::Cell& cell, const RunArguments& a) {
+  cell.set_recorder(recording::make_recorder(cell, POLYARM_VERSION));
+  if (!a.record.file.empty())
+    cell.recorder()->start(a.record);
+  else if (cell.file().record)
+    cell.recorder()->start(*cell.file().record);
+}
+
 int execute(RunArguments& a, const std::string& command) {
   load_plugins(a.plugins);
   read_faults(a);
@@ -307,6 +323,7 @@ int execute(RunArguments& a, const std::string& command) {
       a.run.stay = true;
     }
     cell.emplace(file, catalogue, a.cell_options, pendant ? pendant->observer() : *shown);
+    begin_recording(*cell, a);
     if (!begins_where_told(*cell, a)) {
       fmt::print("nothing was begun\n");
       return kStopped;

@@ -1,0 +1,334 @@
+#include "polyarm/recording/cell_channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/data/data_store.hpp"
+#include "polyarm/description/plain_urdf.hpp"
+#include "polyarm/messages/json.hpp"
+
+namespace polyarm::recording {
+
+namespace {
+
+using Json = nlohmann::json;
+namespace ros = messages;
+constexpr Nanoseconds kStep = 1000;  // how long before a step the value before it is said once more
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+constexpr const char* kLoopSchema = R"({"type":"object","title":"polyarm.Loop","properties":{
+"state":{"type":"string","description":"running, stopping, held, fault or backing"},
+"cause":{"type":"string","description":"of a stop; empty: none"},
+"standing":{"type":"boolean"},
+"cycle":{"type":"integer"},
+"late":{"type":"integer","description":"cycles that were late so far"},
+"latency_us":{"type":"number","description":"how late this cycle woke up; not in lock-step"},
+"cost_us":{"type":"number","description":"of the cycle before; not in lock-step"}}})";
+constexpr const char* kLineSchema = R"({"type":"object","title":"polyarm.ProgramLine","properties":{
+"task":{"type":"string"},"file":{"type":"string"},"line":{"type":"integer"},"source":{"type":"string"}}})";
+
+/// A name that ROS allows in a topic: letters, digits and underscores, none of the latter at its beginning.
+std::string topic_part(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : c == '/' ? '/' : '_';
+  if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0]))) out.insert(0, 1, '_');
+  return out;
+}
+
+double value(std::span<const double> values, int index) {
+  const auto at = static_cast<std::size_t>(index);
+  return index >= 0 && at < values.size() ? values[at] : kNoNumber;
+}
+
+std::string robot_topic(const cell::CellRobots& robots, const cell::CellRobot& robot, const char* topic) {
+  return robots.size() == 1 ? std::string("/") + topic : "/" + topic_part(robot.entry.name) + "/" + topic;
+}
+
+}  // namespace
+
+template <class Message>
+std::size_t CellChannels::add(std::string topic, const char* about, bool latched) {
+  const ros::TypeInfo& type = ros::type_info<Message>();
+  list_.push_back({std::move(topic), "cdr", type.name, "ros2msg", type.schema, about, latched});
+  return list_.size() - 1;
+}
+
+std::size_t CellChannels::add_json(std::string topic, const char* name, const char* schema,
+                                   const char* about) {
+  list_.push_back({std::move(topic), "json", name, "jsonschema", schema, about, false});
+  return list_.size() - 1;
+}
+
+CellChannels::CellChannels(cell::Cell& cell, std::int64_t offset)
+    : cell_(cell), offset_(offset), state_(cell.robots(), cell.loop().table()) {
+  joints_ = add<ros::sensor_msgs::msg::JointState>("/joint_states", "every joint that is measured");
+  add_commands();
+  moving_ = add<ros::tf2_msgs::msg::TFMessage>("/tf", "the frames that move");
+  fixed_ = add<ros::tf2_msgs::msg::TFMessage>("/tf_static", "the frames that never move", true);
+  add_descriptions();
+  add_interfaces();
+  loop_ = add_json("/loop", "polyarm.Loop", kLoopSchema, "the control loop: state, lateness and cost");
+  line_ = add_json("/program", "polyarm.ProgramLine", kLineSchema, "the line that a task has come to");
+  log_ = add<ros::rcl_interfaces::msg::Log>("/rosout", "what the cell and its programs tell");
+  health_ =
+      add<ros::diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", "the control loop, once a second");
+  add_tags();
+}
+
+void CellChannels::add_descriptions() {
+  const cell::CellRobots& robots = cell_.robots();
+  for (const auto& robot : robots) {
+    descriptions_.push_back(add<ros::std_msgs::msg::String>(robot_topic(robots, *robot, "robot_description"),
+                                                            "the robot as URDF", true));
+    tcps_.push_back(add<ros::geometry_msgs::msg::PoseStamped>(
+        robot_topic(robots, *robot, "tcp"), "the tool centre point in the world, measured"));
+    auto& states = tcp_states_.emplace_back();
+    for (const controllers::JointFacts& joint : robot->joints) {
+      const auto index = cell_.loop().table().find_state(joint.name + "/position");
+      states.push_back(index ? static_cast<int>(*index) : -1);
+    }
+  }
+  tcp_.header.frame_id = "world";
+}
+
+void CellChannels::add_commands() {
+  commanded_ =
+      add<ros::sensor_msgs::msg::JointState>("/joint_commands", "what those joints are commanded to");
+  const cell::CellRobots& robots = cell_.robots();
+  bool velocity = false, effort = false;
+  for (const auto& robot : robots)
+    for (const controllers::JointFacts& joint : robot->joints) {
+      const auto find = [&](const char* what) {
+        const auto index = cell_.loop().table().find_command(joint.name + "/" + what);
+        return index ? static_cast<int>(*index) : -1;
+      };
+      commands_of_.push_back({find("position"), find("velocity"), find("effort")});
+      velocity = velocity || commands_of_.back().velocity >= 0;
+      effort = effort || commands_of_.back().effort >= 0;
+      const std::size_t own = robots.size() == 1 ? robot->entry.name.size() + 1 : 0;
+      commands_.name.push_back(joint.name.substr(own));
+    }
+  commands_.position.resize(commands_of_.size());
+  if (velocity) commands_.velocity.resize(commands_of_.size());
+  if (effort) commands_.effort.resize(commands_of_.size());
+}
+
+/// Interfaces by what they belong to: "arm/elbow_joint" has "position" and "velocity".
+void CellChannels::add_interfaces() {
+  interfaces_ = add<ros::control_msgs::msg::DynamicJointState>("/dynamic_joint_states",
+                                                               "every state interface, tools and boards too");
+  const hardware::InterfaceTable& table = cell_.loop().table();
+  const std::string own = cell_.robots().size() == 1 ? cell_.robots()[0]->entry.name + "/" : "";
+  std::map<std::string, std::size_t> owners;
+  for (std::size_t i = 0; i < table.built_states(); ++i) {
+    std::string name = table.state_names()[i];
+    if (!own.empty() && name.starts_with(own)) name.erase(0, own.size());
+    const std::size_t slash = name.rfind('/');
+    const std::string owner = slash == std::string::npos ? "" : name.substr(0, slash);
+    const auto [at, is_new] = owners.emplace(owner, dynamic_.joint_names.size());
+    if (is_new) {
+      dynamic_.joint_names.push_back(owner);
+      dynamic_.interface_values.emplace_back();
+      dynamic_states_.emplace_back();
+    }
+    dynamic_.interface_values[at->second].interface_names.push_back(name.substr(slash + 1));
+    dynamic_.interface_values[at->second].values.push_back(0);
+    dynamic_states_[at->second].push_back(i);
+  }
+}
+
+/// A channel for each tag: every tool plots the `data` of a std_msgs value, however the tag is called.
+void CellChannels::add_tags() {
+  std::set<std::string> topics;
+  for (const signals::Tag& tag : cell_.signals().tags) {
+    const data::Value* value = cell_.store().find(tag.name);
+    if (!value) continue;
+    std::string topic = "/tags/" + topic_part(tag.name);
+    while (!topics.insert(topic).second) topic += "_";
+    const char* about = "a tag, when it changes and once a second";
+    std::size_t channel;
+    if (value->as_boolean())
+      channel = add<ros::std_msgs::msg::Bool>(topic, about);
+    else if (value->as_number())
+      channel = add<ros::std_msgs::msg::Float64>(topic, about);
+    else
+      channel = add<ros::std_msgs::msg::String>(topic, about);
+    tags_.push_back({tag.name, channel, std::nullopt});
+  }
+}
+
+template <class Message>
+void CellChannels::say(std::size_t channel, std::int64_t time, const Message& message,
+                       std::vector<std::byte>& room, const Tell& tell) const {
+  ros::CdrWriter counter({});
+  write(counter, message);
+  room.resize(std::max(room.size(), counter.size()));
+  tell(channel, time, std::span(room).first(ros::to_cdr(message, room)));
+}
+
+void CellChannels::tell_latched(Nanoseconds time, const Tell& tell) const {
+  std::vector<std::byte> room;
+  const std::int64_t at = time + offset_;
+  ros::tf2_msgs::msg::TFMessage fixed = state_.fixed_frames();
+  for (auto& one : fixed.transforms) one.header.stamp = stamp_of(at);
+  say(fixed_, at, fixed, room, tell);
+  for (std::size_t i = 0; i < descriptions_.size(); ++i)
+    say(descriptions_[i], at,
+        ros::std_msgs::msg::String{description::write_plain_urdf(cell_.robots()[i]->model)}, room, tell);
+}
+
+void CellChannels::tell_sample(const control::TappedCycle& cycle, std::span<const double> states,
+                               std::span<const double> commands, const Tell& tell) {
+  const std::int64_t time = cycle.time + offset_;
+  say(joints_, time, state_.joint_states(states, time), sample_room_, tell);
+  commands_.header.stamp = stamp_of(time);
+  for (std::size_t i = 0; i < commands_of_.size(); ++i) {
+    commands_.position[i] = value(commands, commands_of_[i].position);
+    if (!commands_.velocity.empty()) commands_.velocity[i] = value(commands, commands_of_[i].velocity);
+    if (!commands_.effort.empty()) commands_.effort[i] = value(commands, commands_of_[i].effort);
+  }
+  say(commanded_, time, commands_, sample_room_, tell);
+  say(moving_, time, state_.moving_frames(states, time), sample_room_, tell);
+  tcp_.header.stamp = stamp_of(time);
+  for (std::size_t i = 0; i < tcps_.size(); ++i) {
+    std::array<double, 64> q{};
+    const std::size_t count = std::min(tcp_states_[i].size(), q.size());
+    if (count == 0) continue;
+    for (std::size_t j = 0; j < count; ++j) {
+      const double at = value(states, tcp_states_[i][j]);
+      q[j] = std::isfinite(at) ? at : 0;
+    }
+    const Pose pose = cell_.robots()[i]->facts->chain.forward({q.data(), count});
+    tcp_.pose = {{pose.position.x, pose.position.y, pose.position.z},
+                 {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}};
+    say(tcps_[i], time, tcp_, sample_room_, tell);
+  }
+  tell_loop(cycle, time, tell);
+}
+
+void CellChannels::tell_loop(const control::TappedCycle& cycle, std::int64_t time, const Tell& tell) {
+  std::array<char, 400> text;
+  const bool none = cycle.cause == control::StopCause::none;
+  auto end = fmt::format_to_n(text.data(), text.size(),
+                              R"({{"state":"{}","cause":"{}","standing":{},"cycle":{},"late":{})",
+                              control::name(cycle.state), none ? "" : control::name(cycle.cause),
+                              cycle.standing, cycle.index, cycle.late);
+  const auto left = [&] { return text.size() - static_cast<std::size_t>(end.out - text.data()); };
+  if (!cell_.lock_step())  // in lock-step they would differ from run to run
+    end = fmt::format_to_n(end.out, left(), R"(,"latency_us":{:.1f},"cost_us":{:.1f})",
+                           1e-3 * static_cast<double>(cycle.woke), 1e-3 * static_cast<double>(cycle.cost));
+  end = fmt::format_to_n(end.out, left(), "}}");
+  tell(loop_, time, std::as_bytes(std::span(text.data(), static_cast<std::size_t>(end.out - text.data()))));
+}
+
+void CellChannels::tell_interfaces(Nanoseconds time, std::span<const double> states, const Tell& tell) {
+  dynamic_.header.stamp = stamp_of(time + offset_);
+  for (std::size_t i = 0; i < dynamic_states_.size(); ++i)
+    for (std::size_t k = 0; k < dynamic_states_[i].size(); ++k)
+      dynamic_.interface_values[i].values[k] = value(states, static_cast<int>(dynamic_states_[i][k]));
+  say(interfaces_, time + offset_, dynamic_, sample_room_, tell);
+}
+
+void CellChannels::say_tag(const Tag& tag, const data::Value& value, std::int64_t time, const Tell& tell) {
+  const std::string& schema = list_[tag.channel].schema_name;
+  if (schema.ends_with("Bool"))
+    say(tag.channel, time, ros::std_msgs::msg::Bool{value.as_boolean() && *value.as_boolean()}, event_room_,
+        tell);
+  else if (schema.ends_with("Float64"))
+    say(tag.channel, time,
+        ros::std_msgs::msg::Float64{value.as_number() ? value.as_number()->value : kNoNumber}, event_room_,
+        tell);
+  else
+    say(tag.channel, time, ros::std_msgs::msg::String{value.as_text() ? *value.as_text() : value.text()},
+        event_room_, tell);
+}
+
+void CellChannels::tell_tags(Nanoseconds time, bool all, const Tell& tell) {
+  const std::int64_t at = time + offset_;
+  for (Tag& tag : tags_) {
+    const data::Value* value = cell_.store().find(tag.name);
+    if (!value) continue;
+    const bool changed = !tag.told || *tag.told != *value;
+    if (!changed && !all) continue;
+    if (changed && tag.told) say_tag(tag, *tag.told, at - kStep, tell);
+    say_tag(tag, *value, at, tell);
+    if (changed) tag.told = *value;
+  }
+}
+
+void CellChannels::tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
+                            const Location& where, const Tell& tell) {
+  ros::rcl_interfaces::msg::Log log;
+  log.stamp = stamp_of(time + offset_);
+  log.level = static_cast<std::uint8_t>(level);
+  log.name = who;
+  log.msg = text;
+  log.file = where.file;
+  log.line = static_cast<std::uint32_t>(std::max(where.line, 0));
+  say(log_, time + offset_, log, event_room_, tell);
+}
+
+void CellChannels::tell_line(Nanoseconds time, const std::string& task, const Location& where,
+                             const std::string& source, const Tell& tell) {
+  const std::string text =
+      Json{{"task", task}, {"file", where.file}, {"line", where.line}, {"source", source}}.dump(
+          -1, ' ', false, Json::error_handler_t::replace);
+  tell(line_, time + offset_, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+void CellChannels::tell_health(Nanoseconds time, const Tell& tell) {
+  using Status = ros::diagnostic_msgs::msg::DiagnosticStatus;
+  const control::Snapshot& seen = cell_.snapshot();
+  const control::Health& health = cell_.loop().health();
+  Status status;
+  status.level = seen.state == control::RunState::fault     ? Status::ERROR
+                 : seen.state == control::RunState::running ? Status::OK
+                                                            : Status::WARN;
+  status.name = cell_.file().name + ": control loop";
+  status.message = control::name(seen.state);
+  if (seen.cause != control::StopCause::none) status.message += std::string(": ") + control::name(seen.cause);
+  status.hardware_id = cell_.file().name;
+  const auto add = [&](const char* key, std::string text) {
+    status.values.push_back({key, std::move(text)});
+  };
+  const auto microseconds = [](Nanoseconds t) {
+    return fmt::format("{:.1f}", 1e-3 * static_cast<double>(t));
+  };
+  add("cycles", std::to_string(seen.cycle.index));
+  add("clamps", std::to_string(cell_.loop().limits().clamps()));
+  if (!cell_.lock_step()) {
+    add("late", std::to_string(std::uint64_t{health.late}));
+    add("cost p50 us", microseconds(health.cost.percentile(0.5)));
+    add("cost p99 us", microseconds(health.cost.percentile(0.99)));
+    add("cost max us", microseconds(health.cost.max()));
+    add("wake-up p99 us", microseconds(health.wake_up.percentile(0.99)));
+  }
+  ros::diagnostic_msgs::msg::DiagnosticArray all;
+  all.header.stamp = stamp_of(time + offset_);
+  all.status.push_back(std::move(status));
+  say(health_, time + offset_, all, event_room_, tell);
+}
+
+std::string channel_reference(const std::vector<Channel>& channels) {
+  std::string out = "| channel | messages | what it says |\n|---|---|---|\n";
+  std::set<std::string> told;
+  for (const Channel& channel : channels) {
+    const bool tag = channel.topic.starts_with("/tags/");
+    if (tag && !told.insert(channel.schema_name).second) continue;
+    out += "| `" + (tag ? std::string("/tags/<name>") : channel.topic) + "` | `" + channel.schema_name +
+           "` (" + channel.encoding + ") | " + channel.about + " |\n";
+  }
+  return out;
+}
+
+}  // namespace polyarm::recording

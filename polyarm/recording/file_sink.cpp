@@ -1,0 +1,49 @@
+#include "polyarm/recording/file_sink.hpp"
+
+#include <fcntl.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::recording {
+
+FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
+  std::error_code ignored;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
+  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fd_ < 0)
+    throw Error("unwritable", "the recording " + path.string() + " cannot be made: " + std::strerror(errno),
+                "name a file in a folder that you may write to");
+}
+
+FileSink::~FileSink() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+bool FileSink::write(std::span<const std::byte> bytes) {
+  const std::uint64_t whole = size_;
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      problem_ = path_.string() + ": " + std::strerror(n < 0 ? errno : ENOSPC);
+      [[maybe_unused]] const int cut = ::ftruncate(fd_, static_cast<off_t>(whole));
+      size_ = whole;
+      return false;
+    }
+    size_ += static_cast<std::uint64_t>(n);
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+void FileSink::flush() {
+  [[maybe_unused]] const int done = ::fdatasync(fd_);
+}
+
+}  // namespace polyarm::recording

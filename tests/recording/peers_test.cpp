@@ -1,0 +1,145 @@
+/// Recordings and the live view as readers and clients of others see them. These come from npm; where it is
+/// missing, or reaches no registry at the first time, the tests say so and are skipped.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+
+#include "polyarm/base/file.hpp"
+#include "tests/recording/demo.hpp"
+
+namespace polyarm::recording {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Json;
+using test::McapFile;
+
+struct Shell {
+  int code = -1;
+  std::string output;
+};
+
+Shell shell(const std::string& command) {
+  Shell out;
+  std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) return out;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    out.output.append(buffer.data(), n);
+  const int status = ::pclose(pipe);
+  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return out;
+}
+
+/// Where the packages are; empty with a reason where they cannot be had.
+fs::path peers(std::string& why) {
+  const fs::path source = fs::path(POLYARM_SOURCE_DIR) / "tests/recording/peers";
+  const fs::path made = fs::current_path() / "recording_peers";
+  if (shell("node --version").code != 0 || shell("npm --version").code != 0) {
+    why = "Node.js or npm is missing: readers of others are not asked";
+    return {};
+  }
+  std::error_code error;
+  fs::create_directories(made, error);
+  for (const auto& entry : fs::directory_iterator(source))
+    if (entry.is_regular_file())
+      fs::copy_file(entry.path(), made / entry.path().filename(), fs::copy_options::overwrite_existing,
+                    error);
+  if (!fs::exists(made / "node_modules" / ".package-lock.json")) {
+    const Shell got = shell("cd '" + made.string() + "' && timeout 300 npm ci --no-audit --no-fund");
+    if (got.code != 0) {
+      why = "npm gets no packages here: readers of others are not asked\n" + got.output;
+      return {};
+    }
+  }
+  return made;
+}
+
+Json node(const fs::path& folder, const std::string& arguments) {
+  const Shell said = shell("cd '" + folder.string() + "' && node " + arguments);
+  const Json out = Json::parse(said.output, nullptr, false);
+  EXPECT_EQ(said.code, 0) << said.output;
+  EXPECT_FALSE(out.is_discarded()) << said.output;
+  return out;
+}
+
+TEST(Recording, ReadersOfOthersReadIt) {
+  std::string why;
+  const fs::path folder = peers(why);
+  if (folder.empty()) GTEST_SKIP() << why;
+  test::Demo demo;
+  const McapFile ours = McapFile::read(demo.record(3, 100));
+  const Json said = node(folder, "check.mjs '" + (demo.folder.path() / "demo.mcap").string() + "'");
+  EXPECT_EQ(said["done"], true);
+  EXPECT_EQ(said["left"], 0);
+  EXPECT_EQ(said["profile"], "ros2");
+  for (const char* good : {"ordered", "reversed", "sought", "by_topic"}) EXPECT_EQ(said[good], true) << good;
+  EXPECT_EQ(said["messages"], ours.messages.size());
+  EXPECT_EQ(said["messages"], said["statistics"]);
+  EXPECT_EQ(said["messages"], said["indexed"]);
+  EXPECT_GT(said["description"].get<int>(), 1000);
+  EXPECT_EQ(said["attachments"]["demo.script"], fs::file_size(demo.folder.path() / "demo.script"));
+  for (const auto& [topic, channel] : ours.channels)
+    EXPECT_EQ(said["topics"].value(topic, 0u), ours.of(topic).size()) << topic;
+  // The last row is within the last 10 ms of the run, and the robot stands.
+  const std::vector<double> last = said["last_joints"][1];
+  EXPECT_EQ(said["joint_names"], Json(demo.joints));
+  ASSERT_EQ(last.size(), demo.measured.size());
+  for (std::size_t j = 0; j < last.size(); ++j)
+    EXPECT_NEAR(last[j], demo.measured[j], 1e-9) << demo.joints[j];
+}
+
+/// A process that records on the wall clock until it is killed.
+class RecordingProcess {
+ public:
+  RecordingProcess(const test::Demo& demo, const fs::path& file) : pid_(::fork()) {
+    if (pid_ != 0) return;
+    test::LockStepCell bench("controller_manager: {ros__parameters: {update_rate: 1000}}\n", true);
+    bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+    bench.cell().recorder()->start({file, 1000});
+    for (;; ::usleep(1000)) bench.tick();
+  }
+  ~RecordingProcess() { kill(); }
+  void kill() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
+ private:
+  pid_t pid_;
+};
+
+TEST(Recording, OfAProcessThatWasKilledIsReadableUpToItsLastSecond) {
+  test::Demo demo;
+  const fs::path file = demo.folder.path() / "killed.mcap";
+  std::size_t messages = 0;
+  {
+    RecordingProcess process(demo, file);
+    for (int i = 0; i < 10'000 && messages == 0; ++i, ::usleep(10'000)) {
+      std::error_code error;
+      if (!fs::exists(file, error)) continue;
+      const McapFile seen = McapFile::read(read_file(file));
+      if (seen.chunks >= 2) messages = seen.messages.size();
+    }
+  }
+  ASSERT_GT(messages, 0u) << "a second after its beginning there is a chunk";
+  const McapFile left = McapFile::read(read_file(file));
+  EXPECT_FALSE(left.whole);
+  EXPECT_GE(left.messages.size(), messages);
+  EXPECT_EQ(left.of("/robot_description").size(), 1u);
+  std::string why;
+  const fs::path folder = peers(why);
+  if (folder.empty()) GTEST_SKIP() << why;
+  const Json said = node(folder, "check.mjs '" + file.string() + "'");
+  EXPECT_EQ(said["done"], false);
+  EXPECT_EQ(said["messages"], left.messages.size());
+}
+
+}  // namespace
+}  // namespace polyarm::recording

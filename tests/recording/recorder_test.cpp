@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "polyarm/messages/json.hpp"
+#include "polyarm/recording/cell_channels.hpp"
+#include "polyarm/recording/cell_recorder.hpp"
+#include "tests/recording/demo.hpp"
+
+namespace polyarm::recording {
+namespace {
+
+using test::decoded;
+using test::Demo;
+using test::Json;
+using test::McapFile;
+using test::McapMessage;
+
+TEST(Recorder, AFileSaysWhatTheCellDid) {
+  Demo demo;
+  const McapFile file = McapFile::read(demo.record(3, 100));
+  ASSERT_TRUE(file.whole);
+  EXPECT_FALSE(demo.status.recording);
+  EXPECT_EQ(demo.status.messages, file.messages.size());
+  EXPECT_EQ(demo.status.lost, 0u);
+
+  const auto joints = file.of("/joint_states");
+  ASSERT_NEAR(static_cast<double>(joints.size()), 300, 2);
+  for (std::size_t i = 1; i < joints.size(); ++i)
+    EXPECT_EQ(joints[i]->time - joints[i - 1]->time, 10'000'000u);
+  const Json first = decoded(*joints.front()), last = decoded(*joints.back());
+  EXPECT_EQ(last["name"][0], "joint_1");
+  EXPECT_NEAR(last["position"][0].get<double>(), 0.4, 1e-3);
+  EXPECT_LT(std::abs(first["position"][0].get<double>()), 0.05);
+
+  EXPECT_EQ(file.of("/tf").size(), joints.size());
+  EXPECT_EQ(file.of("/joint_commands").size(), joints.size());
+  EXPECT_EQ(file.of("/tcp").size(), joints.size());
+  EXPECT_EQ(file.of("/loop").size(), joints.size());
+  ASSERT_EQ(file.of("/tf_static").size(), 1u);
+  ASSERT_EQ(file.of("/robot_description").size(), 1u);
+  EXPECT_NE(decoded(*file.of("/robot_description")[0])["data"].get<std::string>().find("<robot"),
+            std::string::npos);
+  EXPECT_FALSE(decoded(*file.of("/loop")[0]).contains("cost_us")) << "it would differ from run to run";
+}
+
+TEST(Recorder, ATagIsAStepOfTwoMessagesAndIsSaidAgainEachSecond) {
+  Demo demo;
+  const McapFile file = McapFile::read(demo.record(3, 100));
+  const auto lamp = file.of("/tags/Lamp");
+  std::vector<std::pair<std::uint64_t, bool>> steps;
+  std::uint64_t latest = 0;
+  for (const McapMessage* message : lamp) {
+    EXPECT_LE(message->time - latest, 1'010'000'000u) << "seeking finds a value within a second";
+    latest = message->time;
+    const bool value = decoded(*message)["data"];
+    if (steps.empty() || steps.back().second != value) {
+      if (!steps.empty()) {
+        const auto& before = **(std::find(lamp.begin(), lamp.end(), message) - 1);
+        EXPECT_LE(message->time - before.time, 1'000u) << "a plot shows an edge, not a ramp";
+      }
+      steps.emplace_back(message->time, value);
+    }
+  }
+  ASSERT_EQ(steps.size(), 3u) << "off, on, off";
+  EXPECT_NEAR(1e-9 * static_cast<double>(steps[2].first - steps[1].first), 0.3, 0.01);
+  EXPECT_EQ(decoded(*file.of("/tags/Count").back())["data"], 4.0);
+}
+
+TEST(Recorder, LinesAndLogTellWhatTheProgramDid) {
+  Demo demo;
+  const McapFile file = McapFile::read(demo.record(3, 100));
+  std::vector<int> lines;
+  for (const McapMessage* message : file.of("/program")) lines.push_back(decoded(*message)["line"]);
+  EXPECT_NE(std::find(lines.begin(), lines.end(), 5), lines.end()) << "it waited there";
+  bool logged = false;
+  for (const McapMessage* message : file.of("/rosout"))
+    logged = logged || decoded(*message)["msg"] == "there";
+  EXPECT_TRUE(logged);
+}
+
+TEST(Recorder, WhatTheCellIsMadeOfLiesInTheFile) {
+  Demo demo;
+  const McapFile file = McapFile::read(demo.record(0.1, 100));
+  for (const char* name : {"cell.yaml", "signals.yaml", "demo.script"})
+    EXPECT_EQ(file.attachments.at(name), read_file(demo.folder.path() / name)) << name;
+  EXPECT_NE(file.attachments.at("arm.urdf").find("joint_1"), std::string::npos);
+  EXPECT_EQ(file.metadata.at("polyarm.version"), "9.9");
+  EXPECT_EQ(file.metadata.at("polyarm.clock"), "lock-step");
+}
+
+TEST(Recorder, TheSameRunGivesTheSameBytes) {
+  Demo demo;
+  const std::string first = demo.record(1.5, 1000, "a.mcap"), second = demo.record(1.5, 1000, "b.mcap");
+  EXPECT_TRUE(first == second);
+  EXPECT_GT(first.size(), 10'000u);
+}
+
+TEST(Recorder, EveryCycleIsThereWhereThatIsAskedFor) {
+  Demo demo;
+  const McapFile file = McapFile::read(demo.record(0.5, 1000));
+  EXPECT_EQ(file.of("/joint_states").size(), 500u);
+  const auto dynamic = file.of("/dynamic_joint_states");
+  EXPECT_LE(dynamic.size(), 51u) << "a hundred times a second is enough for these";
+  const Json last = decoded(*dynamic.back());
+  EXPECT_EQ(last["joint_names"].size(), last["interface_values"].size());
+}
+
+TEST(Recorder, IsAskedForFromOutsideByTheNameOfAFileAlone) {
+  Demo demo;
+  test::LockStepCell bench(demo.file());
+  EXPECT_EQ(bench.ask({{"request", "record.start"}})["error"]["code"], "no-recorder");
+  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  for (const char* bad : {"../out.mcap", "/tmp/out.mcap", "a/b.mcap", "..", "."})
+    EXPECT_EQ(bench.ask({{"request", "record.start"}, {"file", bad}})["error"]["code"], "bad-argument")
+        << bad;
+  EXPECT_EQ(bench.ask({{"request", "record.start"}, {"rate", -1}})["error"]["code"], "bad-value");
+  const Json begun = bench.result({{"request", "record.start"}, {"file", "by_hand"}});
+  EXPECT_EQ(begun["recording"], true) << begun;
+  EXPECT_EQ(bench.ask({{"request", "record.start"}})["error"]["code"], "recording");
+  bench.run(0.2);
+  const Json ended = bench.result({{"request", "record.stop"}});
+  EXPECT_EQ(ended["recording"], false);
+  const auto path = demo.folder.path() / ".state" / "recordings" / "by_hand.mcap";
+  EXPECT_EQ(ended["file"], path.string());
+  EXPECT_TRUE(McapFile::read(read_file(path)).whole);
+  EXPECT_EQ(bench.result({{"request", "record.start"}})["recording"], true) << "and again, into a new file";
+}
+
+TEST(Recorder, AFullDiskEndsTheRecordingAndNotTheRun) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  Demo demo;
+  test::LockStepCell bench(demo.file());
+  struct Problems : cell::Observer {
+    std::vector<std::string> told;
+    void on_problem(Nanoseconds, const Problem& problem) override { told.push_back(problem.what); }
+  } problems;
+  bench.cell().observers().add(problems);
+  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().recorder()->start({"/dev/full", 100});
+  bench.run(3);
+  EXPECT_FALSE(bench.cell().failure());
+  const auto said = std::count_if(problems.told.begin(), problems.told.end(), [](const std::string& text) {
+    return text.find("No space left") != std::string::npos;
+  });
+  EXPECT_EQ(said, 1);
+  EXPECT_NE(bench.cell().recorder()->status().problem.find("No space left"), std::string::npos);
+  bench.cell().observers().remove(problems);
+}
+
+TEST(Recorder, AFileThatCannotBeMadeIsRefusedWithItsName) {
+  Demo demo;
+  test::LockStepCell bench(demo.file());
+  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  try {
+    bench.cell().recorder()->start({"/proc/nowhere/run.mcap", 100});
+    FAIL() << "it was made";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("/proc/nowhere/run.mcap"), std::string::npos);
+  }
+}
+
+TEST(Recorder, OnTheWallClockAThreadOfItsOwnWritesAndTheFileGrowsWhileItRuns) {
+  Demo demo;
+  test::LockStepCell bench("controller_manager: {ros__parameters: {update_rate: 1000}}\n", true);
+  const auto path = demo.folder.path() / "live.mcap";
+  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().recorder()->start({path, 1000});
+  // The thread ends a chunk by the system's clock: cycles go on until it has.
+  for (int i = 0; i < 2'000'000 && McapFile::read(read_file(path)).chunks < 2; ++i)
+    for (int k = 0; k < 20; ++k) bench.tick();
+  const McapFile part = McapFile::read(read_file(path));
+  EXPECT_GE(part.chunks, 2u);
+  EXPECT_FALSE(part.whole);
+  bench.cell().recorder()->stop();
+  for (int i = 0; i < 2'000'000 && bench.cell().recorder()->status().recording; ++i) {
+    bench.tick();
+    std::this_thread::yield();
+  }
+  const McapFile file = McapFile::read(read_file(path));
+  EXPECT_TRUE(file.whole);
+  EXPECT_EQ(file.metadata.at("polyarm.clock"), "wall clock");
+  EXPECT_GT(file.messages.front().time, 1'600'000'000'000'000'000u)
+      << "times are those of the system's clock";
+}
+
+TEST(Channels, ArePrintedInTheirPage) {
+  Demo demo;
+  test::LockStepCell bench(demo.file());
+  const std::string table = channel_reference(CellChannels(bench.cell(), 0).list());
+  const std::string page = read_file(std::filesystem::path(POLYARM_SOURCE_DIR) / "docs/recording.md");
+  EXPECT_NE(page.find(table), std::string::npos) << "docs/recording.md has to have this table:\n" << table;
+}
+
+}  // namespace
+}  // namespace polyarm::recording
