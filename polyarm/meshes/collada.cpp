@@ -1,0 +1,312 @@
+#include <tinyxml2.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/meshes/mesh.hpp"
+
+namespace polyarm::meshes {
+
+namespace {
+
+using Element = tinyxml2::XMLElement;
+using Color = std::array<float, 4>;
+/// Rows of an affine map.
+using Map = std::array<std::array<double, 4>, 3>;
+constexpr Map kIdentity{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+constexpr int kDeepest = 64;
+
+Map operator*(const Map& a, const Map& b) {
+  Map out{};
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 4; ++c)
+      out[r][c] = a[r][0] * b[0][c] + a[r][1] * b[1][c] + a[r][2] * b[2][c] + (c == 3 ? a[r][3] : 0);
+  return out;
+}
+
+Map rotation(const std::vector<double>& v) {
+  const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (!(n > 0)) return kIdentity;
+  const double x = v[0] / n, y = v[1] / n, z = v[2] / n, angle = v[3] * std::numbers::pi / 180;
+  const double c = std::cos(angle), s = std::sin(angle), t = 1 - c;
+  return {{{t * x * x + c, t * x * y - s * z, t * x * z + s * y, 0},
+           {t * x * y + s * z, t * y * y + c, t * y * z - s * x, 0},
+           {t * x * z - s * y, t * y * z + s * x, t * z * z + c, 0}}};
+}
+
+std::string attribute(const Element* e, const char* name) {
+  const char* text = e ? e->Attribute(name) : nullptr;
+  return text ? text : "";
+}
+/// The id that "#id" names.
+std::string link(const Element* e, const char* name) {
+  const std::string text = attribute(e, name);
+  return text.starts_with('#') ? text.substr(1) : text;
+}
+
+class ColladaReader {
+ public:
+  ColladaReader(const std::string& text, const std::string& name) : name_(name) {
+    if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+      refuse("line " + std::to_string(document_.ErrorLineNum()) + " is no XML");
+    root_ = document_.FirstChildElement("COLLADA");
+    if (!root_) refuse("its root is not <COLLADA>");
+    index(root_, 0);
+  }
+
+  Mesh read() {
+    Map scale = kIdentity;
+    const Element* asset = root_->FirstChildElement("asset");
+    const double meter = asset && asset->FirstChildElement("unit")
+                             ? asset->FirstChildElement("unit")->DoubleAttribute("meter", 1)
+                             : 1;
+    for (std::size_t k = 0; k < 3; ++k) scale[k][k] = meter > 0 && std::isfinite(meter) ? meter : 1;
+    const Element* scene = root_->FirstChildElement("scene");
+    const Element* shown =
+        scene ? find(link(scene->FirstChildElement("instance_visual_scene"), "url")) : nullptr;
+    if (!shown && root_->FirstChildElement("library_visual_scenes"))
+      shown = root_->FirstChildElement("library_visual_scenes")->FirstChildElement("visual_scene");
+    if (shown)
+      add_nodes(*shown, scale, 0);
+    else
+      for (const auto& [id, element] : by_id_)
+        if (std::string_view(element->Name()) == "geometry") add_geometry(*element, scale, nullptr);
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error("bad-mesh", "the mesh " + name_ + " is no whole Collada: " + what, "export it again");
+  }
+
+  void index(const Element* e, int depth) {
+    if (depth > kDeepest) refuse("its elements are too deep in each other");
+    for (; e; e = e->NextSiblingElement()) {
+      if (const char* id = e->Attribute("id")) by_id_.emplace(id, e);
+      index(e->FirstChildElement(), depth + 1);
+      if (depth == 0) break;
+    }
+  }
+  const Element* find(const std::string& id) const {
+    const auto at = by_id_.find(id);
+    return at == by_id_.end() ? nullptr : at->second;
+  }
+
+  template <class T>
+  std::vector<T> numbers(const Element* e) const {
+    std::vector<T> out;
+    std::string_view rest = e && e->GetText() ? e->GetText() : "";
+    for (;;) {
+      const auto begin = rest.find_first_not_of(" \t\r\n");
+      if (begin == std::string_view::npos) return out;
+      rest.remove_prefix(begin);
+      if (rest.starts_with('+')) rest.remove_prefix(1);
+      T value{};
+      const auto [end, wrong] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+      if (wrong != std::errc())
+        refuse("'" + std::string(rest.substr(0, rest.find_first_of(" \t\r\n"))).substr(0, 40) + "' in line " +
+               std::to_string(e->GetLineNum()) + " is no number");
+      out.push_back(value);
+      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    }
+  }
+
+  Map own_map(const Element& node) const {
+    Map out = kIdentity;
+    for (const Element* e = node.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const std::string_view kind = e->Name();
+      if (kind != "matrix" && kind != "translate" && kind != "rotate" && kind != "scale") continue;
+      const std::vector<double> v = numbers<double>(e);
+      if (v.size() < (kind == "matrix" ? 12u : kind == "rotate" ? 4u : 3u))
+        refuse("<" + std::string(kind) + "> in line " + std::to_string(e->GetLineNum()) + " is too short");
+      Map next = kIdentity;
+      for (std::size_t r = 0; r < 3; ++r) {
+        if (kind == "translate") next[r][3] = v[r];
+        if (kind == "scale") next[r][r] = v[r];
+        for (std::size_t c = 0; kind == "matrix" && c < 4; ++c) next[r][c] = v[4 * r + c];
+      }
+      out = out * (kind == "rotate" ? rotation(v) : next);
+    }
+    return out;
+  }
+
+  void add_nodes(const Element& parent, const Map& before, int depth) {
+    if (depth > kDeepest) refuse("its nodes are too deep in each other");
+    for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const std::string_view kind = e->Name();
+      if (kind == "node") add_nodes(*e, before * own_map(*e), depth + 1);
+      if (kind == "instance_node")
+        if (const Element* node = find(link(e, "url"))) add_nodes(*node, before * own_map(*node), depth + 1);
+      if (kind != "instance_geometry") continue;
+      const Element* geometry = find(link(e, "url"));
+      if (!geometry) refuse("there is no geometry '" + link(e, "url") + "'");
+      add_geometry(*geometry, before, e);
+    }
+  }
+
+  void add_geometry(const Element& geometry, const Map& map, const Element* instance) {
+    const Element* mesh = geometry.FirstChildElement("mesh");
+    if (!mesh) return;  // a spline
+    for (const Element* e = mesh->FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const std::string_view kind = e->Name();
+      if (kind == "triangles" || kind == "polylist" || kind == "polygons") add_faces(*e, map, instance);
+    }
+  }
+
+  struct Source {
+    std::vector<float> values;
+    std::size_t stride = 3, offset = 0;
+    bool there = false;
+    std::array<float, 3> at(std::size_t i) const {
+      return {values[i * stride], values[i * stride + 1], values[i * stride + 2]};
+    }
+    std::size_t size() const { return stride < 3 ? 0 : (values.size() + stride - 3) / stride; }
+  };
+
+  Source source(const std::string& id, std::size_t offset) const {
+    const Element* e = find(id);
+    if (!e) refuse("there is no source '" + id + "'");
+    Source out;
+    out.values = numbers<float>(e->FirstChildElement("float_array"));
+    out.offset = offset;
+    out.there = true;
+    const Element* common = e->FirstChildElement("technique_common");
+    const Element* accessor = common ? common->FirstChildElement("accessor") : nullptr;
+    if (accessor) out.stride = accessor->UnsignedAttribute("stride", 3);
+    return out;
+  }
+
+  void add_faces(const Element& faces, const Map& map, const Element* instance) {
+    Source positions, normals;
+    std::size_t stride = 1;
+    for (const Element* e = faces.FirstChildElement("input"); e; e = e->NextSiblingElement("input")) {
+      const std::string kind = attribute(e, "semantic");
+      const std::size_t offset = e->UnsignedAttribute("offset", 0);
+      if (offset > 64) refuse("an input has the offset " + std::to_string(offset));
+      stride = std::max(stride, offset + 1);
+      if (kind == "NORMAL") normals = source(link(e, "source"), offset);
+      if (kind != "VERTEX") continue;
+      const Element* vertices = find(link(e, "source"));
+      for (const Element* in = vertices ? vertices->FirstChildElement("input") : nullptr; in;
+           in = in->NextSiblingElement("input")) {
+        if (attribute(in, "semantic") == "POSITION") positions = source(link(in, "source"), offset);
+        if (attribute(in, "semantic") == "NORMAL") normals = source(link(in, "source"), offset);
+      }
+    }
+    if (!positions.there)
+      refuse("faces in line " + std::to_string(faces.GetLineNum()) + " have no positions");
+    MeshPart part;
+    color(attribute(&faces, "material"), instance, part);
+    const std::vector<std::size_t> counts = numbers<std::size_t>(faces.FirstChildElement("vcount"));
+    const bool list = std::string_view(faces.Name()) == "polylist";
+    for (const Element* p = faces.FirstChildElement("p"); p; p = p->NextSiblingElement("p")) {
+      const std::vector<std::size_t> indices = numbers<std::size_t>(p);
+      const std::size_t corners = indices.size() / stride;
+      const bool polygon = std::string_view(faces.Name()) == "polygons";
+      for (std::size_t from = 0, face = 0; from < corners; ++face) {
+        const std::size_t count = list ? (face < counts.size() ? counts[face] : 0) : polygon ? corners : 3;
+        if (count == 0 || count > corners - from) refuse("a face has too few corners");
+        add_polygon(part, indices, from, count, stride, positions, normals, map);
+        from += count;
+      }
+    }
+    // A map that mirrors turns faces inside out.
+    if (determinant(map) < 0)
+      for (std::size_t i = 0; i + 2 < part.triangles.size(); i += 3)
+        std::swap(part.triangles[i], part.triangles[i + 1]);
+    mesh_.push_back(std::move(part));
+  }
+
+  static double determinant(const Map& m) {
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+  }
+
+  void add_polygon(MeshPart& part, const std::vector<std::size_t>& indices, std::size_t from,
+                   std::size_t count, std::size_t stride, const Source& positions, const Source& normals,
+                   const Map& map) {
+    const auto first = static_cast<std::uint32_t>(part.positions.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t at = indices[(from + i) * stride + positions.offset];
+      if (at >= positions.size()) refuse("a face has the corner " + std::to_string(at));
+      const auto p = positions.at(at);
+      std::array<float, 3> placed;
+      for (std::size_t r = 0; r < 3; ++r)
+        placed[r] = static_cast<float>(map[r][0] * p[0] + map[r][1] * p[1] + map[r][2] * p[2] + map[r][3]);
+      part.positions.push_back(placed);
+      if (normals.there && uniform(map)) {
+        const std::size_t n = indices[(from + i) * stride + normals.offset];
+        if (n >= normals.size()) refuse("a face has the normal " + std::to_string(n));
+        part.normals.push_back(turned(normals.at(n), map));
+      }
+    }
+    for (std::uint32_t i = 2; i < count; ++i)
+      part.triangles.insert(part.triangles.end(), {first, first + i - 1, first + i});
+    if ((triangles_ += count) > 2 * kMostTriangles) refuse("it has too many triangles");
+  }
+
+  /// Normals turn as positions do where all axes are scaled alike; else they are made anew.
+  static bool uniform(const Map& m) {
+    double n[3];
+    for (std::size_t c = 0; c < 3; ++c)
+      n[c] = std::sqrt(m[0][c] * m[0][c] + m[1][c] * m[1][c] + m[2][c] * m[2][c]);
+    const double cube = n[0] * n[1] * n[2];
+    return n[0] > 0 && std::abs(n[1] - n[0]) < 1e-3 * n[0] && std::abs(n[2] - n[0]) < 1e-3 * n[0] &&
+           std::abs(determinant(m)) > 0.99 * cube;
+  }
+  static std::array<float, 3> turned(const std::array<float, 3>& v, const Map& m) {
+    double out[3], length = 0;
+    for (std::size_t r = 0; r < 3; ++r) {
+      out[r] = m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
+      length += out[r] * out[r];
+    }
+    length = length > 0 ? std::sqrt(length) : 1;
+    return {static_cast<float>(out[0] / length), static_cast<float>(out[1] / length),
+            static_cast<float>(out[2] / length)};
+  }
+
+  /// The diffuse colour of the material that the instance binds to the faces' symbol.
+  void color(const std::string& symbol, const Element* instance, MeshPart& part) const {
+    std::string target = symbol;
+    const Element* bind = instance ? instance->FirstChildElement("bind_material") : nullptr;
+    const Element* common = bind ? bind->FirstChildElement("technique_common") : nullptr;
+    for (const Element* e = common ? common->FirstChildElement("instance_material") : nullptr; e;
+         e = e->NextSiblingElement("instance_material"))
+      if (attribute(e, "symbol") == symbol) target = link(e, "target");
+    const Element* material = find(target);
+    const Element* effect =
+        material ? find(link(material->FirstChildElement("instance_effect"), "url")) : nullptr;
+    const Element* profile = effect ? effect->FirstChildElement("profile_COMMON") : nullptr;
+    const Element* technique = profile ? profile->FirstChildElement("technique") : nullptr;
+    const Element* shading = technique ? technique->FirstChildElement() : nullptr;
+    while (shading && !shading->FirstChildElement("diffuse")) shading = shading->NextSiblingElement();
+    const Element* diffuse = shading ? shading->FirstChildElement("diffuse") : nullptr;
+    const Element* value = diffuse ? diffuse->FirstChildElement("color") : nullptr;
+    if (!value) return;
+    const std::vector<float> c = numbers<float>(value);
+    for (std::size_t k = 0; k < 4 && k < c.size(); ++k) part.color[k] = c[k];
+    part.colored = c.size() >= 3;
+  }
+
+  const std::string& name_;
+  tinyxml2::XMLDocument document_;
+  const Element* root_ = nullptr;
+  std::map<std::string, const Element*> by_id_;
+  Mesh mesh_;
+  std::size_t triangles_ = 0;
+};
+
+}  // namespace
+
+Mesh read_collada(const std::string& text, const std::string& name) {
+  return ColladaReader(text, name).read();
+}
+
+}  // namespace polyarm::meshes

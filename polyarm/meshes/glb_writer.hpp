@@ -1,0 +1,18 @@
+#pragma once
+/// glTF 2.0 in one binary file. Source: Khronos' glTF 2.0 specification, 4.4 (GLB).
+#include <string>
+#include <vector>
+
+#include "polyarm/meshes/mesh.hpp"
+
+namespace polyarm::meshes {
+
+struct GlbNode {
+  std::string name;
+  Mesh mesh;
+};
+
+/// Nodes side by side under one scene, with their meshes where they are. The same nodes give the same bytes.
+std::string write_glb(const std::vector<GlbNode>& nodes);
+
+}  // namespace polyarm::meshes

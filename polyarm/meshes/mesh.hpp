@@ -1,0 +1,45 @@
+#pragma once
+/// Meshes as triangles, whatever file they come from.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "polyarm/description/robot_model.hpp"
+
+namespace polyarm::meshes {
+
+/// Triangles of one colour. Positions in m in the mesh's own frame, x right, y ahead, z up as its file says.
+struct MeshPart {
+  std::vector<std::array<float, 3>> positions;
+  std::vector<std::array<float, 3>> normals;  ///< as many as positions
+  std::vector<std::uint32_t> triangles;       ///< three indices each
+  std::array<float, 4> color{0.8f, 0.8f, 0.8f, 1};
+  bool colored = false;  ///< the file says a colour
+};
+using Mesh = std::vector<MeshPart>;
+
+/// Larger files and meshes are refused.
+inline constexpr std::uintmax_t kLargestFile = 256u << 20;
+inline constexpr std::size_t kMostTriangles = 4'000'000;
+
+/// Reads STL (binary and ASCII), OBJ (with its MTL), and Collada. Any thread. Throws Error("no-mesh" |
+/// "bad-mesh" | "large-mesh" | "unknown-mesh") that names the file and says what to do.
+Mesh read_mesh(const std::filesystem::path& path);
+
+// The readers; `name` is for errors.
+Mesh read_stl(const std::string& bytes, const std::string& name);
+/// `materials`: the text of its MTL files.
+Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials = {});
+/// In metres; `up_axis` is not followed, as RViz does not.
+Mesh read_collada(const std::string& text, const std::string& name);
+
+/// Boxes, cylinders, spheres and capsules, in the frame of the shape itself; nothing of a mesh.
+Mesh mesh_of_shape(const description::Shape& shape);
+
+/// Corners with the same place and normal become one; triangles without area go. Where normals are missing
+/// they are made, smooth where triangles meet at less than 30 degrees.
+void tidy(MeshPart& part);
+
+}  // namespace polyarm::meshes

@@ -1,0 +1,148 @@
+#include <charconv>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/meshes/mesh.hpp"
+
+namespace polyarm::meshes {
+
+namespace {
+
+using Color = std::array<float, 4>;
+
+template <class T>
+std::optional<T> number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T out{};
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (wrong != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return out;
+}
+
+/// Calls `take` with the words of each line; a line that ends with a backslash goes on.
+template <class Take>
+void each_line(const std::string& text, Take take) {
+  std::vector<std::string> words;
+  int line = 0;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    std::string_view part = trim(std::string_view(text).substr(from, end - from));
+    from = end + 1;
+    ++line;
+    const bool goes_on = part.ends_with('\\');
+    if (goes_on) part.remove_suffix(1);
+    for (std::string& word : split_words(part.substr(0, part.find('#')))) words.push_back(std::move(word));
+    if (goes_on) continue;
+    if (!words.empty()) take(words, line);
+    words.clear();
+  }
+}
+
+std::map<std::string, Color> colors_of(const std::string& materials) {
+  std::map<std::string, Color> out;
+  Color* color = nullptr;
+  each_line(materials, [&](const std::vector<std::string>& words, int) {
+    if (words[0] == "newmtl" && words.size() > 1) {
+      color = &out[words[1]];
+      *color = {0.8f, 0.8f, 0.8f, 1};
+    }
+    if (!color || words.size() < 2) return;
+    const auto first = number<float>(words[1]);
+    if (words[0] == "Kd" && words.size() > 3)
+      for (std::size_t k = 0; k < 3; ++k) (*color)[k] = number<float>(words[k + 1]).value_or(0.8f);
+    if (words[0] == "d" && first) (*color)[3] = *first;
+    if (words[0] == "Tr" && first) (*color)[3] = 1 - *first;
+  });
+  return out;
+}
+
+class ObjReader {
+ public:
+  ObjReader(const std::string& name, std::map<std::string, Color> colors)
+      : name_(name), colors_(std::move(colors)) {}
+
+  Mesh read(const std::string& text) {
+    each_line(text, [this](const std::vector<std::string>& words, int line) {
+      line_ = line;
+      if (words[0] == "v") positions_.push_back(triple(words));
+      if (words[0] == "vn") normals_.push_back(triple(words));
+      if (words[0] == "usemtl") material_ = words.size() > 1 ? words[1] : "";
+      if (words[0] == "f") face(words);
+    });
+    Mesh out;
+    for (auto& [material, part] : parts_) {
+      // Normals count where every corner has one.
+      if (part.normals.size() != part.positions.size()) part.normals.clear();
+      if (const auto color = colors_.find(material); color != colors_.end()) {
+        part.color = color->second;
+        part.colored = true;
+      }
+      out.push_back(std::move(part));
+    }
+    return out;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error("bad-mesh", "the mesh " + name_ + ":" + std::to_string(line_) + ": " + what,
+                "export it again");
+  }
+
+  std::array<float, 3> triple(const std::vector<std::string>& words) const {
+    std::array<float, 3> out{};
+    if (words.size() < 4) refuse("'" + words[0] + "' needs three numbers");
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto value = number<float>(words[k + 1]);
+      if (!value) refuse("'" + words[k + 1].substr(0, 40) + "' is no number");
+      out[k] = *value;
+    }
+    return out;
+  }
+
+  /// Counted from 1, or backwards from the newest with a minus.
+  std::size_t index(std::string_view text, std::size_t count) const {
+    const auto given = number<std::int64_t>(text);
+    const std::int64_t size = static_cast<std::int64_t>(count);
+    const std::int64_t at = !given ? -1 : *given < 0 ? size + *given : *given - 1;
+    if (at < 0 || at >= size)
+      refuse("'" + std::string(text.substr(0, 40)) + "' is none of its " + std::to_string(count) +
+             " corners");
+    return static_cast<std::size_t>(at);
+  }
+
+  void face(const std::vector<std::string>& words) {
+    if (words.size() < 4) return;  // a line or a point
+    MeshPart& part = parts_[material_];
+    std::vector<std::uint32_t> corners;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const std::vector<std::string> fields = split_fields(words[i], '/');
+      corners.push_back(static_cast<std::uint32_t>(part.positions.size()));
+      part.positions.push_back(positions_[index(fields[0], positions_.size())]);
+      if (fields.size() > 2 && !fields[2].empty())
+        part.normals.push_back(normals_[index(fields[2], normals_.size())]);
+    }
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      part.triangles.insert(part.triangles.end(), {corners[0], corners[i - 1], corners[i]});
+    if ((triangles_ += corners.size() - 2) > kMostTriangles) refuse("it has too many triangles");
+  }
+
+  const std::string& name_;
+  std::map<std::string, Color> colors_;
+  std::vector<std::array<float, 3>> positions_, normals_;
+  std::map<std::string, MeshPart> parts_;
+  std::string material_;
+  std::size_t triangles_ = 0;
+  int line_ = 0;
+};
+
+}  // namespace
+
+Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials) {
+  return ObjReader(name, colors_of(materials)).read(text);
+}
+
+}  // namespace polyarm::meshes
