@@ -24,6 +24,7 @@ constexpr const char* kDefaultRobot = "universal_robots/ur3";
 
 struct ConsoleArguments {
   std::string cell, robot, hardware;
+  bool pendant = false;
 };
 
 class Console {
@@ -90,10 +91,12 @@ class Console {
       arguments = {"--description", robot_.empty() ? kDefaultRobot : robot_, "--hardware",
                    a_.hardware.empty() ? "mock" : a_.hardware};
     }
+    if (a_.pendant) arguments.push_back("--pendant");
     talk_.say("starting the simulation of " + robot_text() + " …");
     cell_.start(folder_, arguments);
     editor_.set_folder(cell_.folder());
     talk_.say(fmt::format("'{}' is running; its files are in {}", cell_.name(), cell_.folder().string()));
+    if (!cell_.pendant().empty()) talk_.say("its pendant: " + cell_.pendant());
     main_menu();
   }
 
@@ -318,6 +321,7 @@ int run_console(int argc, char** argv) {
   app.add_option("--robot", a.robot, "the robot that is selected first: MODEL of the catalogue");
   app.add_option("--hardware", a.hardware, "mock (exact, without physics), mujoco, or what the cell declares")
       ->check(hardware_name());
+  app.add_flag("--pendant", a.pendant, "the simulation serves the pendant to a browser, too");
   app.footer(examples({"polyarm console", "polyarm console examples/pick_and_place",
                        "polyarm console ~/first", "polyarm console < answers.txt"}) +
              "\nEvery question can be answered from a pipe, a line each; the end of it ends the console.\n"

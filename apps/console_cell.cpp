@@ -130,7 +130,12 @@ void ConsoleCell::meet(std::unique_ptr<Client> client) {
   const Json state = ask({{"request", "program"}});
   folder_ = state["folder"].get<std::string>();
   events_ = Client::at(cell::SocketDoor::folder_of_user() / (name_ + ".sock"));
-  events_->send({{"request", "events"}, {"since", state["events"]}});
+  events_->send({{"request", "events"}, {"since", 0}});
+  old_events_ = state["events"].get<std::uint64_t>();
+  pendant_.clear();
+  std::vector<Json> old;
+  if (const Json answer = events_->receive(kPatience_ms); !answer.is_null())
+    take(Client::result_of(answer), old);
   robots_ = state["robots"].get<std::vector<std::string>>();
   robot_ = robots_.empty() ? "" : robots_.front();
 }
@@ -219,6 +224,14 @@ std::string ConsoleCell::catch_up() {
   return cause;
 }
 
+void ConsoleCell::take(const Json& events, std::vector<Json>& out) {
+  for (const Json& event : events) {
+    const std::string note = event["event"] == "note" ? event["text"].get<std::string>() : "";
+    if (note.starts_with("pendant: ")) pendant_ = note.substr(9);
+    if (event["number"].get<std::uint64_t>() > old_events_) out.push_back(event);
+  }
+}
+
 std::vector<Json> ConsoleCell::take_events() {
   std::vector<Json> out;
   if (!events_) return out;
@@ -226,7 +239,7 @@ std::vector<Json> ConsoleCell::take_events() {
     for (;;) {
       const Json answer = events_->receive(0);
       if (answer.is_null()) return out;
-      for (const Json& event : Client::result_of(answer)) out.push_back(event);
+      take(Client::result_of(answer), out);
     }
   } catch (const Error& e) {
     if (e.problems().front().code != "cell-gone") throw;

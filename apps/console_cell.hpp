@@ -2,6 +2,7 @@
 /// The cell at the other end of the console: one that it has started, or one that runs anyway.
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -49,9 +50,12 @@ class ConsoleCell {
   Json receive(int id, int timeout_ms);
   /// What has happened since the last call, as the request `events` has it.
   std::vector<Json> take_events();
+  /// The link of the cell's pendant; empty where none is served.
+  const std::string& pendant() const { return pendant_; }
 
  private:
   void meet(std::unique_ptr<Client> client);
+  void take(const Json& events, std::vector<Json>& out);
   std::unique_ptr<Client> wait_for_door();
   [[noreturn]] void gone();
   std::string last_words() const;
@@ -60,7 +64,8 @@ class ConsoleCell {
   std::unique_ptr<Client> client_, events_;
   pid_t child_ = -1;
   int last_id_ = 0;
-  std::string name_, robot_;
+  std::string name_, robot_, pendant_;
+  std::uint64_t old_events_ = 0;  ///< those from before it was met
   std::vector<std::string> robots_;
   std::filesystem::path folder_, log_;
 };

@@ -264,6 +264,7 @@ void ConsoleMove::jog_by_lines(bool tcp) {
 
 void ConsoleMove::sliders() {
   require_running();
+  if (!cell_.pendant().empty()) talk_.say("the pendant has sliders, too: " + cell_.pendant());
   if (talk_.at_terminal()) return joint_sliders(cell_);
   jog_by_lines(false);
 }

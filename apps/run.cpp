@@ -339,7 +339,7 @@ int execute(RunArguments& a, const std::string& command) {
   cell::Observer& observer = pendant ? pendant->observer() : *shown;
   if (pendant) {
     pendant->attach(*cell);
-    announce(*pendant, a.pendant, *shown);
+    announce(*pendant, a.pendant, *cell);
   }
   const cell::RunResult result = cell::run(*cell, a.run, observer);
   if (pendant) pendant->detach();

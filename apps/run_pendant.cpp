@@ -73,10 +73,10 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
   return std::make_unique<server::Pendant>(std::move(options), next);
 }
 
-void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Observer& observer) {
-  observer.on_note("pendant: " + pendant.link());
+void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Cell& cell) {
+  cell.tell("pendant: " + pendant.link());
   if (const std::string link = pendant.outside_link(); !link.empty())
-    observer.on_note("pendant on other machines: " + link);
+    cell.tell("pendant on other machines: " + link);
   if (a.open) open_in_browser(pendant.link());
 }
 

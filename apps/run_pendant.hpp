@@ -19,6 +19,7 @@ void add_pendant_options(CLI::App& app, PendantArguments& arguments);
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
                                               const description::Catalogue& catalogue, cell::Observer& next);
 /// Prints the link (a QR code, too, where other machines are served), and opens it where that is asked for.
-void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
+/// Whoever asks the cell for its events is told, too.
+void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Cell& cell);
 
 }  // namespace polyarm::apps

@@ -261,6 +261,17 @@ TEST_F(Console, TheThesissPickAndPlaceRunsFromItsCell) {
   EXPECT_EQ(done.exit_code, 0) << done.output;
 }
 
+TEST_F(Console, SlidersNameThePendantWhereOneIsServed) {
+  fs::create_directory(folder / "bench");
+  write_file_atomically(folder / "bench/cell.yaml",
+                        "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e}\n");
+  Command running({"run", (folder / "bench").string(), "--quiet", "--pendant", "--port", "0"});
+  for (int tries = 0; tries < 5000 && run_command({"health"}).exit_code != 0; ++tries) {
+  }
+  const Finished done = told({"2", "", "3", "1", "", "0", "0", "0"});
+  EXPECT_TRUE(in_order(done, {"Move Menu", "the pendant has sliders, too: http://"}));
+}
+
 TEST_F(Console, ACellThatCannotStartSaysWhy) {
   write_file_atomically(work / "cell.yaml",
                         "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur33}\n");
