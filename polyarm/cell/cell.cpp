@@ -413,7 +413,9 @@ void Cell::tick(Nanoseconds now) {
   tick_motions(now);
   if (may_run && plc_) plc_->tick();
   if (test_) test_->tick();
-  if (may_run && program_ && begun_ && snapshot.state == control::RunState::running && !jogging_->engaged())
+  const bool stop_asked = loop_->supervisor().latch().requested() != realtime::StopKind::none;
+  if (may_run && program_ && begun_ && snapshot.state == control::RunState::running && !stop_asked &&
+      !jogging_->engaged())
     tick_program(now);
   tick_motions(now);
   write_outputs(now, snapshot);

@@ -28,6 +28,8 @@ std::atomic<int> stops_asked{0};
 
 /// The loop is silent when no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
+/// In lock-step, where nobody can resume it, a cell that is held ends after this time of its own.
+constexpr Nanoseconds kHeldPatience = 10'000'000'000;
 
 /// A loop that does nothing, beside the real one and under its conditions (but for the processor, which two
 /// would share): what the machine itself is late.
@@ -159,6 +161,7 @@ class Runner {
     control::ControlLoop& loop = cell_.loop();
     const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
     const auto doors = open_doors();
+    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.test();
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {
@@ -333,7 +336,9 @@ class Runner {
       over_ = (standing && cell_.outputs_settled()) || clock - stop_since_ > options_.patience;
     } else {
       const bool finished = cell_.finished() && !options_.stay;
-      over_ = finished || now >= limit_;
+      if (seen.state != control::RunState::held || !seen.standing) held_since_ = now;
+      held_out_ = nobody_there_ && now - held_since_ > kHeldPatience;
+      over_ = finished || now >= limit_ || held_out_;
       cut_short_ = over_ && !cell_.finished();
     }
     if (now - told_pose_ >= 100'000'000) {
@@ -410,6 +415,11 @@ class Runner {
     } else if (stopping_) {
       out.outcome = Outcome::stopped;
       return;
+    } else if (held_out_) {
+      out.outcome = Outcome::failed;
+      out.problems.push_back({"held", cell_.program() ? cell_.program()->status().where : Location{},
+                              "the cell is held, and in lock-step nobody is there to resume it",
+                              "run it without --fast, or with --socket, and polyarm control resume"});
     }
     for (const Problem& problem : cell_.group_faults()) {
       out.outcome = Outcome::failed;
@@ -434,7 +444,8 @@ class Runner {
   std::uint64_t seen_cycles_ = 0;
   Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
   bool loop_silent_ = false, stuck_ = false;
-  bool over_ = false, stopping_ = false, cut_short_ = false;
+  Nanoseconds held_since_ = 0;
+  bool over_ = false, stopping_ = false, cut_short_ = false, nobody_there_ = false, held_out_ = false;
 };
 
 }  // namespace

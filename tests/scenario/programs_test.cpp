@@ -86,6 +86,20 @@ TEST_F(Programs, ARunThatWasCutOffGoesOn) {
   EXPECT_NE(nothing.output.find("no program was cut off here"), std::string::npos) << nothing.output;
 }
 
+TEST_F(Programs, AHoldThatNobodyCanEndEndsTheRun) {
+  folder.write("job.script",
+               "load work\nset Placed = 7\nhold \"look at the cup\"\nset Placed = 8\ntask other\n"
+               "  wait 1ms\n  set Placed = 9\nend\n");
+  const Finished run = run_command({"run", folder.path().string(), "--fast", "--json"});
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  const auto result = run.result();
+  EXPECT_EQ(result["problems"][0]["code"], "held") << result;
+  EXPECT_NE(result["error"].get<std::string>().find("job.script:"), std::string::npos) << result;
+  EXPECT_NE(run.output.find("look at the cup"), std::string::npos);
+  EXPECT_LT(result["sim_time_s"].get<double>(), 15);
+  EXPECT_EQ(placed(), "7");
+}
+
 TEST_F(Programs, ARunBeginsAtALine) {
   const Finished run =
       run_command({"run", folder.path().string(), "--fast", "--from", "5", "--yes", "--seconds", "1"});
