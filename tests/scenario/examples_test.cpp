@@ -44,12 +44,21 @@ TEST_P(Examples, RunToTheirEndWithEveryPartInItsPlaceAndTwiceAlike) {
 }
 
 constexpr Case kCases[] = {
-    {"pick_and_place", "universal_robots/ur3", 3}, {"pick_and_place", "universal_robots/ur5e", 3},
-    {"pick_and_place", "fanuc/lr_mate_200id", 3},  {"pick_and_place", "abb/irb_120", 3},
-    {"sorting", "universal_robots/ur3", 4},        {"sorting", "universal_robots/ur5e", 4},
-    {"sorting", "fanuc/lr_mate_200id", 4},         {"sorting", "abb/irb_120", 4},
-    {"bin_picking", "universal_robots/ur3", 6},    {"bin_picking", "universal_robots/ur5e", 6},
-    {"bin_picking", "fanuc/lr_mate_200id", 6},     {"bin_picking", "abb/irb_120", 6},
+    {"pick_and_place", "universal_robots/ur3", 3},
+    {"pick_and_place", "universal_robots/ur5e", 3},
+    {"pick_and_place", "fanuc/lr_mate_200id", 3},
+    {"pick_and_place", "abb/irb_120", 3},
+    {"pick_and_place", "franka/fer_panda", 3},
+    {"sorting", "franka/fer_panda", 4},
+    {"bin_picking", "franka/fer_panda", 6},
+    {"sorting", "universal_robots/ur3", 4},
+    {"sorting", "universal_robots/ur5e", 4},
+    {"sorting", "fanuc/lr_mate_200id", 4},
+    {"sorting", "abb/irb_120", 4},
+    {"bin_picking", "universal_robots/ur3", 6},
+    {"bin_picking", "universal_robots/ur5e", 6},
+    {"bin_picking", "fanuc/lr_mate_200id", 6},
+    {"bin_picking", "abb/irb_120", 6},
 };
 INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(kCases), [](const auto& named) {
   std::string name = std::string(named.param.example) + "_" + named.param.robot;
@@ -111,6 +120,35 @@ TEST(BinPicking, TheCameraChangesThePickPointAndPartsAreLoadedAndUnloaded) {
   EXPECT_GE(points.size(), 2u);
   EXPECT_GE(loads, 2);
   EXPECT_GE(unloads, 2);
+}
+
+TEST(TwoRobots, ShareATableWithoutTouchingEachOther) {
+  const ExampleCopy copy("two_robots");
+  const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.output.substr(run.output.size() > 3000 ? run.output.size() - 3000 : 0);
+  const nlohmann::json result = run.result();
+  EXPECT_EQ(result["result"], "completed");
+  ASSERT_EQ(result["parts"].size(), 5u);
+  for (const auto& part : result["parts"]) EXPECT_EQ(part["bin"], "pallet") << part;
+}
+
+TEST(TwoRobots, ACupThatNeverHoldsEndsTheProgramAtItsLine) {
+  const ExampleCopy copy("two_robots");
+  const Finished run =
+      run_command({"run", copy.path(), "--fast", "--json", "--fault", "left/tool/vacuum=off"});
+  EXPECT_EQ(run.exit_code, 1);
+  const std::string error = run.result()["error"];
+  EXPECT_NE(error.find("no part at Seen"), std::string::npos) << error;
+  EXPECT_NE(error.find("emptying.script:"), std::string::npos) << error;
+}
+
+TEST(ExamplesTests, OfEveryExampleHold) {
+  for (const char* example : {"pick_and_place", "sorting", "bin_picking", "two_robots"}) {
+    const ExampleCopy copy(example);
+    const Finished tests = run_command({"test", copy.path()});
+    EXPECT_EQ(tests.exit_code, 0) << example << "\n" << tests.output;
+    EXPECT_NE(tests.output.find(" 0 failed"), std::string::npos) << tests.output;
+  }
 }
 
 TEST(PickAndPlace, WithoutVacuumFailsAndSaysWhoWaitsForWhat) {
@@ -207,10 +245,10 @@ TEST(Check, ReportsEveryErrorOfEveryFileAtOnce) {
     EXPECT_NE(check.output.find(wanted), std::string::npos) << wanted << "\n" << check.output;
 }
 
-TEST(Check, FindsNothingInTheExamplesOnAnyOfTheFourRobots) {
+TEST(Check, FindsNothingInTheExamplesOnAnyOfTheFiveRobots) {
   for (const char* example : {"pick_and_place", "sorting", "bin_picking"})
-    for (const char* robot :
-         {"universal_robots/ur3", "universal_robots/ur5e", "fanuc/lr_mate_200id", "abb/irb_120"}) {
+    for (const char* robot : {"universal_robots/ur3", "universal_robots/ur5e", "fanuc/lr_mate_200id",
+                              "abb/irb_120", "franka/fer_panda"}) {
       const ExampleCopy copy(example);
       const Finished check = run_command({"check", copy.path(), "--robot", robot});
       EXPECT_EQ(check.exit_code, 0) << example << " " << robot << "\n" << check.output;

@@ -64,9 +64,16 @@ TEST_P(OverModbus, TheExampleRunsToItsEndWithItsPlcOnTheFarEnd) {
 
 constexpr Case kCases[] = {{"pick_and_place", "universal_robots/ur3", 3},
                            {"sorting", "fanuc/lr_mate_200id", 4},
-                           {"bin_picking", "abb/irb_120", 6}};
-INSTANTIATE_TEST_SUITE_P(All, OverModbus, testing::ValuesIn(kCases),
-                         [](const auto& named) { return std::string(named.param.example); });
+                           {"bin_picking", "abb/irb_120", 6},
+                           {"pick_and_place", "franka/fer_panda", 3},
+                           {"sorting", "franka/fer_panda", 4},
+                           {"bin_picking", "franka/fer_panda", 6}};
+INSTANTIATE_TEST_SUITE_P(All, OverModbus, testing::ValuesIn(kCases), [](const auto& named) {
+  std::string name = std::string(named.param.example) + "_" + named.param.robot;
+  for (char& c : name)
+    if (c == '/') c = '_';
+  return name;
+});
 
 TEST(FarPlcGone, HoldsTheRobotWithTheReason) {
   const FarPlc far("pick_and_place");
