@@ -124,7 +124,11 @@ std::string reading(const Field& field, std::size_t least) {
   if (field.shape != Shape::array)
     out += "  " + member + ".resize(in.read_length(" + std::to_string(least) +
            (field.shape == Shape::bounded ? ", " + std::to_string(field.capacity) : "") + "));\n";
-  return out + "  read_elements<" + element(field) + ">(in, " + member + ");\n";
+  out += "  read_elements<" + element(field) + ">(in, " + member + ");\n";
+  if (field.type == "bool")
+    out +=
+        "  for (const std::uint8_t byte : " + member + ")\n    if (byte > 1) in.fail(CdrError::boolean);\n";
+  return out;
 }
 
 std::string quoted(const std::string& text) {
