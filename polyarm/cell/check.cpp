@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -146,8 +148,7 @@ class Checker {
 
   /// The data that a script loads, which a cell has from the start.
   void data_of(const std::filesystem::path& script, program::KnownNames& known) {
-    Problems unread;
-    const program::Program program = program::parse(read_file(script), script.string(), unread);
+    const program::Program& program = read_program(script).program;
     for (const program::Statement* load : program::loads(program)) {
       std::filesystem::path file;
       try {
@@ -168,11 +169,25 @@ class Checker {
     }
   }
 
+  struct ReadProgram {
+    program::Program program;
+    Problems problems;
+  };
+
+  /// Each file once.
+  const ReadProgram& read_program(const std::filesystem::path& path) {
+    const auto at = read_.find(path);
+    if (at != read_.end()) return at->second;
+    ReadProgram read;
+    read.program = program::parse(read_file(path), path.string(), read.problems);
+    return read_.emplace(path, std::move(read)).first->second;
+  }
+
   void one_program(const std::filesystem::path& path, const program::KnownNames& known) {
     collect(problems_, [&] {
-      Problems found;
-      const program::Program parsed = program::parse(read_file(path), path.string(), found);
-      program::check(parsed, known, found);  // of what was understood
+      const ReadProgram& read = read_program(path);
+      Problems found = read.problems;
+      program::check(read.program, known, found);  // of what was understood
       for (const Problem& problem : found.list()) problems_.add(problem);
     });
   }
@@ -258,6 +273,7 @@ class Checker {
   CellRobots robots_;
   signals::Signals signals_;
   std::vector<data::DataSet> sets_;
+  std::map<std::filesystem::path, ReadProgram> read_;
   CheckResult result_;
 };
 

@@ -130,6 +130,20 @@ class Value {
   };
   Extent extent() const;
 
+  /// As assignment, for values that stand in it.
+  void set(const Number& number) noexcept {
+    if (is_shared()) let_go();
+    content_.number = number;
+    kind_ = Kind::number;
+  }
+  void set(bool truth) noexcept {
+    if (is_shared()) let_go();
+    content_.truth = truth;
+    kind_ = Kind::boolean;
+  }
+  /// It stands beside this, for others to share.
+  bool is_shared() const { return kind_ > Kind::number; }
+
   /// The number itself, to be changed; nullptr where it is none.
   Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
   /// The values of a list or record, to be replaced by others of the same extent; its own copy where others
@@ -160,7 +174,6 @@ class Value {
     Shared* shared;
   };
 
-  bool is_shared() const { return kind_ > Kind::number; }
   void forget() {
     kind_ = Kind::boolean;
     content_.truth = false;

@@ -1,6 +1,6 @@
 #pragma once
 /// A program compiled to steps of a register machine, so that where it stands is a few numbers and it can be
-/// left and resumed between any two steps, also in the middle of an expression (decision 0019).
+/// left and resumed between any two steps, also in the middle of an expression (decision 0021).
 ///
 /// Every call of a function has registers: its names first, then the values on their way through an
 /// expression. How many are in use is known for every step, and what a step reads are registers, names of the
@@ -18,17 +18,18 @@ namespace polyarm::program {
 
 /// What a step reads or fills. A temporary has no name, and who reads it takes it.
 enum class Where { local, global, constant, temporary };
-/// Which of them, and of what; kNone: nothing.
+/// Which of them, counted in bytes, and of what; kNone: nothing.
 using Operand = int;
 inline constexpr Operand kNone = -1;
+static_assert(alignof(Slot) >= 4, "the lowest bits of an operand say of what it is");
 constexpr Operand operand(Where where, int index) {
-  return index * 4 + static_cast<int>(where);
+  return index * static_cast<int>(sizeof(Slot)) + static_cast<int>(where);
 }
 constexpr Where where(Operand operand) {
   return static_cast<Where>(operand & 3);
 }
 constexpr int index(Operand operand) {
-  return operand >> 2;
+  return operand / static_cast<int>(sizeof(Slot));
 }
 
 /// `to`, `left`, `from`, … are operands. "first": the first of several registers that follow one another.

@@ -35,11 +35,25 @@ constexpr std::array kBinary = {
     BinarySpelling{"mod", Operator::modulo, kProduct},
 };
 
-const BinarySpelling* binary_at(const Token& token, int level) {
-  if (token.kind != TokenKind::symbol && token.kind != TokenKind::name) return nullptr;
+/// Most tokens behind a value are no operator, and each is looked at on every level.
+bool may_be_operator(const Token& token) {
+  constexpr std::size_t kLongestSign = 2, kLongestWord = 3;
+  if (token.kind == TokenKind::symbol)
+    return token.text.size() <= kLongestSign &&
+           std::string_view("=!<>+-*/").find(token.text.front()) != std::string_view::npos;
+  return token.kind == TokenKind::name && token.text.size() <= kLongestWord;
+}
+
+const BinarySpelling* binary_at(const Token& token) {
+  if (!may_be_operator(token)) return nullptr;
   for (const BinarySpelling& spelling : kBinary)
-    if (spelling.level == level && equal_ignoring_case(token.text, spelling.text)) return &spelling;
+    if (equal_ignoring_case(token.text, spelling.text)) return &spelling;
   return nullptr;
+}
+
+const BinarySpelling* binary_at(const Token& token, int level) {
+  const BinarySpelling* spelling = binary_at(token);
+  return spelling && spelling->level == level ? spelling : nullptr;
 }
 
 ExpressionPtr node(Expression::Kind kind, Place place) {
@@ -111,11 +125,14 @@ bool is_reserved(std::string_view word) {
 }
 
 bool TokenCursor::is_symbol(std::string_view symbol, std::size_t ahead) const {
-  return peek(ahead).kind == TokenKind::symbol && peek(ahead).text == symbol;
+  const Token& token = peek(ahead);
+  return token.kind == TokenKind::symbol && token.text.front() == symbol.front() && token.text == symbol;
 }
 
 bool TokenCursor::is_word(std::string_view word, std::size_t ahead) const {
-  return peek(ahead).kind == TokenKind::name && equal_ignoring_case(peek(ahead).text, word);
+  const Token& token = peek(ahead);
+  return token.kind == TokenKind::name && token.text.size() == word.size() &&
+         equal_ignoring_case(token.text, word);
 }
 
 bool TokenCursor::take_symbol(std::string_view symbol) {

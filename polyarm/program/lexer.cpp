@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "polyarm/base/text.hpp"
 
@@ -54,14 +55,14 @@ bool is_name_character(char32_t code) {
          !(code >= 0xFF00 && code <= 0xFF0F);
 }
 
-/// Reads the tokens of one physical line.
+/// Adds the tokens of one physical line to `tokens`.
 class LineLexer {
  public:
-  LineLexer(std::string_view text, Place place) : text_{text}, place_{place} {}
+  LineLexer(std::string_view text, Place place, std::vector<Token>& tokens)
+      : text_{text}, place_{place}, tokens_{tokens} {}
 
-  std::vector<Token> read() {
+  void read() {
     while (skip_blanks() && text_[at_] != '#') read_token();
-    return std::move(tokens_);
   }
   /// Where the comment begins, or the end of the line.
   std::size_t end_of_code() const { return at_; }
@@ -181,14 +182,15 @@ class LineLexer {
   std::string_view text_;
   Place place_;
   std::size_t at_ = 0;
-  std::vector<Token> tokens_;
+  std::vector<Token>& tokens_;
 };
 
-int depth_after(const std::vector<Token>& tokens, int depth) {
+int depth_after(std::span<const Token> tokens, int depth) {
   for (const Token& token : tokens) {
     if (token.kind != TokenKind::symbol || token.text.size() != 1) continue;
-    if (std::string_view("([{").find(token.text) != std::string_view::npos) ++depth;
-    if (std::string_view(")]}").find(token.text) != std::string_view::npos) depth = std::max(0, depth - 1);
+    const char sign = token.text.front();
+    if (sign == '(' || sign == '[' || sign == '{') ++depth;
+    if (sign == ')' || sign == ']' || sign == '}') depth = std::max(0, depth - 1);
   }
   return depth;
 }
@@ -203,6 +205,7 @@ class SourceReader {
   SourceReader(const std::vector<std::string>& lines, int file) : lines_{lines}, file_{file} {}
 
   std::vector<SourceLine> read() {
+    out_.reserve(lines_.size());
     while (next_ < lines_.size()) read_statement();
     return std::move(out_);
   }
@@ -229,14 +232,18 @@ class SourceReader {
   int read_line(SourceLine& statement, int depth) {
     const std::string& line = lines_[next_];
     const int number = static_cast<int>(++next_);
-    LineLexer lexer(line, {number, 1, file_});
-    auto tokens = lexer.read();
-    statement.raw += (statement.raw.empty() ? "" : "\n") + line.substr(0, lexer.end_of_code());
+    const std::size_t before = statement.tokens.size();
+    constexpr std::size_t kBytesOfAToken = 3;
+    if (before == 0) statement.tokens.reserve(line.size() / kBytesOfAToken + 3);
+    LineLexer lexer(line, {number, 1, file_}, statement.tokens);
+    lexer.read();
+    if (!statement.raw.empty()) statement.raw += '\n';
+    statement.raw.append(line, 0, lexer.end_of_code());
+    const auto tokens = std::span<const Token>(statement.tokens).subspan(before);
     depth = depth_after(tokens, depth);
     end_ = {number,
             tokens.empty() ? 1 : tokens.back().place.column + static_cast<int>(tokens.back().text.size()),
             file_};
-    std::move(tokens.begin(), tokens.end(), std::back_inserter(statement.tokens));
     return depth;
   }
 
@@ -264,7 +271,8 @@ bool takes_rest_as_text(const std::vector<Token>& tokens) {
 }
 
 std::size_t end_of_code(std::string_view line) {
-  LineLexer lexer(line, {1, 1, 0});
+  std::vector<Token> tokens;
+  LineLexer lexer(line, {1, 1, 0}, tokens);
   lexer.read();
   return lexer.end_of_code();
 }
@@ -287,7 +295,8 @@ std::vector<SourceLine> read_source(const std::vector<std::string>& lines, int f
 }
 
 std::vector<Token> read_tokens(std::string_view text, Place place) {
-  auto tokens = LineLexer(text, place).read();
+  std::vector<Token> tokens;
+  LineLexer(text, place, tokens).read();
   const int end = place.column + static_cast<int>(text.size());
   tokens.push_back({TokenKind::end, "", {place.line, end, place.file}, 0, Dimension::none});
   return tokens;

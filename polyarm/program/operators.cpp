@@ -94,7 +94,7 @@ Value modulo(const Value& a, const Value& b) {
   const auto [x, y] = alike(Operator::modulo, a, b);
   refuse_zero(y, Operator::modulo);
   const double rest = std::fmod(x.value, y.value);
-  return number(rest != 0 && (rest < 0) != (y.value < 0) ? rest + y.value : rest, x.dimension);
+  return number(rest != 0 && (rest < 0) != (y.value < 0) ? rest + y.value : rest + 0.0, x.dimension);
 }
 
 Value power(const Value& a, const Value& b) {

@@ -67,6 +67,8 @@ std::string keyword_of(const Token& token, bool& misspelt) {
 /// True where the line is nothing but two or more words that close blocks.
 bool is_row_of_closers(const SourceLine& source) {
   bool misspelt = false;
+  const std::string& first = source.tokens.front().text;
+  if (is_statement_word(first) && !is_closer(first)) return false;  // most lines
   return source.tokens.size() > 2 &&
          std::all_of(source.tokens.begin(), source.tokens.end() - 1, [&](const Token& t) {
            return is_closer(keyword_of(t, misspelt)) && lower(t.text) != "wait";
@@ -108,6 +110,7 @@ class Parser {
   const Program::Included& included() const { return program_.included[static_cast<std::size_t>(file_) - 1]; }
 
   void prepare(std::vector<SourceLine> sources) {
+    lines_.reserve(sources.size());
     for (SourceLine& source : sources) {
       if (is_row_of_closers(source)) {
         split_closers(source);
@@ -167,6 +170,7 @@ class Parser {
       }
       ++next_;
       statement(line, out);
+      line.source = {};  // what a long program does not need any more
     }
     return out;
   }

@@ -16,64 +16,75 @@ namespace {
 /// Where operands are, by what they are.
 struct Operands {
   Slot* of[4];
-  Slot& operator[](Operand operand) const { return of[operand & 3][operand >> 2]; }
+  Slot& operator[](Operand operand) const {
+    const auto bits = static_cast<std::uint32_t>(operand);
+    return *reinterpret_cast<Slot*>(reinterpret_cast<char*>(of[bits & 3]) + (bits & ~3u));
+  }
 };
+
+// What a step calls is a part of it: a call costs more than most of them.
+#define POLYARM_QUICK [[gnu::always_inline]] inline
 
 /// As std::fmod, and quicker for whole numbers; with the sign of the divisor.
 double remainder_of(double a, double b) {
   constexpr double kWhole = 9e15;
-  const bool fits = a > -kWhole && a < kWhole && b > -kWhole && b < kWhole;
-  const std::int64_t m = fits ? static_cast<std::int64_t>(a) : 0, n = fits ? static_cast<std::int64_t>(b) : 0;
-  const bool whole = n != 0 && static_cast<double>(m) == a && static_cast<double>(n) == b;
-  const double rest = whole ? static_cast<double>(m % n) : std::fmod(a, b);
-  return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+  double rest = a;
+  if (std::abs(a) >= std::abs(b)) {
+    const bool fits = std::abs(a) < kWhole;
+    const std::int64_t m = fits ? static_cast<std::int64_t>(a) : 0,
+                       n = fits ? static_cast<std::int64_t>(b) : 0;
+    const bool whole = n != 0 && static_cast<double>(m) == a && static_cast<double>(n) == b;
+    rest = whole ? static_cast<double>(m % n) : std::fmod(a, b);
+  }
+  return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest + 0.0;  // never -0
 }
 
 /// False where units or the result need a closer look.
 template <Operator op>
-bool calculate(const Number& a, const Number& b, Number& out) {
-  const bool bare_b = b.dimension == Dimension::none;
-  out.dimension = a.dimension;
+POLYARM_QUICK bool calculate(const Operands& at, const Step& step, Number& out) {
+  const Slot &left = at[step.b], &right = at[step.c];
+  const Number *a = left.value.as_number(), *b = right.value.as_number();
+  if (!a || !b) return false;
+  const bool bare_b = b->dimension == Dimension::none;
+  Dimension dimension = a->dimension;
+  double value = 0;
   if constexpr (op == Operator::multiply) {
-    if (a.dimension != Dimension::none && !bare_b) return false;
-    if (!bare_b) out.dimension = b.dimension;
-    out.value = a.value * b.value;
-  } else if constexpr (op == Operator::divide) {
-    if (b.value == 0) return false;
     if (!bare_b) {
-      if (a.dimension != b.dimension) return false;
-      out.dimension = Dimension::none;
+      if (dimension != Dimension::none) return false;
+      dimension = b->dimension;
     }
-    out.value = a.value / b.value;
+    value = a->value * b->value;
+  } else if constexpr (op == Operator::divide) {
+    if (b->value == 0) return false;
+    if (!bare_b) {
+      if (dimension != b->dimension) return false;
+      dimension = Dimension::none;
+    }
+    value = a->value / b->value;
   } else {
-    if (a.dimension != b.dimension) return false;
-    if constexpr (op == Operator::add) out.value = a.value + b.value;
-    if constexpr (op == Operator::subtract) out.value = a.value - b.value;
+    if (dimension != b->dimension) return false;
+    if constexpr (op == Operator::add) value = a->value + b->value;
+    if constexpr (op == Operator::subtract) value = a->value - b->value;
     if constexpr (op == Operator::modulo) {
-      if (b.value == 0) return false;
-      out.value = remainder_of(a.value, b.value);
+      if (b->value == 0) return false;
+      value = remainder_of(a->value, b->value);
     }
   }
-  return std::isfinite(out.value);
+  out = {value, dimension};
+  return std::isfinite(value);
 }
 
 template <Operator op>
-bool calculate(const Operands& at, const Step& step, Number& out) {
-  const Number *a = at[step.b].value.as_number(), *b = at[step.c].value.as_number();
-  return a && b && calculate<op>(*a, *b, out);
-}
-
-template <Operator op>
-bool into_register(const Operands& at, const Step& step) {
+POLYARM_QUICK bool into_register(const Operands& at, const Step& step) {
   Number out;
   if (!calculate<op>(at, step, out)) return false;
-  at[step.a].fill(out);
+  at[step.a].fill_plain(out);
   return true;
 }
 
 /// A variable keeps its unit.
 template <Operator op>
-bool into_variable(const Operands& at, const Step& step) {
+POLYARM_QUICK bool into_variable(const Operands& at, const Step& step) {
   Number out;
   Number* now = at[step.a].value.own_number();
   if (!now || !calculate<op>(at, step, out) || now->dimension != out.dimension) return false;
@@ -82,80 +93,57 @@ bool into_variable(const Operands& at, const Step& step) {
 }
 
 template <Operator op>
-bool holds(const Number& a, const Number& b) {
-  if constexpr (op == Operator::equal) return a.value == b.value;
-  if constexpr (op == Operator::unequal) return a.value != b.value;
-  if constexpr (op == Operator::less) return a.value < b.value;
-  if constexpr (op == Operator::less_equal) return a.value <= b.value;
-  if constexpr (op == Operator::greater) return a.value > b.value;
-  return a.value >= b.value;
-}
-
-template <Operator op>
-bool compare(const Operands& at, const Step& step, bool& truth) {
+POLYARM_QUICK bool compare(const Operands& at, const Step& step, bool& truth) {
   const Number *a = at[step.b].value.as_number(), *b = at[step.c].value.as_number();
   if (!a || !b || a->dimension != b->dimension) return false;
-  truth = holds<op>(*a, *b);
+  if constexpr (op == Operator::equal) truth = a->value == b->value;
+  if constexpr (op == Operator::unequal) truth = a->value != b->value;
+  if constexpr (op == Operator::less) truth = a->value < b->value;
+  if constexpr (op == Operator::less_equal) truth = a->value <= b->value;
+  if constexpr (op == Operator::greater) truth = a->value > b->value;
+  if constexpr (op == Operator::greater_equal) truth = a->value >= b->value;
   return true;
 }
 
-const bool* truth_of(const Slot& slot) {
+POLYARM_QUICK const bool* truth_of(const Slot& slot) {
   return slot.set ? slot.value.as_boolean() : nullptr;
 }
 
 /// Operators that have no step of their own.
 bool other_operator(const Operands& at, const Step& step) {
   const auto op = static_cast<Operator>(step.more);
-  bool truth = false, known = true;
-  switch (op) {
-    case Operator::logical_and:
-    case Operator::logical_or: {
-      const bool *a = truth_of(at[step.b]), *b = truth_of(at[step.c]);
-      if (!a || !b) return false;
-      truth = op == Operator::logical_and ? *a && *b : *a || *b;
-      break;
-    }
-    case Operator::equal:
-      known = compare<Operator::equal>(at, step, truth);
-      break;
-    case Operator::unequal:
-      known = compare<Operator::unequal>(at, step, truth);
-      break;
-    case Operator::less:
-      known = compare<Operator::less>(at, step, truth);
-      break;
-    case Operator::less_equal:
-      known = compare<Operator::less_equal>(at, step, truth);
-      break;
-    case Operator::greater:
-      known = compare<Operator::greater>(at, step, truth);
-      break;
-    case Operator::greater_equal:
-      known = compare<Operator::greater_equal>(at, step, truth);
-      break;
-    default:
-      return false;
+  bool truth = false, known = false;
+  if (op == Operator::logical_and || op == Operator::logical_or) {
+    const bool *a = truth_of(at[step.b]), *b = truth_of(at[step.c]);
+    known = a && b;
+    truth = known && (op == Operator::logical_and ? *a && *b : *a || *b);
   }
-  if (known) at[step.a].fill(truth);
+  if (op == Operator::equal) known = compare<Operator::equal>(at, step, truth);
+  if (op == Operator::unequal) known = compare<Operator::unequal>(at, step, truth);
+  if (op == Operator::less) known = compare<Operator::less>(at, step, truth);
+  if (op == Operator::less_equal) known = compare<Operator::less_equal>(at, step, truth);
+  if (op == Operator::greater) known = compare<Operator::greater>(at, step, truth);
+  if (op == Operator::greater_equal) known = compare<Operator::greater_equal>(at, step, truth);
+  if (known) at[step.a].fill_plain(truth);
   return known;
 }
 
-bool quick_unary(const Operands& at, const Step& step) {
+POLYARM_QUICK bool quick_unary(const Operands& at, const Step& step) {
   const Slot& of = at[step.b];
   if (static_cast<Operator>(step.more) == Operator::logical_not) {
     const bool* truth = truth_of(of);
-    if (truth) at[step.a].fill(!*truth);
+    if (truth) at[step.a].fill_plain(!*truth);
     return truth != nullptr;
   }
   const Number* number = of.value.as_number();
-  if (number) at[step.a].fill(Number{-number->value, number->dimension});
+  if (number) at[step.a].fill_plain(Number{-number->value, number->dimension});
   return number != nullptr;
 }
 
-bool quick_load(const Operands& at, const Step& step) {
+POLYARM_QUICK bool quick_load(const Operands& at, const Step& step) {
   Slot& from = at[step.b];
   if (const Number* number = from.value.as_number()) {
-    at[step.a].fill(*number);
+    at[step.a].fill_plain(Number(*number));
     return true;
   }
   if (!from.set) return false;
@@ -163,7 +151,7 @@ bool quick_load(const Operands& at, const Step& step) {
   return true;
 }
 
-bool quick_change(const Operands& at, const Step& step) {
+POLYARM_QUICK bool quick_change(const Operands& at, const Step& step) {
   Slot &variable = at[step.a], &from = at[step.b];
   if (variable.value.kind() != from.value.kind() || !variable.set || !from.set) return false;
   if (const Number* number = from.value.as_number()) {
@@ -177,14 +165,14 @@ bool quick_change(const Operands& at, const Step& step) {
 }
 
 /// Whether `at` is a place in a list of so many values.
-bool is_place(const Number* at, std::size_t size, std::size_t& index) {
+POLYARM_QUICK bool is_place(const Number* at, std::size_t size, std::size_t& index) {
   if (!at || at->dimension != Dimension::none) return false;
   if (!(at->value >= 1) || !(at->value <= static_cast<double>(size))) return false;
   index = static_cast<std::size_t>(at->value);
   return static_cast<double>(index--) == at->value;
 }
 
-bool quick_element(const Operands& at, const Step& step) {
+POLYARM_QUICK bool quick_element(const Operands& at, const Step& step) {
   const Slot& of = at[step.b];
   const data::List* list = of.value.as_list();
   std::size_t index = 0;
@@ -192,26 +180,32 @@ bool quick_element(const Operands& at, const Step& step) {
   if (where(step.b) == Where::temporary && step.b != step.a) return false;
   const Value& part = (*list)[index];
   if (const Number* number = part.as_number()) {
-    at[step.a].fill(Number(*number));
+    at[step.a].fill_plain(Number(*number));
   } else {
     at[step.a].fill(part);
   }
   return true;
 }
 
-bool is_large(const Value& value) {
+POLYARM_QUICK bool is_large(const Value& value) {
   return value.kind() == data::Kind::list || value.kind() == data::Kind::record;
 }
 
+/// Numbers and booleans need nothing, and are never read before something else is put there.
+POLYARM_QUICK void forget(Slot* slots, int count) {
+  for (int i = 0; i < count; ++i)
+    if (slots[i].value.is_shared()) slots[i].fill_plain(false);
+}
+
 /// `part` takes the place of one that is like it.
-bool replace(Value& whole, std::size_t index, const Value& present, const Slot& part) {
+POLYARM_QUICK bool replace(Value& whole, std::size_t index, const Value& present, const Slot& part) {
   if (!part.set || is_large(part.value) || !same_type(present, part.value)) return false;
   Value next = part.value;
   (*whole.own_parts())[index] = std::move(next);
   return true;
 }
 
-bool quick_set_element(const Operands& at, const Step& step) {
+POLYARM_QUICK bool quick_set_element(const Operands& at, const Step& step) {
   Value& whole = at[step.a].value;
   const data::List* list = whole.as_list();
   std::size_t index = 0;
@@ -234,7 +228,7 @@ bool quick_append(const Operands& at, const Step& step) {
 }
 
 /// A range that names no places, at the end of a pass; whether there is a next number.
-bool count_on(const Operands& at, const Step& step, bool& more) {
+POLYARM_QUICK bool count_on(const Operands& at, const Step& step, bool& more) {
   Slot* const loop = at.of[0] + step.a;
   const Number* last = loop[1].value.as_number();
   Number* now = loop[2].value.own_number();
@@ -244,7 +238,7 @@ bool count_on(const Operands& at, const Step& step, bool& more) {
   return true;
 }
 
-bool next_of_list(const Operands& at, const Step& step, bool& more) {
+POLYARM_QUICK bool next_of_list(const Operands& at, const Step& step, bool& more) {
   Slot* const loop = at.of[0] + step.a;
   const data::List* list = loop[1].value.as_list();
   Number* done = loop[0].value.own_number();
@@ -284,11 +278,12 @@ void Interpreter::enter_function(Task& task, const Step& step) {
 /// The result comes to the first register of the function, which is the caller's again.
 void Interpreter::give(Task& task, const Step& step) {
   const CallFrame frame = task.frames.back();
+  Slot* const registers = task.stack.data() + frame.base;
   Slot& from = slot(task, step.b);
   const bool others = where(step.b) == Where::global || where(step.b) == Where::constant;
   Slot result = others ? from : std::move(from);
-  let_go(task, 0, at(code_.functions, step.c).registers);
-  task.stack[frame.base] = std::move(result);
+  forget(registers, at(code_.functions, step.c).registers);
+  *registers = std::move(result);
   task.frames.pop_back();
   task.pc = frame.return_to;
   if (task.uses.size() != frame.uses) task.uses.resize(frame.uses);
@@ -297,8 +292,7 @@ void Interpreter::give(Task& task, const Step& step) {
 }
 
 void Interpreter::let_go(Task& task, int first, int count) {
-  Slot* const slots = task.stack.data() + task.frame().base + first;
-  for (int i = 0; i < count; ++i) slots[i].fill(false);
+  forget(task.stack.data() + task.frame().base + first, count);
 }
 
 /// Takes steps until `task` waits, has ended or pauses; true where the budget is used up.
@@ -309,6 +303,7 @@ bool Interpreter::run(Task& task, int& budget) {
     return Operands{{frame, globals_.data(), code_.constants.data(), frame}};
   };
   Operands at = operands();
+  const FunctionCode* const functions = code_.functions.data();
   const Step* step = steps + task.pc;
   bool watched = looks_for_stops();
   while (true) {
@@ -485,16 +480,25 @@ bool Interpreter::run(Task& task, int& budget) {
         if (task.frames.size() > kDeepestCalls) break;
         task.pc = static_cast<std::size_t>(step - steps);
         enter_function(task, *step);
-        at = operands();
+        at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base;
         step = steps + task.pc;
         continue;
-      case Op::give:
-        give(task, *step);
-        at = operands();
-        step = steps + task.pc;
+      case Op::give: {
+        const CallFrame& frame = task.frames.back();
+        const Number* result = at[step->b].value.as_number();
+        if (!result || task.uses.size() != frame.uses || task.handlers.size() > frame.handlers ||
+            task.locks.size() > frame.locks)
+          break;
+        const Number number = *result;
+        forget(at.of[0], functions[step->c].registers);
+        at.of[0]->fill_plain(number);
+        step = steps + frame.return_to;
+        task.frames.pop_back();
+        at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base;
         continue;
+      }
       case Op::let_go:
-        let_go(task, step->a, step->b);
+        forget(at.of[0] + step->a, step->b);
         ++step;
         continue;
       default:

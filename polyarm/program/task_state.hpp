@@ -52,6 +52,11 @@ struct Slot {
     set = true;
     origin = nullptr;
   }
+  void fill_plain(const auto& with) {
+    value.set(with);
+    set = true;
+    origin = nullptr;
+  }
 
   [[no_unique_address]] data::Value value;
   bool set = true;

@@ -52,7 +52,8 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::hold: {
       if (task.apart) wait_for(task, WaitKind::user);
       if (!arrived(task)) return;
-      const std::string reason = step.b != kNone ? take_value(task, step.b, step).text() : "the program holds";
+      const std::string reason =
+          step.b != kNone ? take_value(task, step.b, step).text() : "the program holds";
       ++task.pc;
       charge(kStepsOfAStatement * 100'000);  // nobody does anything more in this tick
       return host_.hold(reason, program_.at(source(step).line));
