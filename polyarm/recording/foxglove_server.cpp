@@ -123,7 +123,7 @@ void FoxgloveServer::tell_time(std::int64_t time) {
   const std::lock_guard lock(mutex_);
   if (!options_.own_time) return;
   for (FoxgloveClient* client : clients_)
-    if (client->waiting_bytes_ < FoxgloveClient::kComfortable) client->put(0u, body);
+    if (client->waiting_bytes_ < FoxgloveClient::kComfortable) client->put(FoxgloveClient::kNone, body);
 }
 
 FoxgloveServer::Json FoxgloveServer::parameter_values(const std::vector<std::string>& names) const {
@@ -190,11 +190,11 @@ FoxgloveClient::~FoxgloveClient() {
 }
 
 void FoxgloveClient::put(const Json& message) {
-  waiting_.push_back({0, {std::make_shared<const std::string>(dump(message)), false}});
+  waiting_.push_back({kNone, {std::make_shared<const std::string>(dump(message)), false}});
   waiting_bytes_ += waiting_.back().out.body->size();
 }
 
-void FoxgloveClient::put(std::uint32_t subscription, std::string body) {
+void FoxgloveClient::put(std::int64_t subscription, std::string body) {
   waiting_bytes_ += body.size();
   waiting_.push_back({subscription, {std::make_shared<const std::string>(std::move(body)), true}});
 }
@@ -208,9 +208,8 @@ void FoxgloveClient::put_message(std::uint32_t subscription, std::string_view ti
   put_number(body, subscription);
   body += time_and_payload;
   if (waiting_bytes_ >= kComfortable) {
-    // A subscription may be called 0, which is what belongs to none is called here: then it only waits.
     const auto old = std::find_if(waiting_.rbegin(), waiting_.rend(), [&](const Waiting& each) {
-      return subscription != 0 && each.subscription == subscription;
+      return each.subscription == std::int64_t{subscription};
     });
     if (old != waiting_.rend()) {
       ++left_out_;
@@ -372,7 +371,7 @@ void FoxgloveClient::send_asset(std::uint32_t request, const Asset& asset) {
   put_number(body, static_cast<std::uint32_t>(problem.size()));
   body += problem;
   if (asset.data) body += *asset.data;
-  put(0u, std::move(body));
+  put(kNone, std::move(body));
 }
 
 }  // namespace polyarm::recording

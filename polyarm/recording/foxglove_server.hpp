@@ -122,8 +122,9 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
  private:
   friend class FoxgloveServer;
   using Json = nlohmann::json;
+  static constexpr std::int64_t kNone = -1;  ///< what belongs to no subscription, and has to arrive
   struct Waiting {
-    std::uint32_t subscription = 0;  ///< 0: it belongs to none and has to arrive
+    std::int64_t subscription = kNone;  ///< as the client calls it
     Out out;
   };
   explicit FoxgloveClient(FoxgloveServer& server) : server_(server) {}
@@ -136,7 +137,7 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   void send_asset(std::uint32_t request, const Asset& asset);
   // The server's mutex is held in these.
   void put(const Json& message);
-  void put(std::uint32_t subscription, std::string body);
+  void put(std::int64_t subscription, std::string body);
   void put_status(int level, const std::string& text);
   void put_message(std::uint32_t subscription, std::string_view time_and_payload);
 

@@ -174,7 +174,7 @@ TEST(FoxgloveServer, AnAssetThatComesAfterItsClientHasGoneGoesNowhere) {
 
 TEST(FoxgloveServer, WhoReadsTooLittleGetsTheNewestAndNothingGrows) {
   Bench bench;
-  bench.subscribe(1, "/a");
+  bench.subscribe(0, "/a");  // clients count from 0
   const std::string large(10'000, 'x');
   for (std::int64_t i = 0; i < 10'000; ++i) bench.server.publish(0, i, bytes_of(large));
   bench.read();
