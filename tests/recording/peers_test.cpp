@@ -5,11 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
-
 #include "polyarm/base/file.hpp"
 #include "tests/recording/demo.hpp"
+#include "tests/support/node_peers.hpp"
 
 namespace polyarm::recording {
 namespace {
@@ -17,55 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 using test::Json;
 using test::McapFile;
-
-struct Shell {
-  int code = -1;
-  std::string output;
-};
-
-Shell shell(const std::string& command) {
-  Shell out;
-  std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) return out;
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-    out.output.append(buffer.data(), n);
-  const int status = ::pclose(pipe);
-  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return out;
-}
-
-/// Where the packages are; empty with a reason where they cannot be had.
-fs::path peers(std::string& why) {
-  const fs::path source = fs::path(POLYARM_SOURCE_DIR) / "tests/recording/peers";
-  const fs::path made = fs::current_path() / "recording_peers";
-  if (shell("node --version").code != 0 || shell("npm --version").code != 0) {
-    why = "Node.js or npm is missing: readers of others are not asked";
-    return {};
-  }
-  std::error_code error;
-  fs::create_directories(made, error);
-  for (const auto& entry : fs::directory_iterator(source))
-    if (entry.is_regular_file())
-      fs::copy_file(entry.path(), made / entry.path().filename(), fs::copy_options::overwrite_existing,
-                    error);
-  if (!fs::exists(made / "node_modules" / ".package-lock.json")) {
-    const Shell got = shell("cd '" + made.string() + "' && timeout 300 npm ci --no-audit --no-fund");
-    if (got.code != 0) {
-      why = "npm gets no packages here: readers of others are not asked\n" + got.output;
-      return {};
-    }
-  }
-  return made;
-}
-
-Json node(const fs::path& folder, const std::string& arguments) {
-  const Shell said = shell("cd '" + folder.string() + "' && node " + arguments);
-  const Json out = Json::parse(said.output, nullptr, false);
-  EXPECT_EQ(said.code, 0) << said.output;
-  EXPECT_FALSE(out.is_discarded()) << said.output;
-  return out;
-}
+using test::node;
+using test::peers;
 
 TEST(Recording, ReadersOfOthersReadIt) {
   std::string why;

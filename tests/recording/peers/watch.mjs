@@ -11,7 +11,7 @@ socket.on("unexpected-response", (_, response) => {
   console.log(JSON.stringify({ refused: response.statusCode }));
   process.exit(0);
 });
-const client = new protocol.default({ ws: socket });
+const client = new protocol.FoxgloveClient({ ws: socket });
 const out = { topics: {}, messages: {}, parameters: {} };
 const readers = new Map(), topics = new Map();
 const wanted = 50;
