@@ -8,6 +8,7 @@
 
 #include "polyarm/base/hash.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/meshes/robot_meshes.hpp"
 
 namespace polyarm::server {
 
@@ -66,15 +67,39 @@ const std::vector<Shape>& drawn(const description::Link& link) {
   return drawable(link.visuals) || link.collisions.empty() ? link.visuals : link.collisions;
 }
 
+std::string address_of(const description::RobotModel& model) {
+  const std::string hash = meshes::mesh_hash(model);
+  return hash.empty() ? hash : "/api/mesh/" + hash + ".glb";
+}
+
+/// A mesh that stands alone, as its file has it.
+description::RobotModel model_of(const Shape& mesh) {
+  description::RobotModel out;
+  out.links.resize(1);
+  out.links[0].name = "mesh";
+  out.links[0].visuals = {mesh};
+  out.links[0].visuals[0].pose = {};
+  out.links[0].visuals[0].scale = {1, 1, 1};
+  return out;
+}
+
 std::string mesh_address(const Shape& mesh) {
-  if (mesh.mesh_path.empty()) return {};
-  std::error_code error;
-  const auto changed = std::filesystem::last_write_time(mesh.mesh_path, error).time_since_epoch().count();
-  const auto size = std::filesystem::file_size(mesh.mesh_path, error);
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : fmt::format("{}|{}|{}", mesh.mesh_path, changed, size))
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return fmt::format("/api/mesh/{:016x}.glb", hash);
+  return mesh.mesh_path.empty() ? std::string() : address_of(model_of(mesh));
+}
+
+/// A link that looks like a mesh is a node of its robot's GLB, beside its other shapes.
+Json link_visuals_json(const description::Link& link, const std::string& address, const Color& color) {
+  if (!meshes::has_mesh(link)) return shapes_json(drawn(link), color);
+  std::vector<Shape> others;
+  for (const Shape& shape : link.visuals)
+    if (shape.kind != ShapeKind::mesh) others.push_back(shape);
+  Json out = shapes_json(others, color);
+  out.push_back({{"shape", "mesh"},
+                 {"mesh", address},
+                 {"node", link.name},
+                 {"origin", pose_json({})},
+                 {"color", color}});
+  return out;
 }
 
 Json joint_json(const description::RobotModel& model, const description::Joint& joint) {
@@ -209,10 +234,12 @@ Json cell_json(cell::Cell& cell) {
 Json model_json(const cell::CellRobot& robot) {
   const description::RobotModel& model = robot.model;
   Json links = Json::array(), joints = Json::array();
+  const std::string address = address_of(model);
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    links.push_back({{"name", model.links[i].name},
-                     {"visuals", shapes_json(drawn(model.links[i]),
-                                             static_cast<int>(i) == model.root ? kBase : kLinks[i % 2])}});
+    links.push_back(
+        {{"name", model.links[i].name},
+         {"visuals", link_visuals_json(model.links[i], address,
+                                       static_cast<int>(i) == model.root ? kBase : kLinks[i % 2])}});
   for (const description::Joint& joint : model.joints) joints.push_back(joint_json(model, joint));
   const std::string tip = model.links[static_cast<std::size_t>(model.tool_link())].name;
   Json tcp = pose_json(robot.tool.tcp);
@@ -281,14 +308,15 @@ Json requests_json() {
   return out;
 }
 
-std::map<std::string, Shape> meshes_of(const cell::Cell& cell) {
-  std::map<std::string, Shape> out;
+std::map<std::string, description::RobotModel> meshes_of(const cell::Cell& cell) {
+  std::map<std::string, description::RobotModel> out;
   const auto add = [&](const std::vector<Shape>& shapes) {
     for (const Shape& shape : shapes)
-      if (shape.kind == ShapeKind::mesh && !shape.mesh_path.empty()) out[mesh_address(shape)] = shape;
+      if (shape.kind == ShapeKind::mesh && !shape.mesh_path.empty())
+        out[mesh_address(shape)] = model_of(shape);
   };
   for (const auto& robot : cell.robots()) {
-    for (const description::Link& link : robot->model.links) add(drawn(link));
+    if (const std::string address = address_of(robot->model); !address.empty()) out[address] = robot->model;
     add(robot->tool.body);
   }
   for (const description::Fixture& each : cell.scene().fixtures) add(each.shapes);

@@ -25,8 +25,9 @@ Json scene_json(const cell::Cell& cell);
 /// /api/requests
 Json requests_json();
 
-/// Files of meshes that the models name, by the address they have there ("/api/mesh/<hash>.glb").
-std::map<std::string, description::Shape> meshes_of(const cell::Cell& cell);
+/// What is made into the GLBs that models and scene name, by the address they have there
+/// ("/api/mesh/<hash>.glb"): robots, and robots of one link for meshes that stand alone.
+std::map<std::string, description::RobotModel> meshes_of(const cell::Cell& cell);
 
 std::string dump(const Json& json);
 

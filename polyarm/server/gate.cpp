@@ -151,4 +151,12 @@ Verdict judge(const Head& head, const GateRules& rules, bool changes) {
   return {};
 }
 
+Verdict judge_viewer(const Head& head, const GateRules& rules) {
+  if (!host_allowed(head.host, rules))
+    return {421, "this address is not served: open the link that polyarm printed"};
+  const Shown shown = shown_token(head, rules);
+  if (shown == Shown::query || shown == Shown::bearer) return {};
+  return judge(head, rules, true);
+}
+
 }  // namespace polyarm::server

@@ -42,5 +42,8 @@ struct Verdict {
   const char* why = "";
 };
 Verdict judge(const Head& head, const GateRules& rules, bool changes);
+/// May it watch, who can move nothing? A page of another tool, wherever it comes from, may where it shows the
+/// token itself; with a cookie alone it is judged as every other.
+Verdict judge_viewer(const Head& head, const GateRules& rules);
 
 }  // namespace polyarm::server

@@ -11,6 +11,7 @@
 #include "polyarm/server/port.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/site.hpp"
+#include "polyarm/server/viewers.hpp"
 
 namespace polyarm::server {
 
@@ -57,24 +58,32 @@ class Pendant::Work {
   Work(PendantOptions options, cell::Observer& next)
       : options_(std::move(options)),
         sessions(next, options_.version),
-        site_(options_, sessions),
+        viewers_(options_.version),
+        site_(options_, sessions, viewers_),
         port_(std::make_unique<Port>(port_options(options_), site_)) {
     site_.set_port(port_->number());
+    viewers_.set_wake([this] { port_->wake(); });
   }
   ~Work() {
+    viewers_.set_wake({});
+    viewers_.detach();
     sessions.detach();
     site_.stop();
     port_.reset();
   }
 
   void serve() {
-    if (sessions.serve()) port_->wake();
+    for (const Problem& problem : site_.take_problems()) sessions.journal().on_problem(0, problem);
+    const bool told = sessions.serve(), shown = viewers_.serve();
+    if (told || shown) port_->wake();
   }
   void attach(cell::Cell& cell) {
     site_.show(cell);
     sessions.attach(cell);
+    viewers_.attach(cell);
   }
   void detach() {
+    viewers_.detach();
     sessions.detach();
     site_.show_nothing();
     port_->wake();
@@ -106,6 +115,7 @@ class Pendant::Work {
   Sessions sessions;
 
  private:
+  Viewers viewers_;
   PageSite site_;
   std::unique_ptr<Port> port_;
 };

@@ -181,10 +181,31 @@ class Port::Work {
   std::thread thread_;
 };
 
-/// A WebSocket and the client behind it.
+namespace {
+
+/// A page or program that asks and tells.
+class ClientStream : public Stream {
+ public:
+  explicit ClientStream(std::shared_ptr<Client> client) : client_(std::move(client)) {}
+  const char* take(std::string message, bool binary, double now) override {
+    if (binary) return "requests are text";
+    return client_->take(std::move(message), now) ? nullptr : "too many requests a second";
+  }
+  bool has_room() const override { return client_->has_room(); }
+  std::optional<Client::Out> next() override { return client_->next(); }
+  bool gone() const override { return client_->gone(); }
+  void leave() override { client_->leave(); }
+
+ private:
+  std::shared_ptr<Client> client_;
+};
+
+}  // namespace
+
+/// A WebSocket and what is behind it.
 class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Work& work, tcp::socket socket, std::shared_ptr<Client> client)
+  Socket(Work& work, tcp::socket socket, std::shared_ptr<Stream> client)
       : work_(work), stream_(beast::tcp_stream(std::move(socket))), client_(std::move(client)) {
     work_.add(this);
   }
@@ -194,8 +215,13 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     work_.left();
   }
 
-  void accept(const http::request<http::string_body>& request) {
+  /// `protocol`: the subprotocol that is spoken; empty: none.
+  void accept(const http::request<http::string_body>& request, const std::string& protocol) {
     Failure ignored;
+    if (!protocol.empty())
+      stream_.set_option(ws::stream_base::decorator([protocol](ws::response_type& response) {
+        response.set(http::field::sec_websocket_protocol, protocol);
+      }));
     beast::get_lowest_layer(stream_).socket().set_option(net::socket_base::send_buffer_size(kSendBuffer),
                                                          ignored);
     beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true), ignored);
@@ -251,11 +277,11 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
       if (failed == beast::error::timeout) ++work_.timed_out;
       return client_->leave();
     }
-    if (!stream_.got_text()) return close(ws::close_code::unknown_data, "requests are text");
-    const bool kept = client_->take(beast::buffers_to_string(buffer_.data()), steady_now());
+    const char* const why =
+        client_->take(beast::buffers_to_string(buffer_.data()), !stream_.got_text(), steady_now());
     buffer_.consume(buffer_.size());
     if (buffer_.capacity() > kBuffer) buffer_.shrink_to_fit();
-    if (!kept) return close(ws::close_code::policy_error, "too many requests a second");
+    if (why) return close(ws::close_code::policy_error, why);
     if (client_->has_room())
       read();
     else
@@ -264,7 +290,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
 
   Work& work_;
   ws::stream<beast::tcp_stream> stream_;
-  std::shared_ptr<Client> client_;
+  std::shared_ptr<Stream> client_;
   beast::flat_buffer buffer_;
   bool open_ = false, closing_ = false, writing_ = false;
   std::shared_ptr<Socket> paused_;  ///< itself while nothing is read, since then nobody else may hold it
@@ -309,9 +335,11 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     const bool open = !upgrade && work_.site.is_open(head_.method, path_);
     const bool changes = upgrade || (head_.method != "GET" && head_.method != "HEAD");
     if (!host_allowed(head_.host, work_.options.rules)) return refuse(421, "this address is not served");
-    if (!open)
-      if (const Verdict verdict = judge(head_, work_.options.rules, changes); verdict.status != 200)
-        return refuse(verdict.status, verdict.why);
+    protocol_ = upgrade ? work_.site.viewer_protocol(header(http::field::sec_websocket_protocol)) : "";
+    const Verdict verdict = open                ? Verdict{}
+                            : protocol_.empty() ? judge(head_, work_.options.rules, changes)
+                                                : judge_viewer(head_, work_.options.rules);
+    if (verdict.status != 200) return refuse(verdict.status, verdict.why);
     if (upgrade) return become_socket();
     const std::size_t most = work_.site.most_body(head_.method, path_);
     if (parser_->content_length() && *parser_->content_length() > most)
@@ -377,15 +405,21 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   }
 
   void become_socket() {
-    if (path_ != "/ws") return refuse(404, "the WebSocket is at /ws");
+    if (path_ != "/ws" && protocol_.empty()) return refuse(404, "the WebSocket is at /ws");
     Failure failed;
     const auto peer = stream_.socket().remote_endpoint(failed).address();
-    auto client = failed ? nullptr : work_.site.welcome(peer.to_string(), peer.is_loopback());
-    if (!client) return refuse(503, "too many are watching already");
+    std::shared_ptr<Stream> stream;
+    if (!failed && !protocol_.empty()) {
+      stream = work_.site.welcome_viewer();
+    } else if (!failed) {
+      if (auto client = work_.site.welcome(peer.to_string(), peer.is_loopback()))
+        stream = std::make_shared<ClientStream>(std::move(client));
+    }
+    if (!stream) return refuse(503, "too many are watching already");
     stream_.expires_never();
     handed_on_ = true;
-    const auto socket = std::make_shared<Socket>(work_, stream_.release_socket(), std::move(client));
-    socket->accept(parser_->get());
+    const auto socket = std::make_shared<Socket>(work_, stream_.release_socket(), std::move(stream));
+    socket->accept(parser_->get(), protocol_);
   }
 
   Work& work_;
@@ -393,7 +427,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   Head head_;
-  std::string path_;
+  std::string path_, protocol_;
   bool first_ = true, keep_alive_ = false, handed_on_ = false;
 };
 

@@ -9,6 +9,7 @@
 
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/gate.hpp"
+#include "polyarm/server/stream.hpp"
 
 namespace polyarm::server {
 
@@ -40,6 +41,11 @@ class Site {
   virtual void handle(HttpRequest request, std::function<void(HttpReply)> reply) = 0;
   /// I/O thread: a WebSocket was opened by somebody who may; null: there are too many.
   virtual std::shared_ptr<Client> welcome(const std::string& from, bool local) = 0;
+  /// I/O thread: the subprotocol by which tools of others watch, of those that a WebSocket offers in one
+  /// text; empty: none of them.
+  virtual std::string viewer_protocol(const std::string& offered) const { return {}; }
+  /// I/O thread: one of these was opened by somebody who may; null: there are too many.
+  virtual std::shared_ptr<Stream> welcome_viewer() { return nullptr; }
 };
 
 struct PortOptions {

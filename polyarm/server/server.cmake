@@ -4,6 +4,7 @@ if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
 polyarm_room(server USES cell)
+target_link_libraries(polyarm_server PRIVATE polyarm_recording polyarm_meshes)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
 set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it waits for sockets
 

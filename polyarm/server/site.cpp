@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "polyarm/meshes/robot_meshes.hpp"
+#include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/server/documents.hpp"
 #include "polyarm/server/sessions.hpp"
+#include "polyarm/server/viewers.hpp"
 
 namespace polyarm::server {
 
@@ -35,9 +38,10 @@ Text text_of(std::string text) {
 
 }  // namespace
 
-PageSite::PageSite(const PendantOptions& options, Sessions& sessions)
+PageSite::PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers)
     : options_(options),
       sessions_(sessions),
+      viewers_(viewers),
       page_(options.page_folder.empty() ? embedded_page() : page_in(options.page_folder)),
       documents_(std::make_shared<const Documents>()),
       worker_(std::make_unique<cell::Worker>(false)) {}
@@ -54,6 +58,7 @@ void PageSite::show(cell::Cell& cell) {
   for (const auto& robot : cell.robots())
     made->by_path["/api/model/" + robot->entry.name] = text_of(dump(model_json(*robot)));
   made->meshes = meshes_of(cell);
+  made->mesh_cache = cell.file().folder / ".state" / "meshes";
   const std::lock_guard lock(mutex_);
   documents_ = std::move(made);
 }
@@ -78,6 +83,19 @@ std::size_t PageSite::most_body(const std::string&, const std::string&) const {
 
 std::shared_ptr<Client> PageSite::welcome(const std::string& from, bool local) {
   return sessions_.welcome(from, local);
+}
+
+std::string PageSite::viewer_protocol(const std::string& offered) const {
+  return recording::foxglove_subprotocol(offered);
+}
+
+std::shared_ptr<Stream> PageSite::welcome_viewer() {
+  return viewers_.welcome();
+}
+
+std::vector<Problem> PageSite::take_problems() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(problems_, {});
 }
 
 HttpReply PageSite::page(const HttpRequest& request) const {
@@ -122,6 +140,8 @@ bool PageSite::later(const std::string& path, const Reply& reply) {
   if (options_.catalogue && path == kCatalogue) job = [this] { return catalogue(); };
   if (options_.catalogue && options_.picture && path.starts_with("/api/catalogue/") && path.ends_with(".svg"))
     job = [this, path] { return picture(path); };
+  if (const auto shown = documents(); shown->meshes.contains(path))
+    job = [this, shown, path] { return meshes(*shown, path); };
   if (!job) return false;
   if (waiting_ >= kMostWaiting || !worker_) {
     reply(plain(503, "too much is asked for at once"));
@@ -141,6 +161,15 @@ bool PageSite::later(const std::string& path, const Reply& reply) {
     reply(std::move(out));
   });
   return true;
+}
+
+HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {
+  meshes::RobotMeshes made = meshes::robot_meshes(shown.meshes.at(path), shown.mesh_cache);
+  HttpReply out = document(text_of(std::move(made.glb)), "model/gltf-binary");
+  out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}};
+  const std::lock_guard lock(mutex_);
+  problems_.insert(problems_.end(), made.warnings.begin(), made.warnings.end());
+  return out;
 }
 
 HttpReply PageSite::catalogue() {

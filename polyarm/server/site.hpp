@@ -1,11 +1,13 @@
 #pragma once
 /// What HTTP serves: the page, and what a page asks for beside requests.
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/server/assets.hpp"
@@ -15,11 +17,12 @@
 namespace polyarm::server {
 
 class Sessions;
+class Viewers;
 
 class PageSite : public Site {
  public:
-  /// Both outlive this.
-  PageSite(const PendantOptions& options, Sessions& sessions);
+  /// All outlive this.
+  PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers);
   ~PageSite() override;
   void set_port(std::uint16_t port) { port_ = port; }
   /// Nothing more is answered from other threads than the port's.
@@ -33,25 +36,33 @@ class PageSite : public Site {
   std::size_t most_body(const std::string& method, const std::string& path) const override;
   void handle(HttpRequest request, std::function<void(HttpReply)> reply) override;
   std::shared_ptr<Client> welcome(const std::string& from, bool local) override;
+  std::string viewer_protocol(const std::string& offered) const override;
+  std::shared_ptr<Stream> welcome_viewer() override;
+  /// What went wrong on the way to a document, once; cell thread.
+  std::vector<Problem> take_problems();
 
  private:
   using Reply = std::function<void(HttpReply)>;
   struct Documents {
     std::map<std::string, Text> by_path;
-    std::map<std::string, description::Shape> meshes;
+    std::map<std::string, description::RobotModel> meshes;
+    std::filesystem::path mesh_cache;
   };
   std::shared_ptr<const Documents> documents() const;
   HttpReply page(const HttpRequest& request) const;
   bool later(const std::string& path, const Reply& reply);
   HttpReply catalogue();
   HttpReply picture(const std::string& path);
+  HttpReply meshes(const Documents& shown, const std::string& path);
 
   const PendantOptions& options_;
   Sessions& sessions_;
+  Viewers& viewers_;
   std::uint16_t port_ = 0;
   std::map<std::string, Asset> page_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Documents> documents_;
+  std::vector<Problem> problems_;
   // the worker's
   Text catalogue_;
   std::map<std::string, Text> pictures_;
