@@ -24,7 +24,7 @@ export class Cell {
   constructor(example, options = []) {
     this.home = mkdtempSync(join(tmpdir(), 'polyarm-pendant-'));
     this.folder = join(this.home, example);
-    cpSync(join(root, 'examples', example), this.folder, { recursive: true });
+    cpSync(join(root, 'examples', example), this.folder, { recursive: true, filter: (from) => !from.endsWith('/.state') });
     this.options = options;
     this.port = 0;
     this.output = '';

@@ -32,7 +32,7 @@ export default function Page() {
         ]}
         onChange={(id) => (tab.value = id)}
       />
-      <div class="health-body">
+      <div class="health-body" tabIndex={0}>
         <Body />
       </div>
     </div>
