@@ -123,6 +123,27 @@ program::StartReport Cell::prepare_program(const std::string& name, int line) {
   }
 }
 
+namespace {
+/// What a PLC cannot take up it begins anew, and says so.
+void continue_plc(Cell& cell, const SafePoint& point) {
+  Task* const plc = cell.plc();
+  if (!plc) return;
+  const auto anew = [&](const std::string& why) { cell.tell("the PLC's script begins anew: " + why); };
+  if (point.plc_ended) {
+    plc->interpreter().stop();
+  } else if (!point.plc) {
+    return anew("it was waiting for a person or a file when the program was cut off");
+  } else {
+    try {
+      plc->interpreter().restore(*point.plc);
+    } catch (const Error& e) {
+      return anew(e.problems().front().what);
+    }
+  }
+  plc->refresh();
+}
+}  // namespace
+
 program::StartReport Cell::continue_program() {
   const SafePoint point = SafePoints::read(file_.folder / ".state" / "program.json");
   if (!program_) throw Error("no-program", "the cell has no program");
@@ -130,6 +151,14 @@ program::StartReport Cell::continue_program() {
   for (const auto& [name, value] : point.values)
     if (store_.find(name) && !store_.is_tag(name)) store_.set(name, value, "continue");
   program_->refresh();
+  for (const auto& [name, value] : point.tags) {
+    const auto role = store_.tag_role(name);
+    if (role && *role != data::TagRole::state && store_.find(name)->kind() == value.kind())
+      store_.set(name, value, "continue");
+  }
+  continue_plc(*this, point);
+  if (!scene_.parts.empty() && !options_.real)
+    observer_.on_note("the simulated parts lie where the scene puts them: what was held or moved is not");
   return report;
 }
 
@@ -162,7 +191,7 @@ void Cell::begin_program(const std::string& name, const Location& where) {
 
 void Cell::tick_program(Nanoseconds now) {
   if (!safe_points_) return program_->tick();
-  const auto look = [&] { safe_points_->tick(now, *program_, store_); };
+  const auto look = [&] { safe_points_->tick(now, *program_, plc_.get(), store_); };
   program_->tick(look);
   look();
 }

@@ -46,8 +46,12 @@ Json from_value(const Value& value) {
   if (const auto* list = value.as_list()) return {{"list", all(*list)}};
   if (const auto* joints = value.as_joints())
     return {{"joints", joints->names}, {"positions", joints->positions}};
-  if (const auto* point = value.as_point())
-    return {{"pose", from_pose(point->pose)}, {"quaternion", point->quaternion_given}};
+  if (const auto* point = value.as_point()) {
+    Json out{{"pose", from_pose(point->pose)}, {"quaternion", point->quaternion_given}};
+    if (const data::Taught* t = point->taught.get())
+      out["taught"] = {t->frame, t->tool, t->robot, t->joints.names, t->joints.positions};
+    return out;
+  }
   const data::Record& record = *value.as_record();
   return {{"record", record.names}, {"values", all(record.values)}};
 }
@@ -65,7 +69,16 @@ Value to_value(const Json& j) {
   if (j.contains("joints"))
     return data::JointState{j["joints"].get<std::vector<std::string>>(),
                             j.at("positions").get<std::vector<double>>()};
-  if (j.contains("pose")) return data::Point{to_pose(j["pose"]), j.at("quaternion").get<bool>()};
+  if (j.contains("pose")) {
+    data::Point out{to_pose(j["pose"]), j.at("quaternion").get<bool>()};
+    if (const auto t = j.find("taught"); t != j.end())
+      out.taught = std::make_shared<data::Taught>(data::Taught{
+          t->at(0),
+          t->at(1),
+          t->at(2),
+          {t->at(3).get<std::vector<std::string>>(), t->at(4).get<std::vector<double>>()}});
+    return out;
+  }
   data::Record record{j.at("record").get<std::vector<std::string>>(), all(j.at("values"))};
   if (record.names.size() != record.values.size())
     throw Error("bad-state", "a record with other names than values");
@@ -158,41 +171,63 @@ SavedTask to_task(const Json& j) {
   return t;
 }
 
+Json from_state(const program::SavedState& state) {
+  Json tasks = Json::array();
+  for (const SavedTask& task : state.tasks) tasks.push_back(from_task(task));
+  return {{"program", state.program},   {"tasks", tasks},
+          {"meetings", state.meetings}, {"globals", from_slots(state.globals)},
+          {"locks", state.locks},       {"last_id", state.last_id},
+          {"groups", state.groups}};
+}
+
+program::SavedState to_state(const Json& j) {
+  program::SavedState out;
+  out.program = j.at("program");
+  for (const Json& task : j.at("tasks")) out.tasks.push_back(to_task(task));
+  out.globals = to_slots(j.at("globals"));
+  out.meetings = j.at("meetings").get<std::map<std::string, std::vector<std::uint64_t>>>();
+  out.locks = j.at("locks").get<std::map<std::string, std::uint64_t>>();
+  out.last_id = j.at("last_id"), out.groups = j.at("groups");
+  return out;
+}
+
+using Named = std::vector<std::pair<std::string, Value>>;
+Json from_named(const Named& values) {
+  Json out = Json::array();
+  for (const auto& [name, value] : values) out.push_back({name, from_value(value)});
+  return out;
+}
+Named to_named(const Json& j) {
+  Named out;
+  for (const Json& pair : j) out.emplace_back(pair.at(0).get<std::string>(), to_value(pair.at(1)));
+  return out;
+}
+
 }  // namespace
 
 std::string to_json(const SafePoint& point) {
-  Json tasks = Json::array(), values = Json::array();
-  for (const SavedTask& task : point.state.tasks) tasks.push_back(from_task(task));
-  for (const auto& [name, value] : point.values) values.push_back({name, from_value(value)});
-  return Json{{"polyarm", "safe-point/1"},
-              {"file", point.program},
-              {"line", point.line},
-              {"program", point.state.program},
-              {"tasks", tasks},
-              {"globals", from_slots(point.state.globals)},
-              {"meetings", point.state.meetings},
-              {"locks", point.state.locks},
-              {"last_id", point.state.last_id},
-              {"groups", point.state.groups},
-              {"values", values}}
-             .dump(-1, ' ', false, Json::error_handler_t::replace) +
-         "\n";
+  Json out{{"polyarm", "safe-point/2"},
+           {"file", point.program},
+           {"line", point.line},
+           {"state", from_state(point.state)},
+           {"plc_ended", point.plc_ended},
+           {"tags", from_named(point.tags)},
+           {"values", from_named(point.values)}};
+  if (point.plc) out["plc"] = from_state(*point.plc);
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 SafePoint safe_point_from_json(const std::string& text, const std::string& file) {
   try {
     const Json j = Json::parse(text);
-    if (j.at("polyarm") != "safe-point/1") throw Error("bad-state", "another version");
+    if (j.at("polyarm") != "safe-point/2") throw Error("bad-state", "another version");
     SafePoint out;
     out.program = j.at("file"), out.line = j.at("line");
-    out.state.program = j.at("program");
-    for (const Json& task : j.at("tasks")) out.state.tasks.push_back(to_task(task));
-    out.state.globals = to_slots(j.at("globals"));
-    out.state.meetings = j.at("meetings").get<std::map<std::string, std::vector<std::uint64_t>>>();
-    out.state.locks = j.at("locks").get<std::map<std::string, std::uint64_t>>();
-    out.state.last_id = j.at("last_id"), out.state.groups = j.at("groups");
-    for (const Json& pair : j.at("values"))
-      out.values.emplace_back(pair.at(0).get<std::string>(), to_value(pair.at(1)));
+    out.state = to_state(j.at("state"));
+    if (j.contains("plc")) out.plc = to_state(j["plc"]);
+    out.plc_ended = j.at("plc_ended");
+    out.tags = to_named(j.at("tags"));
+    out.values = to_named(j.at("values"));
     return out;
   } catch (const std::exception& e) {
     throw Error(Problem{"bad-state",
@@ -202,22 +237,36 @@ SafePoint safe_point_from_json(const std::string& text, const std::string& file)
   }
 }
 
-void SafePoints::tick(Nanoseconds now, const Task& task, const data::DataStore& store) {
+namespace {
+SafePoint taken(const Task& task, const Task* plc, const data::DataStore& store) {
+  SafePoint out;
+  out.program = task.interpreter().program().file;
+  out.line = task.status().where.text() + ": " + task.status().source;
+  out.state = task.interpreter().save();
+  if (plc) out.plc_ended = plc->ended();
+  if (plc && plc->interpreter().safe()) out.plc = plc->interpreter().save();
+  for (const std::string& name : store.names()) {
+    const auto role = store.tag_role(name);
+    if (role && *role != data::TagRole::state) out.tags.emplace_back(name, *store.find(name));
+    if (!role && !store.set_of(name).empty()) out.values.emplace_back(name, *store.find(name));
+  }
+  return out;
+}
+}  // namespace
+
+void SafePoints::tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store) {
   const program::Interpreter& interpreter = task.interpreter();
   if (!task.ended() && interpreter.safe()) {
-    const program::Place at = interpreter.position();
+    const program::Place at = interpreter.position(),
+                         plc_at = plc ? plc->interpreter().position() : program::Place{};
+    const auto differ = [](const program::Place& a, const program::Place& b) {
+      return a.line != b.line || a.file != b.file;
+    };
     const bool data = store.version() != seen_version_;
-    const bool moved_on = at.line != seen_at_.line || at.file != seen_at_.file;
+    const bool moved_on = differ(at, seen_at_) || differ(plc_at, plc_seen_at_);
     if (data || (moved_on && now - taken_ >= kBetween) || taken_ < 0) {
-      seen_version_ = store.version(), seen_at_ = at, taken_ = now;
-      SafePoint point;
-      point.program = interpreter.program().file;
-      point.line = task.status().where.text() + ": " + task.status().source;
-      point.state = interpreter.save();
-      for (const std::string& name : store.names())
-        if (!store.is_tag(name) && !store.set_of(name).empty())
-          point.values.emplace_back(name, *store.find(name));
-      pending_ = std::move(point);
+      seen_version_ = store.version(), seen_at_ = at, plc_seen_at_ = plc_at, taken_ = now;
+      pending_ = taken(task, plc, store);
     }
   }
   if (pending_ && !lock_step_ && !busy_->load()) post();

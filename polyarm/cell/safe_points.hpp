@@ -13,12 +13,15 @@
 
 namespace polyarm::cell {
 
-/// A program's state and the data of its sets at the same moment.
+/// A program's state, its PLC's, the data of its sets and the tags at the same moment.
 struct SafePoint {
   std::string program;  ///< file of the program
   std::string line;     ///< "file:line" and its text, for people
   program::SavedState state;
   std::vector<std::pair<std::string, data::Value>> values;
+  std::optional<program::SavedState> plc;  ///< nothing: there is none, or it stood where it cannot go on
+  bool plc_ended = false;
+  std::vector<std::pair<std::string, data::Value>> tags;  ///< but those that hardware and cell tell
 };
 std::string to_json(const SafePoint& point);
 /// Throws Error("bad-state").
@@ -32,7 +35,8 @@ class SafePoints {
 
   /// Between statements and after each tick of the program: takes the state down at safe points, when it or
   /// the data have changed; one write is under way at most, and the newest is written next.
-  void tick(Nanoseconds now, const Task& task, const data::DataStore& store);
+  /// `plc`: null where the cell has none.
+  void tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store);
   /// What is not written yet. A program that has come to its own end leaves nothing.
   void finish(const Task& task);
 
@@ -49,7 +53,7 @@ class SafePoints {
   std::optional<SafePoint> pending_;
   std::shared_ptr<std::atomic<bool>> busy_ = std::make_shared<std::atomic<bool>>(false);
   std::uint64_t seen_version_ = 0;
-  program::Place seen_at_;
+  program::Place seen_at_, plc_seen_at_;
   Nanoseconds taken_ = -1;
 };
 

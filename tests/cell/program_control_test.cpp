@@ -139,6 +139,112 @@ TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
   EXPECT_EQ(cell::to_json(cell::safe_point_from_json(written, "")), written);
 }
 
+/// The same cell with a PLC that counts, with tags, and with points in a frame.
+class WithPlc : public ProgramControl, public cell::Observer {
+ protected:
+  WithPlc() {
+    const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf +
+                                  ", hardware: mock}\nprogram: job\nplc: plc.script\n"
+                                  "signals: signals.yaml\n");
+    folder.write("signals.yaml",
+                 "polyarm: signals/1\ntags:\n  Lamp: {initial: false}\n  Turns: {initial: 0}\n"
+                 "  Pass: {state: program/pass, type: number}\n");
+    plc("let turns = 0\nwhile true\n  wait 100ms\n  set turns = turns + 1\n  set Turns = turns\nend\n");
+    begin();
+  }
+  void plc(const std::string& script) { folder.write("plc.script", script); }
+  /// As it was when the program stood still last.
+  double kept(const std::string& tag) const {
+    for (const auto& [name, value] : cell::SafePoints::read(folder.path() / ".state" / "program.json").tags)
+      if (name == tag) return value.as_number()->value;
+    return -1;
+  }
+  void cut_off() {
+    cell().keep_safe_point();
+    cell().files().flush();
+    notes.clear();
+    cell::CellOptions options;
+    options.lock_step = true;
+    run.reset();
+    second = std::make_unique<cell::Cell>(cell::read_cell_file(folder.path()), description::Catalogue({}),
+                                          options, *this);
+  }
+  void on_note(const std::string& text) override { notes += text + "\n"; }
+  double now_turns() { return second->store().find("Turns")->as_number()->value; }
+  void go(double seconds_of) {
+    for (const Nanoseconds end = second->loop().cycle().time + nanoseconds(seconds_of);
+         second->loop().cycle().time < end;) {
+      const Nanoseconds until = second->loop().cycle().time + cell::Cell::kTick;
+      second->tick(second->loop().cycle().time);
+      while (second->loop().cycle().time < until) second->loop().step_next();
+    }
+  }
+
+  std::string notes;
+  std::unique_ptr<cell::Cell> second;
+};
+
+TEST_F(WithPlc, ThePlcGoesOnWhereItWasCutOffAndItsTagsAreThere) {
+  run_to(14);
+  cell().store().set("Lamp", true, "a person");
+  run->run(5);
+  cut_off();
+  const double before = kept("Turns");
+  ASSERT_GT(before, 20);
+  EXPECT_EQ(now_turns(), 0);
+  second->continue_program();
+  EXPECT_EQ(now_turns(), before);
+  EXPECT_TRUE(*second->store().find("Lamp")->as_boolean());
+  EXPECT_EQ(second->store().find("Pass")->as_number()->value, 0) << "this one the cell tells";
+  EXPECT_EQ(notes.find("begins anew"), std::string::npos) << notes;
+  second->loop().begin();
+  go(0.25);
+  EXPECT_GE(now_turns(), before + 2) << "its own variables were not lost";
+  EXPECT_LE(now_turns(), before + 3);
+  second->loop().end();
+}
+
+TEST_F(WithPlc, APlcThatHasChangedBeginsAnewAndIsToldOf) {
+  run_to(14);
+  plc("set Turns = 77\nwait false\n");
+  cut_off();
+  second->continue_program();
+  EXPECT_NE(notes.find("the PLC's script begins anew: the program has changed"), std::string::npos) << notes;
+  second->loop().begin();
+  go(0.1);
+  EXPECT_EQ(now_turns(), 77);
+  second->loop().end();
+}
+
+TEST_F(WithPlc, APlcThatHadEndedStaysAtItsEnd) {
+  plc("set Turns = 5\n");
+  begin();
+  run_to(14);
+  cell().store().set("Turns", 6, "a person");
+  run->run(5);
+  cut_off();
+  second->continue_program();
+  second->loop().begin();
+  go(0.1);
+  EXPECT_EQ(now_turns(), 6);
+  second->loop().end();
+}
+
+TEST_F(WithPlc, APointKeepsItsFrameOverACut) {
+  folder.write(
+      "work.data",
+      "Name: Placed\nNum: 0\nName: Repeat\nBool: True\nName: Stopped\nBool: False\nPose: RPY\nName: "
+      "P\nPoint: 0.1, 0, 0, 0, 0, 0; frame = \"table\", robot = \"r6bot\", joints = joints(a = 1)\n");
+  begin();
+  run_to(14);
+  const data::Value before = *cell().store().find("P");
+  ASSERT_EQ(before.as_point()->frame(), "table");
+  cut_off();
+  second->continue_program();
+  EXPECT_EQ(*second->store().find("P"), before);
+}
+
 TEST_F(ProgramControl, DoesNotGoOnInAProgramThatHasChanged) {
   run_to(14);
   cell().keep_safe_point();
