@@ -403,7 +403,10 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
       if (bare && out.program) load_data_of(*out.program, file, files, problems);
     });
   if (!file.plc.empty())
-    collect(problems, [&] { out.plc = load_script(data::find_file(file.plc, file.folder, file.plc_where)); });
+    collect(problems, [&] {
+      out.plc = load_script(data::find_file(file.plc, file.folder, file.plc_where));
+      if (out.plc) load_data_of(*out.plc, file, files, problems);
+    });
   if (more_names) more_names();
   program::KnownNames known;
   known.add(store);
