@@ -3,6 +3,8 @@
 #include <map>
 #include <utility>
 
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/yaml.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/ros2/cell_door.hpp"
@@ -154,9 +156,8 @@ class ManagerNode : public Part {
     const auto ok = [](const Json& answer) { return Json{{"ok", answer.value("ok", false)}}; };
     // `load` of the cell configures at once; ROS's does not, and its `configure` of what is configured says
     // no.
-    offer(
-        "load_controller", "LoadController", "control.load",
-        [this](const Json& asked) { return to_load(asked["name"]); }, ok);
+    bridge_.service(node_, node_ + "/load_controller", kTypes + "LoadController",
+                    [this](const Json& asked, const Reply& reply) { load(asked["name"], reply); });
     offer("unload_controller", "UnloadController", "control.unload", name, ok);
     offer("cleanup_controller", "CleanupController", "control.cleanup", name, ok);
     bridge_.service(node_, node_ + "/configure_controller", kTypes + "ConfigureController",
@@ -175,6 +176,24 @@ class ManagerNode : public Part {
                     [](const Json&, const Reply& reply) {
                       reply({{"ok", false}});
                     });
+  }
+
+  /// ROS's answer has no place for the reason: a person at the cell is told.
+  void load(const std::string& name, const Reply& reply) {
+    Json request;
+    try {
+      request = to_load(name);
+    } catch (const Error& e) {
+      bridge_.cell().tell("ROS 2: '" + name + "' cannot be loaded: " + e.what());
+      return reply({{"ok", false}});
+    }
+    request["request"] = "control.load";
+    bridge_.ask(std::move(request), [this, name, reply](const Json& answer) {
+      if (!answer.value("ok", false))
+        bridge_.cell().tell("ROS 2: '" + name + "' cannot be loaded: " +
+                            answer.value("error", Json::object()).value("what", std::string()));
+      reply({{"ok", answer.value("ok", false)}});
+    });
   }
 
   /// What is configured already stays so; what is active is not taken out of it.
@@ -217,11 +236,25 @@ class ManagerNode : public Part {
         });
   }
 
-  /// What a spawner has set of the controller before it loads it.
+  static Json json_of(const Yaml& yaml) {
+    if (yaml.is_list()) return yaml.texts();
+    if (!yaml.is_map()) return yaml.text("");
+    Json out = Json::object();
+    for (const std::string& key : yaml.keys()) out[key] = json_of(yaml[key]);
+    return out;
+  }
+
+  /// What a spawner has set of the controller before it loads it. The file of one whose type it gives is read
+  /// here; else the cell finds the controller in it.
   Json to_load(const std::string& name) const {
     Json out{{"name", name}};
-    for (const auto& [key, argument] : {std::pair{".type", "type"}, std::pair{".params_file", "file"}})
-      if (const auto at = spawned_.find(name + key); at != spawned_.end()) out[argument] = at->second;
+    const auto type = spawned_.find(name + ".type"), file = spawned_.find(name + ".params_file");
+    if (type != spawned_.end()) out["type"] = type->second;
+    if (file == spawned_.end()) return out;
+    if (type == spawned_.end())
+      out["file"] = file->second;
+    else
+      out["parameters"] = json_of(Yaml::load(file->second)[name]["ros__parameters"]);
     return out;
   }
 

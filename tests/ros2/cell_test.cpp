@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/ros2/client.hpp"
-#include "tests/support/command.hpp"
+#include "tests/ros2/process.hpp"
+#include "tests/ros2/ros2_cell.hpp"
 #ifdef POLYARM_CYCLONE
 #include "messages.h"
 #include "tests/ros2/cyclone.hpp"
@@ -26,63 +26,6 @@ namespace {
 using test::Client;
 using test::json;
 using test::wait;
-
-const char* const kControllers = R"(controller_manager:
-  ros__parameters:
-    update_rate: 500
-    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
-    arm_controller: {type: joint_trajectory_controller/JointTrajectoryController}
-    forward: {type: forward_command_controller/ForwardCommandController}
-arm_controller:
-  ros__parameters:
-    joints: &joints [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint, wrist_3_joint]
-    command_interfaces: [position]
-    state_interfaces: [position, velocity]
-    constraints: {goal_time: 0.5}
-forward:
-  ros__parameters:
-    joints: *joints
-    interface_name: position
-)";
-
-/// A UR5e on the mock, in a domain of its own.
-class Ros2Cell : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ / "cell.yaml")
-        << "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: "
-           "universal_robots/ur5e, hardware: mock}\ncontrollers: controllers.yaml\n"
-           "activate: [joint_state_broadcaster, arm_controller]\n";
-    std::ofstream(folder_ / "controllers.yaml") << kControllers;
-    ::setenv("ROS_DOMAIN_ID", std::to_string(domain_).c_str(), 1);
-    command_.emplace(std::vector<std::string>{"run", folder_.string(), "--ros2", "--no-socket"});
-    ASSERT_TRUE(command_->wait_for("ROS 2: domain " + std::to_string(domain_) + ", this machine alone"))
-        << command_->wait().output;
-    client_.emplace(domain_);
-  }
-  void TearDown() override {
-    client_.reset();
-    command_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-  json call(const std::string& service, const std::string& type, const json& request = json::object()) {
-    return client_->call(service, type, request);
-  }
-  std::map<std::string, std::string> states() {
-    std::map<std::string, std::string> out;
-    const json listed =
-        call("/controller_manager/list_controllers", "controller_manager_msgs/srv/ListControllers");
-    for (const json& c : listed["controller"]) out[c["name"]] = c["state"];
-    return out;
-  }
-
-  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("polyarm_ros2_" + std::to_string(::getpid()));
-  std::optional<polyarm::test::Command> command_;
-  std::optional<Client> client_;
-};
 
 TEST_F(Ros2Cell, TellsWhatRvizNeeds) {
   const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
@@ -107,23 +50,6 @@ TEST_F(Ros2Cell, TellsWhatRvizNeeds) {
       EXPECT_TRUE(children.contains(t["header"]["frame_id"])) << t << " hangs on nothing";
   EXPECT_TRUE(children.contains("tool0"));
 }
-
-json goal_to(double first, double seconds) {
-  const std::vector<double> there{first, -1.5, 1.5, -1.5, -1.5, 0};
-  return {{"trajectory",
-           {{"joint_names",
-             {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint",
-              "wrist_3_joint"}},
-            {"points", json::array({{{"positions", there}, {"time_from_start", seconds}}})}}}};
-}
-json id(int n) {
-  std::vector<int> uuid(16, 7);
-  uuid[15] = n;
-  return {{"uuid", uuid}};
-}
-
-const std::string kAction = "/arm_controller/follow_joint_trajectory/_action/";
-const std::string kType = "control_msgs/action/FollowJointTrajectory";
 
 TEST_F(Ros2Cell, FollowsAGoalWithFeedbackAndResult) {
   const auto states = client_->listen("/joint_states", "sensor_msgs/JointState");
@@ -259,13 +185,12 @@ TEST_F(Ros2Cell, IsStoppedHeldAndResumed) {
   EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
 }
 
-TEST_F(Ros2Cell, AClientThatDiesWithAGoalUnderWayHarmsNobody) {
-  {
-    Client gone(domain_);
-    EXPECT_TRUE(gone.call(kAction + "send_goal", kType + "_SendGoal",
-                          {{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}})["accepted"]
-                    .get<bool>());
-  }
+TEST_F(Ros2Cell, AClientThatIsKilledWithAGoalUnderWayHarmsNobody) {
+  const json goal{{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}};
+  test::Process client(
+      {"goal", std::to_string(domain_), "/arm_controller/follow_joint_trajectory", goal.dump()});
+  ASSERT_TRUE(client.said_something()) << "it was not accepted";
+  client.kill();
   EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
 }
 

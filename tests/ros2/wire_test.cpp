@@ -2,13 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <malloc.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <deque>
 #include <mutex>
 #include <string>
@@ -18,6 +15,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/messages/types.hpp"
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/process.hpp"
 #ifdef POLYARM_CYCLONE
 #include "messages.h"
 #include "tests/ros2/cyclone.hpp"
@@ -30,6 +28,7 @@ using messages::from_cdr;
 using messages::to_cdr;
 using messages::type_info;
 using test::json;
+using test::Process;
 using test::wait;
 
 /// Each test has a domain of its own, so that those that run beside it are not met.
@@ -180,50 +179,6 @@ TEST(Wire, WhatIsLargerThanAnyMessageIsRefused) {
   ASSERT_GT(other.write(writer, to_cdr(messages::std_msgs::msg::String{std::string(300'000, 'x')})), 0);
   EXPECT_TRUE(wait([&] { return wire.take(1), taken; })) << "one of many fragments is none too many";
 }
-
-/// A program of its own, so that it can be killed.
-class Process {
- public:
-  explicit Process(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), POLYARM_ROS2_CLIENT);
-    int ends[2];
-    EXPECT_EQ(::pipe(ends), 0);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addclose(&actions, ends[0]);
-    EXPECT_EQ(::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(ends[1]);
-    output_ = ends[0];
-  }
-  ~Process() {
-    kill();
-    ::close(output_);
-  }
-  /// Waits for a byte of its output.
-  bool said_something() const {
-    char byte = 0;
-    return ::read(output_, &byte, 1) == 1;
-  }
-  void kill() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(std::exchange(pid_, 0), nullptr, 0);
-  }
-  bool ended_well() {
-    int status = -1;
-    ::waitpid(std::exchange(pid_, 0), &status, 0);
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  }
-
- private:
-  pid_t pid_ = 0;
-  int output_ = -1;
-};
 
 TEST(Wire, AParticipantThatVanishesHoldsNobodyBackAndIsForgotten) {
   Wire wire(options());
