@@ -298,6 +298,108 @@ void begin_recording(cell::Cell& cell, const RunArguments& a) {
     cell.recorder()->start(*cell.file().record);
 }
 
+/// What a run of one cell came to.
+struct Ended {
+  int code = kFailed;
+  bool by_person = false;
+  std::optional<cell::RestartWish> wish;  ///< it is to be built anew
+};
+
+/// One cell from its files to its end.
+class OneRun {
+ public:
+  OneRun(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,
+         cell::Observer& shown, server::Pendant* pendant)
+      : a_(a),
+        command_(command),
+        catalogue_(catalogue),
+        observer_(pendant ? pendant->observer() : shown),
+        pendant_(pendant) {
+    if (pendant_) waits_ = std::exchange(a_.cell_options.waits, true);  // a fault does not end it
+  }
+  ~OneRun() {
+    if (pendant_) a_.cell_options.waits = waits_;
+  }
+
+  Ended run() {
+    std::optional<cell::Cell> cell;
+    try {
+      cell::CellFile file = open_cell(a_);
+      if (a_.ros2) file.doors["ros2"];
+      cell.emplace(file, catalogue_, a_.cell_options, observer_);
+      begin_recording(*cell, a_);
+      if (!begins_where_told(*cell, a_)) {
+        fmt::print("nothing was begun\n");
+        return {kStopped, true, {}};
+      }
+    } catch (const Error& e) {  // nothing has moved
+      return not_built(cell ? e.problems() : all_problems(a_, e));
+    }
+    if (pendant_ && !waits_) cell->let_begin();
+    if (pendant_) pendant_->attach(*cell);
+    const cell::RunResult result = cell::run(*cell, a_.run, observer_);
+    if (pendant_) pendant_->detach();
+    std::string folder;
+    if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command_);
+    const int code = report(result, folder, a_.json);
+    std::fflush(nullptr);
+    if (result.stuck) std::_Exit(code);
+    const EndsInTime guard(code);
+    cell.reset();
+    return {code, result.outcome != cell::Outcome::failed && !result.restart, result.restart};
+  }
+
+ private:
+  Ended not_built(const std::vector<Problem>& problems) {
+    cell::RunResult result;
+    result.outcome = cell::Outcome::failed;
+    result.problems = problems;
+    if (a_.json) report(result, "", true);
+    if (pendant_)
+      for (const Problem& problem : problems) observer_.on_problem(0, problem);
+    else if (!a_.json)
+      for (const Problem& problem : problems) fmt::print(stderr, "{}\n", problem.text());
+    return {};
+  }
+
+  RunArguments& a_;
+  const std::string& command_;
+  const description::Catalogue& catalogue_;
+  cell::Observer& observer_;
+  server::Pendant* pendant_;
+  bool waits_ = false;  ///< the program for somebody who begins it
+};
+
+/// With the pendant the command goes on when a cell has failed: until somebody wants another one.
+std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::Observer& shown) {
+  shown.on_note("the pendant waits: choose what to run, or end with Ctrl-C");
+  while (cell::stops_requested() == 0) {
+    pendant.serve();
+    if (auto wish = pendant.take_wish()) return wish;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return std::nullopt;
+}
+
+void take_over(const cell::RestartWish& wish, RunArguments& a) {
+  if (!wish.cell.empty()) a.cell = wish.cell, a.description.clear(), a.overrides = {};
+  if (!wish.robot.empty()) a.overrides.robot = wish.robot;
+  if (!wish.hardware.empty()) a.overrides.hardware = wish.hardware;
+  if (!wish.program.empty()) a.overrides.program = wish.program;
+  a.goes_on = false;
+  a.line = 0;
+}
+
+int run_until_done(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,
+                   cell::Observer& shown, server::Pendant* pendant) {
+  for (;;) {
+    Ended ended = OneRun(a, command, catalogue, shown, pendant).run();
+    if (pendant && !ended.wish && !ended.by_person) ended.wish = wait_for_wish(*pendant, shown);
+    if (!ended.wish) return ended.code;
+    take_over(*ended.wish, a);
+  }
+}
+
 int execute(RunArguments& a, const std::string& command) {
   load_plugins(a.plugins);
   read_faults(a);
@@ -307,50 +409,24 @@ int execute(RunArguments& a, const std::string& command) {
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
   const std::unique_ptr<cell::Observer> shown = a.json ? make_json_observer() : make_text_observer(a.quiet);
   const description::Catalogue catalogue = open_catalogue();
-  std::unique_ptr<server::Pendant> pendant;
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };
-  std::optional<cell::Cell> cell;
-  try {
-    cell::CellFile file = open_cell(a);
-    if (a.ros2) file.doors["ros2"];
-    if (a.pendant.on) {
+  std::unique_ptr<server::Pendant> pendant;
+  if (a.pendant.on) {
+    try {
       pendant = open_pendant(a.pendant, catalogue, *shown);
-      a.run.doors.push_back(pendant.get());
-      a.run.stay = true;
+    } catch (const Error& e) {
+      fmt::print(stderr, "polyarm run: {}\n", e.what());
+      return kFailed;
     }
-    cell.emplace(file, catalogue, a.cell_options, pendant ? pendant->observer() : *shown);
-    begin_recording(*cell, a);
-    if (!begins_where_told(*cell, a)) {
-      fmt::print("nothing was begun\n");
-      return kStopped;
-    }
-  } catch (const Error& e) {  // nothing has moved
-    cell::RunResult result;
-    result.outcome = cell::Outcome::failed;
-    result.problems = cell ? e.problems() : all_problems(a, e);
-    if (a.json) return report(result, "", true);
-    for (const Problem& problem : result.problems) fmt::print(stderr, "{}\n", problem.text());
-    return kFailed;
+    a.run.doors.push_back(pendant.get());
+    a.run.stay = true;
+    announce(*pendant, a.pendant, *shown);
   }
-  cell::Observer& observer = pendant ? pendant->observer() : *shown;
-  if (pendant) {
-    pendant->attach(*cell);
-    announce(*pendant, a.pendant, *cell);
-  }
-  const cell::RunResult result = cell::run(*cell, a.run, observer);
-  if (pendant) pendant->detach();
-  std::string folder;
-  if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command);
-  const int code = report(result, folder, a.json);
-  std::fflush(nullptr);
-  if (result.stuck) std::_Exit(code);
-  const EndsInTime guard(code);
-  cell.reset();
-  return code;
+  return run_until_done(a, command, catalogue, *shown, pendant.get());
 }
 
 }  // namespace

@@ -3,7 +3,11 @@
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#ifdef POLYARM_QRENCODE
+#include <qrencode.h>
+#endif
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
@@ -16,6 +20,8 @@ namespace polyarm::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kPort = 8765;
 
 /// The token of this user's pendants: in the folder of the local sockets, which is the user's alone.
 std::string token_of_user() {
@@ -43,11 +49,33 @@ void open_in_browser(const std::string& link) {
   if (child > 0) ::waitpid(child, nullptr, 0);
 }
 
+/// The link as a QR code in half blocks, dark on light; nothing where the command was built without.
+void print_code(const std::string& link) {
+#ifdef POLYARM_QRENCODE
+  const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
+      QRcode_encodeString(link.c_str(), 0, QR_ECLEVEL_L, QR_MODE_8, 1), &QRcode_free);
+  if (!code) return;
+  constexpr int kQuiet = 2;
+  const auto dark = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < code->width && y < code->width &&
+           (code->data[y * code->width + x] & 1) != 0;
+  };
+  for (int y = -kQuiet; y < code->width + kQuiet; y += 2) {
+    std::string line = "\033[30;47m";
+    for (int x = -kQuiet; x < code->width + kQuiet; ++x)
+      line += dark(x, y) ? (dark(x, y + 1) ? "█" : "▀") : dark(x, y + 1) ? "▄" : " ";
+    std::printf("%s\033[0m\n", line.c_str());
+  }
+  std::fflush(stdout);
+#endif
+}
+
 }  // namespace
 
 void add_pendant_options(CLI::App& app, PendantArguments& a) {
   app.add_flag("--pendant", a.on, "serve the pendant to a browser on this machine, and print its link");
-  app.add_option("--port", a.port, "of the pendant (8765); 0: any that is free")->check(CLI::Range(0, 65535));
+  app.add_option("--port", a.port, "of the pendant; 0: any that is free. Not stated: 8765, or another")
+      ->check(CLI::Range(0, 65535));
   app.add_option_function<std::string>(
          "--listen",
          [&a](const std::string& address) {
@@ -63,20 +91,28 @@ void add_pendant_options(CLI::App& app, PendantArguments& a) {
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
                                               const description::Catalogue& catalogue, cell::Observer& next) {
   server::PendantOptions options;
-  options.port = static_cast<std::uint16_t>(a.port);
+  options.port = static_cast<std::uint16_t>(a.port < 0 ? kPort : a.port);
   if (a.listens) options.listen = a.listen;
   options.token = token_of_user();
   if (const char* page = std::getenv("POLYARM_PENDANT_PAGE")) options.page_folder = page;
   options.version = POLYARM_VERSION;
   options.catalogue = &catalogue;
   options.picture = picture;
+  try {
+    return std::make_unique<server::Pendant>(options, next);
+  } catch (const Error&) {
+    if (a.port >= 0) throw;
+  }
+  options.port = 0;  // another cell has it
   return std::make_unique<server::Pendant>(std::move(options), next);
 }
 
-void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Cell& cell) {
-  cell.tell("pendant: " + pendant.link());
-  if (const std::string link = pendant.outside_link(); !link.empty())
-    cell.tell("pendant on other machines: " + link);
+void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Observer& observer) {
+  observer.on_note("pendant: " + pendant.link());
+  if (const std::string link = pendant.outside_link(); !link.empty()) {
+    observer.on_note("pendant on other machines: " + link);
+    if (::isatty(STDOUT_FILENO) != 0) print_code(link);
+  }
   if (a.open) open_in_browser(pendant.link());
 }
 

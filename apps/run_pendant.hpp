@@ -10,7 +10,7 @@ namespace polyarm::apps {
 
 struct PendantArguments {
   bool on = false, open = false, listens = false;
-  int port = 8765;
+  int port = -1;  ///< not stated: 8765, or any where that is taken
   std::string listen, page;
 };
 void add_pendant_options(CLI::App& app, PendantArguments& arguments);

@@ -38,6 +38,11 @@ namespace polyarm::cell {
 
 class TestTask;
 
+/// What somebody wants a cell to be built anew with; empty: as it is.
+struct RestartWish {
+  std::string robot, hardware, program, cell;
+};
+
 /// A test of a file of tests, by its place among them.
 struct TestEntry {
   std::filesystem::path file;
@@ -195,6 +200,9 @@ class Cell {
   /// What records the cell; null where nothing can. It goes before the cell does.
   Recorder* recorder() { return recording_.get(); }
   void set_recorder(std::unique_ptr<Recorder> recorder) { recording_ = std::move(recorder); }
+  /// Somebody wants the cell built anew: who runs it ends it and does so.
+  void ask_restart(RestartWish wish) { restart_ = std::move(wish); }
+  const std::optional<RestartWish>& restart() const { return restart_; }
   /// Tells a person.
   void tell(const std::string& note) { observer_.on_note(note); }
   Requests& requests() { return *requests_; }
@@ -321,6 +329,7 @@ class Cell {
   std::optional<Failure> failure_;
   bool finished_ = false;
   std::unique_ptr<Recorder> recording_;
+  std::optional<RestartWish> restart_;
 };
 
 }  // namespace polyarm::cell

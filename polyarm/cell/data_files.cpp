@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/data/set_edit.hpp"
 
 namespace polyarm::cell {
 
@@ -89,6 +90,51 @@ void DataFiles::bind(const data::ImportFile& file, const std::string& who) {
 void DataFiles::adopt(Load& load) {
   bind(load.files.data, "load " + load.name);
   for (const data::ImportFile& points : load.files.points) bind(points, "load " + load.name);
+}
+
+std::vector<std::string> DataFiles::sets() const {
+  std::vector<std::string> out;
+  for (const auto& [set, bound] : files_) out.push_back(set);
+  return out;
+}
+
+std::filesystem::path DataFiles::file_of(const std::string& set) const {
+  const auto found = files_.find(set);
+  if (found == files_.end()) throw Error("unknown-set", "there is no data set '" + set + "'");
+  return found->second.file.file();
+}
+
+void DataFiles::put(const std::string& set, const std::string& name, const data::Value& value,
+                    const std::string& who) {
+  const data::Value* known = store_.find(name);
+  if (!known || store_.set_of(name).empty()) {
+    // It joins its set, and the value is then pending for the set's file.
+    store_.take_outside(set, {{name, data::Value(false)}}, who);
+  }
+  store_.set(name, value, who);
+}
+
+void DataFiles::remove(const std::string& set, const std::string& name) {
+  const auto found = files_.find(set);
+  if (found == files_.end()) return;
+  data::DataSet left;
+  for (const std::string& each : store_.names())
+    if (each != name && store_.set_of(each) == set) left.set(each, *store_.find(each));
+  store_.load(set, left, "a person");
+  Bound& bound = found->second;
+  if (bound.file.values().find(name)) bound.file = data::without(bound.file, name);
+  if (folder_.is_live(set)) return;  // the user's own file, which has been changed
+  if (lock_step_) {
+    dirty_.insert(set);
+    return;
+  }
+  worker_.post([path = std::filesystem::path(bound.file.file()), name] {
+    try {
+      const data::ImportFile copy = data::ImportFile::load(path.string());
+      if (copy.values().find(name)) write_file_atomically(path, data::without(copy, name).text());
+    } catch (const Error&) {  // the copy is made anew with the next run
+    }
+  });
 }
 
 /// A pose from outside is taken whole, or the old one stays.

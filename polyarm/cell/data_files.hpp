@@ -31,6 +31,14 @@ class DataFiles {
 
   /// Loads it and waits: before the cell runs. Returns its ScriptFile, empty if it names none. Throws Error.
   std::filesystem::path load_now(const std::string& name, const Location& where);
+  /// The sets that are loaded, and the file that each is kept in while the cell runs. Throws
+  /// Error("unknown-set").
+  std::vector<std::string> sets() const;
+  std::filesystem::path file_of(const std::string& set) const;
+  /// A name of the set gets the value, or is new in it; in the store and in the set's file.
+  void put(const std::string& set, const std::string& name, const data::Value& value, const std::string& who);
+  /// The name goes from the set, and from the store where no other set has it.
+  void remove(const std::string& set, const std::string& name);
   /// True when a data set is bound to its own file, which somebody outside may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 

@@ -11,10 +11,7 @@ namespace polyarm::cell {
 
 namespace {
 
-struct Row {
-  RequestInfo info;
-  Handler handler;
-};
+using Row = RequestRow;
 
 Poll help(Cell&, const Json&) {
   Json out = Json::array();
@@ -53,7 +50,7 @@ const char* const kProgram =
 
 const char* const kRecord = "{recording, file, seconds, rate, messages, bytes, lost, problem}";
 
-const std::vector<Row>& rows() {
+const std::vector<Row>& running_rows() {
   static const std::vector<Row> table = {
       {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help},
       {{"control.list",
@@ -371,6 +368,16 @@ const std::vector<Row>& rows() {
        record_start},
       {{"record.stop", {}, kRecord, "close the recording", false}, record_stop},
   };
+  return table;
+}
+
+/// The whole table.
+const std::vector<Row>& rows() {
+  static const std::vector<Row> table = [] {
+    std::vector<Row> out = running_rows();
+    out.insert(out.end(), project_rows().begin(), project_rows().end());
+    return out;
+  }();
   return table;
 }
 

@@ -112,8 +112,13 @@ class Force {
     cell_.tell("'" + name_ + "' is forced to " + cell_.store().find(name_)->text());
   }
   ~Force() {
+    if (!forced()) return;  // somebody has released it
     cell_.store().release(name_, "released");
     cell_.tell("'" + name_ + "' is no longer forced");
+  }
+  bool forced() const {
+    const auto facts = cell_.store().facts(name_);
+    return facts && facts->forced;
   }
   Force(const Force&) = delete;
   Force& operator=(const Force&) = delete;
@@ -161,10 +166,35 @@ Poll tags_force(Cell& cell, const Json& arguments) {
                 "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
   auto force = std::make_shared<Force>(cell, name, wanted_value(*like, arguments.value("value", Json())));
   return [force, name, told = Nanoseconds{-1}](Cell& c) mutable {
+    if (!force->forced()) return Progress::done(tag_json(c, name));
     if (told >= 0 && c.now() - told < kTellEvery) return Progress{};
     told = c.now();
     return Progress::more(tag_json(c, name));
   };
+}
+
+Poll tags_release(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  const auto facts = cell.store().facts(name);
+  if (!facts || !facts->forced) throw Error("not-forced", "'" + name + "' is not forced");
+  cell.store().release(name, "released");
+  cell.tell("'" + name + "' is no longer forced");
+  return at_once(tag_json(cell, name));
+}
+
+Poll tags_history(Cell& cell, const Json& arguments) {
+  const std::vector<std::string> names = list_argument(arguments, "names");
+  const auto after = static_cast<std::uint64_t>(std::max(0.0, number_argument(arguments, "after", 0)));
+  Json changes = Json::array();
+  for (const data::Change& change : cell.store().changes_since(after)) {
+    if (!names.empty() && std::find(names.begin(), names.end(), change.name) == names.end()) continue;
+    changes.push_back({{"number", change.version},
+                       {"name", change.name},
+                       {"old", change.old ? Json(change.old->text()) : Json()},
+                       {"now", change.now ? Json(change.now->text()) : Json()},
+                       {"by", change.who}});
+  }
+  return at_once({{"last", cell.store().version()}, {"changes", changes}});
 }
 
 }  // namespace polyarm::cell

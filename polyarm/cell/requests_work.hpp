@@ -26,6 +26,14 @@ using Poll = std::function<Progress(Cell&)>;
 /// Begins a request; may throw Error.
 using Handler = Poll (*)(Cell&, const Json& arguments);
 
+/// A row of the table and what carries it out.
+struct RequestRow {
+  RequestInfo info;
+  Handler handler;
+};
+/// Those about points, files and texts of the project.
+const std::vector<RequestRow>& project_rows();
+
 inline Poll at_once(Json answer) {
   return [answer = std::move(answer)](Cell&) { return Progress::done(answer); };
 }
@@ -87,6 +95,33 @@ Poll tags_force(Cell&, const Json&);
 Poll record_state(Cell&, const Json&);
 Poll record_start(Cell&, const Json&);
 Poll record_stop(Cell&, const Json&);
+Poll tags_release(Cell&, const Json&);
+Poll tags_history(Cell&, const Json&);
+Poll points(Cell&, const Json&);
+Poll points_here(Cell&, const Json&);
+Poll points_teach(Cell&, const Json&);
+Poll points_set(Cell&, const Json&);
+Poll points_shift(Cell&, const Json&);
+Poll points_rename(Cell&, const Json&);
+Poll points_delete(Cell&, const Json&);
+Poll points_history(Cell&, const Json&);
+Poll points_undo(Cell&, const Json&);
+Poll points_frame(Cell&, const Json&);
+Poll points_tool(Cell&, const Json&);
+Poll plan_preview(Cell&, const Json&);
+Poll files(Cell&, const Json&);
+Poll files_read(Cell&, const Json&);
+Poll files_draft(Cell&, const Json&);
+Poll files_write(Cell&, const Json&);
+Poll files_versions(Cell&, const Json&);
+Poll files_version(Cell&, const Json&);
+Poll files_delete(Cell&, const Json&);
+Poll files_rename(Cell&, const Json&);
+Poll language_words(Cell&, const Json&);
+Poll program_check(Cell&, const Json&);
+Poll program_steps(Cell&, const Json&);
+Poll program_names(Cell&, const Json&);
+Poll cell_restart(Cell&, const Json&);
 Poll program_state(Cell&, const Json&);
 Poll program_watch(Cell&, const Json&);
 Poll program_pause(Cell&, const Json&);

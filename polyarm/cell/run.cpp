@@ -328,6 +328,11 @@ class Runner {
       stopping_ = true;
       cell_.stop_programs();
     }
+    if (cell_.restart() && !stopping_) {
+      stopping_ = true;
+      cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
+      cell_.stop_programs();
+    }
     if (stopping_ || cell_.failure()) {
       const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // of a loop that may hang
       if (stop_since_ < 0) stop_since_ = clock;
@@ -375,6 +380,7 @@ class Runner {
     out.clamps = loop.limits().clamps();
     out.parts = cell_.parts().report();
     out.stops = cell_.stops();
+    out.restart = cell_.restart();
     out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers() &&
                      !cell_.links().any();
     out.trace_hash = loop.trace().text();

@@ -49,6 +49,8 @@ struct RunResult {
   /// The control thread has not come back from what it called: the cell must not be destroyed, and the
   /// process is best ended.
   bool stuck = false;
+  /// It was ended in order to be built anew.
+  std::optional<RestartWish> restart;
   std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time
 };
 

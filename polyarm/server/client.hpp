@@ -17,7 +17,7 @@ using Text = std::shared_ptr<const std::string>;
 
 /// Events of these kinds tell all there is (or all that has changed): where one waits to be sent, a newer one
 /// takes its place.
-enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, layout, log };
+enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, points, layout, log };
 
 class Client {
  public:

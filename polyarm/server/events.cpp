@@ -1,5 +1,7 @@
 #include "polyarm/server/events.hpp"
 
+#include <filesystem>
+
 #include "polyarm/server/documents.hpp"
 
 namespace polyarm::server {
@@ -14,9 +16,15 @@ Json place_json(const Location& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
 
-Json program_json(const cell::Task& task) {
+/// As the cell's folder has it.
+std::string in_folder(const cell::Cell& cell, const std::string& file) {
+  const auto inside = std::filesystem::path(file).lexically_relative(cell.file().folder);
+  return inside.empty() || inside.string().starts_with("..") ? file : inside.generic_string();
+}
+
+Json program_json(const cell::Cell& cell, const cell::Task& task) {
   const program::TaskStatus& status = task.status();
-  return {{"file", task.interpreter().program().file},
+  return {{"file", in_folder(cell, task.interpreter().program().file)},
           {"state", program::name(task.interpreter().state())},
           {"line", status.where.line},
           {"where", place_json(status.where)},
@@ -59,8 +67,8 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
           {"allowed", 100 * supervisor.share()},
           {"control", cell.control_holder()},
           {"jogged", jogged},
-          {"program", cell.program() ? program_json(*cell.program()) : Json()},
-          {"plc", cell.plc() ? program_json(*cell.plc()) : Json()},
+          {"program", cell.program() ? program_json(cell, *cell.program()) : Json()},
+          {"plc", cell.plc() ? program_json(cell, *cell.plc()) : Json()},
           {"failure", cell.failure() ? Json(cell.failure()->problem.text()) : Json()},
           {"alarms", journal.last_alarm()},
           {"bases", bases}};
@@ -89,6 +97,8 @@ Text TagEvents::changes(bool look) {
   if (version == version_ && !look) return nullptr;
   std::vector<std::string> names;
   const auto changed = cell_.store().changes_since(version_);
+  for (const data::Change& change : changed)
+    places_ = places_ || (change.now && change.now->is_place()) || (change.old && change.old->is_place());
   if (look || version_ == ~0ull || changed.size() >= data::DataStore::kChangesKept) {
     names = cell_.store().names();
   } else {

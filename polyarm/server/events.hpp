@@ -24,6 +24,9 @@ class TagEvents {
   Text changes(bool look);
   /// All of them.
   Text full();
+  /// Has a point come, gone or changed? changes() sees it.
+  bool places_changed() const { return places_; }
+  void take_places_changed() { places_ = false; }
 
  private:
   nlohmann::json value_of(const std::string& name) const;
@@ -31,6 +34,7 @@ class TagEvents {
   cell::Cell& cell_;
   std::map<std::string, nlohmann::json> told_;
   std::uint64_t version_ = ~0ull;
+  bool places_ = false;
 };
 
 /// Where parts are: {"event": "parts", "parts": [{name, p, q, in_world, held_by}], "full"}.

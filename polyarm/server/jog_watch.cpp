@@ -109,16 +109,74 @@ Json JogWatch::step(const Json& request) const {
 }
 
 void JogWatch::begin(std::uint64_t client, const Json& request) {
-  auto jog = std::make_shared<Jog>();
-  jog->robot = robot_of(request);
-  jog->wish = wish_of(jog->robot, request, number_of(request, "speed", 1, 0.001, 1), false);
+  const std::size_t robot = robot_of(request);
+  const Json wish = wish_of(robot, request, number_of(request, "speed", 1, 0.001, 1), false);
+  const auto jog = begun_by(client, robot, request);
+  jog->wish = wish;
   jog->wish["hold"] = kSilence;
+  ask(jog);
+}
+
+std::shared_ptr<JogWatch::Jog> JogWatch::begun_by(std::uint64_t client, std::size_t robot,
+                                                  const Json& request) {
+  auto jog = std::make_shared<Jog>();
+  jog->robot = robot;
   jog->number = ++last_;
   jog->client = client;
   jog->id = request.value("id", Json());
   jog->beat = cell_.now();
   jogs_.push_back(jog);
+  return jog;
+}
+
+void JogWatch::go_to(std::uint64_t client, const Json& request) {
+  const std::size_t i = robot_of(request);
+  const cell::CellRobot& robot = *cell_.robots()[i];
+  Json wish{{"request", "target"},
+            {"robot", robot.entry.name},
+            {"speed", number_of(request, "speed", 1, 0.001, 1)},
+            {"hold", kSilence}};
+  std::vector<double> joints;
+  Pose place;
+  if (const Json given = request.value("joints", Json()); given.is_object()) {
+    wish["joints"] = given;
+    for (const controllers::JointFacts& joint : robot.joints) {
+      const Json value = given.value(joint.name.substr(joint.name.find('/') + 1), Json());
+      joints.push_back(value.is_number() ? value.get<double>() : NAN);
+    }
+  } else {
+    const Json pose = request.value("pose", Json());
+    const auto numbers = [&](const char* key, std::size_t count) {
+      const Json list = pose.is_object() ? pose.value(key, Json()) : Json();
+      const auto number = [](const Json& each) { return each.is_number(); };
+      if (!list.is_array() || list.size() != count || !std::all_of(list.begin(), list.end(), number))
+        throw Error("bad-argument", "'pose' is " + pose.dump(),
+                    "{p: [x, y, z], q: [x, y, z, w]}, or 'joints'");
+      return list.get<std::vector<double>>();
+    };
+    const auto p = numbers("p", 3), q = numbers("q", 4);
+    place = {{p[0], p[1], p[2]}, normalized(Quaternion{q[0], q[1], q[2], q[3]})};
+    wish["pose"] = {{"position", p}, {"orientation", q}};
+    wish["frame"] = "world";
+  }
+  const auto jog = begun_by(client, i, request);
+  jog->goes = true;
+  jog->wish = std::move(wish);
+  jog->joints = std::move(joints);
+  jog->place = place;
   ask(jog);
+}
+
+bool JogWatch::is_there(const Jog& jog) const {
+  constexpr double kNear = 1e-4;  // rad, m
+  const motion::JogStatus status = cell_.jogging().status(jog.robot);
+  if (!status.standing || status.session != jog.session) return false;
+  if (jog.joints.empty())
+    return norm(status.tcp.position - jog.place.position) < kNear &&
+           angle_between(status.tcp.rotation, jog.place.rotation) < kNear;
+  for (std::size_t j = 0; j < jog.joints.size(); ++j)
+    if (std::isfinite(jog.joints[j]) && std::abs(status.joints[j] - jog.joints[j]) > kNear) return false;
+  return true;
 }
 
 /// Asks the cell, and notes what it says.
@@ -205,6 +263,7 @@ void JogWatch::follow(Jog& jog) {
   }
   const motion::JogStatus status = cell_.jogging().status(jog.robot);
   if (status.ended >= jog.session) return finish(jog, "stopped", "something stopped it: press again");
+  if (jog.goes && is_there(jog)) finish(jog, "arrived", "");
 }
 
 void JogWatch::tick() {

@@ -135,6 +135,9 @@ void Pendant::detach() {
 void Pendant::serve() {
   work_->serve();
 }
+std::optional<cell::RestartWish> Pendant::take_wish() {
+  return work_->sessions.take_wish();
+}
 std::string Pendant::link() const {
   return work_->link("localhost");
 }

@@ -39,6 +39,9 @@ class Pendant : public cell::Door {
   void serve() override;
   std::string address() const override { return link(); }
 
+  /// What somebody wants to be run, asked for while there is no cell; once.
+  std::optional<cell::RestartWish> take_wish();
+
   /// With the token, for a browser of this machine.
   std::string link() const;
   /// The same for other machines; empty where only loopback is served.

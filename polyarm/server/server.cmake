@@ -6,6 +6,12 @@ endif()
 polyarm_room(server USES cell)
 target_link_libraries(polyarm_server PRIVATE polyarm_recording polyarm_meshes)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
+find_path(POLYARM_ZIP zip.h)
+find_library(POLYARM_ZIP_LIBRARY zip)
+if(POLYARM_ZIP AND POLYARM_ZIP_LIBRARY)  # back up and restore a project
+  set_source_files_properties(server/project_zip.cpp PROPERTIES COMPILE_DEFINITIONS POLYARM_ZIP)
+  target_link_libraries(polyarm_server PRIVATE ${POLYARM_ZIP_LIBRARY})
+endif()
 set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it waits for sockets
 
 # The page is built by npm from pendant/ when something there has changed, and compiled into the library. Without npm, or

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "polyarm/realtime/periodic.hpp"
@@ -20,7 +21,7 @@ namespace {
 constexpr int kDeepest = 64;
 constexpr std::size_t kLongestName = 60;
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kLogEvery = 0.1, kProgramAgain = 1;
+                 kLogEvery = 0.1, kProgramAgain = 1, kPointsEvery = 0.2;
 
 /// Brackets outside texts nested deeper than any request has: copying and printing JSON recurses.
 bool too_deep(const std::string& line) {
@@ -44,6 +45,8 @@ struct Seat {
   std::string name;
   bool listens = false, greeted = false;  ///< it is told events; it has been told all there was
   double rate = 0, due = 0;
+  /// Requests that go on and are to end: their next answer finds nobody.
+  std::shared_ptr<std::set<std::string>> ended = std::make_shared<std::set<std::string>>();
 };
 
 Json error_of(const Error& error) {
@@ -130,6 +133,7 @@ class Sessions::Work {
 
   Journal journal;
   std::uint64_t requests = 0;
+  std::optional<cell::RestartWish> wish;
 
  private:
   using Handler = Json (Work::*)(Seat&, const Json&);
@@ -182,7 +186,7 @@ class Sessions::Work {
       const std::string name = request["request"].get<std::string>();
       if (name == "jog.beat") return beat(seat, request);
       const auto own = handlers().find(name);
-      if (own == handlers().end()) return pass_on(seat, name, line);
+      if (own == handlers().end()) return pass_on(seat, name, request, line);
       if (const auto result = (this->*own->second)(seat, request); !result.is_discarded())
         answer(seat, id, result);
     } catch (const Error& e) {
@@ -201,6 +205,11 @@ class Sessions::Work {
                                                          {"session.answer", &Work::answer_asker},
                                                          {"jog.begin", &Work::jog_begin},
                                                          {"jog.end", &Work::jog_end},
+                                                         {"jog.goto", &Work::jog_goto},
+                                                         {"session.end", &Work::end_request},
+                                                         {"cell.change", &Work::change_cell},
+                                                         {"cell.open", &Work::change_cell},
+                                                         {"cell.reset", &Work::change_cell},
                                                          {"jog.step", &Work::jog_step}};
     return table;
   }
@@ -228,13 +237,71 @@ class Sessions::Work {
   }
 
   /// To the cell's table.
-  void pass_on(Seat& seat, const std::string& name, const std::string& line) {
+  void pass_on(Seat& seat, const std::string& name, const Json& request, const std::string& line) {
+    if (!cell_ && name == "cell.restart")
+      return answer(seat, request.value("id", Json()), restart(seat, request));
     require_cell();
     const auto found = moves_.find(name);
     if (found != moves_.end() && found->second) require_control(seat, name);
+    hand_over(seat, request, line);
+  }
+
+  void hand_over(Seat& seat, const Json& request, const std::string& line) {
+    const std::string id = dump(request.value("id", Json()));
+    seat.ended->erase(id);
     cell_->requests().handle(
-        line, [client = seat.client](const std::string& text) { return client->answer(text); },
+        line,
+        [client = seat.client, ended = seat.ended, id](const std::string& text) {
+          return ended->count(id) == 0 && client->answer(text);
+        },
         seat.client.get());
+  }
+
+  /// A request of this client that goes on ends, as if the client had gone.
+  Json end_request(Seat& seat, const Json& request) {
+    constexpr std::size_t kMost = 1000;
+    if (seat.ended->size() >= kMost) seat.ended->clear();
+    seat.ended->insert(dump(request.value("of", Json())));
+    return Json::object();
+  }
+
+  /// The way there is only looked at with `dry`; else it is gone as long as heartbeats come.
+  Json jog_goto(Seat& seat, const Json& request) {
+    require_cell();
+    if (request.value("dry", false)) {
+      Json plan = request;
+      plan["request"] = "plan.preview";
+      plan.erase("dry");
+      hand_over(seat, plan, dump(plan));
+      return Json(Json::value_t::discarded);
+    }
+    require_control(seat, "jog.goto");
+    jogs_->go_to(seat.client->number, request);
+    return Json(Json::value_t::discarded);
+  }
+
+  /// The cell's own request by the names of the page's menus.
+  Json change_cell(Seat& seat, const Json& request) {
+    require_control(seat, request["request"].get<std::string>());
+    cell::RestartWish asked;
+    if (request.contains("model")) {
+      const std::string robot = request.value("robot", "");
+      asked.robot = (robot.empty() ? "" : robot + "=") + request["model"].get<std::string>();
+    }
+    asked.cell = request.value("folder", "");
+    if (cell_)
+      cell_->ask_restart(std::move(asked));
+    else
+      wish = std::move(asked);
+    return {{"asked", "restart"}};
+  }
+
+  /// The cell's own request, while there is none: it has failed, or could not be built.
+  Json restart(Seat& seat, const Json& request) {
+    require_control(seat, "cell.restart");
+    wish = {request.value("robot", ""), request.value("hardware", ""), request.value("program", ""),
+            request.value("cell", "")};
+    return {{"asked", "restart"}};
   }
 
   Json who(std::uint64_t client) const {
@@ -328,9 +395,7 @@ class Sessions::Work {
     require_control(seat, "jog.step");
     Json step = jogs_->step(request);
     if (request.contains("id")) step["id"] = request["id"];
-    cell_->requests().handle(
-        dump(step), [client = seat.client](const std::string& text) { return client->answer(text); },
-        seat.client.get());
+    hand_over(seat, step, dump(step));
     return Json(Json::value_t::discarded);
   }
 
@@ -415,6 +480,10 @@ class Sessions::Work {
   void tell_cell_events() {
     if (due(told_tags_, kTagsEvery))
       broadcast(Kind::tags, tags_->changes(due(looked_, kLookEvery)), [this] { return tags_->full(); });
+    if (tags_->places_changed() && due(told_points_, kPointsEvery)) {
+      tags_->take_places_changed();
+      broadcast(Kind::points, std::make_shared<const std::string>(R"({"event":"points"})"));
+    }
     if (due(told_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
     if (!program_->on && cell_->program() && due(program_->again, kProgramAgain)) watch_program();
@@ -486,7 +555,7 @@ class Sessions::Work {
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_told_ = 0, alarms_told_ = 0;
-  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0;
+  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0, told_points_ = 0;
   std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
 };
 
@@ -507,6 +576,9 @@ void Sessions::detach() {
 }
 bool Sessions::serve() {
   return work_->serve();
+}
+std::optional<cell::RestartWish> Sessions::take_wish() {
+  return std::exchange(work_->wish, std::nullopt);
 }
 Pendant::Counts Sessions::counts() const {
   return work_->counts();

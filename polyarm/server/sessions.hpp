@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "polyarm/cell/cell.hpp"
@@ -30,6 +31,7 @@ class Sessions {
   void detach();
   /// True when somebody has been given something to send.
   bool serve();
+  std::optional<cell::RestartWish> take_wish();
   Pendant::Counts counts() const;
 
  private:

@@ -1,10 +1,13 @@
 #include "polyarm/server/site.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/server/documents.hpp"
+#include "polyarm/server/project_zip.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/viewers.hpp"
 
@@ -12,7 +15,7 @@ namespace polyarm::server {
 
 namespace {
 
-constexpr std::string_view kCatalogue = "/api/catalogue";
+constexpr std::string_view kCatalogue = "/api/catalogue", kProject = "/api/project.zip";
 /// What takes long is drawn one after the other; more than so much does not wait.
 constexpr int kMostWaiting = 64;
 
@@ -59,6 +62,7 @@ void PageSite::show(cell::Cell& cell) {
     made->by_path["/api/model/" + robot->entry.name] = text_of(dump(model_json(*robot)));
   made->meshes = meshes_of(cell);
   made->mesh_cache = cell.file().folder / ".state" / "meshes";
+  made->folder = cell.file().folder;
   const std::lock_guard lock(mutex_);
   documents_ = std::move(made);
 }
@@ -77,8 +81,8 @@ bool PageSite::is_open(const std::string& method, const std::string& path) const
   return (method == "GET" || method == "HEAD") && !path.starts_with("/api/") && path != "/ws";
 }
 
-std::size_t PageSite::most_body(const std::string&, const std::string&) const {
-  return 0;
+std::size_t PageSite::most_body(const std::string& method, const std::string& path) const {
+  return method == "PUT" && path == kProject ? kMostZipped : 0;
 }
 
 std::shared_ptr<Client> PageSite::welcome(const std::string& from, bool local) {
@@ -124,6 +128,8 @@ HttpReply PageSite::page(const HttpRequest& request) const {
 
 void PageSite::handle(HttpRequest request, Reply reply) {
   if (is_open(request.method, request.path)) return reply(page(request));
+  if (request.path == kProject && (request.method == "GET" || request.method == "PUT"))
+    return project(std::move(request), reply);
   if (request.method != "GET" && request.method != "HEAD")
     return reply(plain(405, "only GET is served here"));
   if (request.path == "/api/requests") return reply(document(text_of(dump(requests_json()))));
@@ -143,24 +149,51 @@ bool PageSite::later(const std::string& path, const Reply& reply) {
   if (const auto shown = documents(); shown->meshes.contains(path))
     job = [this, shown, path] { return meshes(*shown, path); };
   if (!job) return false;
-  if (waiting_ >= kMostWaiting || !worker_) {
-    reply(plain(503, "too much is asked for at once"));
-    return true;
-  }
+  post(std::move(job), reply);
+  return true;
+}
+
+void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
+  if (waiting_ >= kMostWaiting || !worker_) return reply(plain(503, "too much is asked for at once"));
   ++waiting_;
-  worker_->post([this, job, reply] {
+  worker_->post([this, job = std::move(job), reply] {
     HttpReply out;
     try {
       out = job();
     } catch (const Error& e) {
-      out = plain(404, e.what());
+      out = plain(400, e.what());
     } catch (...) {
       out = plain(500, what_was_thrown());
     }
     --waiting_;
     reply(std::move(out));
   });
-  return true;
+}
+
+/// Backs the cell's folder up, or unpacks one beside it.
+void PageSite::project(HttpRequest request, const Reply& reply) {
+  const std::filesystem::path folder = documents()->folder;
+  if (folder.empty()) return reply(plain(503, "no cell is running now"));
+  if (request.method == "GET")
+    return post(
+        [folder] {
+          HttpReply out = document(text_of(zip_of(folder)), "application/zip");
+          out.headers.emplace_back("Content-Disposition", "attachment; filename=\"project.zip\"");
+          return out;
+        },
+        reply);
+  const std::string name = query_value(request.target, "name");
+  const auto good = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  if (name.empty() || name.size() > 60 || !std::all_of(name.begin(), name.end(), good))
+    return reply(plain(400, "?name= has to be letters, digits, _ and -"));
+  post(
+      [folder, name, zip = std::move(request.body)] {
+        const std::filesystem::path into =
+            std::filesystem::absolute(folder).lexically_normal().parent_path() / name;
+        unzip_into(zip, into);
+        return document(text_of(dump({{"folder", into.string()}})));
+      },
+      reply);
 }
 
 HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {
@@ -179,13 +212,14 @@ HttpReply PageSite::catalogue() {
     for (const description::CatalogueEntry& each : options_.catalogue->entries())
       list.push_back({{"id", each.name},
                       {"maker", each.maker},
-                      {"title", each.model},
+                      {"model", each.model},
+                      {"title", each.maker + " " + each.model},
                       {"axes", each.axes},
-                      {"reach_m", maybe(each.reach_m)},
-                      {"payload_kg", maybe(each.payload_kg)},
-                      {"mass_kg", maybe(each.mass_kg)},
+                      {"reach", maybe(each.reach_m)},
+                      {"payload", maybe(each.payload_kg)},
+                      {"mass", maybe(each.mass_kg)},
                       {"picture", std::string(kCatalogue) + "/" + each.name + ".svg"}});
-    catalogue_ = text_of(dump({{"robots", list}}));
+    catalogue_ = text_of(dump(list));
   }
   return document(catalogue_);
 }

@@ -1,5 +1,6 @@
 #pragma once
 /// What HTTP serves: the page, and what a page asks for beside requests.
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -47,10 +48,13 @@ class PageSite : public Site {
     std::map<std::string, Text> by_path;
     std::map<std::string, description::RobotModel> meshes;
     std::filesystem::path mesh_cache;
+    std::filesystem::path folder;  ///< of the cell
   };
   std::shared_ptr<const Documents> documents() const;
   HttpReply page(const HttpRequest& request) const;
   bool later(const std::string& path, const Reply& reply);
+  void post(std::function<HttpReply()> job, const Reply& reply);
+  void project(HttpRequest request, const Reply& reply);
   HttpReply catalogue();
   HttpReply picture(const std::string& path);
   HttpReply meshes(const Documents& shown, const std::string& path);

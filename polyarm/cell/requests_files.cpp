@@ -1,0 +1,339 @@
+/// Requests about the project's files: reading, drafts that outlive everything, saving without losing what
+/// others wrote, and earlier versions.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/requests_later.hpp"
+
+namespace polyarm::cell {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLargest = 900'000, kMostFiles = 2000, kMostVersions = 100;
+
+const std::vector<std::string>& endings() {
+  static const std::vector<std::string> list = {".script", ".points", ".data",  ".yaml",  ".yml",
+                                                ".txt",    ".md",     ".urdf",  ".xacro", ".srdf",
+                                                ".csv",    ".json",   ".launch"};
+  return list;
+}
+
+bool has_ending(const fs::path& path) {
+  return std::find(endings().begin(), endings().end(), lower(path.extension().string())) != endings().end();
+}
+
+std::string kind_of(const fs::path& path) {
+  const std::string ending = lower(path.extension().string()), stem = path.stem().string();
+  if (ending == ".script") return "program";
+  if (ending == ".points") return "points";
+  if (ending == ".data") return "data";
+  if (ending == ".yaml" || ending == ".yml")
+    return stem == "cell" || stem == "scene" || stem == "signals" ? stem : "settings";
+  return ending == ".md" ? "text" : "other";
+}
+
+double changed_at(const fs::path& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  if (error) return 0;
+  const auto ago = fs::file_time_type::clock::now() - time;
+  const auto at =
+      std::chrono::system_clock::now() - std::chrono::duration_cast<std::chrono::system_clock::duration>(ago);
+  return std::chrono::duration<double>(at.time_since_epoch()).count();
+}
+
+std::string flat(const std::string& path) {
+  std::string out;
+  for (const char c : path)
+    out += c == '/' ? std::string("%2F") : c == '%' ? std::string("%25") : std::string(1, c);
+  return out;
+}
+
+fs::path draft_file(const fs::path& folder, const std::string& path) {
+  return folder / ".state" / "drafts" / (flat(path) + ".json");
+}
+
+fs::path versions_folder(const fs::path& folder, const std::string& path) {
+  return folder / ".state" / "versions" / flat(path);
+}
+
+std::string read_if_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error) ? read_file(path) : std::string{};
+}
+
+Json draft_json(const fs::path& folder, const std::string& path) {
+  const std::string text = read_if_there(draft_file(folder, path));
+  const Json draft = Json::parse(text, nullptr, false);
+  return draft.is_object() ? draft : Json();
+}
+
+/// The numbers of the versions, oldest first.
+std::vector<int> version_numbers(const fs::path& folder) {
+  std::vector<int> out;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (const auto number = parse_number(entry.path().filename().string()))
+      out.push_back(static_cast<int>(*number));
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void keep_version(const fs::path& folder, const std::string& path, const std::string& text) {
+  const fs::path where = versions_folder(folder, path);
+  fs::create_directories(where);
+  std::vector<int> numbers = version_numbers(where);
+  write_file_atomically(where / std::to_string(numbers.empty() ? 1 : numbers.back() + 1), text);
+  for (std::size_t i = 0; i + kMostVersions < numbers.size() + 1; ++i)
+    fs::remove(where / std::to_string(numbers[i]));
+}
+
+void keep_out_of_git(const fs::path& folder) {
+  const fs::path ignore = folder / ".state" / ".gitignore";
+  std::error_code error;
+  fs::create_directories(ignore.parent_path(), error);
+  if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
+}
+
+std::string bounded(const Json& arguments, const char* name) {
+  std::string out = text_argument(arguments, name);
+  if (out.size() > kLargest)
+    throw Error("too-large", fmt::format("the text has {} bytes", out.size()), "a file may have 900 kB");
+  return out;
+}
+
+/// Work on the files of the project, off the cell thread.
+Poll on_disk(Cell& cell, std::function<Json()> job) {
+  return later<Json>(cell, std::move(job), [](Cell&, Json& out) { return std::move(out); });
+}
+
+/// The files of the program that runs, in the form that the list has.
+std::vector<fs::path> running_files(Cell& cell) {
+  std::vector<fs::path> out;
+  for (Task* task : {cell.program(), cell.plc()}) {
+    if (!task || task->ended()) continue;
+    const program::Program& program = task->interpreter().program();
+    out.emplace_back(program.file);
+    for (const auto& included : program.included) out.emplace_back(included.file);
+  }
+  return out;
+}
+
+bool among(const fs::path& file, const std::vector<fs::path>& files) {
+  std::error_code error;
+  return std::any_of(files.begin(), files.end(),
+                     [&](const fs::path& each) { return fs::equivalent(file, each, error); });
+}
+
+Json listed(const fs::path& folder, const std::vector<fs::path>& running) {
+  Json out = Json::array();
+  std::error_code error;
+  fs::recursive_directory_iterator each(folder, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && each != end && out.size() < kMostFiles; each.increment(error)) {
+    const std::string file = each->path().filename().string();
+    if (file.starts_with('.')) {
+      if (each->is_directory(error)) each.disable_recursion_pending();
+      continue;
+    }
+    if (!each->is_regular_file(error) || !has_ending(each->path()) || each->file_size(error) > kLargest)
+      continue;
+    const std::string path = fs::relative(each->path(), folder, error).generic_string();
+    out.push_back({{"name", path},
+                   {"kind", kind_of(each->path())},
+                   {"bytes", each->file_size(error)},
+                   {"modified_s", changed_at(each->path())},
+                   {"hash", content_hash(read_file(each->path()))},
+                   {"running", among(each->path(), running)},
+                   {"draft", fs::exists(draft_file(folder, path), error)}});
+  }
+  std::sort(out.begin(), out.end(), [](const Json& a, const Json& b) { return a["name"] < b["name"]; });
+  return out;
+}
+
+Json written(const fs::path& folder, const std::string& path, const std::string& text,
+             const std::string& base, bool force) {
+  const fs::path file = project_file(folder, path);
+  std::error_code error;
+  const bool exists = fs::exists(file, error);
+  const std::string there = exists ? read_file(file) : std::string{};
+  if ((exists ? content_hash(there) : "") != base && !force && !(exists && there == text))
+    throw Error("changed-meanwhile",
+                "'" + path + "' " +
+                    (base.empty() ? "is there already"
+                     : exists     ? "was changed meanwhile"
+                                  : "was deleted meanwhile"),
+                "read it again and choose, or say 'force'");
+  if (exists && there != text) keep_version(folder, path, there);
+  fs::create_directories(file.parent_path());
+  if (!exists || there != text) write_file_atomically(file, text);
+  fs::remove(draft_file(folder, path), error);
+  return {{"name", path}, {"hash", content_hash(text)}};
+}
+
+}  // namespace
+
+fs::path project_file(const fs::path& folder, const std::string& path) {
+  const auto refuse = [&](const std::string& why) -> Error {
+    return Error("bad-path", "'" + path + "' is no file of the project: " + why,
+                 "a path in its folder, for example pick.script");
+  };
+  if (path.empty() || path.size() > 200 || path.find('\0') != std::string::npos ||
+      path.find('\\') != std::string::npos)
+    throw refuse("that is no path");
+  const fs::path wanted(path);
+  if (wanted.is_absolute()) throw refuse("it is not in the folder");
+  for (const fs::path& part : wanted)
+    if (part.string().starts_with('.') || part.empty()) throw refuse("it leads out, or is hidden");
+  if (!has_ending(wanted)) throw refuse("its kind is none of " + join(endings(), ", "));
+  // No link on the way leads out either.
+  std::error_code error;
+  const fs::path root = fs::weakly_canonical(folder, error),
+                 whole = fs::weakly_canonical(folder / wanted, error);
+  const auto differs = std::mismatch(root.begin(), root.end(), whole.begin(), whole.end());
+  if (error || differs.first != root.end()) throw refuse("it leads out of the folder");
+  if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is no file");
+  return whole;
+}
+
+std::string content_hash(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("{:016x}", hash);
+}
+
+Poll files(Cell& cell, const Json&) {
+  std::string main;
+  if (cell.program()) main = fs::path(cell.program()->interpreter().program().file).filename().string();
+  return on_disk(cell, [folder = cell.file().folder, running = running_files(cell), main] {
+    return Json{{"folder", folder.string()},
+                {"files", listed(folder, running)},
+                {"main", main.empty() ? Json() : Json(main)}};
+  });
+}
+
+Poll files_read(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name");
+  return on_disk(cell, [folder = cell.file().folder, running = running_files(cell), path] {
+    const fs::path file = project_file(folder, path);
+    std::error_code error;
+    const Json draft = draft_json(folder, path);
+    const bool exists = fs::exists(file, error);
+    if (!exists && draft.is_null()) throw Error("no-file", "there is no file '" + path + "' in the project");
+    if (exists && fs::file_size(file, error) > kLargest)
+      throw Error("too-large", "'" + path + "' has more than 900 kB");
+    const std::string text = exists ? read_file(file) : std::string{};
+    return Json{{"name", path},
+                {"text", text},
+                {"hash", exists ? content_hash(text) : ""},
+                {"running", exists && among(file, running)},
+                {"draft", draft}};
+  });
+}
+
+Poll files_draft(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name");
+  const bool drop = !arguments.contains("text") || arguments["text"].is_null();
+  const std::string text = drop ? "" : bounded(arguments, "text"),
+                    base = text_argument(arguments, "base", ""), by = text_argument(arguments, "by", "");
+  return on_disk(cell, [folder = cell.file().folder, path, drop, text, base, by] {
+    project_file(folder, path);
+    const fs::path file = draft_file(folder, path);
+    const auto now = static_cast<double>(std::time(nullptr));
+    std::error_code error;
+    if (drop) {
+      fs::remove(file, error);
+      return Json{{"saved_s", now}};
+    }
+    keep_out_of_git(folder);
+    fs::create_directories(file.parent_path());
+    const Json draft{{"text", text}, {"base", base}, {"saved_s", now}, {"by", by}};
+    write_file_atomically(file, draft.dump(-1, ' ', false, Json::error_handler_t::replace));
+    return Json{{"saved_s", now}};
+  });
+}
+
+Poll files_write(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name"), text = bounded(arguments, "text"),
+                    base = text_argument(arguments, "base", "");
+  return on_disk(cell,
+                 [folder = cell.file().folder, path, text, base, force = flag_argument(arguments, "force")] {
+                   keep_out_of_git(folder);
+                   return written(folder, path, text, base, force);
+                 });
+}
+
+Poll files_versions(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name");
+  return on_disk(cell, [folder = cell.file().folder, path] {
+    project_file(folder, path);
+    const fs::path where = versions_folder(folder, path);
+    const std::vector<int> numbers = version_numbers(where);
+    Json out = Json::array();
+    std::error_code error;
+    for (auto each = numbers.rbegin(); each != numbers.rend(); ++each) {
+      const fs::path file = where / std::to_string(*each);
+      const auto at = static_cast<std::time_t>(changed_at(file));
+      char when[32] = "";
+      std::tm local{};
+      if (::localtime_r(&at, &local)) std::strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &local);
+      out.push_back(
+          {{"number", *each}, {"when", when}, {"what", "replaced"}, {"bytes", fs::file_size(file, error)}});
+    }
+    return Json{{"name", path}, {"versions", out}};
+  });
+}
+
+Poll files_version(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name");
+  const int wanted = static_cast<int>(std::clamp(number_argument(arguments, "number", 0), 0.0, 1e9));
+  return on_disk(cell, [folder = cell.file().folder, path, wanted] {
+    project_file(folder, path);
+    const fs::path file = versions_folder(folder, path) / std::to_string(wanted);
+    std::error_code error;
+    if (!fs::exists(file, error))
+      throw Error("no-file", fmt::format("there is no version {} of '{}'", wanted, path));
+    return Json{{"name", path}, {"number", wanted}, {"text", read_file(file)}};
+  });
+}
+
+Poll files_delete(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name");
+  return on_disk(cell, [folder = cell.file().folder, path] {
+    const fs::path file = project_file(folder, path);
+    std::error_code error;
+    if (!fs::exists(file, error)) throw Error("no-file", "there is no file '" + path + "' in the project");
+    keep_out_of_git(folder);
+    keep_version(folder, path, read_file(file));
+    fs::remove(file, error);
+    fs::remove(draft_file(folder, path), error);
+    return Json{{"name", path}};
+  });
+}
+
+Poll files_rename(Cell& cell, const Json& arguments) {
+  const std::string path = text_argument(arguments, "name"), to = text_argument(arguments, "to");
+  return on_disk(cell, [folder = cell.file().folder, path, to] {
+    const fs::path from = project_file(folder, path), target = project_file(folder, to);
+    std::error_code error;
+    if (!fs::exists(from, error)) throw Error("no-file", "there is no file '" + path + "' in the project");
+    if (fs::exists(target, error))
+      throw Error("exists", "there is a file '" + to + "' already", "give another name");
+    keep_out_of_git(folder);
+    keep_version(folder, path, read_file(from));
+    fs::create_directories(target.parent_path());
+    fs::rename(from, target, error);
+    if (error) throw Error("unwritable", "'" + path + "' cannot become '" + to + "': " + error.message());
+    if (fs::exists(draft_file(folder, path), error))
+      fs::rename(draft_file(folder, path), draft_file(folder, to), error);
+    return Json{{"name", to}};
+  });
+}
+
+}  // namespace polyarm::cell

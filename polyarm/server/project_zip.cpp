@@ -1,0 +1,186 @@
+#include "polyarm/server/project_zip.hpp"
+
+#include "polyarm/base/error.hpp"
+
+#ifdef POLYARM_ZIP
+#include <zip.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "polyarm/base/file.hpp"
+#endif
+
+namespace polyarm::server {
+
+namespace fs = std::filesystem;
+
+#ifndef POLYARM_ZIP
+
+bool can_zip() {
+  return false;
+}
+std::string zip_of(const fs::path&) {
+  throw Error("no-zip", "this polyarm was built without libzip", "install libzip-dev and build again");
+}
+void unzip_into(std::string_view, const fs::path&) {
+  zip_of({});
+}
+
+#else
+
+namespace {
+
+struct Discard {
+  void operator()(zip_t* zip) const { zip_discard(zip); }
+};
+struct Release {
+  void operator()(zip_source_t* source) const { zip_source_free(source); }
+};
+using Zip = std::unique_ptr<zip_t, Discard>;
+using Source = std::unique_ptr<zip_source_t, Release>;
+
+Error failure(const std::string& what, zip_error_t& error) {
+  std::string why = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  return Error("bad-zip", what + ": " + why);
+}
+
+Zip open(zip_source_t* source, int flags) {
+  zip_error_t error;
+  zip_error_init(&error);
+  Zip out(zip_open_from_source(source, flags, &error));
+  if (!out) throw failure("the zip cannot be opened", error);
+  return out;
+}
+
+Source buffer(const void* data, std::size_t size) {
+  zip_error_t error;
+  zip_error_init(&error);
+  Source out(zip_source_buffer_create(data, size, 0, &error));
+  if (!out) throw failure("there is no room for the zip", error);
+  return out;
+}
+
+std::vector<fs::path> files_of(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  fs::recursive_directory_iterator each(folder, fs::directory_options::skip_permission_denied, error), end;
+  std::uintmax_t bytes = 0;
+  for (; !error && each != end; each.increment(error)) {
+    if (each->path().filename().string().starts_with('.')) {
+      if (each->is_directory(error)) each.disable_recursion_pending();
+      continue;
+    }
+    if (each->is_symlink(error) || !each->is_regular_file(error)) continue;
+    bytes += each->file_size(error);
+    out.push_back(each->path());
+    if (bytes > kMostUnzipped || out.size() > kMostZippedFiles)
+      throw Error("too-large", "the project " + folder.string() + " is too large for one zip",
+                  "256 MB and 5000 files at most");
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// The place of an entry in the folder, which no name leads out of.
+fs::path place_of(const std::string& name) {
+  const fs::path path(name);
+  const auto refuse = [&] {
+    return Error("bad-zip", "the zip has the file '" + name + "', which is none of a project");
+  };
+  if (name.empty() || name.find('\\') != std::string::npos || path.is_absolute() || name.size() > 400)
+    throw refuse();
+  for (const fs::path& part : path)
+    if (part.string().starts_with('.') || part.empty()) throw refuse();
+  return path;
+}
+
+std::string content(zip_t* zip, zip_uint64_t index, const std::string& name, std::size_t most) {
+  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(zip, index, 0), zip_fclose);
+  if (!file) throw Error("bad-zip", "'" + name + "' of the zip cannot be read: " + zip_strerror(zip));
+  std::string out;
+  char part[65536];
+  for (;;) {
+    const zip_int64_t n = zip_fread(file.get(), part, sizeof part);
+    if (n < 0) throw Error("bad-zip", "'" + name + "' of the zip is damaged");
+    if (n == 0) return out;
+    out.append(part, static_cast<std::size_t>(n));
+    if (out.size() > most) throw Error("bad-zip", "the zip has more than 256 MB in it");
+  }
+}
+
+}  // namespace
+
+bool can_zip() {
+  return true;
+}
+
+std::string zip_of(const fs::path& folder) {
+  Source target = buffer(nullptr, 0);
+  Zip zip = open(target.get(), ZIP_TRUNCATE);
+  zip_source_keep(target.get());  // the zip has taken the first hold
+  std::vector<std::string> contents;
+  const std::vector<fs::path> files = files_of(folder);
+  contents.reserve(files.size());
+  for (const fs::path& file : files) {
+    contents.push_back(read_file(file));
+    zip_source_t* const source =
+        zip_source_buffer(zip.get(), contents.back().data(), contents.back().size(), 0);
+    const std::string name = file.lexically_relative(folder).generic_string();
+    if (!source || zip_file_add(zip.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8) < 0) {
+      zip_source_free(source);
+      throw Error("bad-zip", "'" + name + "' cannot be packed: " + zip_strerror(zip.get()));
+    }
+  }
+  if (zip_close(zip.get()) < 0)
+    throw Error("bad-zip", std::string("the project cannot be packed: ") + zip_strerror(zip.get()));
+  (void)zip.release();
+  zip_stat_t stat;
+  if (zip_source_stat(target.get(), &stat) < 0 || zip_source_open(target.get()) < 0)
+    throw Error("bad-zip", "the packed project cannot be read");
+  std::string out(stat.size, '\0');
+  const zip_int64_t n = zip_source_read(target.get(), out.data(), out.size());
+  zip_source_close(target.get());
+  if (n != static_cast<zip_int64_t>(out.size())) throw Error("bad-zip", "the packed project cannot be read");
+  return out;
+}
+
+void unzip_into(std::string_view bytes, const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error))
+    throw Error("exists", "there is a folder '" + folder.string() + "' already", "give another name");
+  Source source = buffer(bytes.data(), bytes.size());
+  const Zip zip = open(source.get(), ZIP_RDONLY);
+  (void)source.release();  // the zip's
+  const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
+  if (count < 0 || static_cast<std::size_t>(count) > kMostZippedFiles)
+    throw Error("bad-zip", "the zip has too many files");
+  const fs::path coming = folder.parent_path() / ("." + folder.filename().string() + ".coming");
+  fs::remove_all(coming, error);
+  fs::create_directories(coming);
+  try {
+    std::size_t left = kMostUnzipped;
+    for (zip_uint64_t i = 0; i < static_cast<zip_uint64_t>(count); ++i) {
+      const char* const raw = zip_get_name(zip.get(), i, 0);
+      const std::string name = raw ? raw : "";
+      if (name.ends_with('/')) continue;
+      const fs::path file = coming / place_of(name);
+      const std::string text = content(zip.get(), i, name, left);
+      left -= text.size();
+      fs::create_directories(file.parent_path());
+      write_file_atomically(file, text);
+    }
+    if (!fs::exists(coming / "cell.yaml", error))
+      throw Error("bad-zip", "the zip has no cell.yaml: it is no project");
+    fs::rename(coming, folder);
+  } catch (...) {
+    fs::remove_all(coming, error);
+    rethrow_as_error("bad-zip", "unpacking the project");
+  }
+}
+
+#endif
+
+}  // namespace polyarm::server

@@ -1,0 +1,303 @@
+/// Requests about points, files and texts of the project that a cell runs, in lock-step.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/requests_later.hpp"
+#include "polyarm/data/import_format.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+using test::Folder;
+using test::Json;
+using test::LockStepCell;
+
+const std::string kArm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+const char* const kPoints =
+    "Name: Home\nJS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\nPoint: 0, 0.4, 0.8, 0, 0.6, 0\n"
+    "Name: Bench\nPose: RPY\nPoint: 0.3, 0.1, 0.2, 0, 0, 1.5707963267948966\n"
+    "Name: Count\nNum: 3\n";
+const char* const kScript = "load points\nmovej Home\n# Home in a comment\nlog \"done\"\n";
+
+class ProjectTest : public ::testing::Test {
+ protected:
+  ProjectTest() {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm +
+                                  ", hardware: mock}\nprogram: main.script\n");
+    folder.write("points.points", kPoints);
+    folder.write("main.script", kScript);
+    cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
+    cell->run(6);
+  }
+  Json result(Json request) { return cell->result(request); }
+  std::string code(const Json& request) {
+    const Json answer = cell->ask(request);
+    return answer.value("ok", false) ? "ok" : answer["error"]["code"].get<std::string>();
+  }
+  Json point(const std::string& name) {
+    const Json all = result({{"request", "points"}});
+    for (const Json& each : all["values"])
+      if (each["name"] == name) return each;
+    return {};
+  }
+  data::DataSet file() { return data::ImportFile::load((folder.path() / "points.points").string()).values(); }
+
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+};
+
+TEST_F(ProjectTest, PointsAreListedWithTheirFileAndPlace) {
+  const Json all = result({{"request", "points"}});
+  EXPECT_EQ(all["file"], "points.points");
+  EXPECT_EQ(point("Home")["kind"], "joints");
+  EXPECT_NEAR(point("Home")["joints"]["joint_3"].get<double>(), 0.8, 1e-12);
+  EXPECT_EQ(point("Bench")["kind"], "pose");
+  EXPECT_NEAR(point("Bench")["world"]["p"][0].get<double>(), 0.3, 1e-12);
+  EXPECT_EQ(point("Count")["value"], 3);
+}
+
+TEST_F(ProjectTest, WhereTheRobotStandsIsTaughtIntoTheUsersFileAndTheRunningCell) {
+  const Json here = result({{"request", "points.here"}});
+  const Json taught = result({{"request", "points.teach"}, {"name", "Pick"}});
+  ASSERT_EQ(taught.value("name", ""), "Pick") << taught;
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(taught["pose"]["p"][k].get<double>(), here["tcp"]["p"][k].get<double>(), 1e-9);
+  ASSERT_NE(file().value("Pick"), nullptr) << "it stands in the file";
+  EXPECT_TRUE(cell->cell().store().find("Pick")->as_point());
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "Pick"}}), "exists");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "Pick"}, {"replace", true}}), "ok");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "Count"}, {"replace", true}}), "exists")
+      << "a number does not become a point";
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "two words"}}), "bad-name");
+  const Json joints = result({{"request", "points.teach"}, {"name", "Stand"}, {"kind", "joints"}});
+  EXPECT_NEAR(joints["joints"]["joint_2"].get<double>(), 0.4, 1e-3);
+}
+
+TEST_F(ProjectTest, APointTaughtInAFrameStandsWhereTheRobotStands) {
+  const Json world = result({{"request", "points.teach"}, {"name", "A"}});
+  const Json framed = result({{"request", "points.teach"}, {"name", "B"}, {"frame", "Bench"}});
+  EXPECT_EQ(framed["taught"]["frame"], "Bench");
+  EXPECT_NE(framed["pose"], world["pose"]);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(framed["world"]["p"][k].get<double>(), world["world"]["p"][k].get<double>(), 1e-9);
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "C"}, {"frame", "Moon"}}), "unknown-name");
+}
+
+TEST_F(ProjectTest, PointsAreShiftedRenamedDeletedAndAllIsTakenBack) {
+  const std::string before = read_file(folder.path() / "points.points");
+  const Json shifted =
+      result({{"request", "points.shift"}, {"names", {"Bench"}}, {"by", {{"x", "10mm"}, {"rz", 0.1}}}});
+  EXPECT_NEAR(shifted["values"][0]["pose"]["p"][0].get<double>(), 0.31, 1e-9) << shifted;
+  const Json own =
+      result({{"request", "points.shift"}, {"names", {"Bench"}}, {"by", {{"x", 0.1}}}, {"along", "own"}});
+  EXPECT_NEAR(own["values"][0]["pose"]["p"][0].get<double>(),
+              0.31 + 0.1 * std::cos(std::numbers::pi / 2 + 0.1), 1e-9);
+  EXPECT_EQ(code({{"request", "points.shift"}, {"names", {"Home"}}, {"by", {{"x", 1}}}}), "bad-points");
+  const Json renamed = result({{"request", "points.rename"}, {"name", "Home"}, {"to", "Ready"}});
+  ASSERT_EQ(renamed["uses"].size(), 1u) << renamed << " the comment does not count";
+  EXPECT_EQ(renamed["uses"][0]["line"], 2);
+  EXPECT_TRUE(point("Home").is_null());
+  EXPECT_EQ(point("Ready")["kind"], "joints");
+  EXPECT_EQ(code({{"request", "points.delete"}, {"name", "Ready"}}), "ok");
+  EXPECT_EQ(file().find("Ready"), nullptr);
+  EXPECT_EQ(cell->cell().store().find("Ready"), nullptr);
+  EXPECT_EQ(result({{"request", "points.history"}})[0]["what"], "delete Ready");
+  EXPECT_EQ(result({{"request", "points.undo"}})["what"], "delete Ready");
+  EXPECT_EQ(point("Ready")["kind"], "joints");
+  EXPECT_EQ(code({{"request", "points.undo"}, {"steps", 3}}), "ok");
+  EXPECT_EQ(read_file(folder.path() / "points.points"), before);
+  EXPECT_EQ(point("Home")["kind"], "joints");
+  EXPECT_NEAR(point("Bench")["pose"]["p"][0].get<double>(), 0.3, 1e-12);
+}
+
+TEST_F(ProjectTest, WhatWasTaughtIsThereWhenTheProgramBeginsAnew) {
+  result({{"request", "points.teach"}, {"name", "Pick"}});
+  result({{"request", "points.delete"}, {"name", "Count"}});
+  const Json begun = result({{"request", "program.from"}, {"line", 1}, {"confirmed", true}});
+  ASSERT_TRUE(begun.contains("where")) << begun;
+  cell->run(1);
+  EXPECT_TRUE(cell->cell().store().find("Pick") != nullptr);
+  EXPECT_EQ(cell->cell().store().find("Count"), nullptr);
+}
+
+TEST_F(ProjectTest, AFrameComesFromThreePlacesAndATheToolFromFourPoses) {
+  const Json frame = result({{"request", "points.frame"},
+                             {"name", "Table"},
+                             {"origin", {0.1, 0.2, 0.3}},
+                             {"on_x", {0.1, 1.2, 0.3}},
+                             {"in_plane", {-0.9, 0.2, 0.3}}});
+  EXPECT_NEAR(frame["angle"].get<double>(), std::numbers::pi / 2, 1e-9) << frame;
+  EXPECT_NEAR(point("Table")["pose"]["rpy"][2].get<double>(), std::numbers::pi / 2, 1e-9);
+  EXPECT_EQ(code({{"request", "points.frame"},
+                  {"name", "Bad"},
+                  {"origin", {0, 0, 0}},
+                  {"on_x", {0, 0, 0}},
+                  {"in_plane", {1, 0, 0}}}),
+            "bad-points");
+  // Poses of tool0 whose tip, 0.1 m out of it and 0.02 aside, is at one place.
+  const Vec3 tip{0.4, 0.1, 0.2}, tool{0.02, 0, 0.1};
+  Json poses = Json::array();
+  for (const Vec3 turn : {Vec3{0, 0, 0}, Vec3{0.5, 0, 0}, Vec3{0, 0.6, 0}, Vec3{0.3, -0.4, 1}}) {
+    const Quaternion r = from_rpy(turn.x, turn.y, turn.z);
+    const Vec3 p = tip - r * tool;
+    poses.push_back({{"p", {p.x, p.y, p.z}}, {"q", {r.x, r.y, r.z, r.w}}});
+  }
+  const Json found =
+      result({{"request", "points.tool"}, {"name", "Gripper"}, {"poses", poses}, {"dry", true}});
+  EXPECT_NEAR(found["tcp"][2].get<double>(), 0.1, 1e-9) << found;
+  EXPECT_LT(found["largest"].get<double>(), 1e-9);
+  EXPECT_TRUE(point("Gripper").is_null()) << "it was only looked at";
+}
+
+TEST_F(ProjectTest, AWayIsLookedAtWithoutMoving) {
+  const Json before = result({{"request", "points.here"}})["joints"];
+  const Json plan = result({{"request", "plan.preview"}, {"joints", {{"joint_1", 0.5}}}});
+  ASSERT_TRUE(plan.value("ok", false)) << plan;
+  EXPECT_GT(plan["seconds"].get<double>(), 0.1);
+  EXPECT_GT(plan["path"].size(), 10u);
+  EXPECT_EQ(result({{"request", "points.here"}})["joints"], before);
+  EXPECT_EQ(code({{"request", "plan.preview"}, {"joints", {{"joint_1", 50}}}}), "limit");
+  EXPECT_EQ(
+      code(
+          {{"request", "plan.preview"}, {"pose", {{"p", {9, 9, 9}}, {"q", {0, 0, 0, 1}}}}, {"kind", "line"}}),
+      "unreachable");
+  EXPECT_EQ(code({{"request", "plan.preview"}, {"to", "Nowhere"}}), "unknown-name");
+}
+
+TEST_F(ProjectTest, FilesAreReadKeptAsDraftsAndWrittenWithoutLosingAnothersChange) {
+  const Json listed = result({{"request", "files"}});
+  EXPECT_EQ(listed["main"], "main.script");
+  EXPECT_EQ(listed["files"].size(), 3u) << listed;
+  const Json read = result({{"request", "files.read"}, {"name", "main.script"}});
+  EXPECT_EQ(read["text"], kScript);
+  EXPECT_TRUE(read["draft"].is_null());
+  EXPECT_EQ(
+      code(
+          {{"request", "files.draft"}, {"name", "main.script"}, {"text", "log 1\n"}, {"base", read["hash"]}}),
+      "ok");
+  EXPECT_EQ(result({{"request", "files.read"}, {"name", "main.script"}})["draft"]["text"], "log 1\n");
+  EXPECT_EQ(read_file(folder.path() / "main.script"), kScript) << "the file itself is as it was";
+  folder.write("main.script", "log \"somebody else\"\n");
+  EXPECT_EQ(
+      code(
+          {{"request", "files.write"}, {"name", "main.script"}, {"text", "log 1\n"}, {"base", read["hash"]}}),
+      "changed-meanwhile");
+  EXPECT_EQ(code({{"request", "files.write"},
+                  {"name", "main.script"},
+                  {"text", "log 1\n"},
+                  {"base", read["hash"]},
+                  {"force", true}}),
+            "ok");
+  EXPECT_EQ(read_file(folder.path() / "main.script"), "log 1\n");
+  EXPECT_TRUE(result({{"request", "files.read"}, {"name", "main.script"}})["draft"].is_null())
+      << "it is saved";
+  const Json versions = result({{"request", "files.versions"}, {"name", "main.script"}})["versions"];
+  ASSERT_EQ(versions.size(), 1u);
+  EXPECT_EQ(
+      result(
+          {{"request", "files.version"}, {"name", "main.script"}, {"number", versions[0]["number"]}})["text"],
+      "log \"somebody else\"\n");
+  EXPECT_EQ(code({{"request", "files.write"}, {"name", "new.script"}, {"text", "log 2\n"}}), "ok");
+  EXPECT_EQ(code({{"request", "files.write"}, {"name", "new.script"}, {"text", "log 3\n"}}),
+            "changed-meanwhile");
+  EXPECT_EQ(code({{"request", "files.rename"}, {"name", "new.script"}, {"to", "main.script"}}), "exists");
+  EXPECT_EQ(code({{"request", "files.rename"}, {"name", "new.script"}, {"to", "old.script"}}), "ok");
+  EXPECT_EQ(code({{"request", "files.delete"}, {"name", "old.script"}}), "ok");
+  EXPECT_EQ(code({{"request", "files.read"}, {"name", "old.script"}}), "no-file");
+}
+
+TEST_F(ProjectTest, NoPathLeadsOutOfTheProject) {
+  std::error_code error;
+  std::filesystem::create_directory_symlink("/etc", folder.path() / "link", error);
+  std::ofstream(folder.path() / "secret.key") << "x";
+  std::filesystem::create_symlink("/etc/hostname", folder.path() / "host.txt", error);
+  for (const char* path :
+       {"", "/etc/passwd", "../x.script", "a/../../x.script", ".state/drafts/x.json", ".hidden.script",
+        "link/hosts.txt", "host.txt", "secret.key", "a\\b.script", "./main.script", "main.script/"})
+    EXPECT_EQ(code({{"request", "files.read"}, {"name", path}}), "bad-path") << path;
+  std::mt19937 random(5);
+  const std::string pieces[] = {"..", "/",   ".", "a",  "main.script", "link",
+                                "\\", "%2e", "~", "\n", ".script"};
+  const auto root = std::filesystem::canonical(folder.path());
+  for (int n = 0; n < 5000; ++n) {
+    std::string path;
+    for (unsigned i = random() % 7; i > 0; --i) path += pieces[random() % std::size(pieces)];
+    try {
+      const auto whole = project_file(folder.path(), path).string();
+      EXPECT_TRUE(whole.starts_with(root.string() + "/")) << path;
+      EXPECT_EQ(whole.find("/../"), std::string::npos) << path;
+    } catch (const Error&) {
+    }
+  }
+}
+
+TEST_F(ProjectTest, ATextIsCheckedWithLineAndColumn) {
+  const Json good = result({{"request", "program.check"}, {"name", "main.script"}});
+  EXPECT_TRUE(good["problems"].empty()) << good;
+  const Json bad =
+      result({{"request", "program.check"}, {"name", "main.script"}, {"text", "load points\nmovej Hom\n"}});
+  ASSERT_EQ(bad["problems"].size(), 1u) << bad;
+  EXPECT_EQ(bad["problems"][0]["line"], 2);
+  EXPECT_GT(bad["problems"][0]["column"], 1);
+  EXPECT_EQ(bad["problems"][0]["severity"], "error");
+  bool known = false;
+  const Json names = result({{"request", "program.names"}});
+  for (const Json& each : names["names"])
+    known = known || (each["name"] == "Home" && each["kind"] == "joints");
+  EXPECT_TRUE(known);
+  EXPECT_GT(result({{"request", "language.words"}})["words"].size(), 20u);
+}
+
+TEST_F(ProjectTest, AProgramIsAListOfStepsWithTheirLines) {
+  const char* text =
+      "load points\n"
+      "while Count > 0\n"
+      "  movej Home\n"
+      "  if Count == 1\n"
+      "    log \"a\"\n"
+      "  else\n"
+      "    log \"b\"\n"
+      "  end\n"
+      "end\n"
+      "# over\n"
+      "log \"end\"\n";
+  const Json listed = result({{"request", "program.steps"}, {"name", "main.script"}, {"text", text}});
+  ASSERT_TRUE(listed["problems"].empty()) << listed;
+  std::vector<std::string> seen;
+  for (const Json& step : listed["steps"])
+    seen.push_back(step["kind"].get<std::string>() + " " + step["line"].dump() + "-" + step["end"].dump() +
+                   " " + step["depth"].dump());
+  EXPECT_EQ(seen, (std::vector<std::string>{"load 1-1 0", "while 2-9 0", "move 3-3 1", "if 4-5 1",
+                                            "log 5-5 2", "else 6-8 1", "log 7-7 2", "log 11-11 0"}));
+  EXPECT_EQ(listed["steps"][2]["points"], Json::array({"Home"}));
+}
+
+TEST_F(ProjectTest, AForcedTagIsReleasedByAnybodyAndChangesAreTold) {
+  const auto forced = cell->give({{"request", "tags.force"}, {"name", "Count"}, {"value", 7}});
+  cell->run(0.05);
+  EXPECT_EQ(point("Count")["value"], 7);
+  EXPECT_EQ(code({{"request", "tags.release"}, {"name", "Count"}}), "ok");
+  cell->run(0.5);
+  EXPECT_EQ(point("Count")["value"], 3);
+  ASSERT_FALSE(forced->empty());
+  EXPECT_FALSE(forced->back().value("more", false)) << "who forced it is told that it is over";
+  EXPECT_EQ(code({{"request", "tags.release"}, {"name", "Count"}}), "not-forced");
+  const Json history = result({{"request", "tags.history"}, {"names", {"Count"}}});
+  ASSERT_GE(history["changes"].size(), 2u);
+  EXPECT_EQ(history["changes"].back()["now"], "3");
+}
+
+TEST_F(ProjectTest, ACellIsAskedToBeBuiltAnew) {
+  EXPECT_EQ(code({{"request", "cell.restart"}, {"robot", "abb/irb_120"}}), "ok");
+  ASSERT_TRUE(cell->cell().restart());
+  EXPECT_EQ(cell->cell().restart()->robot, "abb/irb_120");
+}
+
+}  // namespace
+}  // namespace polyarm::cell
