@@ -28,7 +28,7 @@ export const signals = {
   'signals.isForced': 'forced',
   'signals.areForced': 'Forced: {names}',
   'signals.forcedHere': 'What this page forces is released when it is closed.',
-  'signals.forcedElsewhere': 'It is forced by another client. That one has to release it.',
+  'signals.forcedElsewhere': 'It is forced by another client.',
   'signals.newValue': 'New value',
   'signals.badNumber': 'This is no number',
   'signals.set': 'Set once',

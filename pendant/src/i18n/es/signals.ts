@@ -30,7 +30,7 @@ export const signals: Record<keyof typeof en, string> = {
   'signals.isForced': 'forzada',
   'signals.areForced': 'Forzadas: {names}',
   'signals.forcedHere': 'Lo que fuerza esta página se libera al cerrarla.',
-  'signals.forcedElsewhere': 'La fuerza otro cliente. Ese debe liberarla.',
+  'signals.forcedElsewhere': 'La fuerza otro cliente.',
   'signals.newValue': 'Valor nuevo',
   'signals.badNumber': 'Esto no es un número',
   'signals.set': 'Fijar una vez',

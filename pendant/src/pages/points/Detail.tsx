@@ -142,7 +142,7 @@ async function touchUp(value: DataValue): Promise<void> {
 
 /** No question: it can be taken back. */
 async function remove(names: string[]): Promise<void> {
-  if (!(await changePoints('points.delete', { names }))) return;
+  for (const name of names) if (!(await changePoints('points.delete', { name }))) return;
   chosen.value = [];
   toast({ kind: 'info', text: t('points.deleted', { names: names.join(', ') }), detail: t('points.deletedUndo') });
 }

@@ -80,7 +80,7 @@ function askDelete(): void {
     action: t('program.delete'),
     tone: 'danger',
     onYes: () => {
-      const gone = doc.base.value === '' ? request('files.draft', { name, text: null, base: '' }) : request('files.delete', { name });
+      const gone = doc.base.value === '' ? request('files.draft', { name }) : request('files.delete', { name });
       gone.then(() => doc.closeDeleted(name), complain);
     },
   });

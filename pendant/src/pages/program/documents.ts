@@ -2,7 +2,7 @@
 import { computed, effect, signal } from '@preact/signals';
 import { t } from '../../i18n';
 import { attempt, complain, connected, program, request, status } from '../../state/cell';
-import { kept } from '../../state/settings';
+import { kept, settings } from '../../state/settings';
 import { toast } from '../../state/toasts';
 import type { ProgramStatus } from '../../wire/types';
 import { RequestError } from '../../wire/connection';
@@ -86,7 +86,7 @@ export const anyRunning = computed(() => {
 });
 
 const keeper = new DraftKeeper({
-  send: (draft) => request('files.draft', { ...draft }, 3000),
+  send: (draft) => request('files.draft', { ...draft, by: settings.clientName.peek() }, 3000),
   onState: (state) => (draftState.value = state),
   store: localDrafts,
 });
@@ -109,12 +109,15 @@ export async function loadFiles(): Promise<void> {
 export async function openSomething(): Promise<void> {
   await loadFiles();
   if (fileName.value !== '') return;
+  // A new file that was never saved is a draft and in no list.
+  if (chosenFile.value !== '' && (await openFile(chosenFile.value, true))) return;
   const known = (name: string | null | undefined) => files.value.find((each) => each.name === name)?.name;
-  const next = known(chosenFile.value) ?? known(mainFile.value) ?? programFiles.value[0]?.name;
+  const next = known(mainFile.value) ?? programFiles.value[0]?.name;
   if (next) await openFile(next);
 }
 
-export async function openFile(name: string): Promise<void> {
+/** True when it is open. `quiet`: it may be that there is none. */
+export async function openFile(name: string, quiet = false): Promise<boolean> {
   keeper.flush();
   try {
     const answer = await request<ReadAnswer>('files.read', { name });
@@ -131,8 +134,10 @@ export async function openFile(name: string): Promise<void> {
       if (draft.base !== answer.hash) theirs.value = { text: answer.text, hash: answer.hash };
     }
     chosenFile.value = name;
+    return true;
   } catch (error) {
-    complain(error);
+    if (!quiet) complain(error);
+    return false;
   }
 }
 
@@ -199,7 +204,7 @@ export function undo(): void {
 function dropDraft(): void {
   keeper.forget(fileName.value);
   foundDraft.value = null;
-  void request('files.draft', { name: fileName.value, text: null, base: base.value }).catch(() => undefined);
+  void request('files.draft', { name: fileName.value }).catch(() => undefined);
 }
 
 /** Back to the file as it is. */

@@ -1,7 +1,8 @@
 /** One tag: all that is known of it, and what a person can do to it. */
 import { useState } from 'preact/hooks';
 import { t, word } from '../../i18n';
-import { mayMove } from '../../state/cell';
+import { able } from '../../state/abilities';
+import { attempt, mayMove } from '../../state/cell';
 import { forcedHere, forceTag, releaseTag, setTag, tagInfos, tagNow } from '../../state/tags';
 import { Button, Field, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -57,7 +58,12 @@ export function TagDialog({ name, onClose }: { name: string; onClose: () => void
         {mine && <Button label={t('signals.forceNew')} icon="lock" disabled={bad} onClick={() => void forceTag(name, value)} />}
       </div>
       <p class="note">{t(measured ? 'signals.simulateWhy' : 'signals.forceWhy')}</p>
-      {tag.forced && !mine && <p class="signals-other">{t('signals.forcedElsewhere')}</p>}
+      {tag.forced && !mine && (
+        <div class="row">
+          <p class="signals-other">{t('signals.forcedElsewhere')}</p>
+          {able('tags.release') && <Button label={t('signals.release')} icon="undo" disabled={!mayMove.value} onClick={() => void attempt('tags.release', { name })} />}
+        </div>
+      )}
       <dl class="signals-facts">
         {facts.map(([title, text]) => (
           <div key={title}>

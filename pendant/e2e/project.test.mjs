@@ -1,0 +1,188 @@
+// From the link to a robot that does a taught job, by what is visible only: choosing a robot, teaching, writing, running; drafts
+// and conflicts. Each test begins where the one before has left the cell.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { after, afterEach, before, test } from 'node:test';
+import { go, launch, picture, screen, state } from './browser.mjs';
+import { Cell, until, Watcher } from './cell.mjs';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const cell = new Cell('pick_and_place');
+let chrome, page, watcher, began;
+
+before(async () => {
+  await cell.start();
+  chrome = await launch();
+  watcher = await new Watcher(cell).start();
+}, { timeout: 60_000 });
+after(async () => {
+  watcher?.end();
+  await chrome?.end();
+  await cell.end();
+});
+afterEach(async (t) => {
+  if (t.error || t.passed === false) await picture(page, t.name.replace(/\W+/g, '-'));
+});
+
+const main = (on) => on.getByRole('main');
+const button = (name, on = page) => on.getByRole('button', { name });
+const shown = (group, name, on = page) => on.getByRole('radiogroup', { name: group }).getByText(name, { exact: true }).click();
+const said = (text, on = page) => on.getByRole('region', { name: 'Messages' }).getByText(text).first().waitFor();
+
+test('a robot is chosen from the catalogue', { timeout: 120_000 }, async () => {
+  began = Date.now();
+  page = await screen(chrome.browser, cell.link);
+  await button(/^In control/).waitFor();
+  await go(page, 'Program');
+  await button('End program').click();
+  await button('Start').waitFor();
+  await go(page, 'Cell');
+  await shown('Shown', 'Choose robot');
+  await page.getByRole('searchbox', { name: 'Search robots' }).fill('ur5e');
+  await main(page).getByRole('button', { name: /UR5e/ }).first().click();
+  await button('Use this robot').click();
+  await said(/The cell has .*UR5e now/);
+  await page.getByRole('banner').getByText(/UR5e/).waitFor();
+});
+
+const kPoints = {
+  Over: 'pose(300mm, 150mm, 140mm, 180deg, 0deg, 0deg)',
+  Take: 'pose(300mm, 150mm, 40mm, 180deg, 0deg, 0deg)',
+  Above: 'pose(300mm, -150mm, 140mm, 180deg, 0deg, 0deg)',
+  Put: 'pose(300mm, -150mm, 45mm, 180deg, 0deg, 0deg)',
+};
+
+test('points are taught', { timeout: 120_000 }, async () => {
+  await go(page, 'Points');
+  for (const [name, numbers] of Object.entries(kPoints)) {
+    await page.getByRole('region', { name: 'Teach a point' }).getByRole('textbox', { name: 'Name' }).fill(name);
+    await button('Teach').click();
+    await said(`${name} is taught`);
+    await button('Numbers').click();
+    const dialog = page.getByRole('dialog', { name: `Numbers of ${name}` });
+    await dialog.getByRole('textbox', { name: 'Value' }).fill(numbers);
+    await dialog.getByRole('button', { name: 'Apply' }).click();
+    await said(`${name} is changed`);
+  }
+  await page.getByRole('searchbox', { name: 'Search points' }).fill('take');
+  await main(page).getByRole('button', { name: /^Take.*X 300.0 Y 150.0 Z 40.0 mm/ }).waitFor();
+});
+
+const kProgram = `load cycledata
+movej Over
+while Repeat
+  movej Over, blend 20mm
+  movel Take
+  set ActivateGripper = true
+  wait GripperActive
+  movel Over, blend 20mm
+  movej Above, blend 20mm
+  movel Put
+  set DeactivateGripper = true
+  wait GripperInactive
+  movel Above
+end
+`;
+
+test('a program is written, checked and saved', { timeout: 120_000 }, async () => {
+  await go(page, 'Program');
+  await button(/^Program .*open another$/).click();
+  await button('New program').click();
+  await page.getByRole('dialog').getByRole('textbox', { name: 'Name' }).fill('job');
+  await button('Create').click();
+  await shown('Shown as', 'Text');
+  const editor = page.getByRole('textbox', { name: 'Text of the program' });
+  await editor.click();
+  await page.keyboard.insertText(kProgram.replace('movel Take', 'movel Tke'));
+  await page.getByText('1 error', { exact: true }).waitFor();
+  await page.getByRole('complementary', { name: 'Run and watch' }).getByText(/Tke/).first().waitFor();
+  await page.keyboard.press('Control+A');
+  await page.keyboard.insertText(kProgram);
+  await page.getByText('No errors', { exact: true }).waitFor();
+  await button('Save').click();
+  await said('job.script is saved');
+});
+
+test('it is shown as steps, and one is changed by a form', { timeout: 60_000 }, async () => {
+  await shown('Shown as', 'Steps');
+  const steps = page.getByRole('list', { name: 'Steps' });
+  await steps.getByRole('button', { name: /Straight line to Put/ }).click();
+  await button('Edit').click();
+  await page.getByRole('dialog').getByRole('combobox', { name: 'Speed' }).selectOption('250mm/s');
+  await button('Apply').click();
+  await steps.getByRole('button', { name: /Straight line to Put\s*speed 250mm\/s/ }).waitFor();
+  await button('Undo').click();
+  await steps.getByText('speed 250mm/s').waitFor({ state: 'detached' });
+});
+
+test('it runs, and parts arrive', { timeout: 180_000 }, async (t) => {
+  await button('Start').click();
+  await state(page).getByText(/^Program/).waitFor();
+  await page.getByRole('list', { name: 'Steps' }).getByText('The program is here').first().waitFor();
+  const seen = new Set();
+  const placed = () => {
+    for (const part of watcher.events.parts?.parts ?? [])
+      if (Math.hypot(part.p[0] - 0.3, part.p[1] + 0.15) < 0.03 && part.p[2] < 0.06) seen.add(part.name);
+    return seen.size >= 2;
+  };
+  await until(placed, 120, 'two parts in the tray');
+  t.diagnostic(`from the link to the second part in the tray: ${((Date.now() - began) / 1000).toFixed(1)} s of page time`);
+  assert.ok(Date.now() - began < 300_000, 'it took more than 5 minutes');
+  await button('End program').click();
+  await button('Start').waitFor();
+});
+
+test('a draft survives a killed browser', { timeout: 90_000 }, async () => {
+  await shown('Shown as', 'Text');
+  const editor = page.getByRole('textbox', { name: 'Text of the program' });
+  await editor.click();
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.insertText('# not saved yet\n');
+  await page.getByText('Draft, kept on the cell').waitFor();
+  chrome.kill();
+  chrome = await launch();
+  page = await screen(chrome.browser, cell.link);
+  await button(/^In control/).waitFor();
+  await go(page, 'Program');
+  await button(/^Program .*open another$/).click();
+  await button('All files').or(page.getByText('All files', { exact: true })).first().click();
+  await page.getByRole('dialog').getByRole('button', { name: /^job\.script/ }).click();
+  await page.getByText(/^Draft .*not saved yet$/).waitFor();
+  await shown('Shown as', 'Text');
+  await page.getByRole('textbox', { name: 'Text of the program' }).getByText('# not saved yet').waitFor();
+});
+
+test('saving over what another has saved shows both, and lets choose', { timeout: 90_000 }, async () => {
+  // Another client writes the same file.
+  const before = await watcher.request('files.read', { name: 'job.script' });
+  await button(/^In control/).click();
+  await button('Give control back').click();
+  await watcher.request('session.take');
+  await watcher.request('files.write', { name: 'job.script', text: `${before.text}# theirs\n`, base: before.hash });
+  await watcher.request('session.release');
+  await button('Take control').first().click();
+  await button(/^In control/).waitFor();
+  await button('Save').click();
+  await page.getByRole('alert').getByText('job.script has changed meanwhile').waitFor();
+  await button('Show both').click();
+  const dialog = page.getByRole('dialog', { name: 'job.script has changed meanwhile' });
+  await dialog.getByRole('button', { name: /^The file as it is now: # theirs/ }).click();
+  await dialog.getByRole('button', { name: 'Save the mixture' }).click();
+  await said('job.script is saved');
+  const now = await watcher.request('files.read', { name: 'job.script' });
+  assert.ok(now.text.startsWith('# not saved yet\n') && now.text.includes('# theirs'), now.text);
+});
+
+test('every page is free of serious findings', { timeout: 120_000 }, async () => {
+  for (const name of ['Program', 'Points', 'Signals', 'Plots', 'Health', 'Cell']) {
+    await go(page, name);
+    await main(page).getByRole('button').first().waitFor();
+    await page.waitForTimeout(600);
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] }));
+    const serious = found.violations.filter((each) => ['serious', 'critical'].includes(each.impact));
+    assert.deepEqual(serious.map((each) => `${name}: ${each.id}: ${each.nodes.map((node) => node.target).join(' ')}`), []);
+  }
+  assert.deepEqual(page.problems, []);
+});
