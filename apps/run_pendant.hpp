@@ -20,6 +20,6 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
                                               const description::Catalogue& catalogue, cell::Observer& next);
 /// Prints the link (a QR code, too, where other machines are served), and opens it where that is asked for.
 /// Whoever asks the cell for its events is told, too.
-void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Cell& cell);
+void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
 
 }  // namespace polyarm::apps

@@ -5,6 +5,8 @@ export const program = {
   'program.none': 'No program is open.',
   'program.files': 'Programs',
   'program.fileIs': 'Program {name}, open another',
+  'program.program': 'Program',
+  'program.openAnother': 'open another',
   'program.whichFiles': 'Which files',
   'program.onlyPrograms': 'Programs',
   'program.allFiles': 'All files',

@@ -7,6 +7,8 @@ export const program: Record<keyof typeof en, string> = {
   'program.none': 'No hay ningún programa abierto.',
   'program.files': 'Programas',
   'program.fileIs': 'Programa {name}, abrir otro',
+  'program.program': 'Programa',
+  'program.openAnother': 'abrir otro',
   'program.whichFiles': 'Qué archivos',
   'program.onlyPrograms': 'Programas',
   'program.allFiles': 'Todos los archivos',

@@ -32,7 +32,7 @@ export default function Page() {
         ]}
         onChange={(id) => (tab.value = id)}
       />
-      <div class="health-body" tabIndex={0}>
+      <div class="health-body" tabIndex={0} role="region" aria-label={t('nav.health')}>
         <Body />
       </div>
     </div>

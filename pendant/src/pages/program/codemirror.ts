@@ -149,6 +149,7 @@ export class ProgramEditor {
 
   constructor(parent: HTMLElement, text: string, private readonly hooks: EditorHooks) {
     this.view = new EditorView({ parent, state: this.state(text) });
+    this.view.scrollDOM.tabIndex = 0;
   }
 
   private state(text: string): EditorState {

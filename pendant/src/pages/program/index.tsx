@@ -83,13 +83,15 @@ function Bar() {
         type="button"
         class="program-file"
         aria-haspopup="dialog"
-        aria-label={name ? t('program.fileIs', { name }) : t('program.files')}
+        title={name ? t('program.fileIs', { name }) : t('program.files')}
         onClick={() => open((close) => <FilesDialog onClose={close} />)}
       >
         <Icon name="folder" size={22} />
         <span>
+          {name && <span class="hidden-text">{t('program.program')} </span>}
           <strong>{name || t('program.files')}</strong>
-          <small role="status">{fileState()}</small>
+          <small>{fileState()}</small>
+          {name && <span class="hidden-text">, {t('program.openAnother')}</span>}
         </span>
         <Icon name="down" size={18} />
       </button>
