@@ -3,7 +3,7 @@ import type { program as en } from '../en/program';
 export const program: Record<keyof typeof en, string> = {
   'program.bar': 'Archivo y vista',
   'program.shown': 'Se muestra',
-  'program.runAndLook': 'Ejecutar y observar',
+  'program.runAndLook': 'Ejecución',
   'program.none': 'No hay ningún programa abierto.',
   'program.files': 'Programas',
   'program.fileIs': 'Programa {name}, abrir otro',

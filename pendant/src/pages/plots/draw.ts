@@ -89,7 +89,7 @@ export class Plot {
 function padded(min: number | null, max: number | null): [number, number] {
   if (min === null || max === null || !Number.isFinite(min + max)) return [-1, 1];
   const span = max - min;
-  const least = Math.max(1e-6, 1e-4 * Math.max(Math.abs(min), Math.abs(max)));
+  const least = Math.max(1e-4, 1e-4 * Math.max(Math.abs(min), Math.abs(max)));
   if (span < least) return [min - least * 10, max + least * 10];
   return [min - 0.06 * span, max + 0.06 * span];
 }
