@@ -26,7 +26,7 @@ afterEach(async (t) => {
 });
 
 const main = (on) => on.getByRole('main');
-const button = (name, on = page) => on.getByRole('button', { name });
+const button = (name, on = page) => on.getByRole('button', { name, exact: true });
 const shown = (group, name, on = page) => on.getByRole('radiogroup', { name: group }).getByText(name, { exact: true }).click();
 const said = (text, on = page) => on.getByRole('region', { name: 'Messages' }).getByText(text).first().waitFor();
 
@@ -146,7 +146,7 @@ test('a draft survives a killed browser', { timeout: 90_000 }, async () => {
   await button(/^In control/).waitFor();
   await go(page, 'Program');
   await button(/^Program .*open another$/).click();
-  await button('All files').or(page.getByText('All files', { exact: true })).first().click();
+  await page.getByText('All files', { exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: /^job\.script/ }).click();
   await page.getByText(/^Draft .*not saved yet$/).waitFor();
   await shown('Shown as', 'Text');
