@@ -33,14 +33,12 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 /// A target that moves is followed in its own frame, with speed to spare; where it will be so much later, s,
 /// is the direction that matters.
 constexpr double kFollows = 0.9, kAhead = 0.1;
-/// With what it is gone for, of what motions of the TCP change with otherwise; across its way with less.
-constexpr double kLead = 1.2, kAside = 0.4;
 /// Of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 /// Places looked at while everything brakes.
-constexpr std::size_t kPlaces = 20;
+constexpr std::size_t kPlaces = 8;
 constexpr double kMoment = 1e-5;  // s, to tell a speed
 constexpr int kHalvings = 9;
 constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
@@ -299,8 +297,7 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
     moving[k] = std::clamp(moving[k], -kFollows * v, kFollows * v);
     from[k] = {0, reference_.twist[k] - moving[k], reference_.slope[k]};
     to[k] = {error[k], 0, 0};
-    const double pull = kLead * std::max(part, kAside);
-    most[k] = MotionLimits::symmetric(v, pull * pace.acceleration[k / 3], pull * pace.jerk[k / 3]);
+    most[k] = MotionLimits::symmetric(v, pace.acceleration[k / 3] / 2, pace.jerk[k / 3] / 2);
     most[k].max_velocity -= moving[k];
     most[k].min_velocity -= moving[k];
   }
