@@ -19,6 +19,7 @@ constexpr double kGain = 2;                                      // 1/s
 constexpr double kOfPeriod = 0.1;                                // and the gain times the period at most
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
 constexpr double kPatience = 3;                                  // s after the planned end
+constexpr double kRoom = 1.1;                                    // of the planned speed, to catch up with
 
 double stated(double value, double fallback) {
   return std::isfinite(value) && value > 0 ? value : fallback;
@@ -78,7 +79,7 @@ bool BaseMotion::plan(double from) {
   const std::array<MotionLimits, 1> limits{limits_};
   trajectory::MotionOptions options;
   if (from == 0) options.minimum_duration = move_.duration;
-  time_ = 0, pace_ = 1;
+  time_ = 0;
   return motion_.plan(start, target, limits, options) == trajectory::MotionStatus::ok;
 }
 
@@ -110,13 +111,12 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
     if (!plan(done)) return end(State::failed);
     planned_ = true;
   }
-  const double rate = std::clamp(share, 0.0, 1.0), most = limits_.max_velocity;
-  time_ += dt * rate * pace_;
+  time_ += dt * std::clamp(share, 0.0, 1.0);
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
-  const double asked = rate * state[0].velocity + gain_ * (state[0].position - done);
-  const double speed = std::clamp(asked, -most, most);
-  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan waits for who is behind and at full speed
+  const double left = state[0].position - done;
+  const double speed = std::clamp(state[0].velocity + gain_ * left, -kRoom * limits_.max_velocity,
+                                  kRoom * limits_.max_velocity);
   if (time_ >= motion_.duration()) {
     const double off = move_.amount - done;
     late_ += dt;
@@ -135,8 +135,8 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   }
   if (move_.turns) return send(0, speed);
   const double astray = begin_.heading - place_.heading;
-  const double turn = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
-  send(speed, std::clamp(gain_ * astray, -turn, turn));
+  const double most = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
+  send(speed, std::clamp(gain_ * astray, -most, most));
 }
 
 void BaseMotion::drop() {
