@@ -117,6 +117,7 @@ void DataFiles::put(const std::string& set, const std::string& name, const data:
 void DataFiles::remove(const std::string& set, const std::string& name) {
   const auto found = files_.find(set);
   if (found == files_.end()) return;
+  exchange(written_);  // what waits to be written stays
   data::DataSet left;
   for (const std::string& each : store_.names())
     if (each != name && store_.set_of(each) == set) left.set(each, *store_.find(each));

@@ -232,6 +232,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     stream_.async_accept(request, [self = this->shared_from_this()](Failure failed) {
       if (failed) return self->client_->leave();
       self->open_ = true;
+      if (self->goes_away_) return self->close(ws::close_code::going_away, "the cell has ended");
       self->read();
       self->pump();
     });
@@ -256,6 +257,12 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
           if (failed) return self->client_->leave();
           self->pump();
         });
+  }
+
+  /// Also where it is not open yet: then as soon as it is.
+  void go_away() {
+    goes_away_ = true;
+    close(ws::close_code::going_away, "the cell has ended");
   }
 
   void close(ws::close_code code, const char* why) {
@@ -292,7 +299,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   ws::stream<beast::tcp_stream> stream_;
   std::shared_ptr<Stream> client_;
   beast::flat_buffer buffer_;
-  bool open_ = false, closing_ = false, writing_ = false;
+  bool open_ = false, closing_ = false, writing_ = false, goes_away_ = false;
   std::shared_ptr<Socket> paused_;  ///< itself while nothing is read, since then nobody else may hold it
 };
 
@@ -456,8 +463,7 @@ void Port::Work::say_goodbye() {
   over_ = true;
   Failure ignored;
   acceptor_.close(ignored);
-  for (auto i = sockets_.begin(); i != sockets_.end();)
-    (*i++)->close(ws::close_code::going_away, "the cell has ended");
+  for (auto i = sockets_.begin(); i != sockets_.end();) (*i++)->go_away();
   farewell_ = std::make_unique<net::steady_timer>(context, duration(sockets_.empty() ? 0 : kFarewell_s));
   farewell_->async_wait([this](Failure) { context.stop(); });
 }

@@ -166,7 +166,8 @@ TEST_F(ProjectTest, AWayIsLookedAtWithoutMoving) {
   EXPECT_EQ(
       code(
           {{"request", "plan.preview"}, {"pose", {{"p", {9, 9, 9}}, {"q", {0, 0, 0, 1}}}}, {"kind", "line"}}),
-      "unreachable");
+      "singular")
+      << "the arm is stretched before it is at its end";
   EXPECT_EQ(code({{"request", "plan.preview"}, {"to", "Nowhere"}}), "unknown-name");
 }
 
