@@ -336,7 +336,10 @@ class OneRun {
       return not_built(cell ? e.problems() : all_problems(a_, e));
     }
     if (pendant_ && !waits_) cell->let_begin();
-    if (pendant_) pendant_->attach(*cell);
+    if (pendant_) {
+      pendant_->attach(*cell);
+      cell->tell("pendant: " + pendant_->link());  // by the cell, whose events say it to other clients, too
+    }
     const cell::RunResult result = cell::run(*cell, a_.run, observer_);
     if (pendant_) pendant_->detach();
     std::string folder;
@@ -355,6 +358,7 @@ class OneRun {
     result.outcome = cell::Outcome::failed;
     result.problems = problems;
     if (a_.json) report(result, "", true);
+    if (pendant_) observer_.on_note("pendant: " + pendant_->link());
     if (pendant_)
       for (const Problem& problem : problems) observer_.on_problem(0, problem);
     else if (!a_.json)

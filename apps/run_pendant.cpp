@@ -108,7 +108,6 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
 }
 
 void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Observer& observer) {
-  observer.on_note("pendant: " + pendant.link());
   if (const std::string link = pendant.outside_link(); !link.empty()) {
     observer.on_note("pendant on other machines: " + link);
     if (::isatty(STDOUT_FILENO) != 0) print_code(link);

@@ -18,8 +18,7 @@ void add_pendant_options(CLI::App& app, PendantArguments& arguments);
 /// The catalogue outlives it. Throws Error.
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
                                               const description::Catalogue& catalogue, cell::Observer& next);
-/// Prints the link (a QR code, too, where other machines are served), and opens it where that is asked for.
-/// Whoever asks the cell for its events is told, too.
+/// Where other machines are served, prints their link and a QR code; opens the page where that is asked for.
 void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
 
 }  // namespace polyarm::apps
