@@ -208,6 +208,8 @@ std::string content_hash(std::string_view text) {
   return fmt::format("{:016x}", hash);
 }
 
+namespace {
+
 Poll files(Cell& cell, const Json&) {
   std::string main;
   if (cell.program()) main = fs::path(cell.program()->interpreter().program().file).filename().string();
@@ -334,6 +336,53 @@ Poll files_rename(Cell& cell, const Json& arguments) {
       fs::rename(draft_file(folder, path), draft_file(folder, to), error);
     return Json{{"name", to}};
   });
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& file_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"files",
+        {},
+        "{folder, files: [{name, kind, bytes, modified_s, hash, running, draft}], main}",
+        "the project's files",
+        false},
+       files},
+      {{"files.read", kName, "{name, text, hash, running, draft: {text, base, saved_s, by}}",
+        "a file, and the draft of it that was not saved", false},
+       files_read},
+      {{"files.draft",
+        {{"name", kText, true}, {"text", kText}, {"base", kText}, {"by", kText}},
+        "{saved_s}",
+        "keep an edit on the disk beside the file; `base` is the hash it was begun on; without `text` the "
+        "draft goes",
+        false},
+       files_draft},
+      {{"files.write",
+        {{"name", kText, true}, {"text", kText, true}, {"base", kText}, {"force", kFlag}},
+        "{name, hash}",
+        "write a file; refused as changed-meanwhile where it is not what the hash `base` says (empty: it is "
+        "new), unless `force`; what was there becomes a version",
+        true},
+       files_write},
+      {{"files.versions", kName, "{name, versions: [{number, when, what, bytes}]}",
+        "what a file was before, newest first", false},
+       files_versions},
+      {{"files.version",
+        {{"name", kText, true}, {"number", kNumber, true}},
+        "{name, number, text}",
+        "a file as it was",
+        false},
+       files_version},
+      {{"files.delete", kName, "{name}", "a file goes; its versions stay", true}, files_delete},
+      {{"files.rename",
+        {{"name", kText, true}, {"to", kText, true}},
+        "{name}",
+        "a file gets another name",
+        true},
+       files_rename},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

@@ -291,23 +291,6 @@ Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
   return frame * out;
 }
 
-}  // namespace
-
-std::size_t robot_argument(Cell& cell, const Json& arguments) {
-  const std::string wanted = text_argument(arguments, "robot", "");
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    names.push_back(cell.robots()[i]->entry.name);
-    if (names.back() == wanted) return i;
-  }
-  if (wanted.empty() && names.size() == 1) return 0;
-  if (wanted.empty())
-    throw Error("which-robot", "the cell has " + std::to_string(names.size()) + " robots",
-                "say which: " + join(names, ", "));
-  throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, names),
-              "there are: " + join(names, ", "));
-}
-
 Poll jog(Cell& cell, const Json& arguments) {
   const std::size_t i = robot_argument(cell, arguments);
   if (flag_argument(arguments, "end")) {
@@ -356,6 +339,58 @@ Poll profile(Cell& cell, const Json& arguments) {
   return at_once({{"profile", cell.profile()},
                   {"joint_speed", limits.joint_share},
                   {"tcp_speed", limits.tcp_speed < 1e6 ? Json(limits.tcp_speed) : Json()}});
+}
+
+constexpr const char* kJogState =
+    "{session, robot, model, tool, names, slides, joints, limits, position, rpy, orientation, speed, moving, "
+    "held_back, reason, profile, control}; "
+    "of a step also {done}";
+
+}  // namespace
+
+const std::vector<RequestRow>& jog_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"jog",
+        {{"robot", kText},
+         {"joints", kMap},
+         {"tcp", kMap},
+         {"frame", kText},
+         {"by", kFlag},
+         {"speed", kNumber},
+         {"hold", kNumber},
+         {"session", kNumber},
+         {"end", kFlag}},
+        kJogState,
+        "move joints or the TCP by hand: with velocities {elbow_joint: 0.1} or {z: 0.02} in `frame` (base, "
+        "world, tool or a point's name) for `hold` seconds (0.25) unless it comes again with the `session` "
+        "of "
+        "the answer; with `by` by so much, answered until it is done; with `end` no more",
+        true},
+       jog},
+      {{"jog.state", {{"robot", kText}}, kJogState, "where a robot is, and what holds it back", false},
+       jog_state},
+      {{"target",
+        {{"robot", kText},
+         {"joints", kMap},
+         {"pose", kMap},
+         {"frame", kText},
+         {"speed", kNumber},
+         {"hold", kNumber},
+         {"session", kNumber}},
+        kJogState,
+        "go to joints or a pose {position, orientation or rpy}, again and again with the `session` of the "
+        "answer: what a sensor or a hand streams becomes smooth motion, which ends `hold` seconds (0.25) "
+        "after the last one",
+        true},
+       target},
+      {{"profile",
+        {{"name", kText}},
+        "{profile, joint_speed, tcp_speed}",
+        "the limits profile of the cell, or another: reduced (teaching) or full",
+        true},
+       profile},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

@@ -100,8 +100,6 @@ void require_may_begin(Cell& cell) {
                 "go on: polyarm control resume; or forget the motion: polyarm control discard");
 }
 
-}  // namespace
-
 Poll program_load(Cell& cell, const Json& arguments) {
   if (cell.program() && cell.program_begun() && !cell.program()->ended())
     throw Error("program-runs", "a program is under way: " + cell.program()->sentence(),
@@ -175,6 +173,38 @@ Poll events(Cell& cell, const Json& arguments) {
     first = false;
     return Progress::more(std::move(out));
   };
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& load_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"events",
+        {{"since", kNumber}},
+        "[{number, event, time_s, …}]",
+        "tell what happens: lines, logs, questions, tags, states, stops, problems and notes, those after "
+        "number `since` (0: all that are kept) first",
+        false},
+       events},
+      {{"program.load",
+        {{"file", kText, true}},
+        "as of program, and {warnings}",
+        "read a script, or a data file that names one, with its data as the files are now, and check it; the "
+        "program that there is has not begun or has ended. It stands ready, and the cell goes on when it has "
+        "ended",
+        false},
+       program_load},
+      {{"program.start",
+        {{"passes", kNumber}, {"paused", kFlag}},
+        kProgram,
+        "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
+        "front of its first line",
+        true},
+       program_start},
+      {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},
+       program_answer},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

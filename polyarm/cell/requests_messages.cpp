@@ -177,8 +177,6 @@ Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t g
   };
 }
 
-}  // namespace
-
 Poll param_list(Cell& cell, const Json& arguments) {
   Json out = Json::array();
   for (const controllers::Declared& d : parameters_of(cell, text_argument(arguments, "name")).declared())
@@ -209,7 +207,6 @@ Poll param_set(Cell& cell, const Json& arguments) {
   };
 }
 
-namespace {
 /// The input that is meant, what it takes, and whether it is an action. A goal goes to the first action.
 controllers::InputPort port_of(const controllers::Controller& controller, Address& to, bool goal) {
   const std::vector<controllers::InputPort> inputs = controller.inputs();
@@ -223,9 +220,6 @@ controllers::InputPort port_of(const controllers::Controller& controller, Addres
     }
   throw Error("no-action", "'" + to.controller + "' takes no goals", "send it without a goal");
 }
-}  // namespace
-
-namespace {
 
 /// A message being read by the worker: a long one takes longer than a tick may.
 struct Reading {
@@ -252,8 +246,6 @@ std::shared_ptr<Reading> begin_reading(Cell& cell, std::string text, std::vector
     cell.worker().post(read);
   return out;
 }
-
-}  // namespace
 
 Poll send_message(Cell& cell, const Json& arguments) {
   Address to = input_address(cell, text_argument(arguments, "to"));
@@ -304,6 +296,48 @@ Poll watch_output(Cell& cell, const Json& arguments) {
     told = told < 0 ? c.now() : told + every * ((c.now() - told) / every);
     return Progress::more(Json::parse(message_json(*output)));
   };
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& message_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"param.list", kName, "[{key, type, value, default, changeable, text, choices}]",
+        "the parameters of a controller", false},
+       param_list},
+      {{"param.get",
+        {{"name", kText, true}, {"key", kText, true}},
+        "{key, type, value, default, changeable, text, choices}",
+        "one parameter",
+        false},
+       param_get},
+      {{"param.set",
+        {{"name", kText, true}, {"values", kMap, true}},
+        "{changed}",
+        "change parameters between two cycles, all or none",
+        true},
+       param_set},
+      {{"send",
+        {{"to", kText, true}, {"message", ArgumentType::message, true}, {"goal", kFlag}},
+        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance}, of a gripper's also "
+        "{position, effort, stalled, reached_goal}, and between {goal, feedback}",
+        "give a message to a controller; a goal is followed to its end",
+        true},
+       send_message},
+      {{"goal.cancel",
+        {{"to", kText, true}, {"goal", kNumber, true}},
+        "{asked}",
+        "end a goal that is under way",
+        true},
+       goal_cancel},
+      {{"watch",
+        {{"name", kText, true}, {"rate", kNumber}},
+        "the message in its ROS shape",
+        "tell what a controller puts out, `rate` times a second (10)",
+        false},
+       watch_output},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

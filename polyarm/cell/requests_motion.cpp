@@ -63,8 +63,6 @@ double above_zero(const Json& arguments, const char* name, double fallback) {
   throw Error("bad-argument", fmt::format("'{}' of control.back is {:g}, it must be above 0", name, value));
 }
 
-}  // namespace
-
 Poll control_hold(Cell& cell, const Json&) {
   cell.loop().supervisor().latch().request(realtime::StopKind::controlled);
   return at_once({{"asked", "hold"}});
@@ -134,6 +132,47 @@ Poll control_override(Cell& cell, const Json& arguments) {
     cell.tell(fmt::format("override {:g} %", percent));
   }
   return at_once({{"asked", "override"}, {"percent", percent}, {"allowed", supervisor.share()}});
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& motion_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"control.hold", {}, "{asked}", "stop on the path", true}, control_hold, true},
+      {{"control.stop",
+        {{"category", kNumber}},
+        "{asked, category, inactive}",
+        "stop at once, on the path as hard as the joints can; category 1 then switches the drives off, 2 "
+        "(otherwise) holds",
+        true},
+       control_stop,
+       true},
+      {{"control.resume",
+        {{"anyway", kFlag}},
+        "{asked}",
+        "go on along the path after a hold; refused where the robot was moved meanwhile, unless `anyway`",
+        true},
+       control_resume},
+      {{"control.back",
+        {{"time", kNumber}, {"distance", kNumber}},
+        "{asked, state, joints}",
+        "from a hold, slowly back along the planned path: by `time` s of the plan (1) or `distance` along "
+        "the "
+        "path, then held again",
+        true},
+       control_back},
+      {{"control.override",
+        {{"percent", kNumber}},
+        "{asked, percent, allowed}",
+        "how much of the planned speed is used, 0 to 100; without `percent` it is only told",
+        true},
+       control_override},
+      {{"control.discard", {}, "{asked}", "forget what is left of a motion that is held", true},
+       control_discard},
+      {{"control.recover", {}, "{asked}", "leave the fault state for held; nothing moves", true},
+       control_recover},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

@@ -260,12 +260,32 @@ Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
   };
 }
 
-}  // namespace
-
 Poll move(Cell& cell, const Json& arguments) {
   const std::size_t i = robot_argument(cell, arguments);
   require_may_move(cell, i);
   return follow_moves(i, read_move(cell, *cell.robots()[i], arguments));
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& move_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"move",
+        {{"points", ArgumentType::message, true},
+         {"robot", kText},
+         {"kind", kText},
+         {"pace", kNumber},
+         {"speed", kNumber},
+         {"rests", kFlag}},
+        "{robot, cell, cause, elapsed_s, left_s, left_m}; at the end also {done}",
+        "to points, one path through all of them (with `rests` it comes to rest at each); a point is a name "
+        "of the cell's data, {joints: …} or {pose: {position, rpy or orientation}}, with a `duration` of the "
+        "way to it if it is to take at least that long; `kind` is joint (default) or line, `pace` s for each "
+        "rad of the way, `speed` a share of the limits. When nobody follows it any more it stops on the path",
+        true},
+       move},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

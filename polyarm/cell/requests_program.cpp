@@ -162,6 +162,8 @@ Json assumed(Cell& cell, const program::StartReport& report) {
           {"held", held_parts(cell)}};
 }
 
+namespace {
+
 Poll program_state(Cell& cell, const Json& arguments) {
   Json out = program_json(cell);
   if (!flag_argument(arguments, "data")) return at_once(std::move(out));
@@ -262,6 +264,65 @@ Poll program_stop(Cell& cell, const Json&) {
                        c.snapshot().state == control::RunState::running;
     return waits ? Progress{} : Progress::done(program_json(c));
   };
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& program_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"program",
+        {{"data", kFlag}},
+        kProgram,
+        "where the program stands (none, ready, running, waiting, finished, stopped or failed): tasks, "
+        "calls, "
+        "variables, what moves use; with `data` also every value that it can read",
+        false},
+       program_state},
+      {{"program.watch",
+        {{"rate", kNumber}},
+        kProgram,
+        "the same whenever it has changed, at most `rate` times a second (10)",
+        false},
+       program_watch},
+      {{"program.pause",
+        {{"at_once", kFlag}},
+        kProgram,
+        "pause in front of the next statement; motion that is queued goes on; answered when it stands, or "
+        "`at_once`",
+        true},
+       program_pause},
+      {{"program.go", {}, kProgram, "go on after a pause", true}, program_go},
+      {{"program.step",
+        {{"how", kText}, {"at_once", kFlag}},
+        kProgram,
+        "one statement of the task that is paused: `into` functions, `over` them (otherwise) or `out` of "
+        "this "
+        "one; answered when it stands again, or `at_once`",
+        true},
+       program_step},
+      {{"program.break",
+        {{"at", kNames}, {"clear", kFlag}},
+        "{breakpoints: [{file, line}]}",
+        "pause in front of these lines, LINE or FILE:LINE, besides those there are; with `clear` of those no "
+        "more",
+        false},
+       program_break},
+      {{"program.from",
+        {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}},
+        "{where, source, robot, tool, frame, last_point, sets, reads, variables, held, next}",
+        "a program that has ended or is paused begins anew at `line` (1), read from its file: told is what "
+        "it takes for "
+        "given; it waits for program.go unless `confirmed`",
+        true},
+       program_from},
+      {{"program.stop",
+        {},
+        kProgram,
+        "end the program where it is: moves end on their paths, and its `on stop` is done",
+        true},
+       program_stop},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

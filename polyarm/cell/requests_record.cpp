@@ -29,8 +29,6 @@ std::filesystem::path recording_named(const Cell& cell, const std::string& name)
   return cell.file().folder / ".state" / "recordings" / (has ? name : name + ".mcap");
 }
 
-}  // namespace
-
 Poll record_state(Cell& cell, const Json&) {
   return at_once(status_json(recorder_of(cell).status()));
 }
@@ -49,6 +47,25 @@ Poll record_stop(Cell& cell, const Json&) {
     const RecordStatus status = recorder_of(c).status();
     return status.recording ? Progress{} : Progress::done(status_json(status));
   };
+}
+
+constexpr const char* kRecord = "{recording, file, seconds, rate, messages, bytes, lost, problem}";
+
+}  // namespace
+
+const std::vector<RequestRow>& record_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"record", {}, kRecord, "whether the cell is recorded, and what that has come to", false},
+       record_state},
+      {{"record.start",
+        {{"file", kText}, {"rate", kNumber}},
+        kRecord,
+        "record into a file of this name in .state/recordings of the cell, `rate` times a second (100)",
+        false},
+       record_start},
+      {{"record.stop", {}, kRecord, "close the recording", false}, record_stop},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

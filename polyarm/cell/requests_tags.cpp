@@ -128,8 +128,6 @@ class Force {
   std::string name_;
 };
 
-}  // namespace
-
 Poll tags_list(Cell& cell, const Json& arguments) {
   std::vector<std::string> wanted = list_argument(arguments, "names");
   const bool all = wanted.empty();
@@ -195,6 +193,44 @@ Poll tags_history(Cell& cell, const Json& arguments) {
                        {"by", change.who}});
   }
   return at_once({{"last", cell.store().version()}, {"changes", changes}});
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& tag_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"tags.list",
+        {{"names", kNames}},
+        "{tags: [{name, type, unit, value, text, direction, source, quality, forced, changed_s, changed_by, "
+        "output, "
+        "rules}], links: [{name, address, up, reason, losses, exchanges, round_ms, on_loss, tags}]}",
+        "every tag, or those named (variables of data, too), and the links",
+        false},
+       tags_list},
+      {{"tags.set",
+        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        "{name, value, …}, as in tags.list",
+        "change a tag or variable once, as a person",
+        true},
+       tags_set},
+      {{"tags.force",
+        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        "{name, value, …} again and again",
+        "the tag keeps the value whatever is set meanwhile, for as long as the asker is there",
+        true},
+       tags_force},
+      {{"tags.release", kName, "{name, value, …}, as in tags.list",
+        "a forced tag follows its source again, whoever forced it", true},
+       tags_release},
+      {{"tags.history",
+        {{"names", kNames}, {"after", kNumber}},
+        "{last, changes: [{number, name, old, now, by}]}",
+        "who changed what, oldest first: the newest 1024 changes of tags, variables and points, or those "
+        "after a number",
+        false},
+       tags_history},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

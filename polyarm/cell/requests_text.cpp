@@ -140,8 +140,6 @@ class Steps {
   Json out_ = Json::array();
 };
 
-}  // namespace
-
 Poll program_check(Cell& cell, const Json& arguments) {
   const Source source = source_of(cell, arguments);
   program::KnownNames known;
@@ -216,6 +214,46 @@ Poll cell_restart(Cell& cell, const Json& arguments) {
   wish.cell = text_argument(arguments, "cell", "");
   cell.ask_restart(std::move(wish));
   return at_once({{"asked", "restart"}});
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& text_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"language.words",
+        {},
+        "{words: [{name, role, form, meaning, in_tests}], functions: [{name, signature, meaning, in_tests}]}",
+        "every word and function that programs have",
+        false},
+       language_words},
+      {{"program.check",
+        {{"name", kText, true}, {"text", kText}},
+        "{problems: [{code, severity, file, line, column, what, advice}]}",
+        "what is wrong with a program, as it is in the file or as `text`",
+        false},
+       program_check},
+      {{"program.steps",
+        {{"name", kText, true}, {"text", kText}},
+        "{steps: [{kind, line, end, depth, text, name, points}], problems}",
+        "a program as the list of its statements, with the lines that each has",
+        false},
+       program_steps},
+      {{"program.names",
+        {},
+        "{names: [{name, kind, text}], version}",
+        "every name that a program of this cell may say",
+        false},
+       program_names},
+      {{"cell.restart",
+        {{"robot", kText}, {"hardware", kText}, {"program", kText}, {"cell", kText}},
+        "{asked}",
+        "stop on the path, and build the cell anew from its files: with another `robot` (MODEL or "
+        "NAME=MODEL), `hardware`, "
+        "`program` or `cell`; parts are where they begin",
+        true},
+       cell_restart},
+  };
+  return table;
 }
 
 }  // namespace polyarm::cell

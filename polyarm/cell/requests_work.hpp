@@ -26,13 +26,48 @@ using Poll = std::function<Progress(Cell&)>;
 /// Begins a request; may throw Error.
 using Handler = Poll (*)(Cell&, const Json& arguments);
 
-/// A row of the table and what carries it out.
+/// A row of the table and what carries it out. An urgent one is begun though earlier ones are not answered.
 struct RequestRow {
   RequestInfo info;
   Handler handler;
+  bool urgent = false;
 };
-/// Those about points, files and texts of the project.
-const std::vector<RequestRow>& project_rows();
+/// The table by families; each is written beside what carries it out.
+const std::vector<RequestRow>& controller_rows();
+const std::vector<RequestRow>& motion_rows();
+const std::vector<RequestRow>& tag_rows();
+const std::vector<RequestRow>& hardware_rows();
+const std::vector<RequestRow>& health_rows();
+const std::vector<RequestRow>& message_rows();
+const std::vector<RequestRow>& jog_rows();
+const std::vector<RequestRow>& move_rows();
+const std::vector<RequestRow>& load_rows();
+const std::vector<RequestRow>& program_rows();
+const std::vector<RequestRow>& record_rows();
+const std::vector<RequestRow>& point_rows();
+const std::vector<RequestRow>& frame_rows();
+const std::vector<RequestRow>& preview_rows();
+const std::vector<RequestRow>& file_rows();
+const std::vector<RequestRow>& text_rows();
+
+/// What rows are written with.
+inline constexpr auto kText = ArgumentType::text;
+inline constexpr auto kNumber = ArgumentType::number;
+inline constexpr auto kFlag = ArgumentType::flag;
+inline constexpr auto kNames = ArgumentType::names;
+inline constexpr auto kMap = ArgumentType::map;
+inline constexpr auto kAny = ArgumentType::any;
+inline const std::vector<RequestArgument> kName = {{"name", kText, true}};
+inline constexpr const char* kProgram =
+    "{state, control, cause, holder, folder, robots, held, events, file, paused, where: {file, line}, "
+    "source, sentence, passes, breakpoints, question, problem, tasks: [{name, state, where, source, "
+    "waits_for, names, text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, "
+    "problem}]}";
+
+/// A request from its text, and whether its arguments are those that its row has. Throw Error("bad-request")
+/// and Error("bad-argument").
+Json parse_request(const std::string& line);
+void check_arguments(const Json& request, const RequestInfo& info);
 
 inline Poll at_once(Json answer) {
   return [answer = std::move(answer)](Cell&) { return Progress::done(answer); };
@@ -47,6 +82,16 @@ double number_argument(const Json& arguments, const char* name, double fallback)
 /// The index of the robot that 'robot' names; the only one where it names none.
 std::size_t robot_argument(Cell& cell, const Json& arguments);
 
+/// `state` as a state of the life cycle.
+hardware::LifecycleState state_argument(const Json& arguments);
+/// The state of a controller by name. Throws Error("unknown-controller").
+hardware::LifecycleState controller_state(Cell& cell, const std::string& name);
+/// How often a second the component is read and written, and the controller updated.
+double rate_of(Cell& cell, const hardware::HostedInfo& info);
+double rate_of(Cell& cell, const control::ListedController& controller);
+/// The value; null where it is NaN or infinite, which JSON has no word for.
+Json finite_or_null(double value);
+
 /// A switch that is begun again when the loop changed something by itself meanwhile.
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
 /// Stops who uses the component, then takes it there.
@@ -55,88 +100,8 @@ Poll take_to(Cell& cell, std::size_t component, hardware::LifecycleState wanted)
 Poll then(Poll first, std::function<Poll(Cell&)> second);
 Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second);
 
-Poll control_list(Cell&, const Json&);
-Poll control_types(Cell&, const Json&);
-Poll control_chains(Cell&, const Json&);
-Poll control_switch(Cell&, const Json&);
-Poll control_load(Cell&, const Json&);
-Poll control_configure(Cell&, const Json&);
-Poll control_cleanup(Cell&, const Json&);
-Poll control_unload(Cell&, const Json&);
-Poll control_state(Cell&, const Json&);
-Poll control_arm(Cell&, const Json&);
-Poll control_hold(Cell&, const Json&);
-Poll control_stop(Cell&, const Json&);
-Poll control_resume(Cell&, const Json&);
-Poll control_discard(Cell&, const Json&);
-Poll control_recover(Cell&, const Json&);
-Poll control_back(Cell&, const Json&);
-Poll control_override(Cell&, const Json&);
-Poll hardware_list(Cell&, const Json&);
-Poll hardware_state(Cell&, const Json&);
-Poll hardware_recover(Cell&, const Json&);
-Poll hardware_reload(Cell&, const Json&);
-Poll interfaces_list(Cell&, const Json&);
-Poll health(Cell&, const Json&);
-Poll limits_list(Cell&, const Json&);
-Poll param_list(Cell&, const Json&);
-Poll param_get(Cell&, const Json&);
-Poll param_set(Cell&, const Json&);
-Poll send_message(Cell&, const Json&);
-Poll goal_cancel(Cell&, const Json&);
-Poll watch_output(Cell&, const Json&);
-Poll jog(Cell&, const Json&);
-Poll jog_state(Cell&, const Json&);
-Poll target(Cell&, const Json&);
-Poll profile(Cell&, const Json&);
-Poll tags_list(Cell&, const Json&);
-Poll tags_set(Cell&, const Json&);
-Poll tags_force(Cell&, const Json&);
-Poll record_state(Cell&, const Json&);
-Poll record_start(Cell&, const Json&);
-Poll record_stop(Cell&, const Json&);
-Poll tags_release(Cell&, const Json&);
-Poll tags_history(Cell&, const Json&);
-Poll points(Cell&, const Json&);
-Poll points_here(Cell&, const Json&);
-Poll points_teach(Cell&, const Json&);
-Poll points_set(Cell&, const Json&);
-Poll points_shift(Cell&, const Json&);
-Poll points_rename(Cell&, const Json&);
-Poll points_delete(Cell&, const Json&);
-Poll points_history(Cell&, const Json&);
-Poll points_undo(Cell&, const Json&);
-Poll points_frame(Cell&, const Json&);
-Poll points_tool(Cell&, const Json&);
-Poll plan_preview(Cell&, const Json&);
-Poll files(Cell&, const Json&);
-Poll files_read(Cell&, const Json&);
-Poll files_draft(Cell&, const Json&);
-Poll files_write(Cell&, const Json&);
-Poll files_versions(Cell&, const Json&);
-Poll files_version(Cell&, const Json&);
-Poll files_delete(Cell&, const Json&);
-Poll files_rename(Cell&, const Json&);
-Poll language_words(Cell&, const Json&);
-Poll program_check(Cell&, const Json&);
-Poll program_steps(Cell&, const Json&);
-Poll program_names(Cell&, const Json&);
-Poll cell_restart(Cell&, const Json&);
-Poll program_state(Cell&, const Json&);
-Poll program_watch(Cell&, const Json&);
-Poll program_pause(Cell&, const Json&);
-Poll program_go(Cell&, const Json&);
-Poll program_step(Cell&, const Json&);
-Poll program_break(Cell&, const Json&);
-Poll program_from(Cell&, const Json&);
-Poll program_stop(Cell&, const Json&);
-Poll program_load(Cell&, const Json&);
-Poll program_start(Cell&, const Json&);
-Poll program_answer(Cell&, const Json&);
 /// Where the program is, as all of these answer.
 Json program_json(Cell& cell);
-Poll move(Cell&, const Json&);
-Poll events(Cell&, const Json&);
 /// The parts that grippers hold, and what a program that begins in the middle takes for given.
 Json held_parts(Cell& cell);
 Json assumed(Cell& cell, const program::StartReport& report);

@@ -1,0 +1,206 @@
+#include "polyarm/cell/point_edits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/data/literal.hpp"
+
+namespace polyarm::cell {
+
+Json json_of(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Json json_of(const Pose& pose) {
+  const Quaternion& r = pose.rotation;
+  return {{"p", json_of(pose.position)}, {"q", {r.x, r.y, r.z, r.w}}, {"rpy", json_of(to_rpy(r))}};
+}
+
+namespace {
+
+Json joints_json(const data::JointState& joints) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < joints.positions.size(); ++i)
+    out[i < joints.names.size() ? joints.names[i] : std::to_string(i + 1)] = joints.positions[i];
+  return out;
+}
+
+const char* kind_of(const data::Value& value) {
+  constexpr const char* kKinds[] = {"boolean", "number", "text", "list", "joints", "pose", "record"};
+  return kKinds[static_cast<std::size_t>(value.kind())];
+}
+
+}  // namespace
+
+const data::Value& place_of(Cell& cell, const std::string& name) {
+  const data::Value* value = cell.store().find(name);
+  if (value && value->is_place()) return *value;
+  std::vector<std::string> known;
+  for (const std::string& each : cell.store().names())
+    if (cell.store().find(each)->is_place()) known.push_back(each);
+  throw Error("unknown-name",
+              value ? "'" + name + "' is " + data::name(value->kind()) + ", no point"
+                    : "there is no point '" + name + "'" + did_you_mean(name, known),
+              known.empty() ? "teach one: points.teach" : "there are: " + join(known, ", "));
+}
+
+const data::Value& kept_value(Cell& cell, const std::string& name) {
+  const data::Value* value = cell.store().find(name);
+  return value && !cell.store().set_of(name).empty() ? *value : place_of(cell, name);
+}
+
+void check_point_name(const std::string& name) {
+  const auto good = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.' || c >= 0x80; };
+  if (name.empty() || name.size() > 64 || std::isdigit(static_cast<unsigned char>(name[0])) ||
+      !std::all_of(name.begin(), name.end(), good))
+    throw Error("bad-name", "'" + name + "' is no name for a point", "letters, digits and _, a letter first");
+}
+
+std::string set_for(Cell& cell, const Json& arguments, const std::string& name) {
+  const std::vector<std::string> sets = cell.files().sets();
+  const std::string wanted = text_argument(arguments, "file", "");
+  if (!wanted.empty()) {
+    for (const std::string& set : sets)
+      if (wanted == set || wanted == cell.files().file_of(set).filename()) return set;
+    throw Error("unknown-file", "the cell has no data file '" + wanted + "'" + did_you_mean(wanted, sets),
+                "there are: " + join(sets, ", "));
+  }
+  if (const std::string has = cell.store().set_of(name); !has.empty()) return has;
+  std::string best;
+  std::size_t most = 0;
+  for (const std::string& set : sets) {
+    std::size_t count = 0;
+    for (const std::string& each : cell.store().names())
+      count += cell.store().find(each)->is_place() && cell.store().set_of(each) == set ? 1 : 0;
+    if (best.empty() || count > most) best = set, most = count;
+  }
+  if (best.empty())
+    throw Error("no-set", "the cell has no data file that could keep a point",
+                "a program that says 'load points' and a file points.points beside it");
+  return best;
+}
+
+std::filesystem::path own_file(Cell& cell, const std::string& set) {
+  return cell.file().folder / cell.files().file_of(set).filename();
+}
+
+void adopt(Cell& cell, const std::string& set, const Edited& edited) {
+  for (const data::Entry& entry : edited.before.entries())
+    if (!edited.after.find(entry.name)) cell.files().remove(set, entry.name);
+  for (const data::Entry& entry : edited.after.entries()) {
+    const data::Value* old = edited.before.value(entry.name);
+    if (old && *old == entry.value) continue;
+    cell.files().put(set, entry.name, entry.value, "a person");
+  }
+}
+
+Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
+              std::function<void(data::ImportFile&)> change, std::function<Json(Cell&)> answer) {
+  return later<Edited>(
+      cell,
+      [file = own_file(cell, set), what, change = std::move(change)] {
+        Edited out;
+        const data::ImportFile after = data::edit_set(file, what, [&](data::ImportFile& content) {
+          out.before = content.values();
+          change(content);
+        });
+        out.after = after.values();
+        return out;
+      },
+      [set, what, answer = std::move(answer)](Cell& c, Edited& edited) {
+        adopt(c, set, edited);
+        Json out = answer(c);
+        out["undo"] = what;
+        return out;
+      });
+}
+
+Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
+                const data::Value& value) {
+  data::check_can_keep(name, value, set);
+  return edit_set(
+      cell, set, what, [name, value](data::ImportFile& file) { file.set(name, value); },
+      [name](Cell& c) { return value_json(c, name); });
+}
+
+std::vector<double> joints_now(Cell& cell, const CellRobot& robot) {
+  std::vector<double> out;
+  for (const controllers::JointFacts& joint : robot.joints) {
+    const auto index = cell.loop().table().find_state(joint.name + "/position");
+    out.push_back(index ? cell.snapshot().states[*index] : 0.0);
+  }
+  return out;
+}
+
+Pose frame_in_world(Cell& cell, const std::string& frame, int depth) {
+  if (frame.empty() || frame == "world") return {};
+  for (const auto& robot : cell.robots())
+    if (frame == robot->entry.name + "/base") return robot->entry.base;
+  if (depth > 16) throw Error("unknown-frame", "the frame '" + frame + "' is in itself");
+  const data::Point* point = place_of(cell, frame).as_point();
+  if (!point) throw Error("unknown-frame", "'" + frame + "' is a joint state, no frame");
+  return frame_in_world(cell, point->frame(), depth + 1) * point->pose;
+}
+
+std::string file_name(Cell& cell, const std::string& set) {
+  const std::vector<std::string> sets = cell.files().sets();
+  return std::find(sets.begin(), sets.end(), set) == sets.end()
+             ? ""
+             : cell.files().file_of(set).filename().string();
+}
+
+Json value_json(Cell& cell, const std::string& name) {
+  const data::Value& value = *cell.store().find(name);
+  Json out{{"name", name},
+           {"kind", kind_of(value)},
+           {"file", file_name(cell, cell.store().set_of(name))},
+           {"text", value.text()},
+           {"literal", data::literal(value)},
+           {"value", Json()},
+           {"unit", ""},
+           {"pose", Json()},
+           {"world", Json()},
+           {"joints", Json()},
+           {"taught", Json()},
+           {"group", ""}};
+  if (const bool* flag = value.as_boolean()) out["value"] = *flag;
+  if (const std::string* text = value.as_text()) out["value"] = *text;
+  if (const data::Number* number = value.as_number()) {
+    out["value"] = number->value;
+    out["unit"] = data::unit_text(number->dimension);
+  }
+  if (const data::JointState* joints = value.as_joints()) out["joints"] = joints_json(*joints);
+  const data::Point* point = value.as_point();
+  if (!point) return out;
+  out["pose"] = json_of(point->pose);
+  try {
+    out["world"] = json_of(frame_in_world(cell, point->frame()) * point->pose);
+  } catch (const Error&) {  // its frame is not known to this cell
+  }
+  if (!point->taught) return out;
+  out["taught"] = {
+      {"frame", point->taught->frame}, {"tool", point->taught->tool}, {"robot", point->taught->robot}};
+  if (!point->taught->joints.positions.empty()) out["joints"] = joints_json(point->taught->joints);
+  return out;
+}
+
+Vec3 vector_value(const Json& list, const char* what) {
+  const auto number = [](const Json& each) { return each.is_number() && std::isfinite(each.get<double>()); };
+  if (!list.is_array() || list.size() != 3 || !std::all_of(list.begin(), list.end(), number))
+    throw Error("bad-argument", std::string("'") + what + "' is " + list.dump() + ", not three numbers in m");
+  return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+}
+
+Pose pose_value(const Json& map) {
+  const Json q = map.is_object() ? map.value("q", Json()) : Json();
+  const auto number = [](const Json& each) { return each.is_number() && std::isfinite(each.get<double>()); };
+  if (!q.is_array() || q.size() != 4 || !std::all_of(q.begin(), q.end(), number))
+    throw Error("bad-argument", map.dump() + " is no pose", "{p: [x, y, z], q: [x, y, z, w]}");
+  const Quaternion turn{q[0].get<double>(), q[1].get<double>(), q[2].get<double>(), q[3].get<double>()};
+  if (std::abs(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w - 1) > 1e-3)
+    throw Error("bad-argument", "'q' is no unit quaternion x y z w");
+  return {vector_value(map.value("p", Json()), "p"), normalized(turn)};
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,54 @@
+#pragma once
+/// Points and variables as requests see and change them. Private to the room; cell thread.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/requests_later.hpp"
+#include "polyarm/data/set_edit.hpp"
+
+namespace polyarm::cell {
+
+/// [x, y, z] in m; {p: [x, y, z], q: [x, y, z, w], rpy}.
+Json json_of(const Vec3& v);
+Json json_of(const Pose& pose);
+/// One value with all that is known of it, as in the answer of `points`.
+Json value_json(Cell& cell, const std::string& name);
+
+/// A point or frame of the cell's data by name. Throws Error("unknown-name").
+const data::Value& place_of(Cell& cell, const std::string& name);
+/// A point or variable that a data file keeps. Throws Error("unknown-name").
+const data::Value& kept_value(Cell& cell, const std::string& name);
+/// Throws Error("bad-name").
+void check_point_name(const std::string& name);
+/// The pose in the world of a frame: the world, a robot's base or a point, which may be in another.
+Pose frame_in_world(Cell& cell, const std::string& frame, int depth = 0);
+/// Where the joints are, rad or m, in the robot's order.
+std::vector<double> joints_now(Cell& cell, const CellRobot& robot);
+/// {p: [x, y, z], q: [x, y, z, w]}
+Pose pose_value(const Json& map);
+/// [x, y, z] in m; `what` names it in errors.
+Vec3 vector_value(const Json& list, const char* what);
+
+/// The data set that a change goes into: the one that the arguments name by `file`, the one that has `name`,
+/// or the one with most points.
+std::string set_for(Cell& cell, const Json& arguments, const std::string& name);
+/// The user's own file of a set, whose copy the run works on, and its name.
+std::filesystem::path own_file(Cell& cell, const std::string& set);
+std::string file_name(Cell& cell, const std::string& set);
+
+/// A set before and after a change of its file.
+struct Edited {
+  data::DataSet before, after;
+  std::string what;  ///< was taken back
+};
+/// Takes over into the running cell what has changed in a set's file.
+void adopt(Cell& cell, const std::string& set, const Edited& edited);
+/// Changes a set's file on the worker, then the running cell; `answer` makes the answer on the cell thread.
+Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
+              std::function<void(data::ImportFile&)> change, std::function<Json(Cell&)> answer);
+/// The same for one value; answered with value_json().
+Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
+                const data::Value& value);
+
+}  // namespace polyarm::cell
