@@ -9,27 +9,12 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/superseded_keys.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::cell {
 namespace {
 
-class Folder {
- public:
-  Folder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("polyarm_yaml_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using test::Folder;
 
 struct Read {
   ControllersFile file;

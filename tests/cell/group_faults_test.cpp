@@ -61,14 +61,14 @@ struct TwoGroups {
   }
 };
 
-struct Row {
+struct GroupRow {
   const char* name;
   std::string inject;
   std::string more;
   std::string cause;
 };
 
-class GroupFaultTable : public testing::TestWithParam<Row> {
+class GroupFaultTable : public testing::TestWithParam<GroupRow> {
  protected:
   std::string base(const std::string& on_fault) const {
     return ", parameters: {inject: \"" + GetParam().inject + "\"" + GetParam().more + "}" + on_fault;
@@ -128,16 +128,17 @@ TEST_P(GroupFaultTable, StopsEverythingWhereTheCellSaysNothing) {
   EXPECT_TRUE(two.cell->cell().group_faults().empty());
 }
 
-const std::string kFailed = "a hardware component failed";
-INSTANTIATE_TEST_SUITE_P(All, GroupFaultTable,
-                         testing::Values(Row{"read", "read_error@800", "", kFailed},
-                                         Row{"write", "write_error@800", "", kFailed},
-                                         Row{"deactivate", "deactivate@800", "", kFailed},
-                                         Row{"nan", "nan@800", "", "a measured joint position is no number"},
-                                         Row{"jump", "jump@800=0.6", "", "a measured joint position jumped"},
-                                         Row{"freeze", "freeze@500", ", following_error: 0.05",
-                                             "a joint does not follow its command"}),
-                         [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
+const std::string kComponentFailed = "a hardware component failed";
+INSTANTIATE_TEST_SUITE_P(
+    All, GroupFaultTable,
+    testing::Values(GroupRow{"read", "read_error@800", "", kComponentFailed},
+                    GroupRow{"write", "write_error@800", "", kComponentFailed},
+                    GroupRow{"deactivate", "deactivate@800", "", kComponentFailed},
+                    GroupRow{"nan", "nan@800", "", "a measured joint position is no number"},
+                    GroupRow{"jump", "jump@800=0.6", "", "a measured joint position jumped"},
+                    GroupRow{"freeze", "freeze@500", ", following_error: 0.05",
+                             "a joint does not follow its command"}),
+    [](const testing::TestParamInfo<GroupRow>& row) { return row.param.name; });
 
 TEST(GroupFaults, AJointOutsideItsLimitsStopsItsRobotAlone) {
   for (const bool alone : {true, false}) {

@@ -21,7 +21,7 @@ constexpr const char* kPoints =
 constexpr const char* kInformation =
     "Name: PointFile\nText: places\nName: ScriptFile\nText: work\nName: Repeat\nBool: True\n"
     "Name: Ready\nBool: False\n";
-constexpr const char* kScript =
+constexpr const char* kProgram =
     "load work_data\nwhile Repeat\nmoveto A\nmoveto B\nendwhile\nlog \"at the end\"\n";
 
 /// The arm of examples/r6bot in a folder with data and a script.
@@ -30,7 +30,7 @@ class ProgramRequests : public ::testing::Test {
   ProgramRequests() {
     folder.write("places.points", kPoints);
     folder.write("work_data.data", kInformation);
-    folder.write("work.script", kScript);
+    folder.write("work.script", kProgram);
     folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " POLYARM_SOURCE_DIR
                               "/examples/r6bot/r6bot.urdf, hardware: mock}\n");
     cell = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));

@@ -12,7 +12,7 @@ using test::FailingMock;
 using test::Json;
 using test::LockStepCell;
 
-constexpr const char* kControllers = R"(
+constexpr const char* kSlowControllers = R"(
 controller_manager:
   ros__parameters:
     update_rate: 1000
@@ -70,7 +70,7 @@ class SlowHardware : public ::testing::Test {
   }
   hardware::Hardware& hardware() { return cell.cell().loop().hardware(); }
 
-  LockStepCell cell{kControllers, true};
+  LockStepCell cell{kSlowControllers, true};
   const std::string name = hardware().component_name(0);
   std::shared_ptr<std::vector<Json>> waiting;
 };
@@ -178,7 +178,7 @@ TEST_F(SlowHardware, AfterAFailureTheCellDoesNotWaitForOnError) {
 }
 
 TEST(SlowHardwareAtTheEnd, ACallbackThatNeverComesBackIsLeftBehindWithASentence) {
-  LockStepCell cell(kControllers, true, 1);
+  LockStepCell cell(kSlowControllers, true, 1);
   const std::string name = cell.cell().loop().hardware().component_name(0);
   auto& hardware = cell.cell().loop().hardware();
   const auto down = cell.give(Json{{"request", "hardware.state"}, {"name", name}, {"state", "unconfigured"}});

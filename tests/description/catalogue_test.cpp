@@ -12,6 +12,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::description {
 namespace {
@@ -267,27 +268,7 @@ TEST(Catalogue, SaysWhereToLookWhenItIsNotThere) {
   }
 }
 
-/// A folder that is gone after the test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "polyarm_catalogue_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error("no-folder", name);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string write(const std::string& name, const std::string& text) const {
-    fs::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return (path_ / name).string();
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+using polyarm::test::Folder;
 
 const char* const kSmall = R"(polyarm: robot/1
 maker: Acme

@@ -10,31 +10,14 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "tests/description/support.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::description {
 namespace {
 
 using test::has;
 
-/// A folder of its own, gone at the end.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "polyarm_table_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error("no-folder", name);
-    path_ = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string write(const std::string& name, const std::string& text) const {
-    write_file_atomically(path_ / name, text);
-    return (path_ / name).string();
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using polyarm::test::Folder;
 
 std::string file_with(const std::string& kinematics, const std::string& rows, const std::string& rest = {}) {
   return "polyarm: robot/1\nmaker: Test\nmodel: T\nsource: s\nlicence: l\nkinematics: " + kinematics +

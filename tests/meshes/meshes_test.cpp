@@ -10,6 +10,7 @@
 #include "polyarm/meshes/glb_writer.hpp"
 #include "polyarm/meshes/mesh.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::meshes {
 namespace {
@@ -17,25 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "polyarm_XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  fs::path write(const std::string& name, const std::string& text) const {
-    write_file_atomically(path_ / name, text);
-    return path_ / name;
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+using test::Folder;
 
 /// A cube of 2 m about the origin: twelve triangles, anticlockwise seen from outside.
 struct Cube {

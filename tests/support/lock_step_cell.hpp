@@ -20,33 +20,11 @@
 #include "polyarm/cell/requests.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::test {
 
 using Json = nlohmann::json;
-
-/// A folder of its own, gone at the end.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "polyarm_XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::string write(const std::string& name, const std::string& text) const {
-    write_file_atomically(path_ / name, text);
-    return (path_ / name).string();
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Where a callback waits until a test lets it go on.
 class Gate {
