@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{50};
+constexpr milliseconds kLookAgain{50};
 
 bool is_one_of(const Json& value, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* word) { return value == word; });
@@ -206,8 +206,8 @@ void ConsoleScript::follow() {
       continue;
     }
     if (!talk_.at_terminal())
-      std::this_thread::sleep_for(kLook);
-    else if (talk_.line_within(kLook))
+      std::this_thread::sleep_for(kLookAgain);
+    else if (talk_.line_within(kLookAgain))
       cell_.ask({{"request", "program.pause"}, {"at_once", true}});
   }
 }

@@ -18,9 +18,6 @@ namespace polyarm::apps {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kSendEvery{50};
-constexpr int kPatience = 2000;  // ms
-
 struct JogArguments {
   ClientOptions client;
   std::vector<std::string> words;  // [CELL] [ROBOT]

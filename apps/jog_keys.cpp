@@ -26,8 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::chrono::milliseconds kSendEvery{50}, kShowEvery{200};
-constexpr int kPatience = 2000;  // ms
+constexpr std::chrono::milliseconds kShowEvery{200};
 constexpr const char* kUp = "qwertyui";
 constexpr const char* kDown = "asdfghjk";
 constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};

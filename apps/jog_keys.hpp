@@ -1,11 +1,16 @@
 #pragma once
 /// The screen on which a robot is moved by keys, with its live state.
+#include <chrono>
 #include <functional>
 #include <string>
 
 #include "apps/client.hpp"
 
 namespace polyarm::apps {
+
+/// How often a jog that goes on is sent, and how long an answer is waited for.
+inline constexpr std::chrono::milliseconds kSendEvery{50};
+inline constexpr int kPatience = 2000;  // ms
 
 struct JogScreen {
   std::string robot;  ///< empty: the only one of the cell

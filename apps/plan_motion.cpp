@@ -15,8 +15,8 @@ using trajectory::Trajectory;
 
 namespace {
 
-constexpr std::size_t kSamples = 4000;  // of a motion, to find its extremes
-constexpr double kRounding = 1e-3;      // what numbers and times in files lose
+constexpr std::size_t kExtremeSamples = 4000;  // of a motion, to find its extremes
+constexpr double kRounding = 1e-3;             // what numbers and times in files lose
 
 std::span<double> part(PlanState& state, std::size_t quantity) {
   return state.value[quantity];
@@ -199,8 +199,8 @@ std::vector<PlanPeaks> peaks_of(const PlannedMotion& motion, double* tcp_speed) 
   std::vector<PlanPeaks> out(motion.joints.size());
   for (PlanPeaks& p : out) p.low.fill(INFINITY), p.high.fill(-INFINITY);
   PlanState state(motion.joints.size());
-  for (std::size_t i = 0; i <= kSamples; ++i) {
-    motion.at(motion.duration * double(i) / double(kSamples), state);
+  for (std::size_t i = 0; i <= kExtremeSamples; ++i) {
+    motion.at(motion.duration * double(i) / double(kExtremeSamples), state);
     for (std::size_t j = 0; j < out.size(); ++j)
       for (std::size_t k = 0; k < 4; ++k) {
         out[j].low[k] = std::min(out[j].low[k], state.value[k][j]);

@@ -13,7 +13,7 @@ namespace polyarm::apps {
 
 namespace {
 
-constexpr double kLeft = 84, kWidth = 700, kHeight = 120, kGap = 24, kTop = 54, kLegend = 170;
+constexpr double kLeft = 84, kPlotWidth = 700, kHeight = 120, kGap = 24, kTop = 54, kLegend = 170;
 constexpr std::size_t kSamples = 6000;
 // Okabe and Ito's colours (Color Universal Design, 2008), which colour-blind readers tell apart, and more.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
@@ -88,7 +88,7 @@ class Plot {
     tcp_speed();
     if (!m_.bands.empty()) bands();
     time_axis();
-    const double height = top_ + 34, width = kLeft + kWidth + kLegend;
+    const double height = top_ + 34, width = kLeft + kPlotWidth + kLegend;
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
                "height=\"{1:.0f}\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"{0:.0f}\" "
@@ -99,7 +99,7 @@ class Plot {
 
  private:
   double time(std::size_t i) const { return m_.duration * double(i) / double(kSamples); }
-  double across(double t) const { return kLeft + kWidth * t / m_.duration; }
+  double across(double t) const { return kLeft + kPlotWidth * t / m_.duration; }
 
   /// A panel from `low` to `high` with its grid; the values then go through up().
   void open(const std::string& title, double low, double high, const std::string& unit, double factor = 1) {
@@ -107,15 +107,15 @@ class Plot {
     low_ = low, high_ = high;
     body_ += fmt::format(
         "<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"#f8f9fa\" stroke=\"#adb5bd\"/>\n",
-        kLeft, top_, kWidth, kHeight);
+        kLeft, top_, kPlotWidth, kHeight);
     const double step = step_for((high - low) * factor) / factor;
     for (double v = std::ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step) {
       const double y = up(v), shown = std::abs(v) < 1e-9 * step ? 0 : v * factor;
-      body_ += fmt::format("<path d=\"M{} {:.1f}h{}\" stroke=\"#0001\"/>\n", kLeft, y, kWidth);
+      body_ += fmt::format("<path d=\"M{} {:.1f}h{}\" stroke=\"#0001\"/>\n", kLeft, y, kPlotWidth);
       body_ += text_at(kLeft - 4, y + 4, fmt::format("{:.4g}", shown), "end");
     }
-    body_ += text_at(kLeft + kWidth + 8, top_ + 12, title);
-    body_ += text_at(kLeft + kWidth + 8, top_ + 26, unit);
+    body_ += text_at(kLeft + kPlotWidth + 8, top_ + 12, title);
+    body_ += text_at(kLeft + kPlotWidth + 8, top_ + 26, unit);
     for (std::size_t i = 1; i < m_.sections.size(); ++i)
       body_ += fmt::format("<path d=\"M{:.1f} {:.1f}v{}\" stroke=\"#868e96\" stroke-dasharray=\"2 3\"/>\n",
                            across(m_.sections[i].begin), top_, kHeight);
@@ -129,7 +129,7 @@ class Plot {
     if (v < low_ || v > high_) return;
     body_ += fmt::format(
         "<path d=\"M{} {:.1f}h{}\" stroke=\"{}\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"/>\n", kLeft,
-        up(v), kWidth, stroke);
+        up(v), kPlotWidth, stroke);
   }
   template <typename Value>
   void curve(Value value, const char* stroke) {
@@ -143,7 +143,7 @@ class Plot {
     double x = kLeft, y = 36;
     for (std::size_t j = 0; j < m_.joints.size(); ++j) {
       const double width = 30 + 6.4 * double(m_.joints[j].name.size());
-      if (x > kLeft && x + width > kLeft + kWidth + kLegend) x = kLeft, y += 16;
+      if (x > kLeft && x + width > kLeft + kPlotWidth + kLegend) x = kLeft, y += 16;
       body_ += fmt::format("<path d=\"M{:.1f} {}h14\" stroke=\"{}\" stroke-width=\"3\"/>\n", x, y, color(j));
       body_ += text_at(x + 18, y + 4, m_.joints[j].name);
       x += width;
@@ -200,7 +200,7 @@ class Plot {
       if (unit.empty()) continue;
       const std::string range = most - least < 1e-9 * most ? fmt::format("{:.4g}", most)
                                                            : fmt::format("{:.4g} to {:.4g}", least, most);
-      body_ += text_at(kLeft + kWidth + 8, top_ + (slides ? 54 : 40), range + " " + unit);
+      body_ += text_at(kLeft + kPlotWidth + 8, top_ + (slides ? 54 : 40), range + " " + unit);
     }
   }
   void tcp_speed() {
@@ -214,10 +214,10 @@ class Plot {
   /// What bounds the motion when: a row for each kind of limit, in the colour of the joint.
   void bands() {
     constexpr const char* kKinds[] = {"velocity", "acceleration", "jerk"};
-    body_ += text_at(kLeft + kWidth + 8, top_ + 12, "what bounds it");
+    body_ += text_at(kLeft + kPlotWidth + 8, top_ + 12, "what bounds it");
     for (std::size_t k = 0; k < 3; ++k)
       body_ += text_at(kLeft - 4, top_ + 11 + 14 * double(k), kKinds[k], "end");
-    for (const PlanBand& b : merged(m_.bands, m_.duration / kWidth)) {
+    for (const PlanBand& b : merged(m_.bands, m_.duration / kPlotWidth)) {
       const char* fill = b.row < m_.joints.size() ? color(b.row) : "#212529";
       body_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"12\" fill=\"{}\"/>\n",
                            across(b.from), top_ + 14 * double(b.kind), across(b.to) - across(b.from), fill);
@@ -225,14 +225,14 @@ class Plot {
     body_ += fmt::format(
         "<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"42\" fill=\"none\" "
         "stroke=\"#adb5bd\"/>\n",
-        kLeft, top_ - 1, kWidth);
+        kLeft, top_ - 1, kPlotWidth);
     top_ += 42;
   }
   void time_axis() {
     const double step = step_for(m_.duration * 0.6);
     for (double t = 0; t <= m_.duration * (1 + 1e-9); t += step)
       body_ += text_at(across(t), top_ + 14, fmt::format("{:.4g}", t), "middle");
-    body_ += text_at(kLeft + kWidth + 8, top_ + 14, "s");
+    body_ += text_at(kLeft + kPlotWidth + 8, top_ + 14, "s");
   }
 
   const PlannedMotion& m_;

@@ -23,7 +23,7 @@ std::vector<double> home_of(const RobotModel& model) {
   return home != model.named_states.end() ? home->second : std::vector<double>(model.actuated.size(), 0.0);
 }
 
-std::string number(const std::optional<double>& value, const char* unit) {
+std::string cell_number(const std::optional<double>& value, const char* unit) {
   return value ? fmt::format("{:.4g} {}", *value, unit) : "–";
 }
 
@@ -54,8 +54,8 @@ std::string maker_page(const std::string& maker,
     out += fmt::format("\n## {}\n\n<img src=\"{}.svg\" alt=\"{} at home\" width=\"260\">\n\n", entry.model,
                        entry.name, entry.model);
     out += fmt::format("`{}`: {} axes, reach {}, payload {}, mass {}{}.\n\n", entry.name, entry.axes,
-                       number(entry.reach_m, "m"), number(entry.payload_kg, "kg"),
-                       number(entry.mass_kg, "kg"), entry.mass_estimated ? " (in part estimated)" : "");
+                       cell_number(entry.reach_m, "m"), cell_number(entry.payload_kg, "kg"),
+                       cell_number(entry.mass_kg, "kg"), entry.mass_estimated ? " (in part estimated)" : "");
     out += "- Inverse kinematics: " + solved_by(model) + "\n- The controller's display: " + display(model) +
            "\n- Source: " + model.provenance.source + " (" + model.provenance.licence + ")\n";
     for (const std::string& note : model.provenance.notes) out += "- " + note + "\n";
@@ -82,8 +82,8 @@ std::string index_page(
     for (const auto& [entry, model] : list)
       out += fmt::format(
           "| <img src=\"{0}.svg\" width=\"110\"> | {1}<br>`{0}` | {2} | {3} | {4} | {5}{6} |\n", entry.name,
-          cell(entry.model), entry.axes, number(entry.reach_m, "m"), number(entry.payload_kg, "kg"),
-          number(entry.mass_kg, "kg"), entry.mass_estimated ? " (est.)" : "");
+          cell(entry.model), entry.axes, cell_number(entry.reach_m, "m"), cell_number(entry.payload_kg, "kg"),
+          cell_number(entry.mass_kg, "kg"), entry.mass_estimated ? " (est.)" : "");
   }
   return out;
 }

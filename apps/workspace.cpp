@@ -28,7 +28,7 @@ std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vect
 }
 
 /// On a terminal only: "  42 %" over itself.
-void tell(double share) {
+void tell_share(double share) {
   if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r{:4.0f} %{}", 100 * share, share < 1 ? "" : "\n");
 }
 
@@ -115,7 +115,7 @@ int run_workspace(int argc, char** argv) {
   const std::vector<double>& home = subject.home;
   question.allowed = subject.allowed;
   question.rotation = rotation_of(orientation, rpy, chain, home);
-  const WorkspaceMap map = map_workspace(chain, home, question, tell);
+  const WorkspaceMap map = map_workspace(chain, home, question, tell_share);
   if (!image.empty())
     write_file_atomically(
         image, image_of(image, map, question,

@@ -1,3 +1,15 @@
+# Rooms whose files, and test programs whose files, may be compiled together, some at a time: a clean build takes
+# half the time, a change in one file a few seconds more. Names without a name space of their own that two files of
+# one folder share must mean the same thing. Off where one edits (preset dev).
+option(POLYARM_TOGETHER "compile several source files at a time" ON)
+set(POLYARM_ROOMS_TOGETHER base cell control data doctor meshes messages plugins realtime server signals apps)
+set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals)
+function(polyarm_together target name rooms)
+  if(POLYARM_TOGETHER AND name IN_LIST rooms)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+  endif()
+endfunction()
+
 # A room is a folder of headers and sources side by side, one static library, and one test program.
 #
 #   polyarm_room(kinematics USES base description LIBRARIES Eigen3::Eigen)
@@ -10,6 +22,7 @@ function(polyarm_room name)
   list(TRANSFORM ROOM_USES PREPEND polyarm_ OUTPUT_VARIABLE uses)
   if(sources)
     add_library(polyarm_${name} STATIC ${sources})
+    polyarm_together(polyarm_${name} ${name} "${POLYARM_ROOMS_TOGETHER}")
     target_include_directories(polyarm_${name} PUBLIC ${PROJECT_SOURCE_DIR})
     target_link_libraries(polyarm_${name} PUBLIC ${uses} ${ROOM_LIBRARIES})
     if("nlohmann_json::nlohmann_json" IN_LIST ROOM_LIBRARIES)
@@ -23,10 +36,6 @@ function(polyarm_room name)
     target_link_libraries(polyarm_${name} INTERFACE ${uses} ${ROOM_LIBRARIES})
   endif()
 endfunction()
-
-# Test programs whose files may be compiled together, some at a time: half the time of a clean build. Their files
-# share a name only for the same thing.
-set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics)
 
 # Tests are compiled in the least time, but for those that reckon much.
 set(POLYARM_RECKONING_TESTS kinematics trajectory motion catalogue)
@@ -61,9 +70,7 @@ function(polyarm_test name)
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE ${ARGN} GTest::gtest_main)
   polyarm_compiled_as_test(test_${name} ${name})
-  if(name IN_LIST POLYARM_TESTS_TOGETHER)
-    set_target_properties(test_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
-  endif()
+  polyarm_together(test_${name} ${name} "${POLYARM_TESTS_TOGETHER}")
   target_compile_definitions(test_${name} PRIVATE POLYARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   POLYARM_COMMAND="$<TARGET_FILE:polyarm>")
   # The live tests run on the wall clock, one after the other and with nothing beside them.
