@@ -33,6 +33,9 @@ const std::vector<RequestInfo>& request_table();
 /// The table as Markdown, as docs/control.md has it.
 std::string request_reference();
 
+/// Brackets outside texts nested deeper (64) than any request has: copying and printing JSON recurses.
+bool nested_too_deep(const std::string& line);
+
 /// Takes an answer, one JSON object without line ends; false when nobody listens any more.
 using Answer = std::function<bool(const std::string& line)>;
 

@@ -71,10 +71,7 @@ hardware::LifecycleState state_argument(const Json& arguments) {
               join(names, ", "));
 }
 
-namespace {
-
-/// Brackets outside texts nested deeper than anything a request has: copying and printing JSON recurses.
-bool too_deep(const std::string& line) {
+bool nested_too_deep(const std::string& line) {
   constexpr int kDeepest = 64;
   int depth = 0;
   bool quoted = false;
@@ -89,6 +86,8 @@ bool too_deep(const std::string& line) {
   }
   return false;
 }
+
+namespace {
 
 bool fits(const Json& value, ArgumentType type) {
   const auto is_text = [](const Json& item) { return item.is_string(); };
@@ -134,7 +133,7 @@ void check_arguments(const Json& request, const RequestInfo& info) {
 
 Json parse_request(const std::string& line) {
   const char* example = "for example {\"request\": \"control.list\"}";
-  if (too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep", example);
+  if (nested_too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep", example);
   Json request = Json::parse(line, nullptr, false);
   if (request.is_discarded() || !request.is_object())
     throw Error("bad-request", "a request is one JSON object a line", example);

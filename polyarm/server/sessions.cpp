@@ -18,26 +18,9 @@ namespace polyarm::server {
 
 namespace {
 
-constexpr int kDeepest = 64;
 constexpr std::size_t kLongestName = 60;
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
                  kLogEvery = 0.1, kProgramAgain = 1, kPointsEvery = 0.2;
-
-/// Brackets outside texts nested deeper than any request has: copying and printing JSON recurses.
-bool too_deep(const std::string& line) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted && c == '\\') ++i;
-    if (c == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kDeepest) return true;
-  }
-  return false;
-}
 
 /// One that is connected, as the cell thread knows it.
 struct Seat {
@@ -177,7 +160,7 @@ class Sessions::Work {
   void take(Seat& seat, const std::string& line) {
     Json id;
     try {
-      if (too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep");
+      if (cell::nested_too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep");
       const Json request = Json::parse(line, nullptr, false);
       if (!request.is_object() || !request.contains("request") || !request["request"].is_string())
         throw Error("bad-request", "a request is one JSON object with the text 'request'",

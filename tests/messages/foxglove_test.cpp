@@ -11,28 +11,13 @@
 #include <vector>
 
 #include "polyarm/messages/json.hpp"
+#include "tests/messages/bytes.hpp"
 #include "tests/messages/random_message.hpp"
 
 namespace polyarm::messages {
 namespace {
 
 using nlohmann::json;
-
-std::string hex(const std::vector<std::byte>& bytes) {
-  std::string out;
-  for (const std::byte byte : bytes) {
-    const auto value = std::to_integer<unsigned>(byte);
-    out += "0123456789abcdef"[value >> 4];
-    out += "0123456789abcdef"[value & 15];
-  }
-  return out;
-}
-std::vector<std::byte> bytes(const std::string& text) {
-  std::vector<std::byte> out;
-  for (std::size_t i = 0; i + 1 < text.size(); i += 2)
-    out.push_back(static_cast<std::byte>(std::stoul(text.substr(i, 2), nullptr, 16)));
-  return out;
-}
 
 bool run(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
