@@ -30,6 +30,9 @@ struct Jogging::Robot {
 namespace {
 /// Targets further apart than this, s, say nothing about a velocity; and how much the newest says.
 constexpr double kTogether = 0.1, kNewest = 0.3;
+/// What moves faster than this, m/s and rad/s, or a joint faster than so many times what it can, has jumped:
+/// that says nothing about a velocity either.
+constexpr double kJump = 2, kJumpTurned = 6, kJumpOfJoint = 2;
 }  // namespace
 
 Jogging::Jogging(Cell& cell) : cell_(cell) {
@@ -182,8 +185,11 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wi
     return;
   }
   const auto blend = [&](double old, double change) { return old + kNewest * (change / dt - old); };
-  for (std::size_t j = 0; goes_on && j < wish.joints.size(); ++j) {
-    const double v = blend(robot.target.joint_speed[j], wish.joints[j] - robot.target.joints[j]);
+  const auto& joints = cell_.robots()[i]->joints;
+  for (std::size_t j = 0; goes_on && j < joints.size() && j < wish.joints.size(); ++j) {
+    const double change = wish.joints[j] - robot.target.joints[j], old = robot.target.joint_speed[j];
+    const bool jumped = std::abs(change) > kJumpOfJoint * joints[j].velocity * dt;
+    const double v = jumped ? old : blend(old, change);
     wish.joint_speed[j] = std::isfinite(v) ? v : 0;
   }
   if (goes_on && wish.kind == motion::JogWish::Kind::tcp_target) {
@@ -191,7 +197,9 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wi
     const Vec3 d = now.position - before.position,
                r = to_rotation_vector(now.rotation * inverse(before.rotation));
     const double change[6] = {d.x, d.y, d.z, r.x, r.y, r.z};
-    for (std::size_t k = 0; k < 6; ++k) wish.twist[k] = blend(robot.target.twist[k], change[k]);
+    const bool jumped = norm(d) > kJump * dt || norm(r) > kJumpTurned * dt;
+    for (std::size_t k = 0; k < 6; ++k)
+      wish.twist[k] = jumped ? robot.target.twist[k] : blend(robot.target.twist[k], change[k]);
   }
   robot.target = wish;
   robot.target_session = goes_on ? session : 1;

@@ -33,12 +33,14 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 /// A target that moves is followed in its own frame, with speed to spare; where it will be so much later, s,
 /// is the direction that matters.
 constexpr double kFollows = 0.9, kAhead = 0.1;
+/// With what it is gone for, of what motions of the TCP change with otherwise; across its way with less.
+constexpr double kLead = 1.2, kAside = 0.4, kBrakesHarder = 2;
 /// Of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 /// Places looked at while everything brakes.
-constexpr std::size_t kPlaces = 8;
+constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, to tell a speed
 constexpr int kHalvings = 9;
 constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
@@ -266,6 +268,44 @@ void JogGenerator::ramp_reference(const Twist& wanted) noexcept {
   advance(reference_.pose, by);
 }
 
+/// How quickly the TCP's place (part 0) or its turning (1) may change along `ahead`, and along any axis.
+JogGenerator::Pull JogGenerator::pull_along(const Twist& ahead, std::size_t part) const noexcept {
+  Pace any, own;
+  for (std::size_t k = 3 * part; k < 3 * part + 3; ++k) {
+    Twist along{};
+    along[k] = 1;
+    capability(along, any.acceleration[part], any.jerk[part]);
+  }
+  const Vec3 way = part_of(ahead, part);
+  const double length = norm(way);
+  Twist along{};
+  for (std::size_t k = 0; k < 3; ++k)
+    along[3 * part + k] = length > 1e-6 ? (k == 0 ? way.x : k == 1 ? way.y : way.z) / length : 0.0;
+  if (length > 1e-6)
+    capability(along, own.acceleration[part], own.jerk[part]);
+  else
+    own = any;
+  return {own.acceleration[part], own.jerk[part], any.acceleration[part], any.jerk[part]};
+}
+
+namespace {
+/// Where an arm cannot change its speed as quickly as it could when it began, who would go past the target
+/// brakes with some of what is kept free for that.
+void brake_harder(const double (&away)[2], const std::array<MotionState, 6>& from,
+                  const std::array<MotionState, 6>& to, std::array<MotionLimits, 6>& most) {
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double left = to[k].position, v = from[k].velocity;
+    if (left * v <= 0 || away[k / 3] < 1e-5) continue;
+    const double can = stopping_speed(std::abs(left), most[k].max_acceleration, most[k].max_jerk);
+    if (!(std::abs(v) > can)) continue;
+    const double more = std::min(v * v / (can * can), kBrakesHarder);
+    most[k].max_acceleration *= more;
+    most[k].min_acceleration *= more;
+    most[k].max_jerk *= more;
+  }
+}
+}  // namespace
+
 /// Towards a pose that moves, in a chart about where the reference is.
 void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, double share) noexcept {
   Twist error = between(reference_.pose, wish.target);
@@ -273,12 +313,6 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
   if (solver_.columns() < 6) {  // as far as the arm can
     solver_.reach(error, rates);
     error = solver_.twist_of({rates.data(), axes_.size()});
-  }
-  Pace pace;
-  for (std::size_t k = 0; k < 6; ++k) {
-    Twist along{};
-    along[k] = 1;
-    capability(along, pace.acceleration[k / 3], pace.jerk[k / 3]);
   }
   std::array<MotionState, 6> from, to, out;
   std::array<MotionLimits, 6> most;
@@ -289,6 +323,8 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
   const double way[2] = {linear(ahead), angular(ahead)}, rate[2] = {linear(wish.twist), angular(wish.twist)};
   const double speed[2] = {kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed),
                            kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)};
+  std::array<Pull, 2> pull{};
+  for (std::size_t part = 0; part < 2; ++part) pull[part] = pull_along(ahead, part);
   for (std::size_t k = 0; k < 6; ++k) {
     const double part = way[k / 3] > 1e-6 ? std::abs(ahead[k]) / way[k / 3] : 0.0;
     const double can = share * speed[k / 3];
@@ -297,10 +333,13 @@ void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, 
     moving[k] = std::clamp(moving[k], -kFollows * v, kFollows * v);
     from[k] = {0, reference_.twist[k] - moving[k], reference_.slope[k]};
     to[k] = {error[k], 0, 0};
-    most[k] = MotionLimits::symmetric(v, pace.acceleration[k / 3] / 2, pace.jerk[k / 3] / 2);
+    const Pull& p = pull[k / 3];
+    most[k] = MotionLimits::symmetric(v, kLead * std::max(part * p.acceleration, kAside * p.any_acceleration),
+                                      kLead * std::max(part * p.jerk, kAside * p.any_jerk));
     most[k].max_velocity -= moving[k];
     most[k].min_velocity -= moving[k];
   }
+  brake_harder(away, from, to, most);
   const trajectory::MotionOptions options{trajectory::Synchronization::phase,
                                           trajectory::TargetKind::position, 0};
   if (to_pose_.plan(from, to, most, options) != trajectory::MotionStatus::ok) return;
@@ -373,7 +412,7 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
   // It is held back: the reference stays with the arm.
   reference_.pose = tcp();
   for (double& x : reference_.twist) x *= share;
-  if (share < 1) reference_.slope = {};
+  for (double& x : reference_.slope) x *= share;
 }
 
 /// The twist that leads to the target at the speed that is allowed.

@@ -100,6 +100,11 @@ class JogGenerator {
     Twist twist{}, slope{};
   };
 
+  /// How quickly a motion may change: along its way, and along any axis.
+  struct Pull {
+    double acceleration, jerk, any_acceleration, any_jerk;
+  };
+
   void wish_joints(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
   bool step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept;
   void wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
@@ -109,6 +114,7 @@ class JogGenerator {
   void lead_reference(const JogWish& wish, const JogLimits& limits, double share) noexcept;
   void tell(const TwistSolver::Solution& solution) noexcept;
   void capability(const Twist& direction, double& acceleration, double& jerk) const noexcept;
+  Pull pull_along(const Twist& ahead, std::size_t part) const noexcept;
   double throttle(const JogLimits& limits, Before before, bool common, JogValues& rates) noexcept;
   void follow(const JogValues& rates, const JogLimits& limits, States& next) noexcept;
   void guard(const JogLimits& limits, States& next) noexcept;

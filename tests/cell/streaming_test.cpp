@@ -136,6 +136,16 @@ TEST_F(StreamingTest, AJumpIsWalkedWithinTheLimits) {
   EXPECT_TRUE(cell->cell().loop().limits().report().empty());
 }
 
+TEST_F(StreamingTest, AJumpSaysNothingAboutASpeed) {
+  stream([this](double) { return begin; }, 0.3, 1, [] { return 5; });
+  const Vec3 there = begin - Vec3{0, 0, 0.06};
+  double lowest = 9;
+  stream([&](double) { return lowest = std::min(lowest, cell->cell().tcp(0).position.z), there; }, 1.5, 3,
+         [] { return 5; });
+  EXPECT_LT(norm(cell->cell().tcp(0).position - there), 1e-4);
+  EXPECT_GT(lowest, there.z - 2e-4) << "not beyond it";
+}
+
 TEST_F(StreamingTest, JointsAreFollowedToo) {
   const double q0 = cell->value_of("states", "arm/joint_1/position");
   const double t0 = now();

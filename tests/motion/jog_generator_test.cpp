@@ -131,6 +131,28 @@ TEST(JogGenerator, GoesStraightWhereNothingIsInTheWay) {
   }
 }
 
+/// A target of the TCP that does not wait until the arm has caught up.
+TEST(JogGenerator, ATargetThatStartsAtFullSpeedIsCaughtUpWithSoon) {
+  for (const Vec3& way : {Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{-0.6, 0, 0.8}}) {
+    JogRig rig("universal_robots/ur5e");
+    rig.start(bent(rig));
+    JogWish wish;
+    wish.kind = JogWish::Kind::tcp_target;
+    const Pose start = wish.target = rig.tcp();
+    constexpr double kSpeed = 0.25;
+    wish.twist = {kSpeed * way.x, kSpeed * way.y, kSpeed * way.z};
+    for (int i = 0; i < 1000; ++i) {
+      wish.target.position = start.position + (kSpeed * i * rig.dt) * way;
+      ASSERT_TRUE(rig.step(wish)) << rig.broken;
+      const double lag = norm(rig.tcp().position - wish.target.position);
+      EXPECT_LT(lag, 0.04);
+      if (i * rig.dt > 0.45) {
+        EXPECT_LT(lag, 2e-3) << i;
+      }
+    }
+  }
+}
+
 /// Pushed into whatever is there, singular starts among them, and then the other way; where that is in the
 /// way of a limit or a singularity, too, some other way leads out.
 TEST(JogGenerator, AlwaysHasAWayOut) {
