@@ -19,7 +19,6 @@ constexpr double kGain = 2;                                      // 1/s
 constexpr double kOfPeriod = 0.1;                                // and the gain times the period at most
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
 constexpr double kPatience = 3;                                  // s after the planned end
-constexpr double kRoom = 1.1;                                    // of the planned speed, to catch up with
 
 double stated(double value, double fallback) {
   return std::isfinite(value) && value > 0 ? value : fallback;
@@ -79,7 +78,7 @@ bool BaseMotion::plan(double from) {
   const std::array<MotionLimits, 1> limits{limits_};
   trajectory::MotionOptions options;
   if (from == 0) options.minimum_duration = move_.duration;
-  time_ = 0;
+  time_ = 0, pace_ = 1;
   return motion_.plan(start, target, limits, options) == trajectory::MotionStatus::ok;
 }
 
@@ -111,15 +110,17 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
     if (!plan(done)) return end(State::failed);
     planned_ = true;
   }
-  time_ += dt * std::clamp(share, 0.0, 1.0);
+  const double rate = std::clamp(share, 0.0, 1.0), most = limits_.max_velocity;
+  time_ += dt * rate * pace_;
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
-  const double left = state[0].position - done;
-  const double speed = std::clamp(state[0].velocity + gain_ * left, -kRoom * limits_.max_velocity,
-                                  kRoom * limits_.max_velocity);
+  // The controller does what it is told at the share that holds for everything.
+  const double asked = state[0].velocity + gain_ * (state[0].position - done);
+  const double speed = std::clamp(asked, -most, most);
+  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan waits for who is behind and at full speed
   if (time_ >= motion_.duration()) {
     const double off = move_.amount - done;
-    late_ += dt;
+    late_ += dt * rate;
     if (std::abs(off) < (move_.turns ? kHereTurned : kHere)) return end(State::done);
     if (late_ > kPatience) {
       problem_ = Problem{
@@ -135,8 +136,8 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   }
   if (move_.turns) return send(0, speed);
   const double astray = begin_.heading - place_.heading;
-  const double most = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
-  send(speed, std::clamp(gain_ * astray, -most, most));
+  const double turn = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
+  send(speed, std::clamp(gain_ * astray, -turn, turn));
 }
 
 void BaseMotion::drop() {

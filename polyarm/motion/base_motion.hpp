@@ -64,6 +64,7 @@ class BaseMotion {
   Place place_, begin_;
   bool seen_ = false, active_ = false, planned_ = false;
   double time_ = 0, late_ = 0;  // s: of the plan; since its end
+  double pace_ = 1;             // of the plan's time
   Nanoseconds last_ = -1;
   std::uint64_t last_id_ = 0;
   State outcome_ = State::done;

@@ -112,9 +112,9 @@ TEST_F(BaseMotionTest, SpeedAndAccelerationAreKept) {
   }
   EXPECT_NEAR(place().x, -0.3, 0.003);
   EXPECT_NEAR(std::abs(place().heading), std::numbers::pi, 0.01);
-  EXPECT_LE(fastest, 0.1 * 1.11);
+  EXPECT_LE(fastest, 0.1 * (1 + 1e-6));
   EXPECT_GT(fastest, 0.09);
-  EXPECT_LE(turning, 1.0 * 1.11);
+  EXPECT_LE(turning, 1.0 * (1 + 1e-6));
   EXPECT_GT(turning, 0.9);
   EXPECT_LE(quickest, 0.5 * (1 + 1e-6));
 }
@@ -142,9 +142,14 @@ TEST_F(BaseMotionTest, AtAThirdOfTheSpeedItTakesThreeTimesAsLong) {
   const double whole = now();
   start("drive 500mm\n");
   cell->result({{"request", "control.override"}, {"percent", 33}});
-  finish();
+  double fastest = 0;
+  while (!ended() && now() < 60) {
+    cell->tick();
+    fastest = std::max(fastest, std::abs(place().speed));
+  }
   EXPECT_NEAR(place().x, 0.5, 0.003);
-  EXPECT_GT(now(), 2 * whole);
+  EXPECT_GT(now(), 2.5 * whole);
+  EXPECT_LE(fastest, 0.33 * 0.3 * 1.02);
 }
 
 TEST_F(BaseMotionTest, DiscardedItsProgramEnds) {
