@@ -9,6 +9,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/program_host.hpp"
+#include "polyarm/cell/relative_moves.hpp"
 
 namespace polyarm::cell {
 
@@ -270,21 +271,27 @@ program::Handle ProgramMoves::start_base(const program::Move& move, const Locati
   return last_handle_;
 }
 
-program::Handle ProgramMoves::start(const program::Move& move, const Location& where) {
-  if (move.of_base()) return start_base(move, where);
-  const std::size_t index = arm_of(move.robot, where);
+program::Handle ProgramMoves::start(const program::Move& asked, const Location& where) {
+  if (asked.of_base()) return start_base(asked, where);
+  const std::size_t index = arm_of(asked.robot, where);
   Arm& arm = arms_[index];
+  program::Move move = asked;
+  if (is_relative(move)) {
+    data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
+    if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
+    move = from_here(std::move(move), place, *arm.robot.robot, arm.robot.motion->planned());
+  }
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
   auto [of, moves, facts] = prepare(move, where);
   const auto step = step_of(move, index);
-  Moves asked{index, arm.robot.motion->last_id() + 1, 0};
+  Moves queued{index, arm.robot.motion->last_id() + 1, 0};
   for (motion::Move& one : moves) {
     std::string name = one.end().name;
-    asked.last = arm.robot.motion->queue(std::move(one), facts, step);
-    arm.open.push_back({asked.last, where, std::move(name)});
+    queued.last = arm.robot.motion->queue(std::move(one), facts, step);
+    arm.open.push_back({queued.last, where, std::move(name)});
   }
   forget_ended();
-  asked_[++last_handle_] = {asked};
+  asked_[++last_handle_] = {queued};
   return last_handle_;
 }
 

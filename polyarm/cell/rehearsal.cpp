@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/relative_moves.hpp"
 #include "polyarm/program/interpreter.hpp"
 #include "polyarm/program/parser.hpp"
 
@@ -43,7 +44,7 @@ class Stage : public program::Host {
   program::Handle start_move(const program::Move& move, const Location& where) override {
     if (move.of_base()) return 1;
     try {
-      queue(moves_.prepare(move, where), where);
+      queue(moves_.prepare(is_relative(move) ? from_now(move) : move, where), where);
     } catch (const Error& e) {
       tell(e.problems().front(), where);
     }
@@ -93,6 +94,18 @@ class Stage : public program::Host {
     std::shared_ptr<const motion::RobotFacts> with;
     bool lost;  ///< nobody knows where it is
   };
+
+  /// Where a move leads that says by how much.
+  program::Move from_now(const program::Move& move) {
+    arrive();
+    data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
+    if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
+    const auto named = [&](const Arm& arm) {
+      return move.robot.empty() || arm.robot->entry.name == move.robot;
+    };
+    const auto arm = std::find_if(arms_.begin(), arms_.end(), named);  // here() has found it
+    return from_here(move, place, *arm->robot, arm->at);
+  }
 
   program::Progress arrive() {
     for (Arm& arm : arms_) plan(arm);

@@ -101,6 +101,7 @@ class Steps {
   }
   static const char* motion_name(const Statement& statement) {
     constexpr const char* kMotions[] = {"moveto", "movej", "movel", "movec", "drive", "turn"};
+    if (!statement.name.empty()) return statement.name.c_str();
     return kMotions[static_cast<std::size_t>(statement.motion)];
   }
   void add(const char* kind, int line, int depth, const std::string& name) {

@@ -49,6 +49,9 @@ class BlendCheck {
       case Kind::load:
       case Kind::import:
         return "loads data";
+      case Kind::move:
+        if (!s.name.empty()) return "goes on from where the robot stands";
+        break;
       case Kind::wait:
       case Kind::wait_time:
       case Kind::ask:
@@ -75,7 +78,8 @@ class BlendCheck {
   }
 
   static const Clause* own_blend(const Statement& s) {
-    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto || s.moves_base()) return nullptr;
+    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto || s.moves_base() || !s.name.empty())
+      return nullptr;
     const Clause* blend = nullptr;
     for (const Clause& clause : s.clauses) {
       if (clause.kind == Clause::Kind::exact || clause.kind == Clause::Kind::until) return nullptr;

@@ -1,12 +1,15 @@
 #include "polyarm/program/checker.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
+#include <string_view>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
+#include "polyarm/program/statement_parser.hpp"
 
 namespace polyarm::program {
 
@@ -311,8 +314,43 @@ class Checker {
     check_clauses(s);
   }
 
+  /// speedj, speedl.
+  void check_speed_move(const Statement& s) {
+    if (s.arguments.empty()) return check_clauses(s);  // the parser has said what is wrong
+    const Expression& velocities = *s.arguments.front();
+    const Type type = infer(velocities);
+    const std::string advice = speed_move_advice(s.name);
+    if (type.kind && *type.kind != Kind::record)
+      error("bad-type", velocities.place,
+            "'" + s.name + "' takes a record of velocities, here is " + described(type), advice);
+    const bool line = s.name == "speedl";
+    for (std::size_t i = 0; velocities.kind == Expression::Kind::record && i < velocities.names.size(); ++i) {
+      const std::string& name = velocities.names[i];
+      const std::string_view axes[] = {"x", "y", "z", "rx", "ry", "rz"};
+      if (line && std::find(std::begin(axes), std::end(axes), name) == std::end(axes)) {
+        error("bad-type", velocities.parts[i]->place, "'" + name + "' is none of x, y, z, rx, ry and rz",
+              advice);
+        continue;
+      }
+      const Type own = infer(*velocities.parts[i]);
+      const data::Number* written = velocities.parts[i]->value.as_number();
+      const bool zero = own.kind == Kind::number && own.dimension == Dimension::none &&
+                        (velocities.parts[i]->kind != Expression::Kind::literal || written->value == 0);
+      const bool turns = name.size() == 2 && name.front() == 'r';
+      const bool speed = !surely_other(own, number_of(Dimension::speed)) && !(line && turns);
+      const bool angular = !surely_other(own, number_of(Dimension::angular_speed)) && !(line && !turns);
+      if (!zero && !speed && !angular)
+        error("bad-type", velocities.parts[i]->place,
+              "'" + name + "' is " + described(own) + ", " +
+                  (line && !turns ? "a speed" : "an angular speed") + " was expected",
+              advice);
+    }
+    check_clauses(s);
+  }
+
   void check_move(const Statement& s) {
     if (s.moves_base()) return check_base_move(s);
+    if (!s.name.empty()) return check_speed_move(s);
     const bool may_be_list = s.motion == Statement::Motion::movej || s.motion == Statement::Motion::movel;
     for (const ExpressionPtr& point : s.arguments) {
       const Type type = infer(*point);

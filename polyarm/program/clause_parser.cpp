@@ -97,6 +97,15 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   using Kinds = Clause::Kind;
   const bool of_base = clause.kind == Kinds::speed || clause.kind == Kinds::accel ||
                        clause.kind == Kinds::robot || clause.kind == Kinds::duration;
+  const bool at_speed = out.kind == Kind::move && !out.name.empty();
+  const bool of_speed = clause.kind == Kinds::duration || clause.kind == Kinds::accel ||
+                        clause.kind == Kinds::robot || clause.kind == Kinds::tool ||
+                        clause.kind == Kinds::frame || clause.kind == Kinds::payload ||
+                        clause.kind == Kinds::until || clause.kind == Kinds::at;
+  if (at_speed && !of_speed)
+    throw SyntaxError{"bad-clause", clause.place,
+                      std::string("'") + spelling(clause.kind) + "' belongs to a move to a point",
+                      out.name + " takes duration, accel, until, at, robot, tool, frame and payload"};
   if (out.moves_base() && !of_base)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move of an arm",
@@ -144,16 +153,21 @@ std::string parse_target(TokenCursor& cursor, const char* statement) {
 void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
   using Motion = Statement::Motion;
   out.kind = Kind::move;
-  out.motion = line.word == "movej"   ? Motion::movej
-               : line.word == "movel" ? Motion::movel
-               : line.word == "movec" ? Motion::movec
-               : line.word == "drive" ? Motion::drive
-               : line.word == "turn"  ? Motion::turn
-                                      : Motion::moveto;
+  const bool at_speed = line.word == "speedj" || line.word == "speedl";
+  if (at_speed) out.name = line.word;
+  out.motion = line.word == "movej" || line.word == "speedj"   ? Motion::movej
+               : line.word == "movel" || line.word == "speedl" ? Motion::movel
+               : line.word == "movec"                          ? Motion::movec
+               : line.word == "drive"                          ? Motion::drive
+               : line.word == "turn"                           ? Motion::turn
+                                                               : Motion::moveto;
   out.name_place = cursor.peek().place;
   if (cursor.at_end() && out.moves_base())
     throw SyntaxError{"no-value", cursor.peek().place, "how far was expected after '" + line.word + "'",
                       out.motion == Motion::turn ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
+  if (cursor.at_end() && at_speed)
+    throw SyntaxError{"no-value", cursor.peek().place, "velocities were expected after '" + line.word + "'",
+                      speed_move_advice(line.word)};
   if (cursor.at_end())
     throw SyntaxError{
         "no-value", cursor.peek().place, "a point was expected after '" + line.word + "'",
@@ -168,6 +182,16 @@ void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
     out.arguments.push_back(cursor.expression());
   }
   parse_clauses(cursor, out);
+  const bool lasts = std::any_of(out.clauses.begin(), out.clauses.end(),
+                                 [](const Clause& c) { return c.kind == Clause::Kind::duration; });
+  if (at_speed && !lasts)
+    throw SyntaxError{"no-duration", out.name_place, "'" + line.word + "' needs to know for how long at most",
+                      speed_move_advice(line.word)};
+}
+
+std::string speed_move_advice(const std::string& word) {
+  return word == "speedj" ? "write `speedj {JOINT = 10deg/s}, duration 2s`"
+                          : "write `speedl {z = -20mm/s}, duration 2s`";
 }
 
 void parse_use(TokenCursor& cursor, Statement& out) {

@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/program/operators.hpp"
+#include "polyarm/program/statement_parser.hpp"
 #include "polyarm/program/task.hpp"
 
 namespace polyarm::program {
@@ -118,6 +122,45 @@ void add_targets(Move& move, const Slot& slot, const Expression& e, bool may_be_
     move.targets.push_back({(*list)[i], each});
   }
 }
+
+constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
+
+/// What a speedj or speedl goes by in `time` s: its velocities become lengths and angles, and its speed the
+/// greatest of them, or that of the TCP.
+void take_velocities(Move& move, const Value& value, const Expression& e, const std::string& word,
+                     double time) {
+  const bool line = word == "speedl";
+  const auto refuse = [&](const std::string& what) {
+    return Refused{e.place, what, speed_move_advice(word)};
+  };
+  const data::Record* record = value.as_record();
+  if (!record) throw refuse("'" + word + "' takes a record of velocities, here is " + described(value));
+  data::Record by;
+  double linear = 0, angular = 0;
+  for (std::size_t i = 0; i < record->names.size(); ++i) {
+    const std::string& name = record->names[i];
+    const Number* v = record->values[i].as_number();
+    const auto axis = std::find(std::begin(kAxes), std::end(kAxes), name);
+    if (line && axis == std::end(kAxes)) throw refuse("'" + name + "' is none of x, y, z, rx, ry and rz");
+    const bool turns = line ? axis - std::begin(kAxes) >= 3 : v && v->dimension == Dimension::angular_speed;
+    const bool fits = v && (v->dimension == (turns ? Dimension::angular_speed : Dimension::speed) ||
+                            (v->value == 0 && v->dimension == Dimension::none));
+    if (!fits)
+      throw refuse("'" + name + "' is " + described(record->values[i]) + ", " +
+                   (turns || !line ? "an angular speed" : "a speed") + " was expected");
+    if (v->value == 0) continue;
+    double& sum = turns ? angular : linear;
+    sum = line ? std::hypot(sum, v->value) : std::max(sum, std::abs(v->value));
+    by.names.push_back(name);
+    by.values.emplace_back(Number{v->value * time, turns ? Dimension::angle : Dimension::length});
+  }
+  if (by.names.empty()) throw refuse("'" + word + "' has no velocity: it would go nowhere");
+  if (line && linear > 0)
+    move.speed = Number{linear, Dimension::speed};
+  else
+    move.speed = Number{std::max(linear, angular), Dimension::angular_speed};
+  move.targets.push_back({std::move(by), word + " " + spelled(e)});
+}
 }  // namespace
 
 /// The points and clauses lie on the stack from `first` on.
@@ -143,8 +186,11 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     out.kind = turns ? Move::Kind::turn : Move::Kind::drive;
     out.targets.push_back({amount.value, (turns ? "turn " : "drive ") + spelled(*s.arguments.front())});
   }
+  const bool at_speed = !s.name.empty();
+  const std::size_t velocities = first;
+  if (at_speed) ++first, out.blend.reset();
   for (const ExpressionPtr& point : s.arguments) {
-    if (s.moves_base()) break;
+    if (s.moves_base() || at_speed) break;
     add_targets(out, task.stack[first++], *point, s.motion == Motion::movej || s.motion == Motion::movel);
   }
   bool exact = use.exact, blends = false;
@@ -158,6 +204,10 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     if (clause.kind == Clause::Kind::near) out.near = near_of(task.stack[first].value, clause);
     if (takes_value(clause)) take(out, clause, task.stack[first].value);
     first += values_of(clause);
+  }
+  if (at_speed) {
+    take_velocities(out, task.stack[velocities].value, *s.arguments.front(), s.name, out.duration->value);
+    out.duration.reset();
   }
   out.step = task.step;
   const bool thesis = s.motion == Motion::moveto || s.moves_base();

@@ -31,7 +31,7 @@ bool ends_block(const Line& line) {
 }
 
 bool is_move(std::string_view word) {
-  return one_of(word, {"moveto", "movej", "movel", "movec"});
+  return one_of(word, {"moveto", "movej", "movel", "movec", "speedj", "speedl"});
 }
 
 /// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.
@@ -119,7 +119,7 @@ class Parser {
       Line line;
       line.word = keyword_of(source.tokens.front(), line.misspelt);
       line.source = std::move(source);
-      const bool also_names = line.word == "drive" || line.word == "turn";
+      const bool also_names = one_of(line.word, {"drive", "turn", "speedj", "speedl"});
       if ((line.misspelt || also_names) && is_call(line.source)) line.misspelt = false, line.word = "call";
       lines_.push_back(std::move(line));
     }

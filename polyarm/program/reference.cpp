@@ -97,7 +97,8 @@ program   = { statement }
 block     = { statement } ( end | end + the word that opened it )
 statement = ( load | import ) NAME | include TEXT | log EXPR | CALL
           | let NAME = EXPR | set NAME { .NAME | [EXPR] } = EXPR | set NAME LITERAL
-          | ( moveto | movej | movel | drive | turn ) EXPR { clause } | movec EXPR , EXPR { clause } | use clause { , clause }
+          | ( moveto | movej | movel | drive | turn ) EXPR { clause } | movec EXPR , EXPR { clause }
+          | ( speedj | speedl ) EXPR { clause } | use clause { , clause }
           | wait time EXPR | wait [var] EXPR [timeout EXPR [else block]] | wait (user | input) [TEXT]
           | while EXPR block | for NAME [, NAME] in EXPR [.. EXPR] block
           | if EXPR { statement } { elif EXPR { statement } } [ else { statement } ] end

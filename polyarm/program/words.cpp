@@ -63,6 +63,17 @@ std::vector<Word> motion_words() {
        "# given Via: point 0.4 0.1 0.3\n# given End: point 0.5 0 0.3\n"
        "movec Via, End, speed 100mm/s            # expect move: arc Via End speed 0.1m/s exact",
        ""},
+      {"speedj", kStatement, "speedj {JOINT = V, …}, duration T {clause}",
+       "Joints move at these velocities for so long, or until a condition ends it, and come to rest.",
+       "speedj {elbow = 0.2rad/s}, duration 2s   # expect move: joint speedj … speed 0.2rad/s exact", ""},
+      {"speedl", kStatement, "speedl {z = V, rx = W, …}, duration T {clause}",
+       "The tool moves at this velocity along the frame's axes, and turns about them, for so long, or until "
+       "a "
+       "condition ends it, and comes to rest.",
+       "# given Contact: False\n# after 50ms Contact: True\n"
+       "speedl {z = -20mm/s}, duration 3s, until Contact\nlog(\"down\")                              "
+       "# expect: down",
+       ""},
       {"drive", kStatement, "drive D {clause}", "A base with wheels goes so far ahead, or back, and stands.",
        "drive 500mm, speed 100mm/s\ndrive -500mm", ""},
       {"turn", kStatement, "turn A {clause}", "A base with wheels turns so far to the left and stands.",

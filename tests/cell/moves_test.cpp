@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/rehearsal.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -175,6 +176,108 @@ TEST(Moves, APlanOfFullSpeedIsGovernedWhenTheProfileBecomesReduced) {
   for (int i = 0; i < 200; ++i) most = std::max(most, speed());
   EXPECT_LE(most, 0.25);
   EXPECT_GT(most, 0);
+}
+
+/// The joints and TCP at rest after each line from the second on.
+struct Rest {
+  std::vector<double> joints;
+  Pose tcp;
+};
+std::vector<Rest> rests(LockStepCell& run, int lines) {
+  std::vector<Rest> out;
+  Rest last;
+  for (int line = 2; !run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(60.0);) {
+    Rest at{{}, run.cell().tcp(0)};
+    for (int j = 1; j <= 6; ++j)
+      at.joints.push_back(run.cell().snapshot().commands[*run.cell().loop().table().find_command(
+          "arm/joint_" + std::to_string(j) + "/position")]);
+    for (const int now = run.cell().program()->status().where.line; line < now && line <= lines; ++line)
+      out.push_back(at);
+    last = at;
+    run.tick();
+  }
+  out.push_back(last);
+  EXPECT_TRUE(run.cell().finished());
+  EXPECT_FALSE(run.cell().program()->failed())
+      << run.cell().program()->status().problem.value_or(Problem{}).text();
+  return out;
+}
+
+TEST(Moves, AtAVelocityItGoesSoFarAsThatAndTheTime) {
+  const test::Folder folder;
+  LockStepCell run(with_program(folder,
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "wait 10ms\n"
+                                "speedl {x = 20mm/s, z = -50mm/s}, duration 2s\n"
+                                "wait 10ms\n"
+                                "speedj {joint_1 = 10deg/s, joint_4 = -20deg/s}, duration 1500ms\n"
+                                "wait 10ms\n"
+                                "speedl {rz = 30deg/s}, duration 1s\n"
+                                "wait 10ms\n"
+                                "speedl {z = 40mm/s}, duration 1s, frame \"arm/tcp\"\n"
+                                "wait 10ms\n",
+                                ""));
+  const std::vector<Rest> at = rests(run, 11);
+  ASSERT_GE(at.size(), 9u);
+  const Rest &start = at[0], &lower = at[2], &turned = at[4], &about = at[6], &out = at[8];
+  EXPECT_LT(norm(lower.tcp.position - start.tcp.position - Vec3{0.04, 0, -0.1}), 1e-6);
+  EXPECT_LT(angle_between(lower.tcp.rotation, start.tcp.rotation), 1e-6);
+  EXPECT_NEAR(turned.joints[0] - lower.joints[0], 15 * M_PI / 180, 1e-9);
+  EXPECT_NEAR(turned.joints[3] - lower.joints[3], -30 * M_PI / 180, 1e-9);
+  EXPECT_NEAR(turned.joints[1], lower.joints[1], 1e-9);
+  EXPECT_LT(norm(about.tcp.position - turned.tcp.position), 1e-6);
+  const Vec3 turn = to_rotation_vector(about.tcp.rotation * inverse(turned.tcp.rotation));
+  EXPECT_LT(norm(turn - Vec3{0, 0, M_PI / 6}), 1e-6);
+  EXPECT_LT(norm(out.tcp.position - about.tcp.position - about.tcp.rotation * Vec3{0, 0, 0.04}), 1e-6);
+}
+
+TEST(Moves, AtAVelocityItIsNoFasterAndEndsWhereAConditionIsTrue) {
+  const test::Folder folder;
+  folder.write("d.data", "Name: Far\nBool: False\n");
+  LockStepCell run(
+      with_program(folder,
+                   "load d\n"
+                   "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                   "speedl {z = -50mm/s}, duration 4s, at start + 100mm set Far = true, until Far else\n"
+                   "  raise \"went all the way\"\n"
+                   "end\n",
+                   ""));
+  double fastest = 0, lowest = 9, highest = 0;
+  Vec3 before = run.cell().tcp(0).position;
+  while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(30.0)) {
+    run.tick();
+    const Vec3 now = run.cell().tcp(0).position;
+    if (run.cell().program()->status().where.line == 3) {
+      fastest = std::max(fastest, norm(now - before) / seconds(cell::Cell::kTick));
+      lowest = std::min(lowest, now.z), highest = std::max(highest, now.z);
+    }
+    before = now;
+  }
+  EXPECT_FALSE(run.cell().program()->failed())
+      << run.cell().program()->status().problem.value_or(Problem{}).text();
+  EXPECT_LE(fastest, 0.05 * (1 + 1e-6));
+  EXPECT_GT(fastest, 0.0499);
+  EXPECT_GT(highest - lowest, 0.1);
+  EXPECT_LT(highest - lowest, 0.11);
+}
+
+TEST(Moves, VelocitiesThatCannotBeAreRefusedWithTheirLine) {
+  const auto told = [](const std::string& line) {
+    const test::Folder folder;
+    const auto file = with_program(folder, "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n" + line, "");
+    LockStepCell before(file), run(file);
+    const std::size_t problems = cell::rehearse(before.cell()).problems.list().size();
+    EXPECT_EQ(problems, 1u) << "told by a rehearsal, too";
+    while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+    const Problem why = run.cell().program()->status().problem.value_or(Problem{});
+    EXPECT_EQ(why.where.line, 2);
+    return why.code + ": " + why.what;
+  };
+  EXPECT_NE(told("speedl {rz = 60deg/s}, duration 4s\n").find("turn-too-large: it would turn by 240 deg"),
+            std::string::npos);
+  EXPECT_NE(told("speedj {joint_7 = 60deg/s}, duration 1s\n").find("unknown-joint"), std::string::npos);
+  EXPECT_NE(told("speedj {joint_1 = 60mm/s}, duration 1s\n").find("'joint_1' turns"), std::string::npos);
+  EXPECT_NE(told("speedl {z = 1m/s}, duration 5s\n").find("unreachable"), std::string::npos);
 }
 
 }  // namespace
