@@ -1,8 +1,10 @@
 #include "polyarm/data/value.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/telling.hpp"
 
 namespace polyarm::data {
 
@@ -11,12 +13,6 @@ std::string join_numbers(std::initializer_list<double> numbers) {
   std::string out;
   for (const double number : numbers) out += (out.empty() ? "" : ", ") + format_number(number);
   return out;
-}
-
-std::string text_of(const List& list) {
-  std::string out;
-  for (const Value& item : list) out += (out.empty() ? "" : ", ") + item.text();
-  return "[" + out + "]";
 }
 
 std::string text_of(const JointState& joints) {
@@ -38,12 +34,8 @@ std::string text_of(const Point& point) {
          ")" + (point.frame().empty() ? "" : " in " + point.frame());
 }
 
-std::string text_of(const Record& record) {
-  std::string out;
-  for (std::size_t i = 0; i < record.names.size(); ++i)
-    out += (i ? ", " : "") + record.names[i] + " = " + record.values[i].text();
-  return "{" + out + "}";
-}
+/// The one that keeps what this thread lets go.
+thread_local Remains* keeping = nullptr;
 }  // namespace
 
 static std::uint64_t packed(const Value::Extent& extent) {
@@ -135,6 +127,9 @@ Value::Value(std::string value) : kind_{Kind::text} {
 Value::Value(List value) : kind_{Kind::list} {
   content_.shared = new Held<List>(std::move(value));
 }
+Value::Value(List value, Extent known) : Value(std::move(value)) {
+  content_.shared->extent.store(packed(known), std::memory_order_relaxed);
+}
 Value::Value(JointState value) : kind_{Kind::joints} {
   content_.shared = new Held<JointState>(std::move(value));
 }
@@ -147,9 +142,17 @@ Value::Value(Record value) : kind_{Kind::record} {
 
 /// The last one deletes it.
 void Value::let_go() noexcept {
+  constexpr std::size_t kLarge = 64;
   Shared* shared = content_.shared;
   const bool alone = shared->users.load(std::memory_order_acquire) == 1;
   if (!alone && shared->users.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  if (keeping && kind_ == Kind::list && as_list()->size() > kLarge) {
+    shared->users.store(1, std::memory_order_relaxed);
+    Value& kept = keeping->wholes_.emplace_back();
+    kept.content_.shared = shared;
+    kept.kind_ = kind_;
+    return;
+  }
   switch (kind_) {
     case Kind::text:
       delete static_cast<Held<std::string>*>(shared);
@@ -183,9 +186,20 @@ List* Value::own_parts() {
   return kind_ == Kind::record ? &own<Record>().values : nullptr;
 }
 
+void Value::replaced(Extent before, Extent after) {
+  Extent now = extent();
+  now.values += after.values - before.values;
+  now.depth = std::max(now.depth, after.depth + 1);
+  content_.shared->extent.store(packed(now), std::memory_order_relaxed);
+}
+
+/// A list that grows moves in few, large steps: to move is dearer than room that is not used.
 void Value::append(Value part) {
+  constexpr std::size_t kSmall = 256, kTimes = 4;
   const Extent before = extent(), more = part.extent();
-  own<List>().push_back(std::move(part));
+  List& list = own<List>();
+  if (list.size() == list.capacity() && list.size() >= kSmall) list.reserve(kTimes * list.size());
+  list.push_back(std::move(part));
   content_.shared->extent.store(packed({before.values + more.values, std::max(before.depth, more.depth + 1)}),
                                 std::memory_order_relaxed);
 }
@@ -212,22 +226,92 @@ Value::Extent Value::extent() const {
 }
 
 std::string Value::text() const {
-  switch (kind_) {
-    case Kind::boolean:
-      return content_.truth ? "True" : "False";
-    case Kind::number:
-      return format_number(content_.number.value) + unit_text(content_.number.dimension);
-    case Kind::text:
-      return *as_text();
-    case Kind::list:
-      return text_of(*as_list());
-    case Kind::joints:
-      return text_of(*as_joints());
-    case Kind::pose:
-      return text_of(*as_point());
-    default:
-      return text_of(*as_record());
+  std::string out;
+  Telling telling(*this);
+  while (!telling.go_on(out, out.max_size() - out.size())) continue;
+  return out;
+}
+
+std::string Value::excerpt(std::size_t bytes) const {
+  std::string out;
+  Telling telling(*this);
+  if (kind_ == Kind::text) {
+    out = as_text()->substr(0, bytes + 1);
+  } else {
+    telling.go_on(out, bytes + 1);
   }
+  if (out.size() <= bytes) return out;
+  while (bytes > 0 && (static_cast<unsigned char>(out[bytes]) & 0xC0) == 0x80) --bytes;
+  return out.substr(0, bytes) + "…";
+}
+
+// Telling.
+
+void Telling::open(const Value& whole) {
+  open_.push_back({&whole, 0});
+}
+
+void Telling::tell(const Value& value, std::string& out) {
+  switch (value.kind()) {
+    case Kind::boolean:
+      out += *value.as_boolean() ? "True" : "False";
+      return;
+    case Kind::number:
+      out += format_number(value.as_number()->value);
+      out += unit_text(value.as_number()->dimension);
+      return;
+    case Kind::text:
+      out += *value.as_text();
+      return;
+    case Kind::joints:
+      out += text_of(*value.as_joints());
+      return;
+    case Kind::pose:
+      out += text_of(*value.as_point());
+      return;
+    default:
+      out += value.as_list() ? '[' : '{';
+      open(value);
+  }
+}
+
+bool Telling::go_on(std::string& out, std::size_t bytes) {
+  const std::size_t end = out.size() + bytes;
+  if (!std::exchange(begun_, true)) tell(value_, out);
+  while (!open_.empty() && out.size() < end) {
+    Level& level = open_.back();
+    const Record* record = level.whole->as_record();
+    const List& parts = record ? record->values : *level.whole->as_list();
+    if (level.next == parts.size()) {
+      out += record ? '}' : ']';
+      open_.pop_back();
+      continue;
+    }
+    if (level.next > 0) out += ", ";
+    if (record) out += record->names[level.next] + " = ";
+    tell(parts[level.next++], out);
+  }
+  return open_.empty();
+}
+
+// Letting go.
+
+Remains::Keeping::Keeping(Remains& remains) : before_{std::exchange(keeping, &remains)} {}
+Remains::Keeping::~Keeping() {
+  keeping = before_;
+}
+
+int Remains::free(int steps) {
+  const int given = steps;
+  const Keeping nested(*this);  // lists in lists come to the same place
+  while (steps > 0 && !wholes_.empty()) {
+    Value whole = std::move(wholes_.back());
+    wholes_.pop_back();
+    List& parts = *whole.own_parts();
+    for (; steps > 0 && !parts.empty(); parts.pop_back()) steps -= parts.back().is_shared() ? kShared : 1;
+    if (!parts.empty()) wholes_.push_back(std::move(whole));
+  }
+  return given - steps;
 }
 
 bool operator==(const Value& a, const Value& b) {

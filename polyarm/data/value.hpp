@@ -122,6 +122,8 @@ class Value {
   /// As a person reads it: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…),
   /// {red = 1}.
   std::string text() const;
+  /// Its beginning, at most so many bytes of it; "…" where there is more.
+  std::string excerpt(std::size_t bytes = 60) const;
 
   /// How many values it is: itself and, of a list or record, all that are in it; and how deep lists and
   /// records stand in one another. Counted once.
@@ -129,6 +131,8 @@ class Value {
     std::uint32_t values = 1, depth = 0;
   };
   Extent extent() const;
+  /// A list whose extent is known.
+  Value(List value, Extent known);
 
   /// As assignment, for values that stand in it.
   void set(const Number& number) noexcept {
@@ -146,9 +150,20 @@ class Value {
 
   /// The number itself, to be changed; nullptr where it is none.
   Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
+  /// Nobody shares what stands beside it.
+  bool is_alone() const {
+    return !is_shared() || content_.shared->users.load(std::memory_order_acquire) == 1;
+  }
+  /// Both share the same.
+  bool is_same(const Value& other) const {
+    return is_shared() && kind_ == other.kind_ && content_.shared == other.content_.shared;
+  }
   /// The values of a list or record, to be replaced by others of the same extent; its own copy where others
   /// share them. nullptr where it is neither.
   List* own_parts();
+  /// What it is after a part of own_parts() has been replaced by one of another extent. The depth is that of
+  /// the deepest part that it had since it was counted.
+  void replaced(Extent before, Extent after);
   /// Adds `part` to a list, without a copy where nobody shares it.
   void append(Value part);
   /// Adds `more` to a text, without a copy where nobody shares it.
@@ -194,6 +209,32 @@ class Value {
 
   Content content_;
   Kind kind_ = Kind::boolean;
+};
+
+/// Large lists and records that their last user on this thread has let go, while one of these is in force;
+/// they are freed little by little. Of one thread.
+class Remains {
+ public:
+  /// Keeps what is let go until its end.
+  class Keeping {
+   public:
+    explicit Keeping(Remains& remains);
+    ~Keeping();
+    Keeping(const Keeping&) = delete;
+    Keeping& operator=(const Keeping&) = delete;
+
+   private:
+    Remains* before_;
+  };
+  bool empty() const { return wholes_.empty(); }
+  /// Frees parts, for at most about so many steps, and says how many it took: kShared for one that stands
+  /// beside the list, 1 for a number.
+  int free(int steps);
+  static constexpr int kShared = 8;
+
+ private:
+  friend class Value;
+  std::vector<Value> wholes_;
 };
 
 /// The SI unit of `dimension` as the language spells it; empty for none.

@@ -255,12 +255,16 @@ void Compiler::count_meetings() {
 namespace {
 /// About how many plain steps this one takes as long as.
 int weight(const Step& step) {
-  constexpr int kCall = 2, kLarge = 8;
+  constexpr int kCall = 2, kLarge = 8, kHost = 16, kSet = 64, kLog = 128, kMove = 320;
+  if (step.op == Op::move || step.op == Op::load_file) return kMove;
+  if (step.op == Op::log) return kLog + step.c * kCall;
+  if (step.op == Op::set_host || step.op == Op::of_host) return kSet;
+  if (step.op == Op::host) return kHost;
   if (step.op == Op::call || step.op == Op::give || step.op == Op::element || step.op == Op::field)
     return kCall;
   if (step.op < Op::absent) return 1;
-  const bool has_parts = step.op == Op::joined || step.op == Op::list || step.op == Op::record ||
-                         step.op == Op::builtin || step.op == Op::log;
+  const bool has_parts =
+      step.op == Op::joined || step.op == Op::list || step.op == Op::record || step.op == Op::builtin;
   return kLarge + (has_parts ? step.c * kCall : 0);
 }
 }  // namespace

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/program/ast.hpp"
@@ -126,6 +127,7 @@ enum class Op : std::uint8_t {
   rest,         ///< to a, in the next tick
   refuse,       ///< a problem
   stop,
+  pace,  ///< a long statement goes on; a look at the budget
   finish,
 };
 
@@ -200,6 +202,15 @@ struct Code {
 
 /// The steps refer into `program`, which has to outlive them unmoved.
 Code compile(const Program& program);
+
+/// A program and its steps, for any number of interpreters, which only read them.
+struct Compiled {
+  explicit Compiled(Program of) : program(std::move(of)), code(compile(program)) {}
+  Compiled(const Compiled&) = delete;
+  Compiled& operator=(const Compiled&) = delete;
+  Program program;
+  Code code;
+};
 
 /// Every statement of `block` and of the blocks in it, outermost first.
 void for_each_statement(const Block& block, const std::function<void(const Statement&)>& visit);

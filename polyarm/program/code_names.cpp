@@ -88,7 +88,13 @@ bool Compiler::set_part_in_place(const Statement& s, const Resolved& resolved) {
     if (part.index) push(*part.index);
   const int places = height() - first;
   push(*s.expression);
-  add(Op::replace, s.name_place, {.a = root, .b = first, .c = names(resolved.fields), .d = places});
+  const bool places_alone = resolved.fields.empty() && places == static_cast<int>(s.path.size());
+  add(Op::replace, s.name_place,
+      {.more = static_cast<std::uint16_t>(places_alone ? 1 : 0),
+       .a = root,
+       .b = first,
+       .c = names(resolved.fields),
+       .d = places});
   return true;
 }
 

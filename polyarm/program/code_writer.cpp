@@ -12,12 +12,22 @@ int CodeWriter::here() const {
 }
 
 int CodeWriter::add(Op op, Place place, Step operands) {
-  operands.op = op;
+  constexpr int kMostSteps = 2000;
+  if (begins_) since_look_ = 0;
+  if (++since_look_ > kMostSteps) {
+    since_look_ = 0;
+    add_step(Op::pace, place, {.begins = 1});
+  }
   operands.begins = begins_ ? 1 : 0;
   begins_ = false;
+  add_step(op, place, operands);
+  return here() - 1;
+}
+
+void CodeWriter::add_step(Op op, Place place, Step operands) {
+  operands.op = op;
   code_.steps.push_back(operands);
   code_.sources.push_back({place, line_.line ? line_ : place, statement_});
-  return here() - 1;
 }
 
 int CodeWriter::add_binary(Op op, Operator operation, Place place, Step operands) {

@@ -59,6 +59,7 @@ class CodeWriter {
   // Steps: code_writer.cpp
   int here() const;
   int add(Op op, Place place, Step operands = {});
+  void add_step(Op op, Place place, Step operands);
   int add_binary(Op op, Operator operation, Place place, Step operands);
   Step& step(int at) { return code_.steps[static_cast<std::size_t>(at)]; }
   /// The step goes on here.
@@ -155,6 +156,7 @@ class CodeWriter {
   std::unordered_map<std::string, int> text_at_;
   std::unordered_map<NumberKey, int, NumberHash> number_at_;
   std::uint16_t fields_ = 0;
+  int since_look_ = 0;  ///< steps since the last one that looks at the budget
   int temporaries_ = 0;
 };
 

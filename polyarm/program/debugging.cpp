@@ -17,7 +17,7 @@ bool before(Place a, Place b) {
 
 /// Whether the program pauses in front of the statement that `task` comes to.
 bool Interpreter::stops_here(Task& task) {
-  if (task.apart) return false;
+  if (task.apart || code_.steps[task.pc].op == Op::pace) return false;
   if (std::exchange(resumed_, resumed_ == task.id ? 0 : resumed_) == task.id) return false;
   const Place line = code_.sources[task.pc].line;
   const bool stepped =

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <utility>
 
 #include "polyarm/base/quantity.hpp"
@@ -44,12 +45,9 @@ Slot& Interpreter::slot(Task& task, Operand operand) {
 }
 
 Value Interpreter::take_value(Task& task, Operand operand, const Step& step) {
-  Slot& from = slot(task, operand);
-  if (!from.set)
-    fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
-            "write `return` with a value in it");
-  if (where(operand) == Where::temporary) return std::move(from.value);
-  return from.value;
+  const Value& from = value_of(task, operand, step);
+  if (where(operand) == Where::temporary) return std::move(slot(task, operand).value);
+  return from;
 }
 
 void Interpreter::require_values(Task& task, const Step& step, int first, int count) {
@@ -59,47 +57,143 @@ void Interpreter::require_values(Task& task, const Step& step, int first, int co
               "write `return` with a value in it");
 }
 
+const Value& Interpreter::value_of(Task& task, Operand operand, const Step& step) {
+  const Slot& from = slot(task, operand);
+  if (!from.set)
+    fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
+            "write `return` with a value in it");
+  return from.value;
+}
+
+void Interpreter::drop(Task& task, Operand operand) {
+  if (where(operand) == Where::temporary) slot(task, operand).fill_plain(false);
+}
+
 bool Interpreter::take_boolean(Task& task, Operand operand, const Step& step, const char* of) {
   const Value value = take_value(task, operand, step);
   if (const bool* truth = value.as_boolean()) return *truth;
   fail_at(source(step).place, "bad-type",
           std::string("the condition of '") + of + "' is " + data::name(value.kind()) + " (" +
-              value.text().substr(0, 60) + "), True or False was expected");
+              value.excerpt(60) + "), True or False was expected");
 }
 
 void Interpreter::charge_for(const Value& value) {
   constexpr std::size_t kBytesOfAStep = 64;
   if (value.as_text()) charge(value.as_text()->size() / kBytesOfAStep);
-  if (value.as_list() || value.as_record()) charge(value.extent().values);
+}
+
+// Large values.
+
+bool Interpreter::go_on_with_work(Task& task) {
+  charge(static_cast<std::size_t>(task.work->go_on()));
+  return task.work->done();
+}
+
+bool Interpreter::part_from_others(Task& task, Value& whole, std::span<const PathStep> path) {
+  Value* at = &whole;
+  for (std::size_t deep = 0; at->as_list() || at->as_record(); ++deep) {
+    const bool large = at->as_list() && at->as_list()->size() > kLargeList;
+    if (large && !at->is_alone()) {
+      const bool begun = task.work && static_cast<Copying&>(*task.work).is_of(*at);
+      if (!begun) task.work = std::make_unique<Copying>(*at);
+      if (!go_on_with_work(task)) return false;
+      *at = static_cast<Copying&>(*task.work).take();
+      task.work.reset();
+    }
+    if (deep == path.size()) break;
+    const std::size_t part = part_at(*at, path[deep]);
+    at = &(*at->own_parts())[part];
+  }
+  task.work.reset();
+  return true;
+}
+
+bool Interpreter::write(Task& task, int first, int count, std::string_view between, std::string& text) {
+  bool plain = true;
+  for (int i = first; i < first + count; ++i) {
+    const Value& part = task.local(i).value;
+    plain = plain && !part.as_list() && !part.as_record();
+  }
+  if (plain) {
+    constexpr std::size_t kBytesOfAStep = 4;  // most of them are digits
+    for (int i = first; i < first + count && text.size() <= kLongestText; ++i) {
+      const Value& part = task.local(i).value;
+      if (i > first) text += between;
+      text += part.as_text() ? *part.as_text() : part.text();
+    }
+    charge(text.size() / kBytesOfAStep);
+    return true;
+  }
+  if (!task.work) {
+    data::List parts;
+    for (int i = first; i < first + count; ++i) parts.push_back(task.local(i).value);
+    task.work = std::make_unique<Writing>(std::move(parts), between);
+  }
+  if (!go_on_with_work(task)) return false;
+  text = static_cast<Writing&>(*task.work).take();
+  task.work.reset();
+  return true;
 }
 
 // Plain steps, of any values.
 
-void Interpreter::calculate(Task& task, const Step& step) {
+/// What an operator of two makes of them; false: not yet. Lists are copied and compared in pieces.
+bool Interpreter::result_of(Task& task, const Step& step, Value& result) {
   const auto op = static_cast<Operator>(step.more);
-  const Value right = take_value(task, step.c, step), left = take_value(task, step.b, step);
-  if (is_comparison(op)) charge_for(left);
-  Value result = apply(op, left, right);
-  charge_for(result);
+  const Value &right = value_of(task, step.c, step), &left = value_of(task, step.b, step);
+  const bool same_kind = left.kind() == right.kind();
+  const bool joins = op == Operator::add && left.as_list() && right.as_list() &&
+                     left.as_list()->size() + right.as_list()->size() > kLargeList;
+  const bool compares = (op == Operator::equal || op == Operator::unequal) && same_kind && is_large(left);
+  if (!joins && !compares && !task.work) {
+    if (is_comparison(op)) charge_for(left);
+    result = apply(op, left, right);
+    charge_for(result);
+    return true;
+  }
+  if (joins && !task.work) {
+    const Value::Extent a = left.extent(), b = right.extent();
+    require_fits({a.values + b.values - 1, std::max(a.depth, b.depth)});
+    task.work = std::make_unique<Copying>(left, right);
+  }
+  if (!task.work) task.work = std::make_unique<Comparing>(left, right);
+  if (!go_on_with_work(task)) return false;
+  result = op == Operator::add
+               ? static_cast<Copying&>(*task.work).take()
+               : Value(static_cast<Comparing&>(*task.work).equal() == (op == Operator::equal));
+  task.work.reset();
+  return true;
+}
+
+bool Interpreter::calculate(Task& task, const Step& step) {
+  Value result;
+  if (!result_of(task, step, result)) return false;
+  drop(task, step.b);
+  drop(task, step.c);
   slot(task, step.a).fill(std::move(result));
+  return true;
 }
 
 /// A text that grows does so in its place.
-void Interpreter::calculate_into_variable(Task& task, const Step& step) {
+bool Interpreter::calculate_into_variable(Task& task, const Step& step) {
   const auto op = static_cast<Operator>(step.more);
   Slot& variable = slot(task, step.a);
-  const Value right = take_value(task, step.c, step);
+  const Value& right = value_of(task, step.c, step);
   const bool grows = op == Operator::add && step.b == step.a && variable.set && variable.value.as_text() &&
                      right.as_text() &&
                      variable.value.as_text()->size() + right.as_text()->size() <= kLongestText;
   if (grows) {
     charge_for(right);
-    return variable.value.append(std::string_view(*right.as_text()));
+    const Value more = take_value(task, step.c, step);  // it may be the same text
+    variable.value.append(std::string_view(*more.as_text()));
+    return true;
   }
-  const Value left = take_value(task, step.b, step);
-  Value result = apply(op, left, right);
-  charge_for(result);
+  Value result;
+  if (!result_of(task, step, result)) return false;
+  drop(task, step.b);
+  drop(task, step.c);
   change(variable, std::move(result), nullptr, *source(step).statement);
+  return true;
 }
 
 namespace {
@@ -124,7 +218,7 @@ void Interpreter::execute_plain(Task& task, const Step& step) {
     case Op::multiply_to:
     case Op::divide_to:
     case Op::modulo_to:
-      calculate_into_variable(task, step);
+      if (!calculate_into_variable(task, step)) return;
       break;
     case Op::unary: {
       const Value of = take_value(task, step.b, step);
@@ -165,18 +259,18 @@ void Interpreter::execute_plain(Task& task, const Step& step) {
       take_field(task, step);
       break;
     case Op::set_element:
-      set_element(task, step);
+      if (!set_element(task, step)) return;
       break;
     case Op::set_field:
-      set_field(task, step);
+      if (!set_field(task, step)) return;
       break;
     case Op::append:
-      append(task, step);
+      if (!append(task, step)) return;
       break;
     case Op::call:
-      if (task.frames.size() > kDeepestCalls)
+      if (is_too_deep(task, step))
         fail_at(source(step).place, "too-deep",
-                "functions call one another more than " + std::to_string(kDeepestCalls) + " deep",
+                "functions call one another more than " + std::to_string(task.frames.size() - 1) + " deep",
                 "write a loop, or end the recursion earlier");
       return enter_function(task, step);
     case Op::give:
@@ -186,12 +280,14 @@ void Interpreter::execute_plain(Task& task, const Step& step) {
       break;
     default: {
       if (step.op < Op::unless_equal) {
-        calculate(task, step);
+        if (!calculate(task, step)) return;
         break;
       }
-      const Value right = take_value(task, step.c, step), left = take_value(task, step.b, step);
-      charge_for(left);
-      const bool truth = *apply(static_cast<Operator>(step.more), left, right).as_boolean();
+      Value result;
+      if (!result_of(task, step, result)) return;
+      drop(task, step.b);
+      drop(task, step.c);
+      const bool truth = *result.as_boolean();
       task.pc = truth == is_when(step.op) ? target : task.pc + 1;
       return;
     }
@@ -210,7 +306,7 @@ void Interpreter::execute_value(Task& task, const Step& step) {
       if (!push_host(task, step)) return;
       break;
     case Op::joined:
-      join_texts(task, step);
+      if (!join_texts(task, step)) return;
       break;
     case Op::list:
     case Op::record:
@@ -218,7 +314,7 @@ void Interpreter::execute_value(Task& task, const Step& step) {
       break;
     case Op::builtin:
     case Op::of_host:
-      call_function(task, step);
+      if (!call_function(task, step)) return;
       break;
     case Op::answered:
       if (!take_answer(task, step)) return;
@@ -236,22 +332,14 @@ void Interpreter::execute_value(Task& task, const Step& step) {
   ++task.pc;
 }
 
-void Interpreter::join_texts(Task& task, const Step& step) {
-  constexpr std::size_t kBytesOfAStep = 4;  // most of them are digits
+bool Interpreter::join_texts(Task& task, const Step& step) {
   require_values(task, step, step.b, step.c);
   std::string text;
-  for (int i = step.b; i < step.b + step.c; ++i) {
-    Value& part = task.local(i).value;
-    if (part.as_text()) {
-      text += *part.as_text();
-    } else {
-      text += part.text();
-    }
-    part = false;
-  }
-  charge(text.size() / kBytesOfAStep);
+  if (!write(task, step.b, step.c, {}, text)) return false;
+  for (int i = step.b; i < step.b + step.c; ++i) task.local(i).value = false;
   if (text.size() > kLongestText) static_cast<void>(apply(Operator::add, Value(std::move(text)), Value("")));
   slot(task, step.a).fill(Value(std::move(text)));
+  return true;
 }
 
 void Interpreter::make_parts(Task& task, const Step& step) {
@@ -306,18 +394,37 @@ void Interpreter::take_field(Task& task, const Step& step) {
   slot(task, step.a).fill(std::move(part));
 }
 
-void Interpreter::call_function(Task& task, const Step& step) {
+bool Interpreter::call_function(Task& task, const Step& step) {
   const Function& function = functions()[step.more];
   require_values(task, step, step.b, step.c);
+  if (function.series) return call_in_pieces(task, step);
   arguments_.clear();
   for (int i = 0; i < step.c; ++i) arguments_.push_back(std::move(task.local(step.b + i).value));
   for (std::size_t i = 0; i < arguments_.size(); ++i) require(function, i, arguments_[i]);
+  for (const Value& argument : arguments_) charge_for(argument);
   Value result = step.op == Op::builtin
                      ? function.call(arguments_, at(code_.name_lists, step.d))
                      : host_.call(function.name, arguments_, program_.at(source(step).place));
   arguments_.clear();
   charge_for(result);
   slot(task, step.a).fill(std::move(result));
+  return true;
+}
+
+bool Interpreter::call_in_pieces(Task& task, const Step& step) {
+  const Function& function = functions()[step.more];
+  if (!task.work) {
+    data::List arguments;
+    for (int i = 0; i < step.c; ++i) arguments.push_back(task.local(step.b + i).value);
+    for (std::size_t i = 0; i < arguments.size(); ++i) require(function, i, arguments[i]);
+    task.work = std::make_unique<Making>(function.series(arguments));
+  }
+  if (!go_on_with_work(task)) return false;
+  Value result = static_cast<Making&>(*task.work).take();
+  task.work.reset();
+  let_go(task, step.b, step.c);
+  slot(task, step.a).fill(std::move(result));
+  return true;
 }
 
 namespace {

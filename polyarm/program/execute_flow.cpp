@@ -53,6 +53,8 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
       return wait_for(task, WaitKind::turn);
     case Op::refuse:
       throw Error(at(code_.problems, step.a));
+    case Op::pace:
+      break;
     case Op::stop:
       if (!arrived(task)) return;
       task.state = TaskState::stopped;
@@ -67,7 +69,8 @@ void Interpreter::raise_step(Task& task, const Step& step) {
   const Value error = step.op == Op::raise ? take_value(task, step.b, step) : slot(task, step.b).value;
   const data::Record* record = error.as_record();
   const auto part = [&](const char* name) { return record ? record->find(name) : nullptr; };
-  Problem problem{"user", program_.at(source(step).line), error.text(), {}};
+  Problem problem{
+      "user", program_.at(source(step).line), error.as_text() ? *error.as_text() : error.excerpt(500), {}};
   if (const Value* kind = part("kind")) problem.code = kind->text();
   if (const Value* text = part("text")) problem.what = text->text();
   const Value* line = part("line");

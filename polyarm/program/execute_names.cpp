@@ -28,7 +28,7 @@ void Interpreter::execute_name(Task& task, const Step& step) {
       set_literal(task, step);
       break;
     case Op::replace:
-      replace_part(task, step);
+      if (!replace_part(task, step)) return;
       break;
     default:  // given
       if (task.local(step.a).set) {
@@ -44,8 +44,8 @@ void Interpreter::execute_name(Task& task, const Step& step) {
 void Interpreter::check_type(const Value& present, const Value& value, const Statement& s) const {
   if (same_type(present, value)) return;
   fail_at(s.name_place, "bad-type",
-          "'" + s.name + "' is " + described(present) + " (" + present.text().substr(0, 60) +
-              ") and cannot become " + described(value) + " (" + value.text().substr(0, 60) + ")",
+          "'" + s.name + "' is " + described(present) + " (" + present.excerpt(60) + ") and cannot become " +
+              described(value) + " (" + value.excerpt(60) + ")",
           "a name keeps its type and unit");
 }
 
@@ -79,66 +79,76 @@ void Interpreter::set_literal(Task& task, const Step& step) {
 
 // Parts of variables.
 
-void Interpreter::set_element(Task& task, const Step& step) {
-  Value value = take_value(task, step.c, step);
+bool Interpreter::set_element(Task& task, const Step& step) {
+  value_of(task, step.c, step);
   const PathStep path{{}, slot(task, step.b).value};
   Value& whole = slot(task, step.a).value;
-  replace(whole, {&path, 1}, std::move(value));
-  charge_for(whole);
+  if (!part_from_others(task, whole, {&path, 1})) return false;
+  drop(task, step.b);
+  replace(whole, {&path, 1}, take_value(task, step.c, step));
+  return true;
 }
 
-void Interpreter::set_field(Task& task, const Step& step) {
-  Value value = take_value(task, step.b, step);
+bool Interpreter::set_field(Task& task, const Step& step) {
+  value_of(task, step.b, step);
   const PathStep path{at(code_.texts, step.c), {}};
   Value& whole = slot(task, step.a).value;
-  replace(whole, {&path, 1}, std::move(value));
-  charge_for(whole);
+  if (!part_from_others(task, whole, {&path, 1})) return false;
+  replace(whole, {&path, 1}, take_value(task, step.b, step));
+  return true;
 }
 
 /// set l = l + […]
-void Interpreter::append(Task& task, const Step& step) {
+bool Interpreter::append(Task& task, const Step& step) {
   const Place sum = at(code_.places, step.d), list = at(code_.places, step.d + 1);
+  Slot& variable = slot(task, step.a);
   Place place = list;
   try {
-    data::List items;
-    for (int i = step.b + step.c - 1; i >= step.b; --i) {
+    for (int i = step.b + step.c - 1; i >= step.b; --i)
       if (!task.local(i).set)
         fail_at(list, "no-value", "a value was expected, and this function returns none",
                 "write `return` with a value in it");
-      items.push_back(std::move(task.local(i).value));
-    }
-    std::reverse(items.begin(), items.end());
+    if (variable.set && variable.value.as_list() && !part_from_others(task, variable.value, {})) return false;
+    data::List items;
+    for (int i = 0; i < step.c; ++i) items.push_back(std::move(task.local(step.b + i).value));
     const Value more = make_list(std::move(items));
     place = sum;
-    Slot& variable = slot(task, step.a);
     if (!variable.set)
       fail_at(sum, "no-value", "a value was expected, and this function returns none",
               "write `return` with a value in it");
-    Value result = apply(Operator::add, variable.value, more);
-    charge_for(result);
-    change(variable, std::move(result), nullptr, *source(step).statement);
+    if (!variable.value.as_list()) {
+      change(variable, apply(Operator::add, variable.value, more), nullptr, *source(step).statement);
+      return true;
+    }
+    const Value::Extent a = variable.value.extent(), b = more.extent();
+    require_fits({a.values + b.values - 1, std::max(a.depth, b.depth)});
+    for (const Value& part : *more.as_list()) variable.value.append(part);
+    variable.origin = nullptr;
   } catch (const OperationError& error) {
     fail_at(place, error.code, error.what, error.advice);
   }
+  return true;
 }
 
 /// Behind one another lie the places in lists, and the value that comes in.
-void Interpreter::replace_part(Task& task, const Step& step) {
+bool Interpreter::replace_part(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
-  Value value = take_value(task, operand(Where::temporary, step.b + step.d), step);
+  const Operand from = operand(Where::temporary, step.b + step.d);
+  value_of(task, from, step);
   std::vector<PathStep> path;
   for (const std::string& part : at(code_.name_lists, step.c)) path.push_back({part, {}});
   int next = step.b;
   for (const PathPart& part : s.path) {
     if (part.index) {
-      path.push_back({{}, std::move(task.local(next++).value)});
+      path.push_back({{}, task.local(next++).value});
     } else {
       path.push_back({part.field, {}});
     }
   }
   Value& whole = slot(task, step.a).value;
-  replace(whole, path, std::move(value));
-  charge_for(whole);
+  if (!part_from_others(task, whole, path)) return false;
+  replace(whole, path, take_value(task, from, step));
+  return true;
 }
 
 }  // namespace polyarm::program

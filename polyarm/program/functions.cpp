@@ -142,7 +142,7 @@ int count_of(const Value& value, const char* what) {
   return static_cast<int>(n);
 }
 
-Value pallet(Values a, Names) {
+Series places_of_pallet(Values a) {
   const Pose corner = pose_of(a[0]);
   const int rows = count_of(a[3], "rows"), columns = count_of(a[4], "cols"),
             layers = count_of(a[5], "layers");
@@ -154,14 +154,23 @@ Value pallet(Values a, Names) {
     return (count > 1 ? 1.0 / (count - 1) : 0.0) * (pose_of(end).position - corner.position);
   };
   const Vec3 along = step(a[1], columns), across = step(a[2], rows), up{0, 0, of(a[6])};
+  const bool quaternion = a[0].as_point()->quaternion_given;
+  const auto of_layer = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  const auto place = [=](std::size_t i) -> Value {
+    const std::size_t layer = i / of_layer, row = i % of_layer / static_cast<std::size_t>(columns),
+                      column = i % static_cast<std::size_t>(columns);
+    return Point{{corner.position + static_cast<double>(column) * along + static_cast<double>(row) * across +
+                      static_cast<double>(layer) * up,
+                  corner.rotation},
+                 quaternion};
+  };
+  return {of_layer * static_cast<std::size_t>(layers), place};
+}
+
+Value pallet(Values a, Names) {
+  const Series places = places_of_pallet(a);
   List out;
-  for (int layer = 0; layer < layers; ++layer)
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column)
-        out.push_back(Point{{corner.position + static_cast<double>(column) * along +
-                                 static_cast<double>(row) * across + static_cast<double>(layer) * up,
-                             corner.rotation},
-                            a[0].as_point()->quaternion_given});
+  for (std::size_t i = 0; i < places.count; ++i) out.push_back(places.at(i));
   return make_list(std::move(out));
 }
 
@@ -261,6 +270,7 @@ std::vector<Function> all_functions() {
          {"layers", W::scalar, 1.0},
          {"height", W::length, 0.0}},
         Kind::list, {}, &pallet);
+  out.back().series = &places_of_pallet;
   gives("here", "here()", "where the tool centre point is; waits until the robot has arrived", {}, Kind::pose,
         {}, &here);
   out.push_back({"ask",

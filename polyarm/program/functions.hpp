@@ -1,5 +1,7 @@
 #pragma once
 /// The functions that every program has: one list for the interpreter, the checker and the reference.
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +21,12 @@ struct FunctionParameter {
   std::optional<double> otherwise;  ///< where it is left out, in SI; nothing: it must be given
 };
 
+/// A list that is made value by value.
+struct Series {
+  std::size_t count = 0;
+  std::function<Value(std::size_t)> at;
+};
+
 struct Function {
   std::string_view name;
   std::string_view signature;  ///< for people: "offset(p, x = 0mm, …)"
@@ -33,6 +41,8 @@ struct Function {
   /// does it.
   Value (*call)(std::span<const Value> arguments, std::span<const std::string> names) = nullptr;
   bool in_tests = false;  ///< only there
+  /// Where the result may be a long list: as `call`, to be made value by value. Owns what it needs.
+  Series (*series)(std::span<const Value> arguments) = nullptr;
 };
 
 /// The function of that name, in any case, or nullptr. here() and ask() are among them, which only the

@@ -13,7 +13,14 @@ const char* name(TaskState state) {
 }
 
 Interpreter::Interpreter(Program program, Host& host, std::optional<std::size_t> test)
-    : program_{std::move(program)}, code_{compile(program_)}, host_{host}, test_{test} {
+    : Interpreter(std::make_shared<Compiled>(std::move(program)), host, test) {}
+
+Interpreter::Interpreter(std::shared_ptr<Compiled> compiled, Host& host, std::optional<std::size_t> test)
+    : compiled_{std::move(compiled)},
+      program_{compiled_->program},
+      code_{compiled_->code},
+      host_{host},
+      test_{test} {
   Slot empty;
   empty.set = false;
   globals_.assign(code_.globals.size(), empty);
@@ -87,6 +94,8 @@ TaskStatus Interpreter::overview() const {
 StepResult Interpreter::step(int budget) {
   const int given = budget;
   if (paused_ && !outcome_) return {state(), 0};
+  const data::Remains::Keeping keeping(remains_);
+  if (!remains_.empty()) budget -= remains_.free(budget * kStepsOfAStatement / 2) / kStepsOfAStatement;
   if (!outcome_ && looked_at_ != host_.now()) {
     looked_at_ = host_.now();
     step_whens();
@@ -121,8 +130,10 @@ bool Interpreter::run_task(Task& task, int& budget) {
     if (again) execute(task);
     return task.state == TaskState::running && run(task, budget);
   } catch (const Ended& end) {
+    budget -= kStatementsOfAnError;
     raise(task, end.problem, false);
   } catch (const Error& error) {
+    budget -= kStatementsOfAnError;
     raise(task, error.problems().empty() ? Problem{"failed", {}, error.what(), {}} : error.problems().front(),
           true);
   }
@@ -131,12 +142,12 @@ bool Interpreter::run_task(Task& task, int& budget) {
 
 /// Each `when` gets one look, and its block where the condition has become true, in every tick.
 void Interpreter::step_whens() {
-  constexpr int kMostStatements = 1000;
+  constexpr int kMostStatements = 500;
+  int budget = kMostStatements;  // of all
   for (std::size_t i = 0; i < tasks_.size() && !outcome_; ++i) {
     Task& task = *tasks_[i];
     if (task.waiting.kind != WaitKind::turn) continue;
     go_on(task);
-    int budget = kMostStatements;
     if (run_task(task, budget))
       raise(task,
             {"too-long", {}, "this 'when' does not come to its end", "it runs within one cycle of the cell"},
@@ -202,6 +213,7 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   if (problem.where.file.empty() && problem.where.line == 0)
     problem.where = program_.at(code_.sources[task.pc].line);
   end_children(task.id);
+  task.work.reset();
   task.waiting = {};
   task.handles.clear();
   task.deadline.reset();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "polyarm/program/code.hpp"
@@ -16,6 +17,8 @@
 #include "polyarm/program/task_state.hpp"
 
 namespace polyarm::program {
+
+struct PathStep;
 
 struct TaskStatus {
   std::string name;
@@ -56,6 +59,7 @@ class Interpreter {
   /// `program` must have been parsed without errors; `host` has to outlive this.
   /// With `test` it is that of the program's tests, as tests() counts them.
   Interpreter(Program program, Host& host, std::optional<std::size_t> test = {});
+  Interpreter(std::shared_ptr<Compiled> compiled, Host& host, std::optional<std::size_t> test = {});
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;
   ~Interpreter();
@@ -72,6 +76,7 @@ class Interpreter {
   /// The task that says most about the program: one that failed, else the first that has not ended.
   TaskStatus overview() const;
   const Program& program() const { return program_; }
+  const std::shared_ptr<Compiled>& compiled() const { return compiled_; }
 
   /// At the end of the nth pass of an outermost while, its condition is set False where it is a plain name,
   /// and the loop ends. 0: no limit.
@@ -162,6 +167,8 @@ class Interpreter {
 
   // Plain steps, many at once: run.cpp
   bool run(Task& task, int& budget);
+  bool execute_whole(Task& task, int& budget);
+  bool is_too_deep(const Task& task, const Step& step) const;
   void enter_function(Task& task, const Step& step);
   void give(Task& task, const Step& step);
   bool at_field(const data::Record& record, const Step& step, std::size_t& at);
@@ -169,24 +176,26 @@ class Interpreter {
   // Any one step: execute.cpp
   void execute(Task& task);
   void execute_plain(Task& task, const Step& step);
-  void calculate(Task& task, const Step& step);
-  void calculate_into_variable(Task& task, const Step& step);
+  bool result_of(Task& task, const Step& step, Value& result);
+  bool calculate(Task& task, const Step& step);
+  bool calculate_into_variable(Task& task, const Step& step);
   void execute_value(Task& task, const Step& step);
   bool push_host(Task& task, const Step& step);
   void take_field(Task& task, const Step& step);
-  void join_texts(Task& task, const Step& step);
+  bool join_texts(Task& task, const Step& step);
   void make_parts(Task& task, const Step& step);
-  void call_function(Task& task, const Step& step);
+  bool call_function(Task& task, const Step& step);
+  bool call_in_pieces(Task& task, const Step& step);
   bool take_answer(Task& task, const Step& step);
 
   // Names: execute_names.cpp
   void execute_name(Task& task, const Step& step);
   void change(Slot& variable, Value value, const std::string* origin, const Statement& s);
   void check_type(const Value& present, const Value& value, const Statement& s) const;
-  void set_element(Task& task, const Step& step);
-  void set_field(Task& task, const Step& step);
-  void append(Task& task, const Step& step);
-  void replace_part(Task& task, const Step& step);
+  bool set_element(Task& task, const Step& step);
+  bool set_field(Task& task, const Step& step);
+  bool append(Task& task, const Step& step);
+  bool replace_part(Task& task, const Step& step);
   bool set_host(Task& task, const Step& step);
   void set_literal(Task& task, const Step& step);
 
@@ -206,6 +215,10 @@ class Interpreter {
   Slot& slot(Task& task, Operand operand);
   /// Of a step its value, out of a temporary; fails where there is none.
   Value take_value(Task& task, Operand operand, const Step& step);
+  /// Of a step its value, which stays where it is.
+  const Value& value_of(Task& task, Operand operand, const Step& step);
+  /// A temporary that has been read.
+  void drop(Task& task, Operand operand);
   void let_go(Task& task, int first, int count);
   /// Registers that follow one another hold values indeed.
   void require_values(Task& task, const Step& step, int first, int count);
@@ -216,6 +229,12 @@ class Interpreter {
   /// Work beyond that of an ordinary statement, as so many plain steps.
   void charge(std::size_t steps) { work_ += static_cast<int>(steps); }
   void charge_for(const Value& value);
+  /// A piece of the work that the task's step is at; true when it is done.
+  bool go_on_with_work(Task& task);
+  /// `whole` and what is in it on the way along `path` are its own then; false: not yet.
+  bool part_from_others(Task& task, Value& whole, std::span<const PathStep> path);
+  /// Registers as one text; false: not yet.
+  bool write(Task& task, int first, int count, std::string_view between, std::string& text);
 
   // Motion and meetings: motion_steps.cpp
   void move(Task& task, const Step& step);
@@ -233,8 +252,9 @@ class Interpreter {
   void lock(Task& task, const Step& step);
   void together(Task& task, const Step& step);
 
-  Program program_;
-  Code code_;
+  std::shared_ptr<Compiled> compiled_;
+  const Program& program_;
+  Code& code_;
   Host& host_;
   std::vector<std::unique_ptr<Task>> tasks_;
   std::vector<Slot> globals_;
@@ -249,6 +269,7 @@ class Interpreter {
   std::size_t turn_ = 0;
   int turn_left_ = 0;
   int work_ = 0;                      ///< of large values, not taken from a budget yet
+  data::Remains remains_;             ///< of large lists
   data::List arguments_;              ///< of the function that is called
   std::vector<std::uint32_t> found_;  ///< where fields were found
   struct Stepping {

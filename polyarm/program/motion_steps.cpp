@@ -27,7 +27,7 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
   const bool fits = n && std::find(dimensions.begin(), dimensions.end(), n->dimension) != dimensions.end();
   if (!fits)
     throw Refused{clause.value->place,
-                  "'" + word + "' cannot be " + described(value) + " (" + value.text().substr(0, 40) + ")",
+                  "'" + word + "' cannot be " + described(value) + " (" + value.excerpt(40) + ")",
                   std::string("write such as ") + such_as};
   if (n->value < 0 ||
       (n->value == 0 && clause.kind != Clause::Kind::blend && clause.kind != Clause::Kind::payload))

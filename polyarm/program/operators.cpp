@@ -211,7 +211,7 @@ namespace {
 std::size_t place_in(const List& items, const Value& index) {
   const Number* at = index.as_number();
   if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
-    refuse("the place in a list is a whole number, here is " + index.text());
+    refuse("the place in a list is a whole number, here is " + index.excerpt());
   if (at->value < 1 || at->value > static_cast<double>(items.size()))
     throw OperationError{
         "no-element", "there is no element " + index.text() + " in a list of " + std::to_string(items.size()),
@@ -257,8 +257,6 @@ Value field(const Value& of, const std::string& name) {
   refuse(described(of) + " has no '" + name + "'");
 }
 
-namespace {
-/// Which of the parts of `whole` a step goes to.
 std::size_t part_at(const Value& whole, const PathStep& step) {
   if (step.index) {
     if (!whole.as_list()) refuse("only a list has elements, here is " + described(whole));
@@ -271,43 +269,41 @@ std::size_t part_at(const Value& whole, const PathStep& step) {
   return static_cast<std::size_t>(at - record->names.begin());
 }
 
+namespace {
 void refuse_other_type(const Value& present, const Value& value) {
   if (same_type(present, value)) return;
-  refuse("this is " + described(present) + " (" + present.text().substr(0, 60) + ") and cannot become " +
-             described(value) + " (" + value.text().substr(0, 60) + ")",
+  refuse("this is " + described(present) + " (" + present.excerpt(60) + ") and cannot become " +
+             described(value) + " (" + value.excerpt(60) + ")",
          "a name keeps its type and unit");
 }
 
-/// A list or record that comes in may make the whole too large: what there was stays until that is known.
-Value replaced(const Value& whole, std::span<const PathStep> path, Value value) {
-  if (path.empty()) {
-    refuse_other_type(whole, value);
-    return value;
-  }
-  const std::size_t at = part_at(whole, path.front());
-  if (const List* items = whole.as_list()) {
-    List out = *items;
-    out[at] = replaced(out[at], path.subspan(1), std::move(value));
-    return make_list(std::move(out));
-  }
-  data::Record out = *whole.as_record();
-  out.values[at] = replaced(out.values[at], path.subspan(1), std::move(value));
-  return make_record(std::move(out));
+/// What `whole` is with another value in place of one that stands so deep in it.
+Value::Extent extent_with(const Value& whole, std::size_t deep, Value::Extent before, Value::Extent after) {
+  const Value::Extent now = whole.extent();
+  const auto levels = static_cast<std::uint32_t>(deep);
+  return {now.values - before.values + after.values, std::max(now.depth, levels + after.depth)};
 }
 }  // namespace
 
+/// A list or record that comes in may make the whole too large: what there was stays until that is known.
 void replace(Value& whole, std::span<const PathStep> path, Value value) {
-  if (value.as_list() || value.as_record()) {
-    whole = replaced(whole, path, std::move(value));
-    return;
-  }
+  std::vector<Value*> above;
   Value* part = &whole;
   for (const PathStep& step : path) {
     const std::size_t at = part_at(*part, step);
+    above.push_back(part);
     part = &(*part->own_parts())[at];
   }
   refuse_other_type(*part, value);
+  Value::Extent before = part->extent(), after = value.extent();
+  const bool same_size = before.values == after.values && before.depth == after.depth;
+  if (!same_size) require_fits(extent_with(whole, above.size(), before, after));
   *part = std::move(value);
+  for (auto each = above.rbegin(); each != above.rend() && !same_size; ++each) {
+    const Value::Extent was = (*each)->extent();
+    (*each)->replaced(before, after);
+    before = was, after = (*each)->extent();
+  }
 }
 
 bool same_type(const Value& a, const Value& b) {
@@ -316,14 +312,17 @@ bool same_type(const Value& a, const Value& b) {
   return !a.as_number() || a.as_number()->dimension == b.as_number()->dimension;
 }
 
-namespace {
-Value bounded(Value out) {
+void require_fits(Value::Extent extent) {
   constexpr std::uint32_t kDeepest = 8;
-  const Value::Extent extent = out.extent();
   if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
   if (extent.values > kMostListItems + 1)
     throw OperationError{
         "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};
+}
+
+namespace {
+Value bounded(Value out) {
+  require_fits(out.extent());
   return out;
 }
 }  // namespace

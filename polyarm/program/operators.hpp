@@ -28,6 +28,7 @@ const Value& element(const Value& list, const Value& index);
 /// A field of a record; x y z rx ry rz of a pose; a joint of a joint state.
 Value field(const Value& of, const std::string& name);
 /// Throw where a list would be too large or lists stand in lists in lists.
+void require_fits(Value::Extent extent);
 Value make_list(data::List items);
 Value make_record(data::Record record);
 
@@ -36,6 +37,8 @@ struct PathStep {
   std::string field;
   std::optional<Value> index;  ///< nothing: the field
 };
+/// Which of the parts of `whole` it goes to. Throws where there is none.
+std::size_t part_at(const Value& whole, const PathStep& step);
 /// Changes a part of `whole`; what is replaced keeps its type and unit.
 void replace(Value& whole, std::span<const PathStep> path, Value value);
 

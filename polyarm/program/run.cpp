@@ -1,5 +1,6 @@
 /// The steps that programs calculate with most, for plain values. What is not plain, and what is wrong, is
 /// left to execute.cpp, which can take every step.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -92,10 +93,29 @@ POLYARM_QUICK bool into_variable(const Operands& at, const Step& step) {
   return true;
 }
 
+/// Booleans and short texts.
+bool equal_others(const Slot& a, const Slot& b, bool wanted, bool& truth) {
+  constexpr std::size_t kLong = 256;
+  if (!a.set || !b.set) return false;
+  if (const bool* x = a.value.as_boolean(), *y = b.value.as_boolean(); x && y) {
+    truth = (*x == *y) == wanted;
+    return true;
+  }
+  const std::string *x = a.value.as_text(), *y = b.value.as_text();
+  if (!x || !y || x->size() > kLong) return false;
+  truth = (*x == *y) == wanted;
+  return true;
+}
+
 template <Operator op>
 POLYARM_QUICK bool compare(const Operands& at, const Step& step, bool& truth) {
   const Number *a = at[step.b].value.as_number(), *b = at[step.c].value.as_number();
-  if (!a || !b || a->dimension != b->dimension) return false;
+  if (!a || !b) {
+    if constexpr (op == Operator::equal || op == Operator::unequal)
+      return equal_others(at[step.b], at[step.c], op == Operator::equal, truth);
+    return false;
+  }
+  if (a->dimension != b->dimension) return false;
   if constexpr (op == Operator::equal) truth = a->value == b->value;
   if constexpr (op == Operator::unequal) truth = a->value != b->value;
   if constexpr (op == Operator::less) truth = a->value < b->value;
@@ -172,22 +192,29 @@ POLYARM_QUICK bool is_place(const Number* at, std::size_t size, std::size_t& ind
   return static_cast<double>(index--) == at->value;
 }
 
+/// Reads a part of what `from` holds, which is let go where nobody reads it again.
+POLYARM_QUICK void take_part(const Operands& at, Operand to, Operand from, const Value& part) {
+  const bool last = where(from) == Where::temporary && from != to;
+  if (const Number* number = part.as_number()) {
+    const Number taken = *number;
+    if (last) at[from].fill_plain(false);
+    at[to].fill_plain(taken);
+    return;
+  }
+  Value taken = part;
+  if (last) at[from].fill_plain(false);
+  at[to].fill(std::move(taken));
+}
+
 POLYARM_QUICK bool quick_element(const Operands& at, const Step& step) {
-  const Slot& of = at[step.b];
-  const data::List* list = of.value.as_list();
+  const data::List* list = at[step.b].value.as_list();
   std::size_t index = 0;
   if (!list || !is_place(at[step.c].value.as_number(), list->size(), index)) return false;
-  if (where(step.b) == Where::temporary && step.b != step.a) return false;
-  const Value& part = (*list)[index];
-  if (const Number* number = part.as_number()) {
-    at[step.a].fill_plain(Number(*number));
-  } else {
-    at[step.a].fill(part);
-  }
+  take_part(at, step.a, step.b, (*list)[index]);
   return true;
 }
 
-POLYARM_QUICK bool is_large(const Value& value) {
+POLYARM_QUICK bool has_parts(const Value& value) {
   return value.kind() == data::Kind::list || value.kind() == data::Kind::record;
 }
 
@@ -199,7 +226,8 @@ POLYARM_QUICK void forget(Slot* slots, int count) {
 
 /// `part` takes the place of one that is like it.
 POLYARM_QUICK bool replace(Value& whole, std::size_t index, const Value& present, const Slot& part) {
-  if (!part.set || is_large(part.value) || !same_type(present, part.value)) return false;
+  if (!part.set || has_parts(part.value) || !same_type(present, part.value)) return false;
+  if (!whole.is_alone()) return false;
   Value next = part.value;
   (*whole.own_parts())[index] = std::move(next);
   return true;
@@ -213,16 +241,31 @@ POLYARM_QUICK bool quick_set_element(const Operands& at, const Step& step) {
   return replace(whole, index, (*list)[index], at[step.c]);
 }
 
+/// Along places in lists alone, which `more` says.
+POLYARM_QUICK bool quick_replace(const Operands& at, const Step& step) {
+  Slot* const places = at.of[0] + step.b;
+  Value* whole = &at[step.a].value;
+  if (step.more == 0) return false;
+  for (int i = 0;; ++i) {
+    const data::List* list = whole->as_list();
+    std::size_t index = 0;
+    if (!list || !whole->is_alone() || !is_place(places[i].value.as_number(), list->size(), index))
+      return false;
+    if (i + 1 == step.d) return replace(*whole, index, (*list)[index], places[step.d]);
+    whole = &(*whole->own_parts())[index];
+  }
+}
+
 bool quick_append(const Operands& at, const Step& step) {
   constexpr std::uint32_t kDeepest = 8;
   Slot& list = at[step.a];
-  if (!list.set || !list.value.as_list()) return false;
+  if (!list.set || !list.value.as_list() || !list.value.is_alone()) return false;
   const Value::Extent extent = list.value.extent();
   const auto count = static_cast<std::uint32_t>(step.c);
   if (extent.depth > kDeepest || extent.values + count > kMostListItems + 1) return false;
   Slot* const parts = at.of[0] + step.b;
   for (std::uint32_t i = 0; i < count; ++i)
-    if (!parts[i].set || is_large(parts[i].value)) return false;
+    if (!parts[i].set || has_parts(parts[i].value)) return false;
   for (std::uint32_t i = 0; i < count; ++i) list.value.append(std::move(parts[i].value));
   return true;
 }
@@ -267,10 +310,16 @@ bool Interpreter::at_field(const data::Record& record, const Step& step, std::si
   return false;
 }
 
+bool Interpreter::is_too_deep(const Task& task, const Step& step) const {
+  return task.frames.size() > kDeepestCalls ||
+         task.frames.back().base + static_cast<std::size_t>(step.a + code_.registers) > kMostRegisters;
+}
+
 void Interpreter::enter_function(Task& task, const Step& step) {
   const std::size_t base = task.frame().base + static_cast<std::size_t>(step.a);
   task.frames.push_back({task.pc + 1, base, task.uses.size(), task.locks.size(), task.handlers.size()});
   const std::size_t needed = base + static_cast<std::size_t>(code_.registers);
+  if (task.stack.capacity() < needed) task.stack.reserve(std::max(needed, kMostRegisters));
   if (task.stack.size() < needed) task.stack.resize(needed);
   task.pc = static_cast<std::size_t>(at(code_.functions, step.c).entry);
 }
@@ -295,8 +344,37 @@ void Interpreter::let_go(Task& task, int first, int count) {
   forget(task.stack.data() + task.frame().base + first, count);
 }
 
+/// The step that `task` stands at, with all pieces of its work as far as the budget goes; true where it is
+/// done and the task goes on.
+bool Interpreter::execute_whole(Task& task, int& budget) {
+  do {
+    execute(task);
+    budget -= work_ / kStepsOfAStatement;
+    work_ %= kStepsOfAStatement;
+  } while (task.work && task.state == TaskState::running && budget > 0);
+  return task.state == TaskState::running && !task.work;
+}
+
+// A step that goes on with the next one, and the two that jump where a comparison does not hold, or does;
+// where they are not known here they are left to execute().
+#define POLYARM_STEP(op, done) \
+  case Op::op:                 \
+    if (!(done)) break;        \
+    ++step;                    \
+    continue;
+#define POLYARM_JUMPS(comparison)                                \
+  case Op::unless_##comparison:                                  \
+    if (!compare<Operator::comparison>(at, *step, truth)) break; \
+    step = truth ? step + 1 : steps + step->d;                   \
+    continue;                                                    \
+  case Op::when_##comparison:                                    \
+    if (!compare<Operator::comparison>(at, *step, truth)) break; \
+    step = truth ? steps + step->d : step + 1;                   \
+    continue;
+
 /// Takes steps until `task` waits, has ended or pauses; true where the budget is used up.
 bool Interpreter::run(Task& task, int& budget) {
+  if (task.work && !execute_whole(task, budget)) return task.state == TaskState::running;
   const Step* const steps = code_.steps.data();
   const auto operands = [&] {
     Slot* const frame = task.stack.data() + task.frame().base;
@@ -304,6 +382,19 @@ bool Interpreter::run(Task& task, int& budget) {
   };
   Operands at = operands();
   const FunctionCode* const functions = code_.functions.data();
+  const auto quick_field = [&](const Step& of) __attribute__((always_inline)) {
+    const data::Record* record = at[of.b].value.as_record();
+    std::size_t place = 0;
+    if (!record || !at_field(*record, of, place)) return false;
+    take_part(at, of.a, of.b, record->values[place]);
+    return true;
+  };
+  const auto quick_set_field = [&](const Step& of) {
+    Value& whole = at[of.a].value;
+    const data::Record* record = whole.as_record();
+    std::size_t place = 0;
+    return record && at_field(*record, of, place) && replace(whole, place, record->values[place], at[of.b]);
+  };
   const Step* step = steps + task.pc;
   bool watched = looks_for_stops();
   while (true) {
@@ -318,66 +409,33 @@ bool Interpreter::run(Task& task, int& budget) {
     }
     bool truth = false;
     switch (step->op) {
-      case Op::load:
-        if (!quick_load(at, *step)) break;
-        ++step;
-        continue;
-      case Op::require:
-        if (!at[step->a].set) break;
-        ++step;
-        continue;
-      case Op::add:
-        if (!into_register<Operator::add>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::subtract:
-        if (!into_register<Operator::subtract>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::multiply:
-        if (!into_register<Operator::multiply>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::divide:
-        if (!into_register<Operator::divide>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::modulo:
-        if (!into_register<Operator::modulo>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::calculate:
-        if (!other_operator(at, *step)) break;
-        ++step;
-        continue;
-      case Op::add_to:
-        if (!into_variable<Operator::add>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::subtract_to:
-        if (!into_variable<Operator::subtract>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::multiply_to:
-        if (!into_variable<Operator::multiply>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::divide_to:
-        if (!into_variable<Operator::divide>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::modulo_to:
-        if (!into_variable<Operator::modulo>(at, *step)) break;
-        ++step;
-        continue;
-      case Op::unary:
-        if (!quick_unary(at, *step)) break;
-        ++step;
-        continue;
-      case Op::change:
-        if (!quick_change(at, *step)) break;
-        ++step;
-        continue;
+      POLYARM_STEP(load, quick_load(at, *step))
+      POLYARM_STEP(require, at[step->a].set)
+      POLYARM_STEP(add, into_register<Operator::add>(at, *step))
+      POLYARM_STEP(subtract, into_register<Operator::subtract>(at, *step))
+      POLYARM_STEP(multiply, into_register<Operator::multiply>(at, *step))
+      POLYARM_STEP(divide, into_register<Operator::divide>(at, *step))
+      POLYARM_STEP(modulo, into_register<Operator::modulo>(at, *step))
+      POLYARM_STEP(calculate, other_operator(at, *step))
+      POLYARM_STEP(add_to, into_variable<Operator::add>(at, *step))
+      POLYARM_STEP(subtract_to, into_variable<Operator::subtract>(at, *step))
+      POLYARM_STEP(multiply_to, into_variable<Operator::multiply>(at, *step))
+      POLYARM_STEP(divide_to, into_variable<Operator::divide>(at, *step))
+      POLYARM_STEP(modulo_to, into_variable<Operator::modulo>(at, *step))
+      POLYARM_STEP(unary, quick_unary(at, *step))
+      POLYARM_STEP(change, quick_change(at, *step))
+      POLYARM_STEP(element, quick_element(at, *step))
+      POLYARM_STEP(field, quick_field(*step))
+      POLYARM_STEP(set_element, quick_set_element(at, *step))
+      POLYARM_STEP(set_field, quick_set_field(*step))
+      POLYARM_STEP(replace, quick_replace(at, *step))
+      POLYARM_STEP(append, quick_append(at, *step))
+      POLYARM_JUMPS(equal)
+      POLYARM_JUMPS(unequal)
+      POLYARM_JUMPS(less)
+      POLYARM_JUMPS(less_equal)
+      POLYARM_JUMPS(greater)
+      POLYARM_JUMPS(greater_equal)
       case Op::jump:
         step = steps + step->d;
         continue;
@@ -387,54 +445,6 @@ bool Interpreter::run(Task& task, int& budget) {
         step = *holds ? step + 1 : steps + step->d;
         continue;
       }
-      case Op::unless_equal:
-        if (!compare<Operator::equal>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::unless_unequal:
-        if (!compare<Operator::unequal>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::unless_less:
-        if (!compare<Operator::less>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::unless_less_equal:
-        if (!compare<Operator::less_equal>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::unless_greater:
-        if (!compare<Operator::greater>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::unless_greater_equal:
-        if (!compare<Operator::greater_equal>(at, *step, truth)) break;
-        step = truth ? step + 1 : steps + step->d;
-        continue;
-      case Op::when_equal:
-        if (!compare<Operator::equal>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::when_unequal:
-        if (!compare<Operator::unequal>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::when_less:
-        if (!compare<Operator::less>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::when_less_equal:
-        if (!compare<Operator::less_equal>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::when_greater:
-        if (!compare<Operator::greater>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::when_greater_equal:
-        if (!compare<Operator::greater_equal>(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
       case Op::settle: {
         const bool* left = truth_of(at[step->b]);
         if (!left) break;
@@ -446,38 +456,8 @@ bool Interpreter::run(Task& task, int& budget) {
         if (!count_on(at, *step, truth) && !next_of_list(at, *step, truth)) break;
         step = truth ? steps + step->d : step + 1;
         continue;
-      case Op::element:
-        if (!quick_element(at, *step)) break;
-        ++step;
-        continue;
-      case Op::field: {
-        const data::Record* record = at[step->b].value.as_record();
-        std::size_t place = 0;
-        if (!record || !at_field(*record, *step, place)) break;
-        if (where(step->b) == Where::temporary && step->b != step->a) break;
-        at[step->a].fill(record->values[place]);
-        ++step;
-        continue;
-      }
-      case Op::set_element:
-        if (!quick_set_element(at, *step)) break;
-        ++step;
-        continue;
-      case Op::set_field: {
-        Value& whole = at[step->a].value;
-        const data::Record* record = whole.as_record();
-        std::size_t place = 0;
-        if (!record || !at_field(*record, *step, place)) break;
-        if (!replace(whole, place, record->values[place], at[step->b])) break;
-        ++step;
-        continue;
-      }
-      case Op::append:
-        if (!quick_append(at, *step)) break;
-        ++step;
-        continue;
       case Op::call:
-        if (task.frames.size() > kDeepestCalls) break;
+        if (is_too_deep(task, *step)) break;
         task.pc = static_cast<std::size_t>(step - steps);
         enter_function(task, *step);
         at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base;
@@ -505,14 +485,14 @@ bool Interpreter::run(Task& task, int& budget) {
         break;
     }
     task.pc = static_cast<std::size_t>(step - steps);
-    execute(task);
-    if (task.state != TaskState::running) return false;
-    budget -= work_ / kStepsOfAStatement;
-    work_ %= kStepsOfAStatement;
+    if (!execute_whole(task, budget)) return task.state == TaskState::running;
     at = operands();
     step = steps + task.pc;
     watched = looks_for_stops();
   }
 }
+
+#undef POLYARM_STEP
+#undef POLYARM_JUMPS
 
 }  // namespace polyarm::program

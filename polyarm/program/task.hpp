@@ -1,6 +1,7 @@
 #pragma once
 /// The state of one task; for the interpreter's own files.
 #include "polyarm/program/interpreter.hpp"
+#include "polyarm/program/large_work.hpp"
 
 namespace polyarm::program {
 
@@ -12,6 +13,10 @@ auto& at(Items& items, int index) {
 
 /// Calls of functions inside calls, deeper than this, are an error.
 inline constexpr std::size_t kDeepestCalls = 200;
+/// Registers of all calls of a task; room for them is made once.
+inline constexpr std::size_t kMostRegisters = 20000;
+/// What one costs that is raised and caught.
+inline constexpr int kStatementsOfAnError = 60;
 /// Statements that a task may begin before the next one has its turn.
 inline constexpr int kTurn = 20;
 
@@ -38,6 +43,7 @@ struct Interpreter::Task {
   std::uint64_t seen_version = 0;
   Nanoseconds seen_at = 0;
   bool met = false, was_true = false;
+  std::unique_ptr<Work> work;  ///< that its step is at, in pieces
   std::uint64_t passes = 0;
   std::optional<Problem> problem;
 

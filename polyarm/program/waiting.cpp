@@ -184,7 +184,7 @@ Nanoseconds Interpreter::time(const Value& value, Place place, bool bare_seconds
                                (bare_seconds && number->dimension == Dimension::none));
   if (!fits)
     fail_at(
-        place, "bad-type", "a time was expected, here is " + value.text().substr(0, 60),
+        place, "bad-type", "a time was expected, here is " + value.excerpt(60),
         number && number->dimension == Dimension::none ? "say the unit, such as " + value.text() + "s" : "");
   if (number->value < 0) fail_at(place, "bad-value", "a time cannot be negative: " + value.text());
   return nanoseconds(std::min(number->value, kLongest));

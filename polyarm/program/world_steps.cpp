@@ -8,6 +8,14 @@
 /// Steps that wait, ask, tell, and meet other tasks.
 namespace polyarm::program {
 
+namespace {
+/// As it is shown to a person.
+std::string told(const Value& value) {
+  constexpr std::size_t kMost = 500;
+  return value.as_text() ? *value.as_text() : value.excerpt(kMost);
+}
+}  // namespace
+
 void Interpreter::execute_world(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
   switch (step.op) {
@@ -43,24 +51,22 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::log: {
       std::string text;
       require_values(task, step, step.b, step.c);
-      for (int i = 0; i < step.c; ++i) text += (i > 0 ? " " : "") + task.local(step.b + i).value.text();
+      if (!write(task, step.b, step.c, " ", text)) return;
       let_go(task, step.b, step.c);
-      charge(text.size() / 4);
       host_.log(text, program_.at(source(step).line));
       break;
     }
     case Op::hold: {
       if (task.apart) wait_for(task, WaitKind::user);
       if (!arrived(task)) return;
-      const std::string reason =
-          step.b != kNone ? take_value(task, step.b, step).text() : "the program holds";
+      const std::string reason = step.b != kNone ? told(take_value(task, step.b, step)) : "the program holds";
       ++task.pc;
       charge(kStepsOfAStatement * 100'000);  // nobody does anything more in this tick
       return host_.hold(reason, program_.at(source(step).line));
     }
     case Op::ask_value: {
       if (!arrived(task)) return;
-      const std::string text = take_value(task, step.b, step).text();
+      const std::string text = told(take_value(task, step.b, step));
       wait_for(task, WaitKind::user, text);
       task.handles = {host_.start_ask(text, program_.at(source(step).line))};
       break;
@@ -94,7 +100,7 @@ void Interpreter::tell_unmet(Task& task, const Step& step) {
   const auto& spellings = at(code_.name_lists, step.d);
   std::vector<std::string> values;
   require_values(task, step, step.b, step.c);
-  for (int i = 0; i < step.c; ++i) values.push_back(task.local(step.b + i).value.text().substr(0, 200));
+  for (int i = 0; i < step.c; ++i) values.push_back(task.local(step.b + i).value.excerpt(200));
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = spellings[i] + " is " + values[i];
   std::string what = "expected " + spelled(*s.expression);
   if (s.second) what += " within " + spelled(*s.second);
@@ -116,8 +122,8 @@ void Interpreter::wait_step(Task& task, const Step& step) {
   const bool* truth = value.as_boolean();
   if (!truth)
     fail_at(source(step).place, "bad-type",
-            std::string("the condition of 'wait' is ") + data::name(value.kind()) + " (" +
-                value.text().substr(0, 60) + "), True or False was expected");
+            std::string("the condition of 'wait' is ") + data::name(value.kind()) + " (" + value.excerpt(60) +
+                "), True or False was expected");
   if (!*truth) {
     begin_look(task, step, WaitKind::condition);
     if (deadline_passed(task)) time_out(task);
@@ -153,7 +159,7 @@ void Interpreter::ask(Task& task, const Step& step) {
     return;
   }
   if (!arrived(task)) return;
-  const std::string text = take_value(task, step.b, step).text();
+  const std::string text = told(take_value(task, step.b, step));
   wait_for(task, WaitKind::user, text);
   task.handles = {host_.start_ask(text, program_.at(s.place))};
   ++task.pc;

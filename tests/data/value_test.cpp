@@ -136,5 +136,36 @@ TEST(Value, CopiesMayBeLetGoByOtherThreads) {
   EXPECT_EQ(shared.as_list()->size(), 2u);
 }
 
+TEST(Value, TellsItsBeginning) {
+  EXPECT_EQ(Value(List(5000, Value(1))).excerpt(10), "[1, 1, 1, …");
+  EXPECT_EQ(Value(List{1, 2}).excerpt(10), "[1, 2]");
+  EXPECT_EQ(Value("äöü").excerpt(3), "ä…") << "never half a letter";
+  EXPECT_EQ(Value(std::string(100, 'x')).excerpt(3), "xxx…");
+}
+
+TEST(Value, OfLargeListsAreFreedLittleByLittleWhereSomebodyKeepsThem) {
+  const Value shared("text");
+  List parts(1000, shared);
+  parts.push_back(Value(List(1000, Value("another"))));
+  Remains remains;
+  {
+    const Remains::Keeping keeping(remains);
+    Value list(std::move(parts));
+    list = false;
+    EXPECT_FALSE(remains.empty());
+    Value small(List{shared, shared});
+    small = false;
+  }
+  int steps = 0, calls = 0;
+  for (; !remains.empty(); ++calls) {
+    const int taken = remains.free(800);
+    EXPECT_LE(taken, 800 + Remains::kShared);
+    steps += taken;
+  }
+  EXPECT_GE(steps, 2000 * Remains::kShared);
+  EXPECT_GE(calls, 20);
+  EXPECT_TRUE(shared.is_alone());
+}
+
 }  // namespace
 }  // namespace polyarm::data

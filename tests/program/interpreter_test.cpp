@@ -17,7 +17,7 @@ Program parsed(const std::string& text) {
 
 TEST(Interpreter, TakesNoMoreStepsThanItsBudget) {
   FakeHost host;
-  Interpreter interpreter(parsed("while true\nlog(1)\nend\n"), host);
+  Interpreter interpreter(parsed("let x = 0\nwhile true\nset x = 1\nend\n"), host);
   const StepResult result = interpreter.step(50);
   EXPECT_EQ(result.executed, 50);
   EXPECT_EQ(result.state, TaskState::running);
