@@ -258,10 +258,12 @@ Poll program_stop(Cell& cell, const Json&) {
   Task& task = program_of(cell);
   require_running(cell, task);
   cell.end_program();
-  return [asked = cell.now()](Cell& c) {  // what it does on stop waits for a robot that is held
+  return [asked = cell.now()](Cell& c) {  // what it does on stop waits until its robots stand
     constexpr Nanoseconds kPatience = 2'000'000'000;
-    const bool waits = !program_of(c).ended() && c.now() - asked < kPatience &&
-                       c.snapshot().state == control::RunState::running;
+    Task& ending = program_of(c);
+    const bool held = c.snapshot().state != control::RunState::running;
+    if (held && !ending.ended()) ending.tick();  // a cell that is held does not, and nothing else is left
+    const bool waits = !ending.ended() && c.now() - asked < kPatience;
     return waits ? Progress{} : Progress::done(program_json(c));
   };
 }

@@ -1,6 +1,7 @@
 /// The program of a cell, paused, stepped, begun in the middle and continued, asked for as people do.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -120,6 +121,36 @@ TEST_F(ProgramControl, EndsAndItsCleanUpIsDone) {
   EXPECT_TRUE(*cell().store().find("Stopped")->as_boolean());
 }
 
+TEST_F(ProgramControl, EndsWhileItIsHeldAndNothingOfItGoesOn) {
+  run_to(12);  // it waits for the move of line 11
+  run->run(0.1);
+  ask("control.hold");
+  ASSERT_EQ(ask("program")["state"], "waiting") << "in the middle of a move";
+  EXPECT_EQ(ask("program.stop")["state"], "stopped");
+  EXPECT_TRUE(*cell().store().find("Stopped")->as_boolean());
+  const std::vector<double> there = cell().snapshot().commands;
+  ask("control.resume");
+  run->run(3);
+  const std::vector<double> now = cell().snapshot().commands;
+  int joints = 0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    if (!std::isfinite(there[i])) continue;
+    EXPECT_NEAR(now[i], there[i], 0.02) << i;
+    ++joints;
+  }
+  EXPECT_GE(joints, 6);
+  EXPECT_EQ(ask("program")["state"], "stopped");
+}
+
+TEST_F(ProgramControl, EndsWhileTheRobotIsStillComingToAHold) {
+  run_to(12);  // it waits for the move of line 11
+  run->run(0.1);
+  cell().loop().supervisor().latch().request(realtime::StopKind::controlled);
+  run->tick();
+  EXPECT_EQ(ask("program.stop")["state"], "stopped");
+  EXPECT_TRUE(*cell().store().find("Stopped")->as_boolean());
+}
+
 TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
   run_to(14);
   const double before = placed();
@@ -203,6 +234,15 @@ TEST_F(WithPlc, ThePlcGoesOnWhereItWasCutOffAndItsTagsAreThere) {
   EXPECT_GE(now_turns(), before + 2) << "its own variables were not lost";
   EXPECT_LE(now_turns(), before + 3);
   second->loop().end();
+}
+
+TEST_F(WithPlc, ThePlcKnowsTheNamesOfTheDataThatItLoadsItself) {
+  folder.write("wires.data", "Name: Wire\nNum: 3\n");
+  plc("load wires\nset Turns = Wire\nset Wire = Wire + 1\nwait false\n");
+  begin();  // else: there is nothing called 'Wire'
+  run->run(0.1);
+  EXPECT_EQ(cell().store().find("Turns")->as_number()->value, 3);
+  EXPECT_EQ(cell().store().find("Wire")->as_number()->value, 4);
 }
 
 TEST_F(WithPlc, APlcThatHasChangedBeginsAnewAndIsToldOf) {
