@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <cstdio>
 #include <exception>
@@ -82,6 +83,11 @@ int unknown_verb(const std::string& wrong) {
 
 int main(int argc, char** argv) {
   using namespace polyarm;
+#ifdef M_MXFAST
+  // Small pieces are joined with their neighbours when they are freed, each a little: else the next large
+  // allocation joins all there are, thousands at once, in one tick of the cell.
+  mallopt(M_MXFAST, 0);
+#endif
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   cell::register_door({"ros2",

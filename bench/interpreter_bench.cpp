@@ -3,6 +3,7 @@
 // its lines are long and its lists as large as they may be. Of each workload the cheapest of some runs
 // counts, and the ratio is the result; ticks are told whole. It says nothing about motion, data and tags,
 // whose cost is the host's.
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>
@@ -227,6 +228,7 @@ void ticks(const char* name, const std::string& text) {
 }  // namespace polyarm::program
 
 int main() {
+  mallopt(M_MXFAST, 0);  // as the command does
   using namespace polyarm::program;
 #ifdef POLYARM_LUA
   std::printf("%-13s %12s %12s %8s\n", "workload", "polyarm us", "lua 5.4 us", "ratio");

@@ -382,11 +382,15 @@ void load_data_of(const program::Program& program, const CellFile& file, DataFil
 }  // namespace
 
 Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
-                       const std::function<void()>& more_names) {
+                       const std::function<void()>& more_names, const program::ReadPrograms& read) {
   Programs out;
+  std::size_t checked = 0;  // who had read them has checked them, too
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {
-    std::optional<program::Program> loaded;
-    collect(problems, [&] { loaded = program::load_program(path.string()); });
+    std::optional<program::Program> loaded = read ? read(path) : std::nullopt;
+    if (loaded)
+      ++checked;
+    else
+      collect(problems, [&] { loaded = program::load_program(path.string()); });
     return loaded;
   };
   if (!file.program.empty())
@@ -412,7 +416,7 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
   known.add(store);
   known.folder = file.folder;
   for (const auto* loaded : {&out.program, &out.plc})
-    if (*loaded) program::check(**loaded, known, problems);
+    if (*loaded && checked == 0) program::check(**loaded, known, problems);
   return out;
 }
 

@@ -14,7 +14,7 @@
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
-#include "polyarm/program/ast.hpp"
+#include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
 
@@ -71,6 +71,6 @@ struct Programs {
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
 /// and checks them against the names of the store, which `more_names` may add to when the data are there.
 Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
-                       const std::function<void()>& more_names = {});
+                       const std::function<void()>& more_names = {}, const program::ReadPrograms& read = {});
 
 }  // namespace polyarm::cell

@@ -33,6 +33,7 @@
 #include "polyarm/cell/tag_binding.hpp"
 #include "polyarm/cell/task.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
 
@@ -67,6 +68,7 @@ struct CellOptions {
   std::vector<std::string> answers;      ///< to `wait user`, in order
   std::optional<TestEntry> test;         ///< stands beside the program, which begins when it says so
   std::filesystem::path state_folder;    ///< where data files are kept; empty: .state/data of the cell
+  program::ReadPrograms read;            ///< scripts that have been read already
 };
 
 /// A component on its way from the files. Read it when it is done.

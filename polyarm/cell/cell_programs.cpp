@@ -16,11 +16,14 @@ void Cell::build_programs(Problems& problems) {
   context.answers = &answers_;
   context.observer = &observer_;
   context.now = &now_;
-  Programs programs = load_programs(file_, *files_, store_, problems, [&] {
-    links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
-                                         options_.lock_step && !options_.links, problems);
-    heartbeats_ = std::make_unique<Heartbeats>(signals_, store_, problems);
-  });
+  Programs programs = load_programs(
+      file_, *files_, store_, problems,
+      [&] {
+        links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
+                                             options_.lock_step && !options_.links, problems);
+        heartbeats_ = std::make_unique<Heartbeats>(signals_, store_, problems);
+      },
+      options_.read);
   if (programs.plc) {
     context.task = "plc";
     plc_ = std::make_unique<Task>("plc", std::move(*programs.plc), context);

@@ -183,6 +183,15 @@ class Checker {
     return read_.emplace(path, std::move(read)).first->second;
   }
 
+  /// Without what the checker has found in it.
+  std::optional<program::Program> take_program(const std::filesystem::path& path) {
+    const auto at = read_.find(path);
+    if (at == read_.end() || at->second.problems.has_errors()) return std::nullopt;
+    std::optional<program::Program> out = std::move(at->second.program);
+    read_.erase(at);
+    return out;
+  }
+
   void one_program(const std::filesystem::path& path, const program::KnownNames& known) {
     collect(problems_, [&] {
       const ReadProgram& read = read_program(path);
@@ -237,6 +246,7 @@ class Checker {
     options.lock_step = true;
     options.allow_contact = true;
     options.cycles = options_.cycles;
+    options.read = [this](const std::filesystem::path& path) { return take_program(path); };
     Listener listener;
     CellFile file = file_;
     if (!options_.dry)

@@ -221,8 +221,7 @@ Rehearsal rehearse(Cell& cell) {
   if (!cell.program() || !cell.program_moves()) return {};
   Stage stage(cell);
   try {
-    program::Interpreter interpreter(program::load_program(cell.program()->interpreter().program().file),
-                                     stage);
+    program::Interpreter interpreter(cell.program()->interpreter().compiled(), stage);
     interpreter.limit_passes(kPasses);
     Prompter prompter(stage);
     for (int step = 0;; ++step) {

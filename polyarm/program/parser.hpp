@@ -1,5 +1,8 @@
 #pragma once
 /// From text to a Program, with every error of the file at once.
+#include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,5 +25,8 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
 
 /// Reads and parses the file. Throws Error with every problem of it.
 Program load_program(const std::string& path);
+
+/// Hands out what a file was read to, once; nothing for other files.
+using ReadPrograms = std::function<std::optional<Program>(const std::filesystem::path&)>;
 
 }  // namespace polyarm::program
