@@ -7,7 +7,10 @@ import { place, shape } from './shapes';
 interface Turned {
   joint: ModelJoint;
   object: THREE.Object3D;
+  value: number;
 }
+/** Less is not seen; rad, m. */
+const kSeen = 1e-5;
 
 export class RobotFigure {
   readonly root = new THREE.Group();
@@ -35,7 +38,7 @@ export class RobotFigure {
       const object = new THREE.Group();
       place(fixed, joint.origin);
       link(joint.parent).add(fixed.add(object.add(link(joint.child))));
-      if (joint.type !== 'fixed') this.turned.push({ joint, object });
+      if (joint.type !== 'fixed') this.turned.push({ joint, object, value: NaN });
     }
     place(this.tcp, model.tcp);
     link(model.tcp.link).add(this.tcp);
@@ -50,8 +53,17 @@ export class RobotFigure {
     for (const visual of tool.visuals) on.add(shape(visual, ready));
   }
 
-  setJoints(values: (name: string) => number): void {
-    for (const { joint, object } of this.turned) place(object, jointPose(joint, valueOfJoint(joint, values)));
+  /** True where that is seen. */
+  setJoints(values: (name: string) => number): boolean {
+    let seen = false;
+    for (const turned of this.turned) {
+      const value = valueOfJoint(turned.joint, values);
+      if (Math.abs(value - turned.value) < kSeen) continue;
+      turned.value = value;
+      place(turned.object, jointPose(turned.joint, value));
+      seen = true;
+    }
+    return seen;
   }
 
   /** Every mesh of it in one look; for the ghost. */

@@ -31,6 +31,11 @@ export interface Handle {
 
 const kZoneKinds = ['zone', 'camera', 'sensor', 'feeder', 'outfeed', 'bin'];
 
+function stands(object: THREE.Object3D, { p, q }: Pose): boolean {
+  const { position, quaternion } = object;
+  return position.x === p[0] && position.y === p[1] && position.z === p[2] && quaternion.equals(new THREE.Quaternion(...q));
+}
+
 export class CellPicture {
   readonly stage: Stage;
   private readonly robots = new Map<string, RobotFigure>();
@@ -158,21 +163,26 @@ export class CellPicture {
   update(robot: string, values: (joint: string) => number, tcp: Vec3 | null, base?: Pose): void {
     const figure = this.robots.get(robot);
     if (!figure) return;
-    figure.setJoints(values);
-    if (base) place(figure.root, base);
-    if (tcp && tcp.every(Number.isFinite)) this.trails.get(robot)?.add(tcp);
+    let seen = figure.setJoints(values);
+    if (base && !stands(figure.root, base)) {
+      place(figure.root, base);
+      seen = true;
+    }
+    if (tcp && tcp.every(Number.isFinite)) seen = this.trails.get(robot)?.add(tcp) || seen;
     if (!this.framed) {
       this.framed = true;
       this.fit('free');
     }
-    this.redraw();
+    if (seen) this.redraw();
   }
 
   /** Things on axes of machines, by the fields that tell where those stand. */
   updateMovers(values: (field: string) => number): void {
     for (const { object, home, axis, field } of this.carried) {
       const at = values(field);
-      if (Number.isFinite(at)) object.position.copy(home).addScaledVector(axis, at);
+      if (!Number.isFinite(at)) continue;
+      const before = object.position.clone();
+      if (object.position.copy(home).addScaledVector(axis, at).distanceToSquared(before) > 0) this.redraw();
     }
   }
 

@@ -10,8 +10,17 @@ const kDirections: Record<ViewName, [number, number, number]> = {
   side: [0, -1, 0.02],
   top: [0.001, 0, 1],
 };
-/** Drawing takes longer than this on average (ms): leave something out. */
+/** A picture takes longer than this on average (ms): leave something out. */
 const kSlow = 28;
+/** Never more than so much between two pictures of what moves, ms. */
+const kLongestRest = 200;
+
+/** Drawn by the processor: shadows would cost more than all else. */
+function drawnBySoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const known = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = known ? String(gl.getParameter(known.UNMASKED_RENDERER_WEBGL)) : '';
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
 
 export class Stage {
   readonly scene = new THREE.Scene();
@@ -29,12 +38,18 @@ export class Stage {
   private running = true;
   private spent = 0;
   private drawn = 0;
+  /** When the last picture was begun, and how long pictures keep the machine busy (ms). */
+  private begun = 0;
+  private measured = true;
+  private busy = 0;
   private readonly watcher: ResizeObserver;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.shadowMap.enabled = true;
+    const plain = drawnBySoftware(this.renderer.getContext());
+    if (plain) this.renderer.setPixelRatio(1);
+    this.renderer.shadowMap.enabled = !plain;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -43,17 +58,17 @@ export class Stage {
     this.controls.maxDistance = 60;
     this.controls.addEventListener('change', () => this.redraw());
     this.controls.addEventListener('start', () => (this.touched = true));
-    this.sun.castShadow = true;
+    this.sun.castShadow = !plain;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.normalBias = 0.02;
     this.scene.add(this.sky, this.sun, this.sun.target);
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(canvas.parentElement ?? canvas);
     this.resize();
-    const loop = () => {
+    const loop = (now: number) => {
       if (!this.running) return;
       requestAnimationFrame(loop);
-      this.draw();
+      this.draw(now);
     };
     requestAnimationFrame(loop);
   }
@@ -62,12 +77,22 @@ export class Stage {
     this.dirty = true;
   }
 
-  private draw(): void {
-    if (!this.dirty || document.hidden) return;
-    this.dirty = false;
-    const began = performance.now();
+  /** A picture counts from its beginning to the next turn of the browser, which waits for the graphics. */
+  private draw(now: number): void {
+    if (!this.measured) this.measure(now - this.begun);
+    // A machine that is slow at it gets as much time for everything else.
+    const rest = this.busy > kSlow ? Math.min(2 * this.busy, kLongestRest) : 0;
+    if (!this.dirty || document.hidden || now - this.begun < rest) return;
+    this.dirty = this.measured = false;
+    this.begun = now;
     this.renderer.render(this.scene, this.camera);
-    this.spent += performance.now() - began;
+  }
+
+  private measure(took: number): void {
+    this.measured = true;
+    if (took > 1000) return;
+    this.busy += 0.2 * (took - this.busy);
+    this.spent += took;
     if (++this.drawn < 30) return;
     if (this.spent / this.drawn > kSlow) this.plainer();
     this.spent = this.drawn = 0;

@@ -20,9 +20,10 @@ export class Trail {
     form.setDrawRange(0, 0);
   }
 
-  add(p: Vec3): void {
+  /** True where that is seen. */
+  add(p: Vec3): boolean {
     const last = this.points[this.points.length - 1];
-    if (last && Math.hypot(p[0] - last[0], p[1] - last[1], p[2] - last[2]) < kLeast) return;
+    if (last && Math.hypot(p[0] - last[0], p[1] - last[1], p[2] - last[2]) < kLeast) return false;
     this.points.push(p);
     if (this.points.length > kPoints) this.points.shift();
     const n = this.points.length;
@@ -32,6 +33,7 @@ export class Trail {
     });
     this.positions.needsUpdate = this.colors.needsUpdate = true;
     this.line.geometry.setDrawRange(0, n);
+    return true;
   }
 
   clear(): void {
