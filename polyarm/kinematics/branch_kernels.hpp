@@ -9,7 +9,7 @@ struct BranchKernels {
   void (*solve)(const BranchJob&, Branches&);
   void (*polish)(const BranchJob&, Branches&);
   bool (*quick)(const QuickJob&, const LaneArm&, const Pose&, const double*, QuickAnswers&);
-  void (*eight)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers&);
+  void (*nearest)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers*);
 };
 
 namespace lanes_portable {

@@ -231,9 +231,9 @@ JointWindow window_of(double lower, double upper, double weight) noexcept {
   constexpr double kHalf = 3.14159265358979324, kMargin = 1e-8;
   if (upper - lower < 2 * (kHalf + kMargin)) {
     const double middle = 0.5 * (lower + upper);
-    return {middle, middle, 0, lower, upper, weight};
+    return {middle, middle, 0, lower, upper, weight, std::sqrt(weight)};
   }
-  return {lower + kHalf + kMargin, upper - kHalf - kMargin, 1e-9, lower, upper, weight};
+  return {lower + kHalf + kMargin, upper - kHalf - kMargin, 1e-9, lower, upper, weight, std::sqrt(weight)};
 }
 
 LaneArm lane_arm(const ArmGeometry& arm) {
@@ -267,14 +267,19 @@ bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, 
   return kKernels.quick(job, arm, target, seed, out);
 }
 
+void solve_together(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
+                    const double* seed, std::span<QuickAnswers, kTogether / kBranches> out) noexcept {
+  kKernels.nearest(job, arm, targets, seed, out.data());
+}
+
 void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
                  QuickAnswers& out) noexcept {
-  kKernels.eight(job, arm, targets, seed, out);
+  kKernels.nearest(job, arm, targets, seed, &out);
 }
 
 void solve_eight(InstructionSet set, const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
                  const double* seed, QuickAnswers& out) noexcept {
-  kernels_for(set).eight(job, arm, targets, seed, out);
+  kernels_for(set).nearest(job, arm, targets, seed, &out);
 }
 
 void polish_branches(const BranchJob& job, Branches& out) noexcept {

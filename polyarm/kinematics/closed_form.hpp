@@ -124,14 +124,15 @@ struct JointWindow {
   double bias = 0;  ///< in turns: half a turn away either way is always the same way
   double lower = 0, upper = 0;
   double weight = 1;  ///< of the square of the distance
+  double root_weight = 1;
 };
 JointWindow window_of(double lower, double upper, double weight) noexcept;
 
 /// s * sine + c * cosine = b, of which all but b is known beforehand.
 struct PlanarCircle {
-  double s = 0, c = 0;  ///< divided by the square of the radius
-  double radius = 0;
-  double angle = 0;  ///< of (c, s), rad
+  double s = 0, c = 0;  ///< divided by the radius
+  double radius = 0, over = 0;
+  double angle = 0;  ///< of (c, s), turns
   bool usable = false;
 };
 /// still + cosine * ahead + sine * across
@@ -150,7 +151,7 @@ struct PlanarForm {
   Vec3 p12, p23, p34, p45;  ///< in that frame, between points of the axes
   double side_3 = 1, side_4 = 1;
   PlanarCircle elbow, bend;  ///< of axes 3 and 5
-  double elbow_half = 0;     ///< Reach::half
+  double elbow_half = 0;     ///< Reach::half, in radii of the elbow
   Rotation into_hub;         ///< from the plane's frame to one whose z is the axis that the bend is seen from
   TurnedVector six, beside, across;  ///< axis 6 and what is square to it, turned about axis 5, in that frame
   double least_length2 = 0, least_sine2 = 0, near_edge = 0;
@@ -184,8 +185,12 @@ struct QuickAnswers {
 /// then solve_branches()'s to give.
 bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, const double* seed,
                    QuickAnswers& out) noexcept;
-/// Of each of up to eight poses the branch nearest to the seed, by the same arithmetic. Poses
-/// whose bit in `good` is not set have to be solved on their own, one by one.
+/// Of each of up to sixteen poses the branch nearest to the seed, by the same arithmetic; the first eight in
+/// out[0]. Poses whose bit in `good` is not set have to be solved on their own, one by one.
+inline constexpr std::size_t kTogether = 16;
+void solve_together(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
+                    const double* seed, std::span<QuickAnswers, kTogether / kBranches> out) noexcept;
+/// Of up to eight.
 void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
                  QuickAnswers& out) noexcept;
 /// As above, with the instructions of `set`, which the processor has. For tests and benchmarks.

@@ -445,14 +445,15 @@ std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::s
                                            std::span<IkOutcome> outcomes) const noexcept {
   std::size_t solved = 0;
   const bool quick = arm_->takes_quick(seed);
-  for (std::size_t first = 0; first < targets.size(); first += kBranches) {
-    const std::size_t n = std::min(kBranches, targets.size() - first);
-    QuickAnswers found;
-    found.good = 0;
-    if (quick) solve_eight(arm_->quick, arm_->lanes, targets.subspan(first, n), seed.data(), found);
+  std::array<QuickAnswers, kTogether / kBranches> found;
+  for (QuickAnswers& eight : found) eight.good = 0;
+  for (std::size_t first = 0; first < targets.size(); first += kTogether) {
+    const std::size_t n = std::min(kTogether, targets.size() - first);
+    if (quick) solve_together(arm_->quick, arm_->lanes, targets.subspan(first, n), seed.data(), found);
     for (std::size_t k = 0; k < n; ++k) {
-      if (found.good >> k & 1u) {
-        arm_->write_quick(found, k, seed, out[first + k]);
+      const QuickAnswers& eight = found[k / kBranches];
+      if (eight.good >> k % kBranches & 1u) {
+        arm_->write_quick(eight, k % kBranches, seed, out[first + k]);
         outcomes[first + k] = IkOutcome::solved;
       } else {
         outcomes[first + k] = solve(targets[first + k], seed, out[first + k]);

@@ -98,6 +98,15 @@ POLYARM_INLINE Lane rounded(Lane a) {
   return (a + kShift) - kShift;
 }
 
+/// What is left of `a` beside the nearest whole number.
+POLYARM_INLINE Lane off_whole(const Lane& a) {
+#if defined(POLYARM_WIDTH) && POLYARM_WIDTH == 8
+  return Parts{(Part)_mm512_reduce_pd((__m512d)a.v.at[0], 0)};
+#else
+  return a - rounded(a);
+#endif
+}
+
 /// The angle of the point (x, y), to about one unit in the last place; 0 where both are zero. With
 /// m = min/max of the sizes reduced to [-tan(pi/8), tan(pi/8)]; the polynomial is the Chebyshev interpolant
 /// of atan(m)/m in m^2 there, relative error 4e-17.

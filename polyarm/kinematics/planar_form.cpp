@@ -1,6 +1,7 @@
 #include "polyarm/kinematics/planar_form.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace polyarm::kinematics {
 
@@ -20,11 +21,11 @@ Rotation into_frame(const Vec3& h, const Vec3& toward) noexcept {
 PlanarCircle circle_of(double s, double c, double least) noexcept {
   PlanarCircle out;
   out.radius = std::hypot(s, c);
-  out.angle = std::atan2(s, c);
+  out.angle = std::atan2(s, c) / (2 * std::numbers::pi);
   out.usable = out.radius > least;
-  const double scale = out.usable ? 1 / (out.radius * out.radius) : 0.0;
-  out.s = s * scale;
-  out.c = c * scale;
+  out.over = out.usable ? 1 / out.radius : 0.0;
+  out.s = s * out.over;
+  out.c = c * out.over;
   return out;
 }
 
@@ -57,7 +58,7 @@ bool planar_form(const SixAxisForm& form, PlanarForm& out) noexcept {
   out.side_3 = form.side_3;
   out.side_4 = form.side_4;
   out.elbow = circle_of(form.elbow.s, form.elbow.c, form.elbow.least);
-  out.elbow_half = form.elbow.half;
+  out.elbow_half = form.elbow.half * out.elbow.over;
   const Vec3& hub = wrist ? form.h[3] : h2;
   const Rotation into_hub = wrist ? into_frame(hub, form.h[4]) : into_plane;
   out.into_hub = into_hub * transposed(into_plane);
