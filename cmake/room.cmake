@@ -7,6 +7,8 @@ set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kine
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+    # Of what stands in another file: a name hidden, a type without linkage "in a header".
+    target_compile_options(${target} PRIVATE -Wno-shadow -Wno-subobject-linkage)
   endif()
 endfunction()
 
