@@ -1,14 +1,15 @@
 #include "polyarm/ros2/participant.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <map>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/ros2/fast_dds.hpp"
+#include "polyarm/ros2/loopback_transport.hpp"
 
 namespace polyarm::ros2 {
 
@@ -63,7 +64,10 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
   const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->maxInitialPeersRange = 32;
   if (options.loopback) udp->interfaceWhiteList = {"127.0.0.1"};
-  out.userTransports.push_back(udp);
+  if (options.loopback)
+    out.userTransports.push_back(std::make_shared<LoopbackDescriptor>(udp));
+  else
+    out.userTransports.push_back(udp);
   auto& discovery = out.builtin.discovery_config;
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 200'000'000};
@@ -203,9 +207,9 @@ class Participant::Work : public DiscoveryListener {
     const std::lock_guard lock(mutex_);
     const auto at = endpoints_.find(id);
     if (at == endpoints_.end()) return out;
-    for (const Guid& guid : at->second->matched) {
+    for (const auto& [guid, since] : at->second->matched) {
       const auto known = remotes_.find(guid);
-      out.push_back({guid, known == remotes_.end() ? "" : known->second});
+      out.push_back({guid, known == remotes_.end() ? "" : known->second, since});
     }
     return out;
   }
@@ -245,7 +249,7 @@ class Participant::Work : public DiscoveryListener {
     std::size_t depth = 10;
     std::mutex writing;
     OnSample on_sample;
-    std::set<Guid> matched;  ///< under the mutex of the work
+    std::map<Guid, std::chrono::steady_clock::time_point> matched;  ///< since then; under the work's mutex
   };
 
   static std::int64_t added(Endpoint& endpoint, rtps::CacheChange_t* change, rtps::WriteParams& params) {
@@ -294,7 +298,7 @@ class Participant::Work : public DiscoveryListener {
     const std::lock_guard lock(mutex_);
     const Guid guid = guid_of(info.remoteEndpointGuid);
     if (info.status == rtps::MATCHED_MATCHING)
-      endpoint.matched.insert(guid);
+      endpoint.matched.try_emplace(guid, std::chrono::steady_clock::now());
     else
       endpoint.matched.erase(guid);
   }

@@ -3,6 +3,7 @@
 /// RTPS layer, where a reply can be addressed to one reader. Nothing of ROS is known here but where its
 /// middlewares differ in how services are told apart.
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -58,6 +59,7 @@ struct Related {
 struct Remote {
   Guid guid;
   std::string user_data;
+  std::chrono::steady_clock::time_point since;  ///< it has matched
 };
 
 /// Functions may be called from any thread but those of OnSample.

@@ -22,6 +22,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostWaiting = 1000, kMostToSend = 10'000;
 constexpr auto kPatience = std::chrono::milliseconds(100);
+/// A server that is matched here may not have matched us yet. Fast DDS asks for what it missed; a reader of
+/// another middleware takes it for old, and a first call would be lost. They tell each other of endpoints
+/// again each second.
+constexpr auto kMutual = std::chrono::milliseconds(1200);
 /// Cyclone DDS puts who asked, and the how manieth time, before the fields of requests and replies.
 constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
 constexpr std::size_t kLargest = 16u << 20;
@@ -121,8 +125,10 @@ class Wire::Work {
 
   bool ready(Id client) const {
     const auto caller = callers_.find(client);
-    return caller != callers_.end() && !participant_.matched(client).empty() &&
-           !participant_.matched(caller->second.second).empty();
+    if (caller == callers_.end() || participant_.matched(caller->second.second).empty()) return false;
+    const auto servers = participant_.matched(client);
+    return !servers.empty() && (vendor_of(servers.front().guid) == Vendor::fast_dds ||
+                                Clock::now() - servers.front().since > kMutual);
   }
 
   bool call(Id client, std::vector<std::byte> request) {

@@ -54,7 +54,7 @@ class Wire {
   /// Asks a service of others, whatever their middleware; `on_reply` is told of the answer to the latest
   /// call.
   Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply);
-  /// Is there a service to ask?
+  /// Is there a service to ask? Of Cyclone and others, once it has had time to know of this client.
   bool ready(Id client) const;
   /// From the thread that calls take(). False where there is none to ask.
   bool call(Id client, std::vector<std::byte> request);

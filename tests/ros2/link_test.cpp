@@ -113,13 +113,22 @@ TEST(Ros2Link, WhatAProgramSetsIsPublishedAsOneMessageOfItsTopic) {
     count: {topic: /count, message: std_msgs/UInt8, field: data, type: number, direction: out, latched: true}
     at: {topic: /at, message: geometry_msgs/TransformStamped, type: pose, direction: out}
     said: {topic: /said, message: std_msgs/String, field: data, type: text, direction: both}
+    ready: {topic: /ready, message: std_msgs/Int32, field: data, type: number, direction: out}
 )");
   test::Client other(own_domain());
   const auto goal = other.listen("/goal", "geometry_msgs/PointStamped");
   const auto at = other.listen("/at", "geometry_msgs/TransformStamped");
   const auto said = other.listen("/said", "std_msgs/String");
   const auto says = other.publish("/said", "std_msgs/String");
+  const auto ready = other.listen("/ready", "std_msgs/Int32");
   ASSERT_TRUE(wait([&] { return goal->matched() && at->matched() && said->matched() && says->matched(); }));
+  // Listeners are made known one after the other: when the last one hears, the node knows all of them.
+  int count = 0;
+  ASSERT_TRUE(wait([&] {
+    node.set("ready", ++count);
+    node.round();
+    return ready->heard();
+  }));
   node.set("x", 500);
   node.set("y", 2);
   node.set("count", 300);
