@@ -2,7 +2,8 @@
 # half the time, a change in one file a few seconds more. Names without a name space of their own that two files of
 # one folder share must mean the same thing. Off where one edits (preset dev).
 option(POLYARM_TOGETHER "compile several source files at a time" ON)
-set(POLYARM_ROOMS_TOGETHER base cell control data doctor meshes messages plugins realtime server signals apps)
+# Not those of which single files go into the kit for plugins (sdk.cmake).
+set(POLYARM_ROOMS_TOGETHER cell control data doctor meshes messages plugins realtime server signals apps)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
