@@ -5,10 +5,21 @@
 
 namespace polyarm::kinematics {
 
+/// Values of axis 4, a `cell` apart from each other.
+inline constexpr std::size_t kSearchSamples = 64;
+struct SearchSamples {
+  double cell;
+  alignas(64) double s[kSearchSamples], c[kSearchSamples];
+};
+extern const SearchSamples kSearchAllRound;
+/// As many samples in the cells that are marked (of those all round), and nowhere else.
+void search_closer(const bool* marked, SearchSamples& out) noexcept;
+
 struct BranchKernels {
   void (*solve)(const BranchJob&, Branches&);
   void (*polish)(const BranchJob&, Branches&);
   bool (*quick)(const QuickJob&, const LaneArm&, const Pose&, const double*, QuickAnswers&);
+  std::size_t (*search)(const BranchJob&, Branches*, std::size_t);
   void (*nearest)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers*);
 };
 

@@ -282,6 +282,10 @@ void solve_eight(InstructionSet set, const QuickJob& job, const LaneArm& arm, st
   kernels_for(set).nearest(job, arm, targets, seed, &out);
 }
 
+std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexcept {
+  return kKernels.search(job, out.data(), out.size());
+}
+
 void polish_branches(const BranchJob& job, Branches& out) noexcept {
   kKernels.polish(job, out);
 }

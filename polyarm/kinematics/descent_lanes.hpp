@@ -13,6 +13,7 @@
 
 #include "polyarm/kinematics/arm_geometry.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/kinematics/instruction_set.hpp"
 
 namespace polyarm::kinematics {
 
@@ -84,11 +85,25 @@ struct DescentRules {
 /// null: the whole pose. Returns the steps done.
 int descend(const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
             Descents& all) noexcept;
-/// The same with the instructions that every processor has; results differ in the last digits. For tests.
-int descend_portably(const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
-                     Descents& all) noexcept;
+/// The same with the instructions of `set`, which the processor has; results differ in the last digits. For
+/// tests.
+int descend(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
+            Descents& all) noexcept;
 /// Where the eight arms end, into Descents::target.
 void find_ends(const DescentArm& arm, Descents& all) noexcept;
+/// How a table of ends sees them: without the turn of a first joint about its own axis.
+struct EndSeen {
+  Vec3 point;  ///< of the last axis, from the TCP, as seen behind that axis, whose z it is
+  bool first_turns = false;
+  Rotation base;  ///< from the world into the frame of the first axis
+  Vec3 first_point;
+};
+struct alignas(64) EndPlaces {
+  double numbers[9][kDescents];  ///< the point, the last axis, what is beside it
+  double turn[kDescents];        ///< that was left out, rad
+};
+/// `ends` from find_ends().
+void see_places(const EndSeen& seen, Descents& ends, EndPlaces& out) noexcept;
 /// Errors and spread at `x`, nothing else.
 void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noexcept;
 

@@ -6,11 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "polyarm/kinematics/lanes.hpp"
 #include "polyarm/kinematics/random.hpp"
-
-#pragma GCC diagnostic ignored "-Wpsabi"
-#pragma GCC diagnostic ignored "-Wpedantic"
 
 namespace polyarm::kinematics {
 
@@ -23,7 +19,11 @@ constexpr double kWidth = 2 * kPi;    // of joints without limits; lengths of sl
 
 double generalized_golden(std::size_t dimensions) {
   double root = 2;
-  for (int i = 0; i < 40; ++i) root = std::pow(1 + root, 1.0 / static_cast<double>(dimensions + 1));
+  for (int i = 0; i < 40; ++i) {
+    const double next = std::pow(1 + root, 1.0 / static_cast<double>(dimensions + 1));
+    if (next == root) break;
+    root = next;
+  }
   return root;
 }
 
@@ -99,69 +99,22 @@ SeedTable::Range SeedTable::range(std::size_t k) const noexcept {
   return {low, high - low};
 }
 
-namespace {
-
-/// rough_angle() of eight points.
-POLYARM_INLINE Lane rough_angles(Lane y, Lane x) {
-  const Lane ax = magnitude(x), ay = magnitude(y);
-  const Lane m = least_of(ax, ay) / most_of(most_of(ax, ay), splat(1e-200)), z = m * m;
-  Lane angle = m * (0.9998660 + z * (-0.3302995 + z * (0.1801410 + z * (-0.0851330 + z * 0.0208351))));
-  angle = select(below(ax, ay), kPi / 2 - angle, angle);
-  angle = select(below(x, Lane{}), kPi - angle, angle);
-  return with_sign(angle, y);
-}
-
-POLYARM_INLINE LaneVec column(const Descents& all, int at) {
-  LaneVec out;
-  __builtin_memcpy(&out.x, all.target[at], sizeof out.x);
-  __builtin_memcpy(&out.y, all.target[at + 1], sizeof out.y);
-  __builtin_memcpy(&out.z, all.target[at + 2], sizeof out.z);
-  return out;
-}
-
-}  // namespace
-
 /// place() and features() of eight ends, into rows from `row` on.
-void SeedTable::enter(const Descents& all, std::size_t row) {
-  LaneVec toward = column(all, 6), beside = column(all, 0);
-  const Vec3& in_end = point_in_end_;
-  LaneVec point = column(all, 9) +
-                  (splat(in_end.x) * beside + splat(in_end.y) * column(all, 3) + splat(in_end.z) * toward);
-  Lane turn{};
-  if (first_turns_) {
-    const Rotation base = transposed(arm_.first_turn);
-    const LaneVec at = base * (point - arm_.first_point);
-    const Lane radius = root(at.x * at.x + at.y * at.y);
-    const LaneMask off = below(splat(1e-9), radius);
-    const Lane safe = select(off, radius, splat(1.0));
-    const Lane c = select(off, at.x / safe, splat(1.0)), s = select(off, at.y / safe, Lane{});
-    turn = rough_angles(s, c);
-    const auto unturned = [&](const LaneVec& v) __attribute__((always_inline)) {
-      const LaneVec u = base * v;
-      return LaneVec{c * u.x + s * u.y, c * u.y - s * u.x, u.z};
-    };
-    point = {radius, at.z, Lane{}};
-    toward = unturned(toward);
-    beside = unturned(beside);
-  }
-  const Lane numbers[] = {kPlaceWeight * point.x,
-                          kPlaceWeight * point.y,
-                          kPlaceWeight * point.z,
-                          toward.x,
-                          toward.y,
-                          toward.z,
-                          beside.x,
-                          beside.y,
-                          beside.z};
+void SeedTable::enter(Descents& all, std::size_t row) {
+  const EndSeen seen{point_in_end_, first_turns_, transposed(arm_.first_turn), arm_.first_point};
+  EndPlaces at;
+  see_places(seen, all, at);
   std::size_t f = 0;
-  for (std::size_t i = 0; i < std::size(numbers); ++i) {
+  for (std::size_t i = 0; i < std::size(at.numbers); ++i) {
     if ((i == 2 && first_turns_) || (i > 5 && last_turns_)) continue;
     float* const to = table_.rows.data() + f++ * table_.count + row;
-    for (std::size_t lane = 0; lane < kDescents; ++lane) to[lane] = static_cast<float>(numbers[i][lane]);
+    const double weight = i < 3 ? kPlaceWeight : 1.0;
+    for (std::size_t lane = 0; lane < kDescents; ++lane)
+      to[lane] = static_cast<float>(weight * at.numbers[i][lane]);
   }
   for (std::size_t lane = 0; lane < kDescents; ++lane) {
-    turn_[row + lane] = turn[lane];
-    beside_[row + lane] = {beside.x[lane], beside.y[lane], beside.z[lane]};
+    turn_[row + lane] = at.turn[lane];
+    beside_[row + lane] = {at.numbers[6][lane], at.numbers[7][lane], at.numbers[8][lane]};
   }
 }
 

@@ -46,7 +46,7 @@ class SeedTable {
   void find_symmetry();
   void fill(std::size_t size);
   std::array<float, FeatureTable::kFeatures> features(const Place& place) const noexcept;
-  void enter(const Descents& all, std::size_t row);
+  void enter(Descents& all, std::size_t row);
   struct Range {
     double low = 0, width = 0;
   };

@@ -394,7 +394,7 @@ TEST(NumericIk, DoesNothingThatTheControlCycleMayNot) {
   EXPECT_EQ(guard.violations(), "");
 }
 
-TEST(NumericIk, DescentsAreTheSameWithoutThisProcessorsVectorInstructions) {
+TEST(NumericIk, DescentsAreTheSameWithEverySetOfInstructions) {
   for (const auto& model : all_kinds()) {
     const Chain chain = test::chain_of(model);
     const NumericCore core(chain, {});
@@ -409,14 +409,18 @@ TEST(NumericIk, DescentsAreTheSameWithoutThisProcessorsVectorInstructions) {
         core.set_target(question, lane, here);
         core.set_state(question.seed.data(), lane, here);
       }
-      Descents there = here;
+      const Descents start = here;
       DescentRules rules = core.rules;
       rules.steps = 1;
       const DescentTask* what = core.task_of(question);
-      EXPECT_EQ(descend(core.arm, rules, what, here), descend_portably(core.arm, rules, what, there));
-      for (std::size_t k = 0; k < core.arm.joints; ++k)
-        for (std::size_t lane = 0; lane < kDescents; ++lane)
-          EXPECT_NEAR(here.x[k][lane], there.x[k][lane], 1e-6 * (1 + std::abs(here.x[k][lane])));
+      const int steps = descend(fastest_instructions(), core.arm, rules, what, here);
+      for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2}) {
+        Descents there = start;
+        EXPECT_EQ(descend(supported(set), core.arm, rules, what, there), steps) << name(set);
+        for (std::size_t k = 0; k < core.arm.joints; ++k)
+          for (std::size_t lane = 0; lane < kDescents; ++lane)
+            EXPECT_NEAR(here.x[k][lane], there.x[k][lane], 1e-6 * (1 + std::abs(here.x[k][lane])));
+      }
     }
   }
 }

@@ -1,0 +1,28 @@
+#pragma once
+/// The kernels of descent_lanes.hpp, compiled once for each set of instructions (descent_*.cpp). Used inside
+/// this room only.
+#include "polyarm/kinematics/descent_lanes.hpp"
+
+namespace polyarm::kinematics {
+
+struct DescentKernels {
+  using Descend = int (*)(const DescentArm&, const DescentRules&, const DescentTask*, Descents&);
+  using Measure = void (*)(const DescentArm&, const DescentTask*, Descents&);
+  Descend whole, task;
+  Measure measure_whole, measure_task;
+  void (*ends)(const DescentArm&, Descents&);
+  void (*near)(const FeatureTable&, const float*, const float*, NearPoints&);
+  void (*places)(const EndSeen&, Descents&, EndPlaces&);
+};
+
+namespace lanes_portable {
+extern const DescentKernels kDescentKernels;
+}
+namespace lanes_avx2 {
+extern const DescentKernels kDescentKernels;
+}
+namespace lanes_avx512 {
+extern const DescentKernels kDescentKernels;
+}
+
+}  // namespace polyarm::kinematics
