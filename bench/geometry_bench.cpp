@@ -8,6 +8,7 @@
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/motion/cartesian_joints.hpp"
+#include "polyarm/trajectory/timing.hpp"
 
 namespace polyarm {
 namespace {
@@ -86,6 +87,20 @@ void joints_along_20_segments(benchmark::State& state) {
   state.counters["pieces"] = static_cast<double>(pieces);
 }
 BENCHMARK(joints_along_20_segments)->Unit(benchmark::kMicrosecond);
+
+/// Geometry, joints and time.
+void twenty_lines_and_arcs_timed(benchmark::State& state) {
+  const Chain ur = arm("universal_robots/ur5e", "tool0");
+  const Pose start = ur.forward(kBent);
+  const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(3.14, 12.6, 126));
+  double duration = 0;
+  for (auto _ : state) {
+    const auto path = twenty_segments(start);
+    duration = trajectory::timed(motion::joints_along(ur, path.sections[0], kBent), limits).duration();
+  }
+  state.counters["motion_s"] = duration;
+}
+BENCHMARK(twenty_lines_and_arcs_timed)->Unit(benchmark::kMillisecond);
 
 void joints_along_line_seven_axes(benchmark::State& state) {
   const Chain seven = arm("kuka/lbr_iiwa_7_r800", "tool0");
