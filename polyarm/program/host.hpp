@@ -34,7 +34,9 @@ struct Move {
   enum class Kind { joint, line, arc, drive, turn };
   bool of_base() const { return kind == Kind::drive || kind == Kind::turn; }
   struct Target {
-    data::Value value;  ///< a pose or a joint state; of a base a length or an angle
+    /// A pose or a joint state; of a base a length or an angle. Of one joint move or line a record: by how much
+    /// from where the robot is, of joints by name, of a line x, y, z, rx, ry, rz along the frame's axes.
+    data::Value value;
     std::string name;   ///< how the program calls it, for messages
   };
   Kind kind = Kind::joint;
