@@ -62,7 +62,7 @@ void FileWatch::lose_track() {
 void FileWatch::take(std::uint32_t mask) {
   if ((mask & IN_OPEN) && !std::exchange(own_open_, false)) take_open(standing_);
   if (mask & IN_ACCESS) accessed_ = true;
-  if (mask & (kRewrites | kReplaces)) take_rewrite();
+  if (mask & (kRewrites | kReplaces)) take_rewrite((mask & kReplaces) != 0);
 }
 
 void FileWatch::take_open(std::optional<Label> label) {
@@ -80,8 +80,10 @@ void FileWatch::take_late(std::uint32_t mask) {
   opened_ = false;
 }
 
-void FileWatch::take_rewrite() {
-  if (opened_ && !accessed_) last_read_ = read_before_;  // it was opened to be written, not read
+void FileWatch::take_rewrite(bool replaced) {
+  // It was opened to be written, not read. Who replaces it does not open it for that: one that was opened and
+  // not read has been mapped, as our own kind does.
+  if (opened_ && !accessed_ && !replaced) last_read_ = read_before_;
   opened_ = false;
   rewritten_ = true;
   standing_ = next_label_++;

@@ -49,7 +49,7 @@ class FileWatch {
   void take(std::uint32_t mask);
   void take_late(std::uint32_t mask);
   void take_open(std::optional<Label> label);
-  void take_rewrite();
+  void take_rewrite(bool replaced);
   void lose_track();
   /// Gives each piece of news to `each`, and whether it is about the displaced file.
   template <class Each>

@@ -207,6 +207,31 @@ TEST_F(Mailbox, WritesWhatIsPostedBeforeItEnds) {
   EXPECT_NE(content().find("Name: A\nBool: True"), std::string::npos);
 }
 
+TEST_F(Mailbox, TwoOfOurKindShakeHandsOverAFileAgainAndAgain) {
+  rewrite("Name: Ask\nBool: False\nName: Done\nBool: False\n");
+  FileMailbox robot(ImportFile::load(path_), inline_options()),
+      plc(ImportFile::load(path_), inline_options());
+  const auto hears = [](FileMailbox& side, FileMailbox& other, const std::string& name, bool expected) {
+    bool heard = false;
+    for (int look = 0; look < 20 && !heard; ++look) {
+      other.step();
+      side.step();
+      heard = value_of(side.take_events(), name) == Value(expected);
+    }
+    return heard;
+  };
+  for (int round = 0; round < 100; ++round) {  // the file says the same things again in every round
+    robot.post("Ask", true);
+    ASSERT_TRUE(hears(plc, robot, "Ask", true)) << round;
+    plc.post("Ask", false);
+    plc.post("Done", true);
+    ASSERT_TRUE(hears(robot, plc, "Done", true)) << round;
+    robot.post("Done", false);
+    ASSERT_TRUE(hears(plc, robot, "Done", false)) << round;
+  }
+  EXPECT_EQ(content(), "Name: Ask\nBool: False\nName: Done\nBool: False\n");
+}
+
 TEST_F(Mailbox, LeavesNoTemporaryFiles) {
   rewrite(kTwo);
   {
