@@ -119,6 +119,7 @@ Values values_of(const data::ImportFile& file) {
 struct Displaced {
   Descriptor file;
   std::string content;          ///< that was looked at last
+  Identity seen;                ///< as it was then, where that tells it from every later state
   std::set<std::string> names;  ///< that it held
   FileWatch::Label label = 0;
   std::optional<std::uint64_t> base;  ///< the version from which whoever writes into it started
@@ -128,6 +129,8 @@ struct Displaced {
 
 /// How long a displaced file is watched, in looks.
 constexpr int kLooksAtDisplaced = 500;
+/// Every so many looks it is read even if nothing says that it has changed.
+constexpr int kLooksUntilRead = 50;
 constexpr std::size_t kMostDisplaced = 64;
 /// A writer that never rests must not keep us from writing.
 constexpr int kMostPostponed = 4;
@@ -347,7 +350,11 @@ class FileMailbox::Io {
     if (displaced_.size() > kMostDisplaced) displaced_.erase(displaced_.begin());
   }
 
+  /// There may be many of them: one that says that it has not changed costs one call of the system.
   void look_at(Displaced& old) {
+    const auto now = identity_of(old.file.get());
+    if (now && old.settled && *now == old.seen && old.looks_left % kLooksUntilRead != 0) return;
+    old.seen = now && !may_be_stale(*now) ? *now : Identity{};
     auto content = content_of(old.file.get());
     if (!content || (*content == old.content && old.settled)) return;
     const bool stands = *content == old.content && old.looks_left < kLooksAtDisplaced / 2;
@@ -390,6 +397,7 @@ class FileMailbox::Io {
     std::set<std::string> names = std::exchange(names_in_file_, names_of(image_));
     Displaced old{std::exchange(standing_, std::move(made)),
                   std::exchange(known_text_, text),
+                  {},
                   std::move(names),
                   displaced,
                   base,
