@@ -385,6 +385,7 @@ std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::O
   return std::nullopt;
 }
 
+/// What somebody has just chosen moves nothing before it is started.
 void take_over(const cell::RestartWish& wish, RunArguments& a) {
   if (!wish.cell.empty()) a.cell = wish.cell, a.description.clear(), a.overrides = {};
   if (!wish.robot.empty()) a.overrides.robot = wish.robot;
@@ -392,6 +393,7 @@ void take_over(const cell::RestartWish& wish, RunArguments& a) {
   if (!wish.program.empty()) a.overrides.program = wish.program;
   a.goes_on = false;
   a.line = 0;
+  a.cell_options.waits = true;
 }
 
 int run_until_done(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,

@@ -22,7 +22,7 @@ std::string in_folder(const cell::Cell& cell, const std::string& file) {
   return inside.empty() || inside.string().starts_with("..") ? file : inside.generic_string();
 }
 
-Json program_json(const cell::Cell& cell, const cell::Task& task) {
+Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = true) {
   const program::TaskStatus& status = task.status();
   return {{"file", in_folder(cell, task.interpreter().program().file)},
           {"state", program::name(task.interpreter().state())},
@@ -31,6 +31,7 @@ Json program_json(const cell::Cell& cell, const cell::Task& task) {
           {"source", status.source},
           {"cycle", status.passes},
           {"paused", task.interpreter().paused()},
+          {"begun", begun},
           {"ended", task.ended()},
           {"tasks", task.interpreter().status().size()},
           {"waits_for", status.waiting.text},
@@ -67,7 +68,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
           {"allowed", 100 * supervisor.share()},
           {"control", cell.control_holder()},
           {"jogged", jogged},
-          {"program", cell.program() ? program_json(cell, *cell.program()) : Json()},
+          {"program", cell.program() ? program_json(cell, *cell.program(), cell.program_begun()) : Json()},
           {"plc", cell.plc() ? program_json(cell, *cell.plc()) : Json()},
           {"failure", cell.failure() ? Json(cell.failure()->problem.text()) : Json()},
           {"alarms", journal.last_alarm()},

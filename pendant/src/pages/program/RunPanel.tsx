@@ -36,7 +36,7 @@ export function RunPanel() {
 
 function Where() {
   const now = status.value?.program;
-  if (!now) return <p class="program-where off">{t('program.notBegun')}</p>;
+  if (!now || now.ready) return <p class="program-where off">{t('program.notBegun')}</p>;
   const state = now.paused ? t('state.programPaused') : word('program.state', now.state);
   return (
     <div class={`program-where ${now.paused ? 'warn' : now.state}`} role="status">

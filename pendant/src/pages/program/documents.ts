@@ -81,8 +81,8 @@ export const running = computed<ProgramStatus | null>(() => {
 });
 /** Does any program go on now? */
 export const anyRunning = computed(() => {
-  const state = status.value?.program?.state;
-  return state === 'running' || state === 'waiting';
+  const it = status.value?.program;
+  return !!it && !it.ready && (it.state === 'running' || it.state === 'waiting');
 });
 
 const keeper = new DraftKeeper({
