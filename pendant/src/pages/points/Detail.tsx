@@ -100,7 +100,7 @@ function GoThere({ value }: { value: DataValue }) {
       </HoldButton>
       <p class="note" role="status">
         {dry && !dry.ok && <span class="points-bad">{dry.reason}</span>}
-        {dry?.ok && dry.seconds !== undefined && `${t('goto.preview')}: ${t('goto.seconds', { seconds: number(dry.seconds, 1) })}`}
+        {dry?.ok && dry.seconds !== undefined && `${t('goto.preview')} (${t('goto.seconds', { seconds: number(dry.seconds, 1) })})`}
         {heldBack.value && <span class="points-bad">{heldBack.value.reason || heldBack.value.what}</span>}
       </p>
     </div>

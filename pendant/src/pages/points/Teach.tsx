@@ -4,7 +4,7 @@ import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
 import { cell, complain, mayMove, robot, robotName } from '../../state/cell';
-import { frameNames, goodName, teach, values } from '../../state/points';
+import { frameNames, goodName, names, teach, values } from '../../state/points';
 import { kept } from '../../state/settings';
 import { toast } from '../../state/toasts';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
@@ -18,7 +18,7 @@ const more = signal(false);
 
 export function Teach() {
   const [wanted, setWanted] = useState<string | null>(null);
-  const taken = values.value.map((each) => each.name);
+  const taken = [...values.value, ...names.value].map((each) => each.name);
   const name = wanted ?? freeName('P', taken);
   const problem = name === '' ? '' : !goodName(name) ? t('points.badName') : taken.includes(name) ? t('points.exists') : '';
   const go = async () => {
