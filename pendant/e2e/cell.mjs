@@ -10,7 +10,7 @@ const root = fileURLToPath(new URL('../..', import.meta.url));
 const polyarm = process.env.POLYARM ?? join(root, 'build/release/polyarm');
 
 /** `what` once it holds; asked again and again for at most `seconds`. */
-export async function until(what, seconds = 20, name = what.toString()) {
+export async function until(what, seconds = 60, name = what.toString()) {
   const end = Date.now() + 1000 * seconds;
   for (;;) {
     const got = await what();
@@ -38,7 +38,7 @@ export class Cell {
     });
     for (const stream of [this.child.stdout, this.child.stderr]) stream.on('data', (text) => (this.output += text));
     this.ended = new Promise((done) => this.child.on('exit', done));
-    const link = await until(() => /pendant: (http:\S+)/.exec(this.output)?.[1], 30, 'the link of the pendant').catch((error) => {
+    const link = await until(() => /pendant: (http:\S+)/.exec(this.output)?.[1], 60, 'the link of the pendant').catch((error) => {
       throw new Error(`${error.message}\n${this.output}`);
     });
     this.link = link;
@@ -81,7 +81,7 @@ export class Watcher {
     await new Promise((done, failed) => this.socket.on('open', done).on('error', failed));
     this.hello = await this.request('session.hello', { name });
     await this.request('session.watch', { rate: 60 });
-    await until(() => this.frames.length > 0, 10, 'the first frame');
+    await until(() => this.frames.length > 0, 60, 'the first frame');
     return this;
   }
 

@@ -1,6 +1,7 @@
 // The page in a browser against a running cell. Each test begins where the one before has left the cell.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { after, before, test as run } from 'node:test';
 import { go, launch, picture, screen, state, stopKey } from './browser.mjs';
@@ -8,20 +9,21 @@ import { Cell, until, Watcher } from './cell.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const cell = new Cell('pick_and_place');
-let chrome, page, watcher;
+let chrome, page, watcher, commanded;
 
 before(async () => {
-  await cell.start();
   chrome = await launch();
+  commanded = Date.now();
+  await cell.start();
   watcher = await new Watcher(cell).start();
-}, { timeout: 60_000 });
+}, { timeout: 180_000 });
 after(async () => {
   watcher?.end();
   await chrome?.end();
   await cell.end();
 });
 /** A case with at most a minute; a picture of the page where it fails, and what the cell said last. */
-function test(name, body, timeout = 60_000) {
+function test(name, body, timeout = 300_000) {
   run(name, { timeout }, async (t) => {
     try {
       await goOn();
@@ -75,7 +77,7 @@ test('opens, has control and shows the robot moving', async (t) => {
   await until(() => watcher.speed() > 0.05, 15, 'motion of the robot');
   const first = await view.screenshot();
   await until(async () => (await goOn(), !first.equals(await view.screenshot())), 20, 'another picture');
-  t.diagnostic(`robot seen moving ${Date.now() - began} ms after the page was asked for`);
+  t.diagnostic(`robot seen moving ${Date.now() - commanded} ms after the command, ${Date.now() - began} ms after the page was asked for`);
   assert.equal(new URL(page.url()).searchParams.get('token'), null, 'the token stays in the address');
   assert.deepEqual(page.problems, []);
 });
@@ -175,6 +177,42 @@ test('gives control to another screen that asks for it', async () => {
   await inControl(page).waitFor();
 });
 
+test('loses control to another screen where nobody answers', async () => {
+  const other = await screen(chrome.browser, cell.link);
+  await watching(other).click();
+  await other.getByRole('dialog', { name: 'Who has control' }).getByRole('button', { name: 'Take control' }).click();
+  await page.getByRole('dialog', { name: /asks for control$/ }).waitFor();
+  await inControl(other).waitFor();
+  await watching(page).waitFor();
+  await page.getByRole('dialog', { name: /asks for control$/ }).waitFor({ state: 'detached' });
+  await other.context().close();
+  await page.getByRole('main').getByRole('button', { name: 'Take control' }).click();
+  await inControl(page).waitFor();
+});
+
+test('a page from elsewhere cannot reach the cell, though the browser has its cookie', async () => {
+  const elsewhere = createServer((_, answer) => answer.setHeader('Content-Type', 'text/html').end('<title>Elsewhere</title>'));
+  await new Promise((done) => elsewhere.listen(0, '127.0.0.1', done));
+  const foreign = await page.context().newPage();
+  try {
+    await foreign.goto(`http://localhost:${elsewhere.address().port}/`);
+    const tried = await foreign.evaluate(async (host) => {
+      const socket = new WebSocket(`ws://${host}/ws`);
+      const opened = await new Promise((done) => {
+        socket.onopen = () => done(true);
+        socket.onerror = socket.onclose = () => done(false);
+      });
+      const read = await fetch(`http://${host}/api/cell`, { credentials: 'include' }).then(() => true, () => false);
+      const wrote = await fetch(`http://${host}/api/project.zip?name=x`, { method: 'PUT', credentials: 'include', body: 'x' }).then(() => true, () => false);
+      return { opened, read, wrote };
+    }, new URL(cell.link).host);
+    assert.deepEqual(tried, { opened: false, read: false, wrote: false });
+  } finally {
+    await foreign.close();
+    elsewhere.close();
+  }
+});
+
 test('comes back after the server was killed and started again', async () => {
   watcher.end();
   await cell.kill();
@@ -202,7 +240,7 @@ test('has nothing serious for axe to find, on any page, light and dark', async (
     await page.getByRole('dialog').getByRole('button', { name: 'Close' }).click();
   }
   assert.deepEqual(found, []);
-}, 120_000);
+});
 
 /** What axe finds, by all its rules or by some. */
 async function serious(on, where, rules) {
