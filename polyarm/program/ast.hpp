@@ -160,8 +160,8 @@ struct Statement {
   Kind kind = Kind::stop;
   Motion motion = Motion::moveto;
   Place place;
-  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error; of a move
-  /// speedj or speedl, where it is one: a movej or movel whose argument is a record of velocities.
+  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error; of a
+  /// move speedj or speedl, where it is one: a movej or movel whose argument is a record of velocities.
   std::string name;
   Place name_place;
   bool explicit_variable = false;        ///< wait var NAME
