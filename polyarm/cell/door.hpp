@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/realtime/bell.hpp"
+
 namespace polyarm::cell {
 
 class Cell;
@@ -18,6 +20,11 @@ class Door {
   virtual ~Door() = default;
   /// Cell thread, each tick.
   virtual void serve() = 0;
+  /// What its threads ring when something has come in that is not to wait for the next tick; null: nobody
+  /// hears it any more. Cell thread.
+  virtual void set_bell(const std::shared_ptr<realtime::Bell>& bell) {}
+  /// Cell thread, between ticks, after the bell: hands over what has come in, and nothing else.
+  virtual void take() {}
   /// One line for a person: where it is reached.
   virtual std::string address() const = 0;
 };

@@ -16,6 +16,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
+#include "polyarm/cell/worker.hpp"
+#include "polyarm/realtime/bell.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/realtime/refusals.hpp"
 
@@ -28,6 +30,8 @@ std::atomic<int> stops_asked{0};
 
 /// The loop is silent when no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
+/// Between two ticks, what has come in is looked at so often at most: a flood waits for the tick.
+constexpr int kMostBetween = 16;
 /// In lock-step, where nobody can resume it, a cell that is held ends after this time of its own.
 constexpr Nanoseconds kHeldPatience = 10'000'000'000;
 
@@ -181,9 +185,14 @@ class Runner {
     cell_.arming().announce();
     EmptyLoop empty(cell_.loop().options().period, thread_options());
     ControlThread control(cell_, thread_options());
+    const auto bell = std::make_shared<realtime::Bell>();
+    hang(bell, door.get(), doors);
     realtime::Periodic clock(Cell::kTick);
+    Nanoseconds due = realtime::monotonic_now() + Cell::kTick;
     for (clock.start(); !over_;) {
-      clock.wait();
+      for (int i = 0; i < kMostBetween && bell->wait_until(due); ++i) take(door.get(), doors);
+      const realtime::WakeUp wake = clock.wait();
+      due = wake.due + static_cast<Nanoseconds>(wake.skipped + 1) * Cell::kTick;
       cell_.loop().outbox().fetch();
       const hardware::Cycle seen = cell_.snapshot().cycle;
       if (door) door->serve(cell_.requests());
@@ -193,6 +202,7 @@ class Runner {
       after_tick(seen.time + seen.period);
       while (const auto line = console_.line()) typed(*line);
     }
+    hang(nullptr, door.get(), doors);
     stuck_ = !control.end(options_.patience);
     late_empty_ = empty.finish();
   }
@@ -223,6 +233,24 @@ class Runner {
   void serve(const std::vector<std::unique_ptr<Door>>& doors) const {
     for (const auto& door : doors) door->serve();
     for (Door* const door : options_.doors) door->serve();
+  }
+
+  /// Doors, and the thread for what takes long, ring it when they have something for the cell.
+  void hang(const std::shared_ptr<realtime::Bell>& bell, SocketDoor* socket,
+            const std::vector<std::unique_ptr<Door>>& doors) {
+    if (socket) socket->set_bell(bell);
+    for (const auto& door : doors) door->set_bell(bell);
+    for (Door* const door : options_.doors) door->set_bell(bell);
+    cell_.worker().set_bell(bell);
+  }
+
+  /// Between two ticks: requests that have come in are begun, and those that waited for the worker go on.
+  void take(SocketDoor* socket, const std::vector<std::unique_ptr<Door>>& doors) {
+    cell_.loop().outbox().fetch();
+    if (socket) socket->serve(cell_.requests());
+    for (const auto& door : doors) door->take();
+    for (Door* const door : options_.doors) door->take();
+    cell_.requests().tick();
   }
 
   realtime::ThreadOptions thread_options() const {

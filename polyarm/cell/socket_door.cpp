@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestLine = 1 << 20, kMostUnread = 16 << 20, kMostClients = 64;
-/// Lines handed to the cell in one tick, and waiting for it before nothing more is read.
+/// Lines handed to the cell at once, and waiting for it before nothing more is read.
 constexpr std::size_t kLinesATick = 16, kMostWaiting = 64;
 /// Between looks at clients that have said all they will say and wait for their answers.
 constexpr int kPatience_ms = 1000, kFarewell_ms = 20;
@@ -148,6 +148,8 @@ class SocketDoor::Work {
     }
     if (!lines.empty()) wake();  // there is room for more
   }
+
+  realtime::BellRope rope;
 
  private:
   using Line = std::pair<std::shared_ptr<Client>, std::string>;
@@ -282,6 +284,7 @@ class SocketDoor::Work {
       const std::lock_guard lock(mutex_);
       lines_.emplace_back(client, client->in.substr(begin, end - begin));
     }
+    if (begin > 0) rope.pull();
     client->in.erase(0, begin);
     if (client->in.size() <= kLongestLine) return;
     take_answer(*client, R"({"ok":false,"error":{"code":"too-long","what":"a request may have 1 MB"}})");
@@ -326,6 +329,9 @@ const fs::path& SocketDoor::path() const {
 }
 void SocketDoor::serve(Requests& requests) {
   work_->serve(requests);
+}
+void SocketDoor::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+  work_->rope.tie(bell);
 }
 
 fs::path SocketDoor::folder_of_user() {

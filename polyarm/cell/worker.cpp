@@ -41,6 +41,7 @@ void Worker::work() {
     busy_ = true;
     lock.unlock();
     job();
+    rope_.pull();
     lock.lock();
     busy_ = false;
     if (jobs_.empty()) idle_.notify_all();

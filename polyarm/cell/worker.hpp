@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include "polyarm/realtime/bell.hpp"
+
 namespace polyarm::cell {
 
 /// A thread for jobs that take longer than a tick, in order: those that touch the disk, those that plan. Made
@@ -19,6 +21,8 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
 
   void post(std::function<void()> job);
+  /// Rung after each job that was posted; null: none is. Any thread.
+  void set_bell(const std::shared_ptr<realtime::Bell>& bell) { rope_.tie(bell); }
   /// Waits until everything posted so far is done.
   void drain();
 
@@ -26,6 +30,7 @@ class Worker {
   void work();
 
   bool inline_;
+  realtime::BellRope rope_;
   std::mutex mutex_;
   std::condition_variable wake_, idle_;
   std::deque<std::function<void()>> jobs_;

@@ -9,7 +9,7 @@ namespace polyarm::ros2 {
 
 namespace {
 
-/// Messages that are taken in one tick.
+/// Messages that are taken at once.
 constexpr std::size_t kMost = 32;
 
 class Ros2Door : public cell::Door {
@@ -24,10 +24,16 @@ class Ros2Door : public cell::Door {
 
   void serve() override {
     bridge_.look_at_clock();
-    for (std::size_t i = 0; i < kMost && one(); ++i) {
-    }
+    take();
     for (const auto& part : parts_) bridge_.guarded([&] { part->serve(); });
   }
+
+  void take() override {
+    for (std::size_t i = 0; i < kMost && one(); ++i) {
+    }
+  }
+
+  void set_bell(const std::shared_ptr<realtime::Bell>& bell) override { bridge_.wire().set_bell(bell); }
 
   /// False where nothing has come in.
   bool one() {

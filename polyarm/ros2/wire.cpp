@@ -189,6 +189,8 @@ class Wire::Work {
   }
   const Participant& participant() const { return participant_; }
 
+  realtime::BellRope rope;
+
  private:
   struct Endpoint {
     bool reader;
@@ -258,6 +260,7 @@ class Wire::Work {
         ++statistics_.dropped;
     }
     arrived_.notify_one();
+    rope.pull();
   }
 
   /// On a thread of the participant.
@@ -464,6 +467,9 @@ std::size_t Wire::take(std::size_t most) {
 }
 void Wire::wait(std::chrono::nanoseconds patience) const {
   work_->wait(patience);
+}
+void Wire::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+  work_->rope.tie(bell);
 }
 WireStatistics Wire::statistics() const {
   return work_->statistics();

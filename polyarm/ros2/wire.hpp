@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "polyarm/messages/type_info.hpp"
+#include "polyarm/realtime/bell.hpp"
 #include "polyarm/ros2/participant.hpp"
 
 namespace polyarm::ros2 {
@@ -72,6 +73,9 @@ class Wire {
   std::size_t take(std::size_t most);
   /// Until something waits to be taken, at most so long.
   void wait(std::chrono::nanoseconds patience) const;
+
+  /// Rung when something has come in; null: none is.
+  void set_bell(const std::shared_ptr<realtime::Bell>& bell);
 
   WireStatistics statistics() const;
   const Participant& participant() const;

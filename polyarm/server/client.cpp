@@ -9,8 +9,11 @@ bool Client::take(std::string line, double now) {
   refilled_ = now;
   if (allowance_ < 1) return false;
   allowance_ -= 1;
-  const std::lock_guard lock(mutex_);
-  in_.push_back(std::move(line));
+  {
+    const std::lock_guard lock(mutex_);
+    in_.push_back(std::move(line));
+  }
+  if (rope_) rope_->pull();
   return true;
 }
 

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/realtime/bell.hpp"
+
 namespace polyarm::server {
 
 using Text = std::shared_ptr<const std::string>;
@@ -26,8 +28,10 @@ class Client {
   /// Lines a second, and in a burst; who sends more is sent away.
   static constexpr double kLinesASecond = 500, kBurst = 2000;
 
-  Client(std::uint64_t its_number, std::string address, bool on_this_machine)
-      : number(its_number), from(std::move(address)), local(on_this_machine) {}
+  /// `rope`: pulled when a line has come in; may be null.
+  Client(std::uint64_t its_number, std::string address, bool on_this_machine,
+         std::shared_ptr<realtime::BellRope> rope = nullptr)
+      : number(its_number), from(std::move(address)), local(on_this_machine), rope_(std::move(rope)) {}
 
   const std::uint64_t number;  ///< counts up from 1
   const std::string from;      ///< address of the other side
@@ -65,6 +69,7 @@ class Client {
  private:
   void wake() { wake_.store(true, std::memory_order_release); }
 
+  std::shared_ptr<realtime::BellRope> rope_;
   mutable std::mutex mutex_;
   std::deque<std::string> in_;
   std::deque<std::pair<Kind, Text>> out_;

@@ -77,6 +77,9 @@ class Pendant::Work {
     const bool told = sessions.serve(), shown = viewers_.serve();
     if (told || shown) port_->wake();
   }
+  void take() {
+    if (sessions.take()) port_->wake();
+  }
   void attach(cell::Cell& cell) {
     site_.show(cell);
     sessions.attach(cell);
@@ -134,6 +137,12 @@ void Pendant::detach() {
 }
 void Pendant::serve() {
   work_->serve();
+}
+void Pendant::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+  work_->sessions.set_bell(bell);
+}
+void Pendant::take() {
+  work_->take();
 }
 std::optional<cell::RestartWish> Pendant::take_wish() {
   return work_->sessions.take_wish();

@@ -37,6 +37,8 @@ class Pendant : public cell::Door {
   void detach();
   /// Each tick, or now and then without a cell.
   void serve() override;
+  void set_bell(const std::shared_ptr<realtime::Bell>& bell) override;
+  void take() override;
   std::string address() const override { return link(); }
 
   /// What somebody wants to be run, asked for while there is no cell; once.

@@ -51,7 +51,7 @@ class Sessions::Work {
     const std::lock_guard lock(mutex_);
     if (connected_ >= kMostClients) return nullptr;
     ++connected_;
-    auto client = std::make_shared<Client>(++last_client_, from, local);
+    auto client = std::make_shared<Client>(++last_client_, from, local, rope);
     arrived_.push_back(client);
     return client;
   }
@@ -79,25 +79,18 @@ class Sessions::Work {
   }
 
   bool serve() {
-    now_ = seconds(realtime::monotonic_now());
-    if (cell_) journal.set_now(cell_->now());
-    look_at_clients();
-    std::size_t left = kLinesATick;
-    for (auto& [number, seat] : seats_) {
-      for (const std::string& line : seat.client->lines(std::min(kLinesOfEach, left))) {
-        --left;
-        ++requests;
-        take(seat, line);
-      }
-    }
+    take_lines();
     if (jogs_) jogs_->tick();
     control_.tick(now_);
     tell_control();
     tell_events();
     send_frames();
-    bool wake = false;
-    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
-    return wake;
+    return any_woken();
+  }
+
+  bool take() {
+    take_lines();
+    return any_woken();
   }
 
   Pendant::Counts counts() const {
@@ -117,6 +110,7 @@ class Sessions::Work {
   Journal journal;
   std::uint64_t requests = 0;
   std::optional<cell::RestartWish> wish;
+  const std::shared_ptr<realtime::BellRope> rope = std::make_shared<realtime::BellRope>();
 
  private:
   using Handler = Json (Work::*)(Seat&, const Json&);
@@ -156,6 +150,26 @@ class Sessions::Work {
   }
 
   // --- requests
+
+  void take_lines() {
+    now_ = seconds(realtime::monotonic_now());
+    if (cell_) journal.set_now(cell_->now());
+    look_at_clients();
+    std::size_t left = kLinesATick;
+    for (auto& [number, seat] : seats_) {
+      for (const std::string& line : seat.client->lines(std::min(kLinesOfEach, left))) {
+        --left;
+        ++requests;
+        take(seat, line);
+      }
+    }
+  }
+
+  bool any_woken() {
+    bool wake = false;
+    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
+    return wake;
+  }
 
   void take(Seat& seat, const std::string& line) {
     Json id;
@@ -559,6 +573,12 @@ void Sessions::detach() {
 }
 bool Sessions::serve() {
   return work_->serve();
+}
+bool Sessions::take() {
+  return work_->take();
+}
+void Sessions::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+  work_->rope->tie(bell);
 }
 std::optional<cell::RestartWish> Sessions::take_wish() {
   return std::exchange(work_->wish, std::nullopt);

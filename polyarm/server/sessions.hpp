@@ -17,7 +17,7 @@ namespace polyarm::server {
 class Sessions {
  public:
   static constexpr std::size_t kMostClients = 32;
-  /// Lines taken in one tick, of all and of each; frames a second.
+  /// Lines taken at once, of all and of each; frames a second.
   static constexpr std::size_t kLinesATick = 48, kLinesOfEach = 8;
   static constexpr double kFastest = 60;
 
@@ -31,6 +31,9 @@ class Sessions {
   void detach();
   /// True when somebody has been given something to send.
   bool serve();
+  /// Between ticks: the same of what has come in alone.
+  bool take();
+  void set_bell(const std::shared_ptr<realtime::Bell>& bell);
   std::optional<cell::RestartWish> take_wish();
   Pendant::Counts counts() const;
 
