@@ -1,9 +1,10 @@
 /// What does the ROS 2 door cost, and how soon does it act? The command runs a UR5e on the mock at 1 kHz,
 /// clients on Fast DDS sit in this process, all on one machine: what a network or another middleware adds is
 /// not in it. Times are of the system's clock, which stamps are told in. Needs two idle cores; says the load
-/// beside.
+/// beside. With a word, that part alone: write, start, see, latency, late.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -18,6 +19,10 @@
 #include "polyarm/ros2/wire.hpp"
 #include "tests/ros2/client.hpp"
 #include "tests/support/command.hpp"
+#ifdef POLYARM_CYCLONE
+#include "messages.h"
+#include "tests/ros2/cyclone.hpp"
+#endif
 
 namespace polyarm::ros2 {
 namespace {
@@ -53,11 +58,12 @@ ParticipantOptions options() {
 
 class Cell {
  public:
-  explicit Cell(std::vector<std::string> more = {"--ros2"}) {
+  explicit Cell(std::vector<std::string> more = {"--ros2"}, double rate = 1000) {
     ::setenv("ROS_DOMAIN_ID", std::to_string(kDomain).c_str(), 1);
     std::filesystem::create_directories(folder_);
     std::ofstream(folder_ / "cell.yaml")
-        << "polyarm: cell/1\nrate: 1000\nrobots:\n  arm: {model: "
+        << "polyarm: cell/1\nrate: " << rate
+        << "\nrobots:\n  arm: {model: "
            "universal_robots/ur5e, hardware: mock}\ncontrollers: controllers.yaml\n";
     std::ofstream(folder_ / "controllers.yaml")
         << "controller_manager:\n  ros__parameters:\n"
@@ -154,26 +160,69 @@ void time_to_see() {
   report("until a client sees a node", "ms", taken);
 }
 
-/// From the publishing of a trajectory to the stamp of the cycle whose reference is the first to move.
-void trajectory_latency() {
+#ifdef POLYARM_CYCLONE
+/// The same on Cyclone DDS, and until a service can be asked.
+void time_to_see_on_cyclone() {
   const Cell cell;
+  std::vector<double> seen, ready;
+  for (int i = 0; i < 20; ++i) {
+    const auto begun = Clock::now();
+    const test::Cyclone cyclone(kDomain);
+    const auto graph =
+        cyclone.reader(rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc, "ros_discovery_info", true);
+    const test::CycloneCaller<controller_manager_msgs_srv_dds__SwitchController_Request_,
+                              controller_manager_msgs_srv_dds__SwitchController_Response_>
+        caller(cyclone, "/controller_manager/switch_controller",
+               controller_manager_msgs_srv_dds__SwitchController_Request__desc,
+               controller_manager_msgs_srv_dds__SwitchController_Response__desc);
+    const auto named = [&] {
+      bool out = false;
+      test::take<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>(graph, [&](const auto& info) {
+        for (std::uint32_t k = 0; k < info.node_entities_info_seq._length; ++k)
+          out = out || info.node_entities_info_seq._buffer[k].node_name == std::string("arm_controller");
+      });
+      return out;
+    };
+    if (wait(named)) seen.push_back(milliseconds(Clock::now() - begun));
+    if (wait([&] { return caller.ready(); })) ready.push_back(milliseconds(Clock::now() - begun));
+  }
+  report("until a client on Cyclone sees a node", "ms", seen);
+  report("  until it can ask a service", "ms", ready);
+}
+#endif
+
+double stamp_ms(const json& sample) {
+  const json& stamp = sample["header"]["stamp"];
+  return 1e3 * stamp["sec"].get<double>() + 1e-6 * stamp["nanosec"].get<double>();
+}
+
+/// From the publishing of a trajectory to the cycle that commands its beginning, which a later state tells:
+/// its stamp less how far the trajectory is, which is a period in its first cycle. Beside it, the wait for
+/// the next cycle from that moment on, on the grid that stamps lie on: the least that any loop can need. The
+/// rate is one whose cycles wander past the cell's ticks, so that stamps are not late by where they happen to
+/// lie.
+void trajectory_latency() {
+  constexpr double kRate = 990, kPeriod = 1e3 / kRate;
+  const Cell cell({"--ros2"}, kRate);
   Client client(kDomain);
   const auto state =
       client.listen("/arm_controller/controller_state", "control_msgs/JointTrajectoryControllerState");
   const auto publisher =
       client.publish("/arm_controller/joint_trajectory", "trajectory_msgs/JointTrajectory");
   if (!wait([&] { return state->heard() && publisher->matched(); })) return;
-  std::vector<double> taken;
+  std::vector<double> taken, waits, above;
   for (int i = 0; i < 300; ++i) {
     const json still = state->latest()["reference"]["positions"];
     std::vector<double> there(6);
     for (std::size_t k = 0; k < 6; ++k) there[k] = still[k].get<double>() + (i % 2 == 0 ? 0.01 : -0.01);
     json names = json::array();
     for (const auto& name : joint_state().name) names.push_back(name);
+    const json message{{"joint_names", names},
+                       {"points", json::array({{{"positions", there}, {"time_from_start", 0.02}}})}};
     const std::size_t before = state->count();
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    publisher->publish({{"joint_names", names},
-                        {"points", json::array({{{"positions", there}, {"time_from_start", 0.02}}})}});
+    const auto since = std::chrono::system_clock::now().time_since_epoch();
+    const double now = std::chrono::duration<double, std::milli>(since).count();
+    publisher->publish(message);
     json moved;
     const bool found = wait(
         [&] {
@@ -183,12 +232,17 @@ void trajectory_latency() {
         },
         2);
     if (!found) continue;
-    const double stamp = 1e3 * moved["header"]["stamp"]["sec"].get<double>() +
-                         1e-6 * moved["header"]["stamp"]["nanosec"].get<double>();
-    taken.push_back(stamp - std::chrono::duration<double, std::milli>(now).count());
-    std::this_thread::sleep_for(std::chrono::milliseconds(40 + i % 7));
+    const json& into = moved["reference"]["time_from_start"];
+    const double begun =
+        stamp_ms(moved) - 1e3 * into["sec"].get<double>() - 1e-6 * into["nanosec"].get<double>() + kPeriod;
+    taken.push_back(begun - now);
+    waits.push_back(std::fmod(std::fmod(taken.back(), kPeriod) + kPeriod, kPeriod));
+    above.push_back((taken.back() - waits.back()) / kPeriod);
+    std::this_thread::sleep_for(std::chrono::microseconds(40'000 + i * 7919 % 3000));
   }
   report("published trajectory to the first command", "ms", taken);
+  report("  the wait for the next cycle from then on", "ms", waits);
+  report("  cycles missed", "  ", above);
 }
 
 void late_cycles(const char* what, bool ros2, std::size_t subscribers) {
@@ -207,15 +261,22 @@ void late_cycles(const char* what, bool ros2, std::size_t subscribers) {
 }  // namespace
 }  // namespace polyarm::ros2
 
-int main() {
+int main(int argc, char** argv) {
   using namespace polyarm::ros2;
+  const std::string only = argc > 1 ? argv[1] : "";
+  const auto wanted = [&](const char* part) { return only.empty() || only == part; };
   double load[1] = {0};
   ::getloadavg(load, 1);
   std::printf("load %.1f\n", load[0]);
-  for (const std::size_t readers : {0u, 1u, 5u}) write_cost(readers);
-  start_cost();
-  time_to_see();
-  trajectory_latency();
+  if (wanted("write"))
+    for (const std::size_t readers : {0u, 1u, 5u}) write_cost(readers);
+  if (wanted("start")) start_cost();
+  if (wanted("see")) time_to_see();
+#ifdef POLYARM_CYCLONE
+  if (wanted("see")) time_to_see_on_cyclone();
+#endif
+  if (wanted("latency")) trajectory_latency();
+  if (!wanted("late")) return 0;
   late_cycles("late cycles without the door", false, 0);
   late_cycles("late cycles, 20 subscribers of joint states at 1 kHz", true, 20);
 }

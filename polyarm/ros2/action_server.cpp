@@ -18,6 +18,7 @@ using Cancel = messages::action_msgs::srv::CancelGoal::Response;
 /// Results are kept for those who ask later; ROS 2 keeps them for ten seconds, here it is longer.
 constexpr Nanoseconds kKept = 60'000'000'000;
 constexpr std::size_t kMostKept = 100;
+constexpr Nanoseconds kTellAgain = 5'000'000'000;
 
 struct Goal {
   Json id;  ///< {"uuid": […]}
@@ -109,6 +110,11 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->stamp = stamp;
     Json message = request["goal"];
     if (message.contains("trajectory")) bridge_.to_cell(message["trajectory"]);
+    for (const char* list :
+         {"path_tolerance", "goal_tolerance", "component_path_tolerance", "component_goal_tolerance"})
+      if (message.contains(list) && message[list].empty()) message.erase(list);
+    if (message.contains("multi_dof_trajectory") && message["multi_dof_trajectory"]["points"].empty())
+      message.erase("multi_dof_trajectory");
     // ROS 2 has no other way to leave out a tolerance of time.
     if (message.contains("goal_time_tolerance") && nanoseconds_of(message["goal_time_tolerance"]) == 0)
       message.erase("goal_time_tolerance");
@@ -121,7 +127,10 @@ class Server : public std::enable_shared_from_this<Server> {
 
   void answered(const GoalPointer& goal, const Json& answer, const Reply& reply) {
     if (!answer.value("ok", false)) {
-      if (goal->status == Status::STATUS_UNKNOWN) return reply({{"accepted", false}, {"stamp", goal->stamp}});
+      if (goal->status == Status::STATUS_UNKNOWN) {
+        tell_refusal(answer);
+        return reply({{"accepted", false}, {"stamp", goal->stamp}});
+      }
       return end(goal, Status::STATUS_ABORTED, result_of(port_.type, {{"error_code", -1}}));
     }
     const Json& told = answer["result"];
@@ -132,6 +141,17 @@ class Server : public std::enable_shared_from_this<Server> {
     if (status == "succeeded") end(goal, Status::STATUS_SUCCEEDED, result_of(port_.type, told));
     if (status == "aborted") end(goal, Status::STATUS_ABORTED, result_of(port_.type, told));
     if (status == "canceled") end(goal, Status::STATUS_CANCELED, result_of(port_.type, told));
+  }
+
+  /// ROS's answer has no place for the reason: a person at the cell is told, of the same one not at once
+  /// again.
+  void tell_refusal(const Json& answer) {
+    const std::string why = answer.value("error", Json::object()).value("what", std::string("refused"));
+    const Nanoseconds now = bridge_.cell().now();
+    if (why == refusal_ && now - refused_ < kTellAgain) return;
+    refusal_ = why;
+    refused_ = now;
+    bridge_.cell().tell("ROS 2: a goal of " + port_.name + " is refused: " + why);
   }
 
   void accept(const GoalPointer& goal, const Reply& reply) {
@@ -201,6 +221,8 @@ class Server : public std::enable_shared_from_this<Server> {
   const messages::TypeInfo* feedback_type_ = nullptr;
   Wire::Id feedback_ = 0, status_ = 0;
   std::deque<GoalPointer> goals_;
+  std::string refusal_;
+  Nanoseconds refused_ = 0;
   bool closed_ = false;
 };
 

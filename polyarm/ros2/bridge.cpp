@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <exception>
 #include <utility>
 
@@ -11,6 +12,8 @@ namespace polyarm::ros2 {
 
 namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kWindow = kSecond / 4;
+constexpr int kRecent = 5;
 }  // namespace
 
 std::int64_t nanoseconds_of(const Json& stamp) {
@@ -102,11 +105,31 @@ void offer_standard_services(Bridge& bridge, const std::string& node, ParameterS
   offer_type_descriptions(bridge, node);
 }
 
+/// The newest cycle is seen up to a period after it began, so the least of many differences is the true one.
+/// Cycles that are skipped are whole periods that the cell's clock stands still.
 void Bridge::look_at_clock() {
-  if (!cell_.lock_step()) {
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    offset_ = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - cell_.now();
+  if (cell_.lock_step()) return;
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+  const std::int64_t period = cell_.loop().options().period, seen = now - cell_.snapshot().cycle.time;
+  if (std::abs(seen - offset_) > kSecond) {  // the first look, or somebody set the clock
+    least_ = least_before_ = recent_ = seen;
+    looks_ = 0;
+    window_ends_ = now + kWindow;
   }
+  if (now > window_ends_ || window_ends_ - now > kWindow) {
+    least_before_ = std::exchange(least_, seen);
+    window_ends_ = now + kWindow;
+  }
+  least_ = std::min(least_, seen);
+  recent_ = std::min(recent_, seen);
+  offset_ = std::min(least_, least_before_);
+  if (++looks_ < kRecent) return;
+  const std::int64_t skipped = (std::exchange(recent_, INT64_MAX) - offset_ + period / 20) / period * period;
+  least_ += skipped;
+  least_before_ += skipped;
+  offset_ += skipped;
+  looks_ = 0;
 }
 
 std::int64_t Bridge::ros_time(Nanoseconds cell_time) const {
@@ -121,12 +144,27 @@ void Bridge::to_ros(Json& message) const {
     message["header"]["stamp"] = ros_stamp(nanoseconds_of(message["header"]["stamp"]));
 }
 
+namespace {
+/// The cell reads messages as text: what says nothing in a trajectory is not written first.
+void leave_out_empty(Json& trajectory) {
+  for (Json& point : trajectory["points"]) {
+    for (const char* list : {"positions", "velocities", "accelerations", "effort"})
+      if (point.contains(list) && point[list].empty()) point.erase(list);
+    point["time_from_start"] = 1e-9 * static_cast<double>(nanoseconds_of(point["time_from_start"]));
+  }
+}
+}  // namespace
+
 void Bridge::to_cell(Json& message) const {
+  if (message.contains("points") && message.contains("joint_names")) leave_out_empty(message);
   if (!message.contains("header") || !message["header"].contains("stamp")) return;
   Json& stamp = message["header"]["stamp"];
   const std::int64_t given = nanoseconds_of(stamp);
   // What lies before the start of the cell is old, not "now": it keeps the smallest stamp there is.
-  if (given != 0) stamp = stamp_of(std::max<std::int64_t>(given - offset_, 1));
+  if (given != 0)
+    stamp = stamp_of(std::max<std::int64_t>(given - offset_, 1));
+  else
+    message.erase("header");  // "now"; the cell looks at nothing else in it
 }
 
 }  // namespace polyarm::ros2

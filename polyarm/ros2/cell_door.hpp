@@ -65,6 +65,9 @@ class Bridge {
   Wire wire_;
   std::string space_;
   std::int64_t offset_ = 0;  ///< ros time − cell time
+  /// What was seen of it: the least in this window and the one before, and in the latest few looks.
+  std::int64_t least_ = 0, least_before_ = 0, recent_ = 0, window_ends_ = 0;
+  int looks_ = 0;
   std::set<std::string> told_;
 };
 
