@@ -141,6 +141,7 @@ class Cell {
   DataFiles& files() { return *files_; }
   Answers& answers() { return answers_; }
   const CellFile& file() const { return file_; }
+  const description::Catalogue& catalogue() const { return catalogue_; }
   const control::Snapshot& snapshot() const { return loop_->outbox().value(); }
   bool lock_step() const { return options_.lock_step; }
   /// True when the number of passes was limited from outside.

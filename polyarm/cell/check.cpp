@@ -247,6 +247,7 @@ class Checker {
     options.allow_contact = true;
     options.cycles = options_.cycles;
     options.read = [this](const std::filesystem::path& path) { return take_program(path); };
+    options.state_folder = options_.state_folder;
     Listener listener;
     CellFile file = file_;
     if (!options_.dry)

@@ -1,5 +1,6 @@
 #pragma once
 /// Finds what is wrong with a cell before anything moves.
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct CheckResult {
 struct CheckOptions {
   bool dry = false;  ///< run the program in lock-step and list contacts, limits and parts by line
   std::uint64_t cycles = 0;
+  std::filesystem::path state_folder;  ///< where data files are kept; empty: .state/data of the cell
 };
 
 /// Reads every file of the cell and adds every error and warning; checks every point for reach and joint

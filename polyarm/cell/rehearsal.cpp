@@ -26,11 +26,12 @@ constexpr int kMostSteps = 20000;
 constexpr int kStatements = 50;   // at a time
 constexpr int kMostStalls = 100;  // without a statement begun
 constexpr std::uint64_t kPasses = 2;
+constexpr int kPathSamples = 40;
 
 /// What the program takes for its cell.
 class Stage : public program::Host {
  public:
-  explicit Stage(Cell& cell) : cell_(cell), moves_(*cell.program_moves()) {
+  Stage(Cell& cell, bool with_paths) : cell_(cell), moves_(*cell.program_moves()), with_paths_(with_paths) {
     for (const auto& robot : cell.robots()) arms_.push_back({robot.get(), robot->start, {}, nullptr, false});
   }
 
@@ -132,7 +133,9 @@ class Stage : public program::Host {
       for (const auto& [move, where] : arm.waiting) moves.push_back(move);
       const motion::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
       try {
-        arm.at = motion::plan_moves(facts, arm.at, moves, cell_.plan_options()).end;
+        motion::MovePlan plan = motion::plan_moves(facts, arm.at, moves, cell_.plan_options());
+        if (with_paths_) keep_paths(arm, facts, plan);
+        arm.at = std::move(plan.end);
         out_.moves += moves.size();
         arm.waiting.clear();
       } catch (const motion::MoveError& e) {
@@ -142,6 +145,19 @@ class Stage : public program::Host {
         arm.waiting.erase(arm.waiting.begin(),
                           std::next(arm.waiting.begin(), static_cast<std::ptrdiff_t>(e.move)));
       }
+    }
+  }
+
+  void keep_paths(const Arm& arm, const motion::RobotFacts& facts, const motion::MovePlan& plan) {
+    std::vector<double> q(arm.at.size());
+    for (const motion::PlannedMotion& motion : plan.motions) {
+      RehearsedPath kept{arm.robot->entry.name, arm.waiting[motion.first].second, motion.path.duration(), {}};
+      std::size_t hint = 0;
+      for (int k = 0; k <= kPathSamples; ++k) {
+        motion.path.sample(kept.seconds * k / kPathSamples, q, {}, {}, {}, hint);
+        kept.tcp.push_back(facts.chain.forward(q).position);
+      }
+      out_.paths.push_back(std::move(kept));
     }
   }
 
@@ -173,7 +189,7 @@ class Stage : public program::Host {
   ProgramMoves& moves_;
   std::vector<Arm> arms_;
   Nanoseconds now_ = 0;
-  bool helped_ = false;
+  bool helped_ = false, with_paths_ = false;
   std::set<std::pair<std::string, std::string>> told_;
   Rehearsal out_;
 };
@@ -217,9 +233,9 @@ class Prompter {
 
 }  // namespace
 
-Rehearsal rehearse(Cell& cell) {
+Rehearsal rehearse(Cell& cell, bool with_paths) {
   if (!cell.program() || !cell.program_moves()) return {};
-  Stage stage(cell);
+  Stage stage(cell, with_paths);
   try {
     program::Interpreter interpreter(cell.program()->interpreter().compiled(), stage);
     interpreter.limit_passes(kPasses);

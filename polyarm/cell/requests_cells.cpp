@@ -1,0 +1,383 @@
+/// Requests about a program or cell without running it, and about the cells that can be opened.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/check.hpp"
+#include "polyarm/cell/rehearsal.hpp"
+#include "polyarm/cell/requests_later.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::cell {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000, kMostCells = 200;
+
+/// A folder for this alone, which goes when nobody needs it any more.
+class Scratch {
+ public:
+  Scratch() {
+    std::string pattern = (fs::temp_directory_path() / "polyarm-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw Error("unwritable", "there is no place for temporary files");
+    path_ = pattern;
+  }
+  ~Scratch() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// One job at a time beside everything else: it may take seconds, for which the cell's worker has no time.
+/// The process does not end before it has come back.
+class Aside {
+ public:
+  static Aside& only() {
+    static Aside aside;
+    return aside;
+  }
+  void begin(std::function<void()> job) {
+    const std::lock_guard lock(mutex_);
+    if (busy_.load(std::memory_order_acquire))
+      throw Error("busy", "a dry run or check is under way", "wait until it has ended");
+    busy_.store(true, std::memory_order_release);
+    thread_ = std::jthread([this, job = std::move(job)] {
+      job();
+      busy_.store(false, std::memory_order_release);
+    });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::atomic<bool> busy_{false};
+  std::jthread thread_;
+};
+
+/// Answers with what `job` returns, which must not touch the cell.
+Poll aside(std::function<Json()> job) {
+  struct State {
+    std::atomic<bool> done{false};
+    Json result;
+    std::optional<Error> error;
+  };
+  auto state = std::make_shared<State>();
+  Aside::only().begin([state, job = std::move(job)] {
+    try {
+      state->result = job();
+    } catch (const Error& e) {
+      state->error = e;
+    } catch (...) {
+      state->error = Error("internal", "unexpected: " + what_was_thrown());
+    }
+    state->done.store(true, std::memory_order_release);
+  });
+  return [state](Cell&) {
+    if (!state->done.load(std::memory_order_acquire)) return Progress{};
+    if (state->error) throw *state->error;
+    return Progress::done(std::move(state->result));
+  };
+}
+
+/// Paths as the user knows them: relative to the folder that they lie in.
+std::string shown(const std::string& file, const fs::path& folder) {
+  const fs::path relative = fs::path(file).lexically_relative(folder);
+  return relative.empty() || *relative.begin() == ".." ? file : relative.string();
+}
+
+Json problems_json(const std::vector<Problem>& problems, const fs::path& folder) {
+  Json out = Json::array();
+  for (const Problem& p : problems)
+    out.push_back({{"code", p.code},
+                   {"severity", p.severity == Severity::error ? "error" : "warning"},
+                   {"file", shown(p.where.file, folder)},
+                   {"line", p.where.line},
+                   {"column", p.where.column},
+                   {"what", p.what},
+                   {"advice", p.advice}});
+  return out;
+}
+
+/// Listens to nothing.
+class Silence : public Observer {};
+
+Json paths_json(const std::vector<RehearsedPath>& paths) {
+  Json out = Json::array();
+  for (const RehearsedPath& path : paths) {
+    Json points = Json::array();
+    for (const Vec3& p : path.tcp) points.push_back({p.x, p.y, p.z});
+    out.push_back({{"robot", path.robot},
+                   {"line", path.where.line},
+                   {"seconds", path.seconds},
+                   {"points", std::move(points)}});
+  }
+  return out;
+}
+
+/// The program's text in a folder of its own, with the scripts beside it that it may include.
+fs::path stage_program(const fs::path& original, const std::string& text, const fs::path& to) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(original.parent_path(), error))
+    if (entry.is_regular_file() && lower(entry.path().extension().string()) == ".script")
+      fs::copy_file(entry.path(), to / entry.path().filename(), fs::copy_options::overwrite_existing, error);
+  const fs::path staged = to / original.filename();
+  write_file_atomically(staged, text);
+  return staged;
+}
+
+Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,
+             const std::string& text) {
+  const Scratch scratch;
+  const fs::path folder = scratch.path() / "program";
+  fs::create_directory(folder);
+  file.program = stage_program(original, text, folder).string();
+  for (RobotEntry& robot : file.robots) robot.hardware = "mock";
+  CellOptions options;
+  options.lock_step = true;
+  options.allow_contact = true;
+  options.state_folder = scratch.path() / "state";
+  Json out{{"moves", 0}, {"reached", Json()}, {"paths", Json::array()}, {"seconds", Json()}};
+  Silence silence;
+  try {
+    Cell cell(file, catalogue, options, silence);
+    const Rehearsal found = rehearse(cell, true);
+    out["problems"] = problems_json(found.problems.list(), folder);
+    out["moves"] = found.moves;
+    out["paths"] = paths_json(found.paths);
+    if (!found.reached.file.empty())
+      out["reached"] = {{"file", shown(found.reached.file, folder)}, {"line", found.reached.line}};
+  } catch (const Error& e) {
+    out["problems"] = problems_json(e.problems(), folder);
+  }
+  return out;
+}
+
+// --- the cells that there are
+
+fs::path projects_folder() {
+  const char* data = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  const fs::path base =
+      data && *data ? fs::path(data) : fs::path(home && *home ? home : ".") / ".local/share";
+  return base / "polyarm" / "cells";
+}
+
+/// The first words of its README.md, or its folder's name.
+std::string title_of(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / "README.md", error)) return {};
+  const std::string text = read_file(folder / "README.md");
+  const std::string first = text.substr(0, text.find('\n'));
+  return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
+}
+
+Json cell_entry(const fs::path& folder) {
+  Json robots = Json::array();
+  try {
+    for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
+  } catch (const Error&) {  // it can be opened, and then says what is wrong
+  }
+  return {{"name", folder.filename().string()},
+          {"folder", folder.string()},
+          {"title", title_of(folder)},
+          {"robots", robots},
+          {"recent", false}};
+}
+
+void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
+  std::error_code error;
+  std::vector<fs::path> here;
+  for (const auto& entry : fs::directory_iterator(parent, error))
+    if (entry.is_directory(error) && fs::exists(entry.path() / "cell.yaml", error) &&
+        !entry.path().filename().string().starts_with("."))
+      here.push_back(fs::weakly_canonical(entry.path(), error));
+  std::sort(here.begin(), here.end());
+  for (const fs::path& each : here)
+    if (std::find(out.begin(), out.end(), each) == out.end() && out.size() < kMostCells) out.push_back(each);
+}
+
+fs::path new_project(const std::string& name) {
+  const auto good = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+  };
+  if (name.empty() || name.size() > 60 || !std::all_of(name.begin(), name.end(), good))
+    throw Error("bad-argument", "'" + name + "' is no name for a cell", "letters, digits, _ and -");
+  const fs::path folder = projects_folder() / name;
+  std::error_code error;
+  if (fs::exists(folder, error))
+    throw Error("exists", "there is a cell '" + name + "' already", "take another name");
+  fs::create_directories(folder.parent_path(), error);
+  if (error) throw Error("unwritable", "'" + folder.parent_path().string() + "': " + error.message());
+  return folder;
+}
+
+/// Everything but what is hidden, and links.
+void copy_project(const fs::path& from, const fs::path& to) {
+  std::uintmax_t bytes = 0;
+  fs::create_directory(to);
+  for (auto each = fs::recursive_directory_iterator(from); each != fs::recursive_directory_iterator();
+       ++each) {
+    const fs::path at = to / each->path().lexically_relative(from);
+    if (each->path().filename().string().starts_with(".") || each->is_symlink()) {
+      if (each->is_directory()) each.disable_recursion_pending();
+    } else if (each->is_directory()) {
+      fs::create_directory(at);
+    } else if (each->is_regular_file()) {
+      bytes += each->file_size();
+      if (bytes > kMostBytes) throw Error("too-large", "the cell's folder has more than 500 MB");
+      fs::copy_file(each->path(), at);
+    }
+  }
+}
+
+/// Made beside its place and moved there when it is whole.
+Json make_project(const std::string& name, const std::function<void(const fs::path&)>& fill) {
+  const fs::path folder = new_project(name);
+  const fs::path coming = folder.parent_path() / ("." + name + ".coming");
+  std::error_code error;
+  fs::remove_all(coming, error);
+  try {
+    fill(coming);
+    fs::rename(coming, folder);
+  } catch (const fs::filesystem_error& e) {
+    fs::remove_all(coming, error);
+    throw Error("unwritable", e.what());
+  } catch (...) {
+    fs::remove_all(coming, error);
+    throw;
+  }
+  return {{"name", name}, {"folder", folder.string()}};
+}
+
+void write_new_cell(const fs::path& folder, const std::string& robot) {
+  fs::create_directory(folder);
+  write_file_atomically(folder / "cell.yaml",
+                        "polyarm: cell/1\nrobots:\n  arm: {model: " + robot +
+                            ", hardware: mujoco}\nscene: scene.yaml\nprogram: main.script\n");
+  write_file_atomically(folder / "scene.yaml",
+                        "polyarm: scene/1\nfloor: {height: -0.75}\nfixtures:\n"
+                        "  table: {box: [1.4, 1.4, 0.04], at: [0.2, 0, -0.02]}\n");
+  write_file_atomically(folder / "points.points", "# Poses of the TCP in the world\nPose: RPY\n");
+  write_file_atomically(folder / "main.script", "load points\n");
+}
+
+// --- handlers
+
+Poll program_dry(Cell& cell, const Json& arguments) {
+  const fs::path original = project_file(cell.file().folder, text_argument(arguments, "name"));
+  const bool given = arguments.contains("text") && !arguments["text"].is_null();
+  const std::string text = given ? text_argument(arguments, "text") : read_file(original);
+  if (text.size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
+  return aside([file = cell.file(), catalogue = cell.catalogue(), original, text] {
+    return dry_run(file, catalogue, original, text);
+  });
+}
+
+Poll cell_check(Cell& cell, const Json&) {
+  const CellFile& file = cell.file();
+  Overrides overrides;
+  if (file.robots.size() == 1) overrides.robot = file.robots.front().model;
+  return aside([path = file.path, folder = file.folder, catalogue = cell.catalogue(), overrides] {
+    const Scratch scratch;
+    CheckOptions options;
+    options.state_folder = scratch.path() / "state";
+    const CheckResult result = check(path, overrides, catalogue, options);
+    return Json{{"problems", problems_json(result.problems, folder)},
+                {"points", result.points.size()},
+                {"moves", result.moves}};
+  });
+}
+
+Poll cells(Cell& cell, const Json&) {
+  std::error_code error;
+  const fs::path open = fs::weakly_canonical(cell.file().folder, error);
+  return later<Json>(
+      cell,
+      [open] {
+        std::vector<fs::path> folders;
+        add_cells(projects_folder(), folders);
+        add_cells(open.parent_path(), folders);
+        Json list = Json::array();
+        for (const fs::path& folder : folders) list.push_back(cell_entry(folder));
+        return Json{{"open", open.string()}, {"cells", std::move(list)}};
+      },
+      [](Cell&, Json& out) { return out; });
+}
+
+Poll cell_save_as(Cell& cell, const Json& arguments) {
+  return later<Json>(
+      cell,
+      [name = text_argument(arguments, "name"), from = cell.file().folder] {
+        return make_project(name, [&](const fs::path& to) { copy_project(from, to); });
+      },
+      [](Cell&, Json& out) { return out; });
+}
+
+Poll cell_new(Cell& cell, const Json& arguments) {
+  return later<Json>(
+      cell,
+      [name = text_argument(arguments, "name"), robot = text_argument(arguments, "robot"),
+       catalogue = cell.catalogue()] {
+        catalogue.load(robot);  // throws where there is none
+        return make_project(name, [&](const fs::path& to) { write_new_cell(to, robot); });
+      },
+      [](Cell&, Json& out) { return out; });
+}
+
+}  // namespace
+
+const std::vector<RequestRow>& cells_rows() {
+  static const std::vector<RequestRow> table = {
+      {{"program.dry",
+        {{"name", kText, true}, {"text", kText}},
+        "{problems: [{code, severity, file, line, column, what, advice}], moves, reached: {file, line}, "
+        "paths: "
+        "[{robot, line, seconds, points: [[x, y, z]]}]}",
+        "go through a program, as it is in the file or as `text`, without moving anything: moves that cannot "
+        "be made, and the TCP's way (two passes of its loop)",
+        false},
+       program_dry},
+      {{"cell.check",
+        {},
+        "{problems: [{code, severity, file, line, column, what, advice}], points, moves}",
+        "what is wrong with the cell's files, as they are now, as polyarm check says it",
+        false},
+       cell_check},
+      {{"cells",
+        {},
+        "{open, cells: [{name, folder, title, robots}]}",
+        "cells that can be opened: those beside this one, and the user's own",
+        false},
+       cells},
+      {{"cell.save_as",
+        {{"name", kText, true}},
+        "{name, folder}",
+        "copy the cell's files to a cell of the user's own; it is not opened",
+        true},
+       cell_save_as},
+      {{"cell.new",
+        {{"name", kText, true}, {"robot", kText, true}},
+        "{name, folder}",
+        "a cell of the user's own with a table, a robot of the catalogue and an empty program; it is not "
+        "opened",
+        true},
+       cell_new},
+  };
+  return table;
+}
+
+}  // namespace polyarm::cell
