@@ -1,6 +1,10 @@
-/// Requests about points, files and texts of the project that a cell runs, in lock-step.
+/// Requests about points, files and texts of the project that a cell runs, and about other cells; in
+/// lock-step.
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <numbers>
 #include <random>
@@ -298,6 +302,114 @@ TEST_F(ProjectTest, ACellIsAskedToBeBuiltAnew) {
   EXPECT_EQ(code({{"request", "cell.restart"}, {"robot", "abb/irb_120"}}), "ok");
   ASSERT_TRUE(cell->cell().restart());
   EXPECT_EQ(cell->cell().restart()->robot, "abb/irb_120");
+}
+
+/// A cell with a catalogue, whose user has a data folder of the test's own.
+class CellsTest : public ::testing::Test {
+ protected:
+  CellsTest() {
+    ::setenv("XDG_DATA_HOME", (folder.path() / "data").c_str(), 1);
+    folder.write("lab/bench/cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm +
+                                            ", hardware: mock}\nprogram: main.script\n");
+    folder.write("lab/bench/points.points",
+                 "Name: Home\nJS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\n"
+                 "Point: 0, 0.4, 0.8, 0, 0.6, 0\nName: Far\nPose: RPY\nPoint: 9, 0, 0.3, 0, 0, 0\n");
+    folder.write("lab/bench/main.script", "load points\nmovej Home\n");
+    folder.write("lab/bench/.state/secret", "not copied");
+    folder.write("lab/bench/README.md", "# The bench\nA text.\n");
+    folder.write("lab/other/cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: abb/irb_120}\n");
+    folder.write("lab/none/notes.txt", "no cell");
+    cell = std::make_unique<test::LockStepCell>(read_cell_file(bench()));
+    cell->run(3);
+  }
+  ~CellsTest() override { ::unsetenv("XDG_DATA_HOME"); }
+  std::filesystem::path bench() const { return std::filesystem::canonical(folder.path()) / "lab" / "bench"; }
+  Json result(const Json& request) { return cell->result(request); }
+  std::string code(const Json& request) {
+    const Json answer = cell->ask(request);
+    return answer.value("ok", false) ? "ok" : answer["error"]["code"].get<std::string>();
+  }
+
+  Folder folder;
+  std::unique_ptr<test::LockStepCell> cell;
+};
+
+TEST_F(CellsTest, ADryRunTellsTheWaysAndWhatCannotBeReachedAndMovesNothing) {
+  const double before = cell->value_of("states", "arm/joint_2/position");
+  ASSERT_TRUE(std::isfinite(before));
+  const std::string text = "load points\nmovej Home\nmovel Far\n";
+  const Json found = result({{"request", "program.dry"}, {"name", "main.script"}, {"text", text}});
+  ASSERT_TRUE(found.contains("problems")) << found;
+  ASSERT_EQ(found["problems"].size(), 1u) << found["problems"];
+  EXPECT_EQ(found["problems"][0]["line"], 3);
+  EXPECT_EQ(found["problems"][0]["file"], "main.script") << "as the user knows it";
+  ASSERT_FALSE(found["paths"].empty());
+  EXPECT_EQ(found["paths"][0]["line"], 2);
+  EXPECT_GT(found["paths"][0]["points"].size(), 10u);
+  EXPECT_EQ(cell->value_of("states", "arm/joint_2/position"), before);
+  EXPECT_EQ(read_file(bench() / "main.script"), "load points\nmovej Home\n");
+}
+
+TEST_F(CellsTest, ADryRunOfTheFileItselfAndOfATextWithErrors) {
+  const Json clean = result({{"request", "program.dry"}, {"name", "main.script"}});
+  EXPECT_TRUE(clean["problems"].empty()) << clean;
+  EXPECT_EQ(clean["moves"], 1);
+  const Json bad = result({{"request", "program.dry"}, {"name", "main.script"}, {"text", "movej Nowhere\n"}});
+  ASSERT_FALSE(bad["problems"].empty()) << bad;
+  EXPECT_EQ(bad["problems"][0]["line"], 1);
+  EXPECT_EQ(code({{"request", "program.dry"}, {"name", "../other/cell.yaml"}}), "bad-path");
+}
+
+TEST_F(CellsTest, TheOpenCellIsCheckedAsItsFilesAreNow) {
+  const Json before = result({{"request", "cell.check"}});
+  ASSERT_EQ(before["problems"].size(), 1u) << before;
+  EXPECT_EQ(before["problems"][0]["code"], "unreachable");
+  EXPECT_EQ(before["problems"][0]["file"], "points.points");
+  folder.write("lab/bench/main.script", "load points\nmovej Hoem\n");
+  const Json found = result({{"request", "cell.check"}});
+  EXPECT_TRUE(std::any_of(found["problems"].begin(), found["problems"].end(), [](const Json& each) {
+    return each["file"] == "main.script" && each["line"] == 2;
+  })) << found;
+}
+
+TEST_F(CellsTest, CellsBesideTheOpenOneAreListed) {
+  const Json list = result({{"request", "cells"}});
+  EXPECT_EQ(list["open"], bench().string());
+  ASSERT_EQ(list["cells"].size(), 2u) << list;
+  EXPECT_EQ(list["cells"][0]["title"], "The bench");
+  EXPECT_EQ(list["cells"][1]["name"], "other");
+  EXPECT_EQ(list["cells"][1]["robots"], Json::array({"abb/irb_120"}));
+}
+
+TEST_F(CellsTest, ACopyHasTheFilesAndNothingHidden) {
+  const Json made = result({{"request", "cell.save_as"}, {"name", "mine"}});
+  const std::filesystem::path copy = made.value("folder", "");
+  EXPECT_EQ(copy, folder.path() / "data/polyarm/cells/mine") << made;
+  EXPECT_EQ(read_file(copy / "main.script"), "load points\nmovej Home\n");
+  EXPECT_FALSE(std::filesystem::exists(copy / ".state"));
+  EXPECT_EQ(code({{"request", "cell.save_as"}, {"name", "mine"}}), "exists");
+  EXPECT_EQ(code({{"request", "cell.save_as"}, {"name", "../out"}}), "bad-argument");
+  const Json list = result({{"request", "cells"}});
+  EXPECT_EQ(list["cells"].size(), 3u);
+}
+
+TEST_F(CellsTest, ANewCellNeedsARobotThatThereIs) {
+  EXPECT_EQ(code({{"request", "cell.new"}, {"name", "fresh"}, {"robot", "nobody/nothing"}}), "no-catalogue");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/polyarm/cells/fresh")) << "nothing is left";
+}
+
+TEST(NewCell, CanBeOpened) {
+  const Folder folder;
+  ::setenv("XDG_DATA_HOME", folder.path().c_str(), 1);
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm + ", hardware: mock}\n");
+  test::LockStepCell cell(read_cell_file(folder.path()), {POLYARM_SOURCE_DIR "/robots"});
+  const Json made =
+      cell.result({{"request", "cell.new"}, {"name", "fresh"}, {"robot", "universal_robots/ur5e"}});
+  ::unsetenv("XDG_DATA_HOME");
+  ASSERT_TRUE(made.contains("folder")) << made;
+  const CellFile file = read_cell_file(made["folder"].get<std::string>());
+  ASSERT_EQ(file.robots.size(), 1u);
+  EXPECT_EQ(file.robots[0].model, "universal_robots/ur5e");
 }
 
 }  // namespace

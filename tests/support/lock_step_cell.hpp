@@ -118,13 +118,13 @@ class LockStepCell {
     cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
-  /// A cell file of the test's own.
-  explicit LockStepCell(const cell::CellFile& file) {
+  /// A cell file of the test's own; `robots`: folders of a catalogue.
+  explicit LockStepCell(const cell::CellFile& file, const std::vector<std::filesystem::path>& robots = {}) {
     cell::CellOptions options;
     options.lock_step = true;
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
-    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
+    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue(robots), options, observer_);
     cell_->loop().begin();
   }
   ~LockStepCell() { end(); }
