@@ -8,13 +8,13 @@
 
 namespace polyarm::cell {
 
-Json json_of(const Vec3& v) {
+Json place_json(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-Json json_of(const Pose& pose) {
+Json place_json(const Pose& pose) {
   const Quaternion& r = pose.rotation;
-  return {{"p", json_of(pose.position)}, {"q", {r.x, r.y, r.z, r.w}}, {"rpy", json_of(to_rpy(r))}};
+  return {{"p", place_json(pose.position)}, {"q", {r.x, r.y, r.z, r.w}}, {"rpy", place_json(to_rpy(r))}};
 }
 
 namespace {
@@ -173,9 +173,9 @@ Json value_json(Cell& cell, const std::string& name) {
   if (const data::JointState* joints = value.as_joints()) out["joints"] = joints_json(*joints);
   const data::Point* point = value.as_point();
   if (!point) return out;
-  out["pose"] = json_of(point->pose);
+  out["pose"] = place_json(point->pose);
   try {
-    out["world"] = json_of(frame_in_world(cell, point->frame()) * point->pose);
+    out["world"] = place_json(frame_in_world(cell, point->frame()) * point->pose);
   } catch (const Error&) {  // its frame is not known to this cell
   }
   if (!point->taught) return out;

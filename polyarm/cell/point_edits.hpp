@@ -10,8 +10,8 @@
 namespace polyarm::cell {
 
 /// [x, y, z] in m; {p: [x, y, z], q: [x, y, z, w], rpy}.
-Json json_of(const Vec3& v);
-Json json_of(const Pose& pose);
+Json place_json(const Vec3& v);
+Json place_json(const Pose& pose);
 /// One value with all that is known of it, as in the answer of `points`.
 Json value_json(Cell& cell, const std::string& name);
 

@@ -58,7 +58,7 @@ Poll points_frame(Cell& cell, const Json& arguments) {
   data::Point out{data::frame_from_points(at[0], at[1], at[2]), false};
   const Vec3 x = at[1] - at[0], y = at[2] - at[0];
   const Json found{
-      {"name", name},        {"pose", json_of(out.pose)},
+      {"name", name},        {"pose", place_json(out.pose)},
       {"frame", frame},      {"x_length", norm(x)},
       {"y_length", norm(y)}, {"angle", std::acos(std::clamp(dot(x, y) / (norm(x) * norm(y)), -1.0, 1.0))}};
   if (!frame.empty()) out.taught = std::make_shared<data::Taught>(data::Taught{frame, {}, {}, {}});
@@ -85,8 +85,8 @@ Poll points_tool(Cell& cell, const Json& arguments) {
   }
   const data::TaughtTool tool = data::tool_from_poses(poses);
   const Json found{{"name", name},
-                   {"tcp", json_of(tool.tcp)},
-                   {"tip", json_of(tool.tip)},
+                   {"tcp", place_json(tool.tcp)},
+                   {"tip", place_json(tool.tip)},
                    {"residuals", tool.residuals},
                    {"rms", tool.rms},
                    {"largest", tool.largest}};

@@ -94,8 +94,8 @@ Poll points_here(Cell& cell, const Json& arguments) {
   for (std::size_t j = 0; j < q.size(); ++j)
     joints[robot.joints[j].name.substr(robot.joints[j].name.find('/') + 1)] = q[j];
   return at_once({{"robot", robot.entry.name},
-                  {"tcp", json_of(tcp)},
-                  {"flange", json_of(tcp * inverse(robot.tool.tcp))},
+                  {"tcp", place_json(tcp)},
+                  {"flange", place_json(tcp * inverse(robot.tool.tcp))},
                   {"joints", joints},
                   {"tool", robot.entry.tool}});
 }

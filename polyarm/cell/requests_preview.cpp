@@ -63,7 +63,7 @@ Poll plan_preview(Cell& cell, const Json& arguments) {
           std::size_t hint = 0;
           for (int k = 0; k <= kSamples; ++k) {
             each.path.sample(each.path.duration() * k / kSamples, q, {}, {}, {}, hint);
-            path.push_back(json_of(facts->chain.forward(q).position));
+            path.push_back(place_json(facts->chain.forward(q).position));
           }
         }
         Json problems = Json::array();
@@ -72,7 +72,7 @@ Poll plan_preview(Cell& cell, const Json& arguments) {
         for (std::size_t j = 0; j < plan.end.size(); ++j) joints[facts->chain.names()[j]] = plan.end[j];
         return Json{{"ok", true},          {"reason", ""},
                     {"path", path},        {"seconds", plan.duration()},
-                    {"joints", joints},    {"pose", json_of(facts->chain.forward(plan.end))},
+                    {"joints", joints},    {"pose", place_json(facts->chain.forward(plan.end))},
                     {"warnings", problems}};
       },
       [robot = robot.entry.name](Cell&, Json& out) {
