@@ -412,7 +412,7 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
   // It is held back: the reference stays with the arm.
   reference_.pose = tcp();
   for (double& x : reference_.twist) x *= share;
-  for (double& x : reference_.slope) x *= share;
+  if (share < 1) reference_.slope = {};
 }
 
 /// The twist that leads to the target at the speed that is allowed.
