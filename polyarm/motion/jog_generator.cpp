@@ -43,6 +43,7 @@ constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, to tell a speed
 constexpr int kHalvings = 9;
+constexpr double kCreeps = 5e-3;                    // m/s, rad/s
 constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
 
 double linear(const Twist& t) {
@@ -412,7 +413,9 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
   // It is held back: the reference stays with the arm.
   reference_.pose = tcp();
   for (double& x : reference_.twist) x *= share;
-  if (share < 1) reference_.slope = {};
+  // Where it hardly moves it must not gather speed against what holds it.
+  const bool creeps = share < 1 && linear(reference_.twist) < kCreeps && angular(reference_.twist) < kCreeps;
+  for (double& x : reference_.slope) x *= creeps ? 0 : share;
 }
 
 /// The twist that leads to the target at the speed that is allowed.
