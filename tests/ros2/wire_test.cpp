@@ -146,8 +146,7 @@ TEST(Wire, MoreThanIsTakenIsDroppedAndCounted) {
 }
 
 TEST(Wire, AClientIsAnsweredByAServiceOnFastDds) {
-  Wire server(options()), asker(options());
-  serve_set_bool(server);
+  Wire asker(options());
   std::string heard;
   const auto client = asker.client("/asker", "/arm/switch/set", "std_srvs/srv/SetBool",
                                    [&](std::span<const std::byte> payload) {
@@ -156,7 +155,10 @@ TEST(Wire, AClientIsAnsweredByAServiceOnFastDds) {
                                      heard += reply.message;
                                      return true;
                                    });
-  EXPECT_FALSE(asker.call(client, to_cdr(messages::std_srvs::srv::SetBool::Request{true}))) << "too early";
+  EXPECT_FALSE(asker.call(client, to_cdr(messages::std_srvs::srv::SetBool::Request{true})))
+      << "nobody serves";
+  Wire server(options());
+  serve_set_bool(server);
   ASSERT_TRUE(wait([&] { return server.take(10), asker.ready(client); }));
   for (const bool data : {true, false, true}) {
     heard.clear();
