@@ -70,27 +70,9 @@ class Aside {
 
 /// Answers with what `job` returns, which must not touch the cell.
 Poll aside(std::function<Json()> job) {
-  struct State {
-    std::atomic<bool> done{false};
-    Json result;
-    std::optional<Error> error;
-  };
-  auto state = std::make_shared<State>();
-  Aside::only().begin([state, job = std::move(job)] {
-    try {
-      state->result = job();
-    } catch (const Error& e) {
-      state->error = e;
-    } catch (...) {
-      state->error = Error("internal", "unexpected: " + what_was_thrown());
-    }
-    state->done.store(true, std::memory_order_release);
-  });
-  return [state](Cell&) {
-    if (!state->done.load(std::memory_order_acquire)) return Progress{};
-    if (state->error) throw *state->error;
-    return Progress::done(std::move(state->result));
-  };
+  Errand sent = errand<Json>(std::move(job), [](Cell&, Json& result) { return std::move(result); });
+  Aside::only().begin(std::move(sent.run));
+  return std::move(sent.done);
 }
 
 /// Paths as the user knows them: relative to the folder that they lie in.

@@ -11,17 +11,23 @@
 
 namespace polyarm::cell {
 
-/// Runs `job` on the worker (it must not touch the cell) and then `finish` on the cell thread; an Error of
+/// A job for some other thread, and what asks on the cell thread whether it has been done.
+struct Errand {
+  std::function<void()> run;  ///< on the other thread, once; throws nothing
+  Poll done;
+};
+
+/// `job` (it must not touch the cell) for another thread and then `finish` on the cell thread; an Error of
 /// the job becomes the request's.
 template <typename Result>
-Poll later(Cell& cell, std::function<Result()> job, std::function<Json(Cell&, Result&)> finish) {
+Errand errand(std::function<Result()> job, std::function<Json(Cell&, Result&)> finish) {
   struct State {
     std::atomic<bool> done{false};
     std::optional<Result> result;
     std::optional<Error> error;
   };
   auto state = std::make_shared<State>();
-  cell.worker().post([state, job = std::move(job)] {
+  auto run = [state, job = std::move(job)] {
     try {
       state->result = job();
     } catch (const Error& e) {
@@ -30,12 +36,21 @@ Poll later(Cell& cell, std::function<Result()> job, std::function<Json(Cell&, Re
       state->error = Error("internal", "unexpected: " + what_was_thrown());
     }
     state->done.store(true, std::memory_order_release);
-  });
-  return [state, finish = std::move(finish)](Cell& c) {
+  };
+  auto done = [state, finish = std::move(finish)](Cell& c) {
     if (!state->done.load(std::memory_order_acquire)) return Progress{};
     if (state->error) throw *state->error;
     return Progress::done(finish(c, *state->result));
   };
+  return {std::move(run), std::move(done)};
+}
+
+/// An errand of the cell's worker.
+template <typename Result>
+Poll later(Cell& cell, std::function<Result()> job, std::function<Json(Cell&, Result&)> finish) {
+  Errand sent = errand<Result>(std::move(job), std::move(finish));
+  cell.worker().post(std::move(sent.run));
+  return std::move(sent.done);
 }
 
 /// A file of the project by its path in the cell's folder. Throws Error("bad-path") for one that would lead
