@@ -16,12 +16,10 @@ using test::Folder;
 using test::Json;
 using test::LockStepCell;
 
-const std::string kArm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
-
 /// The arm of examples/r6bot on the mock with what a test adds to its cell file.
 CellFile cell_file(const Folder& folder, const std::string& more, const std::string& of_robot = "") {
-  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm + ", hardware: mock" +
-                                of_robot + "}\n" + more);
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                                ", hardware: mock" + of_robot + "}\n" + more);
   return read_cell_file(folder.path());
 }
 

@@ -44,7 +44,7 @@ class PointFrames : public testing::Test {
 
 const Pose kTable = pose_xyz_rpy({0.25, 0.1, 0.05}, {0, 0, 0.5});
 const Pose kOnTable = pose_xyz_rpy({0.05, 0.02, 0.1}, {3, 0, 0});
-constexpr const char* kPoints =
+constexpr const char* kFramedPoints =
     "Pose: RPY\nName: table\nPoint: 0.25, 0.1, 0.05, 0, 0, 0.5\nName: corner\nPoint: 0.01, 0, 0, 0, 0, 0; "
     "frame = "
     "\"table\"\nName: p\nPoint: 0.05, 0.02, 0.1, 3, 0, 0; frame = \"table\"\nName: q\nPoint: 0.05, 0.02, "
@@ -56,40 +56,40 @@ constexpr const char* kPoints =
     "= \"a\"\n";
 
 TEST_F(PointFrames, APoseIsMeantInTheFrameThatItNames) {
-  run(kPoints, "movej p\n");
+  run(kFramedPoints, "movej p\n");
   expect_tcp(kTable * kOnTable);
 }
 
 TEST_F(PointFrames, AFrameMayBeInAnotherAndAMovesOwnFrameDoesNotCount) {
-  run(kPoints, "use frame table\nmovej q\n");
+  run(kFramedPoints, "use frame table\nmovej q\n");
   expect_tcp(kTable * Pose{{0.01, 0, 0}, {}} * kOnTable);
 }
 
 TEST_F(PointFrames, AFrameThatChangesTakesItsPointsAlong) {
-  run(kPoints, "set table = pose(300mm, 0, 50mm, 0, 0, 0)\nmovej p\n");
+  run(kFramedPoints, "set table = pose(300mm, 0, 50mm, 0, 0, 0)\nmovej p\n");
   expect_tcp(pose_xyz_rpy({0.3, 0, 0.05}, {0, 0, 0}) * kOnTable);
 }
 
 TEST_F(PointFrames, AFrameThatHangsOnTheRobotIsWhereItStands) {
-  run(kPoints, "moveto p\nmovel up\n");
+  run(kFramedPoints, "moveto p\nmovel up\n");
   expect_tcp(kTable * kOnTable * Pose{{0, 0, -0.03}, {}});
 }
 
 TEST_F(PointFrames, AFrameOnARobotThatIsUnderWayIsRefused) {
-  run(kPoints, "movej p\nmovel up\n");
+  run(kFramedPoints, "movej p\nmovel up\n");
   ASSERT_TRUE(cell->failure());
   EXPECT_EQ(cell->failure()->problem.code, "frame-moves") << cell->failure()->problem.text();
 }
 
 TEST_F(PointFrames, AFrameThatThereIsNotIsToldWithTheNearestName) {
-  run(kPoints, "movej lost\n");
+  run(kFramedPoints, "movej lost\n");
   ASSERT_TRUE(cell->failure());
   EXPECT_NE(cell->failure()->problem.text().find("did you mean 'table'"), std::string::npos)
       << cell->failure()->problem.text();
 }
 
 TEST_F(PointFrames, AFrameThatHangsOnItselfIsToldAndNothingHangs) {
-  run(kPoints, "movej a\n");
+  run(kFramedPoints, "movej a\n");
   ASSERT_TRUE(cell->failure());
   EXPECT_NE(cell->failure()->problem.text().find("hangs on itself"), std::string::npos);
 }

@@ -22,7 +22,6 @@ using test::Folder;
 using test::Json;
 using test::LockStepCell;
 
-const std::string kArm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
 const char* const kPoints =
     "Name: Home\nJS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\nPoint: 0, 0.4, 0.8, 0, 0.6, 0\n"
     "Name: Bench\nPose: RPY\nPoint: 0.3, 0.1, 0.2, 0, 0, 1.5707963267948966\n"
@@ -32,7 +31,7 @@ const char* const kScript = "load points\nmovej Home\n# Home in a comment\nlog \
 class ProjectTest : public ::testing::Test {
  protected:
   ProjectTest() {
-    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm +
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
                                   ", hardware: mock}\nprogram: main.script\n");
     folder.write("points.points", kPoints);
     folder.write("main.script", kScript);
@@ -309,7 +308,7 @@ class CellsTest : public ::testing::Test {
  protected:
   CellsTest() {
     ::setenv("XDG_DATA_HOME", (folder.path() / "data").c_str(), 1);
-    folder.write("lab/bench/cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm +
+    folder.write("lab/bench/cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
                                             ", hardware: mock}\nprogram: main.script\n");
     folder.write("lab/bench/points.points",
                  "Name: Home\nJS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\n"
@@ -401,7 +400,8 @@ TEST_F(CellsTest, ANewCellNeedsARobotThatThereIs) {
 TEST(NewCell, CanBeOpened) {
   const Folder folder;
   ::setenv("XDG_DATA_HOME", folder.path().c_str(), 1);
-  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + kArm + ", hardware: mock}\n");
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\n");
   test::LockStepCell cell(read_cell_file(folder.path()), {POLYARM_SOURCE_DIR "/robots"});
   const Json made =
       cell.result({{"request", "cell.new"}, {"name", "fresh"}, {"robot", "universal_robots/ur5e"}});

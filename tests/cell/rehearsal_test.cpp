@@ -13,7 +13,6 @@
 namespace polyarm::cell {
 namespace {
 
-const std::string kArm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
 const std::string kBend = "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\nlet start = here()\n";
 
 struct Found {
@@ -26,9 +25,10 @@ Found checked(const std::string& program, const std::string& more = "", const st
   const test::Folder folder;
   folder.write("go.script", program);
   folder.write("tags.yaml", "polyarm: signals/1\ntags:\n  Ready: {initial: False}\n");
-  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n" +
-                                (robots.empty() ? "  arm: {model: " + kArm + ", hardware: mock}\n" : robots) +
-                                "program: go\n" + more);
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n" +
+                   (robots.empty() ? "  arm: {model: " + test::kSixAxes + ", hardware: mock}\n" : robots) +
+                   "program: go\n" + more);
   Found out{check(folder.path(), {}, description::Catalogue({}), {}), ""};
   for (const Problem& p : out.result.problems)
     out.texts += (p.severity == Severity::error ? "E" : "W") + std::to_string(p.where.line) + " " + p.code +
@@ -86,7 +86,7 @@ TEST(Rehearsal, EveryRobotOfTheProgramIsLookedAt) {
       "moveto joints(0, -30deg, 60deg, 0, 60deg, 0), robot right\n"
       "use robot right\nlet start = here()\nmovel offset(start, z = -500mm)\n",
       "",
-      "  left: {model: " + kArm + ", hardware: mock}\n  right: {model: " + kArm +
+      "  left: {model: " + test::kSixAxes + ", hardware: mock}\n  right: {model: " + test::kSixAxes +
           ", at: [0, 2, 0], hardware: mock, workspace: {table: {plane: [0, 0, 1300mm], normal: [0, 0, "
           "1]}}}\n");
   EXPECT_NE(found.texts.find("E5 workspace"), std::string::npos) << found.texts;

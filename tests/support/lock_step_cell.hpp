@@ -86,6 +86,9 @@ class FailingMock : public drivers::MockComponent {
   }
 };
 
+/// An arm of six axes with mock hardware enough for most cells.
+inline const std::string kSixAxes = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+
 /// The arm of examples/r6bot on the mock, with controllers as given, stepped in lock-step.
 class LockStepCell {
  public:
@@ -96,7 +99,7 @@ class LockStepCell {
     FailingMock::pushed = 0;
     hardware::register_driver("failing",
                               [] { return std::unique_ptr<hardware::Component>(new FailingMock); });
-    const auto urdf = std::filesystem::path(POLYARM_SOURCE_DIR) / "examples/r6bot/r6bot.urdf";
+    const std::filesystem::path urdf = kSixAxes;
     cell::Overrides overrides;
     overrides.hardware = "failing";
     cell::CellOptions options;
