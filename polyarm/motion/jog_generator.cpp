@@ -14,9 +14,9 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-/// Shares of the joints' limits: what a joint is moved with by itself, what a motion of the TCP changes with,
-/// and what it slows down with before a limit. The rest is for following, and for braking.
-constexpr double kSoft = 0.6, kRamp = 0.35, kBeforeLimit = 0.5, kBeforeLimitJerk = 0.25;
+/// Shares of the joints' limits: what a joint is moved with by itself, and what it slows down with
+/// before a limit. The rest is for following, and for braking.
+constexpr double kSoft = 0.6, kBeforeLimit = 0.5, kBeforeLimitJerk = 0.25;
 constexpr double kGentle = 0.5, kGentleJerk = 0.2;  // with foresight: of these again
 /// While the TCP is moved no joint goes faster than it can stop in about twice this, s; and if joints cannot
 /// follow, the TCP is at most so much faster than asked, and by so much in m/s.
@@ -26,15 +26,10 @@ constexpr double kQuickly = 0.1, kFaster = 1.3, kStray = 0.03;
 constexpr double kCramped = 0.3;
 /// What moves so little, of what moves most, does not slow the others down.
 constexpr double kHardly = 0.02;
-/// How a TCP returns to where its reference is, 1/s, and up to which distance, m.
+/// How a TCP returns to where its lead is, 1/s, and up to which distance, m.
 constexpr double kReturn = 5, kAstray = 5e-4;
 /// How fast a target of the TCP is gone to where nobody says less, m/s and rad/s.
 constexpr double kTargetSpeed = 1, kTargetTurning = 3;
-/// A target that moves is followed in its own frame, with speed to spare; where it will be so much later, s,
-/// is the direction that matters.
-constexpr double kFollows = 0.9, kAhead = 0.1;
-/// With what it is gone for, of what motions of the TCP change with otherwise; across its way with less.
-constexpr double kLead = 1.2, kAside = 0.4, kBrakesHarder = 2;
 /// Of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
@@ -43,32 +38,13 @@ constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, to tell a speed
 constexpr int kHalvings = 9;
-constexpr double kCreeps = 5e-3;                    // m/s, rad/s
-constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
 
-double linear(const Twist& t) {
-  return std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-}
-double angular(const Twist& t) {
-  return std::sqrt(t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
+TcpLead::Target target_of(const JogWish& wish, const JogLimits& limits) {
+  return {wish.target, wish.twist, kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed),
+          kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)};
 }
 bool is_zero(const Twist& t) {
   return std::all_of(t.begin(), t.end(), [](double x) { return x == 0; });
-}
-Twist turned(const Quaternion& r, const Twist& t) {
-  const Vec3 v = r * Vec3{t[0], t[1], t[2]}, w = r * Vec3{t[3], t[4], t[5]};
-  return {v.x, v.y, v.z, w.x, w.y, w.z};
-}
-/// From `a` to `b`: m, and the rotation vector, in the world.
-Twist between(const Pose& a, const Pose& b) {
-  const Vec3 d = b.position - a.position, r = to_rotation_vector(b.rotation * inverse(a.rotation));
-  return {d.x, d.y, d.z, r.x, r.y, r.z};
-}
-void advance(Pose& pose, const Twist& by) {
-  pose.position = pose.position + Vec3{by[0], by[1], by[2]};
-  const Vec3 r{by[3], by[4], by[5]};
-  const double angle = norm(r);
-  if (angle > 0) pose.rotation = normalized(from_axis_angle((1 / angle) * r, angle) * pose.rotation);
 }
 
 }  // namespace
@@ -80,7 +56,12 @@ const char* name(JogHold hold) {
 
 JogGenerator::JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes, Workspace workspace,
                            double period)
-    : chain_(chain), axes_(std::move(axes)), workspace_(std::move(workspace)), dt_(period), solver_(chain) {
+    : chain_(chain),
+      axes_(std::move(axes)),
+      workspace_(std::move(workspace)),
+      dt_(period),
+      solver_(chain),
+      lead_(axes_, period) {
   if (std::isfinite(chain.reach()) && chain.reach() > 1e-3) length_ = chain.reach();
   if (axes_.size() > kMostJogJoints)
     throw Error("too-many-joints",
@@ -100,7 +81,8 @@ void JogGenerator::start(std::span<const double> q) noexcept {
   for (std::size_t j = 0; j < axes_.size(); ++j) state_[j] = {q[j], 0, 0};
   solver_.at(q);
   solver_.forget();
-  reference_.on = rates_hold_ = arrived_ = false;
+  lead_.end();
+  rates_hold_ = arrived_ = false;
   kind_ = JogWish::Kind::rest;
   hold_ = JogHold::none;
   which_ = -1;
@@ -161,7 +143,7 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
     moving[j] = target == asked ? wish.joint_speed[j] : 0.0;
     to[j] = {target, 0, 0};
     most[j] = MotionLimits::symmetric(own, kSoft * axes_[j].acceleration, kSoft * axes_[j].jerk);
-    full[j] = target - state_[j].position + kAhead * moving[j];
+    full[j] = target - state_[j].position + TcpLead::kAhead * moving[j];
     longest = std::max(longest, std::abs(full[j]) / own);
     there = there && target == asked && std::abs(target - state_[j].position) < 1e-9 &&
             std::abs(state_[j].velocity) < 1e-6;
@@ -171,7 +153,7 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
   const double share = std::max(throttle(limits, kGently, true, full), 1e-6);
   for (std::size_t j = 0; j < n; ++j) {
     const double own = share * most[j].max_velocity;
-    moving[j] = std::clamp(moving[j], -kFollows * own, kFollows * own);
+    moving[j] = std::clamp(moving[j], -TcpLead::kFollows * own, TcpLead::kFollows * own);
     most[j].max_velocity = own - moving[j];
     most[j].min_velocity = -own - moving[j];
     from[j] = {state_[j].position, state_[j].velocity - moving[j], state_[j].acceleration};
@@ -189,177 +171,14 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
 
 // --- the TCP ----------------------------------------------------------------------------------------------
 
-void JogGenerator::begin_reference() noexcept {
+Twist JogGenerator::twist_now() const noexcept {
   std::array<double, kMostJogJoints> v{};
   for (std::size_t j = 0; j < axes_.size(); ++j) v[j] = state_[j].velocity;
-  reference_ = {true, tcp(), solver_.twist_of({v.data(), axes_.size()}), {}};
-}
-
-/// How quickly the TCP's velocity may change along `direction`, and how suddenly, as far as joints allow.
-void JogGenerator::capability(const Twist& direction, double& acceleration, double& jerk) const noexcept {
-  JogValues rates;
-  solver_.reach(direction, rates);
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const double r = std::max(std::abs(rates[j]), 1e-9);
-    acceleration = std::min(acceleration, kRamp * axes_[j].acceleration / r);
-    jerk = std::min(jerk, kRamp * axes_[j].jerk / r);
-  }
-}
-
-namespace {
-/// Bounds of the TCP's acceleration and jerk along its axes, first those of its place, then of turning.
-struct Pace {
-  double acceleration[2] = {20, 200}, jerk[2] = {400, 4000};
-};
-
-/// Three axes of which the first lies along `v`.
-std::array<Vec3, 3> axes_along(const Vec3& v) {
-  const Quaternion r = rotation_between({1, 0, 0}, norm(v) > 1e-9 ? normalized(v) : Vec3{1, 0, 0});
-  return {r * Vec3{1, 0, 0}, r * Vec3{0, 1, 0}, r * Vec3{0, 0, 1}};
-}
-Vec3 part_of(const Twist& t, std::size_t part) {
-  return {t[3 * part], t[3 * part + 1], t[3 * part + 2]};
-}
-}  // namespace
-
-/// Towards a velocity, in axes along it: what begins or ends at rest is straight.
-void JogGenerator::ramp_reference(const Twist& wanted) noexcept {
-  std::array<MotionState, 6> from, to, out;
-  std::array<MotionLimits, 6> most;
-  std::array<std::array<Vec3, 3>, 2> axes;
-  const bool both =
-      linear(wanted) + linear(reference_.twist) > 1e-9 && angular(wanted) + angular(reference_.twist) > 1e-9;
-  for (std::size_t part = 0; part < 2; ++part) {
-    const Vec3 goal = part_of(wanted, part), now = part_of(reference_.twist, part),
-               slope = part_of(reference_.slope, part);
-    axes[part] = axes_along(norm(goal) > 1e-9 ? goal : now);
-    Pace pace;
-    for (const Vec3& axis : axes[part]) {
-      Twist along{};
-      along[3 * part] = axis.x, along[3 * part + 1] = axis.y, along[3 * part + 2] = axis.z;
-      // Across the way only where something has to change there.
-      const bool across = &axis != &axes[part][0];
-      if (across && std::abs(dot(axis, now)) + std::abs(dot(axis, slope)) < 1e-12) continue;
-      capability(along, pace.acceleration[part], pace.jerk[part]);
-    }
-    const double share = both ? 0.5 : 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& axis = axes[part][k];
-      from[3 * part + k] = {0, dot(axis, now), dot(axis, slope)};
-      to[3 * part + k] = {0, k == 0 ? dot(axis, goal) : 0.0, 0};
-      most[3 * part + k] = MotionLimits::symmetric(1 + 2 * std::max(norm(goal), norm(now)),
-                                                   share * pace.acceleration[part], share * pace.jerk[part]);
-    }
-  }
-  const trajectory::MotionOptions options{trajectory::Synchronization::none, trajectory::TargetKind::velocity,
-                                          0};
-  if (to_pose_.plan(from, to, most, options) != trajectory::MotionStatus::ok) return;
-  to_pose_.sample(dt_, out);
-  Twist by{};
-  for (std::size_t part = 0; part < 2; ++part) {
-    const auto sum = [&](double MotionState::*value, Twist& into) {
-      Vec3 v;
-      for (std::size_t k = 0; k < 3; ++k) v = v + out[3 * part + k].*value * axes[part][k];
-      into[3 * part] = v.x, into[3 * part + 1] = v.y, into[3 * part + 2] = v.z;
-    };
-    sum(&MotionState::position, by);
-    sum(&MotionState::velocity, reference_.twist);
-    sum(&MotionState::acceleration, reference_.slope);
-  }
-  advance(reference_.pose, by);
-}
-
-/// How quickly the TCP's place (part 0) or its turning (1) may change along `ahead`, and along any axis.
-JogGenerator::Pull JogGenerator::pull_along(const Twist& ahead, std::size_t part) const noexcept {
-  Pace any, own;
-  for (std::size_t k = 3 * part; k < 3 * part + 3; ++k) {
-    Twist along{};
-    along[k] = 1;
-    capability(along, any.acceleration[part], any.jerk[part]);
-  }
-  const Vec3 way = part_of(ahead, part);
-  const double length = norm(way);
-  Twist along{};
-  for (std::size_t k = 0; k < 3; ++k)
-    along[3 * part + k] = length > 1e-6 ? (k == 0 ? way.x : k == 1 ? way.y : way.z) / length : 0.0;
-  if (length > 1e-6)
-    capability(along, own.acceleration[part], own.jerk[part]);
-  else
-    own = any;
-  return {own.acceleration[part], own.jerk[part], any.acceleration[part], any.jerk[part]};
-}
-
-namespace {
-/// Where an arm cannot change its speed as quickly as it could when it began, who would go past the target
-/// brakes with some of what is kept free for that.
-void brake_harder(const double (&away)[2], const std::array<MotionState, 6>& from,
-                  const std::array<MotionState, 6>& to, std::array<MotionLimits, 6>& most) {
-  for (std::size_t k = 0; k < 6; ++k) {
-    const double left = to[k].position, v = from[k].velocity;
-    if (left * v <= 0 || away[k / 3] < 1e-5) continue;
-    const double can = stopping_speed(std::abs(left), most[k].max_acceleration, most[k].max_jerk);
-    if (!(std::abs(v) > can)) continue;
-    const double more = std::min(v * v / (can * can), kBrakesHarder);
-    most[k].max_acceleration *= more;
-    most[k].min_acceleration *= more;
-    most[k].max_jerk *= more;
-  }
-}
-}  // namespace
-
-/// Towards a pose that moves, in a chart about where the reference is.
-void JogGenerator::lead_reference(const JogWish& wish, const JogLimits& limits, double share) noexcept {
-  Twist error = between(reference_.pose, wish.target);
-  std::array<double, kMostJogJoints> rates;
-  if (solver_.columns() < 6) {  // as far as the arm can
-    solver_.reach(error, rates);
-    error = solver_.twist_of({rates.data(), axes_.size()});
-  }
-  std::array<MotionState, 6> from, to, out;
-  std::array<MotionLimits, 6> most;
-  // Each axis has its share of the speed along the way, and no less than a part of it to correct with.
-  const double away[2] = {linear(error), angular(error)};
-  Twist ahead, moving{};
-  for (std::size_t k = 0; k < 6; ++k) ahead[k] = error[k] + kAhead * wish.twist[k];
-  const double way[2] = {linear(ahead), angular(ahead)}, rate[2] = {linear(wish.twist), angular(wish.twist)};
-  const double speed[2] = {kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed),
-                           kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)};
-  std::array<Pull, 2> pull{};
-  for (std::size_t part = 0; part < 2; ++part) pull[part] = pull_along(ahead, part);
-  for (std::size_t k = 0; k < 6; ++k) {
-    const double part = way[k / 3] > 1e-6 ? std::abs(ahead[k]) / way[k / 3] : 0.0;
-    const double can = share * speed[k / 3];
-    const double v = std::max(can * std::max(part, 0.1), 1e-6);
-    moving[k] = wish.twist[k] * (rate[k / 3] > kFollows * can ? kFollows * can / rate[k / 3] : 1.0);
-    moving[k] = std::clamp(moving[k], -kFollows * v, kFollows * v);
-    from[k] = {0, reference_.twist[k] - moving[k], reference_.slope[k]};
-    to[k] = {error[k], 0, 0};
-    const Pull& p = pull[k / 3];
-    most[k] = MotionLimits::symmetric(v, kLead * std::max(part * p.acceleration, kAside * p.any_acceleration),
-                                      kLead * std::max(part * p.jerk, kAside * p.any_jerk));
-    most[k].max_velocity -= moving[k];
-    most[k].min_velocity -= moving[k];
-  }
-  brake_harder(away, from, to, most);
-  const trajectory::MotionOptions options{trajectory::Synchronization::phase,
-                                          trajectory::TargetKind::position, 0};
-  if (to_pose_.plan(from, to, most, options) != trajectory::MotionStatus::ok) return;
-  to_pose_.sample(dt_, out);
-  Twist by{};
-  for (std::size_t k = 0; k < 6; ++k) {
-    by[k] = out[k].position + dt_ * moving[k];
-    reference_.twist[k] = out[k].velocity + moving[k];
-    reference_.slope[k] = out[k].acceleration;
-  }
-  advance(reference_.pose, by);
-  const Twist left = between(tcp(), reference_.pose);
-  arrived_ = away[0] < kHere && away[1] < kHereTurned && linear(reference_.twist) < 1e-5 &&
-             angular(reference_.twist) < 1e-4 &&
-             (solver_.columns() < 6 || (linear(left) < kHere && angular(left) < kHereTurned));
+  return solver_.twist_of({v.data(), axes_.size()});
 }
 
 void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept {
-  if (!reference_.on) begin_reference();
+  if (!lead_.on()) lead_.begin(tcp(), twist_now());
   Twist wanted = wish.kind == JogWish::Kind::tcp_velocity ? wish.twist : Twist{};
   if (wanted != asked_) solver_.forget();
   asked_ = wanted;
@@ -370,13 +189,14 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
     for (double& x : wanted) x /= over;
     note(JogHold::speed, 0);
   }
-  if (wish.kind == JogWish::Kind::tcp_target) wanted = way_to(wish, limits);
+  const TcpLead::Target target = target_of(wish, limits);
+  if (wish.kind == JogWish::Kind::tcp_target) wanted = lead_.way_to(target);
   std::array<double, kMostJogJoints> velocity;
   for (std::size_t j = 0; j < axes_.size(); ++j)
     velocity[j] = std::min(limits.joint_share * velocity_[j], kQuickly * acceleration_[j]);
   const std::span<const double> fast{velocity.data(), axes_.size()};
 
-  // How much of it there can be, with foresight: what the reference goes for.
+  // How much of it there can be, with foresight: what the lead goes for.
   TwistSolver::Solution solution;
   solver_.solve(wanted, {fast, gentle_acceleration_, gentle_jerk_, lower_, upper_}, solution);
   // Joints to spare do without those that stand before a limit.
@@ -393,40 +213,24 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
   tell(solution);
   const double much = solution.share * throttle(limits, kGently, true, solution.rates);
   if (wish.kind == JogWish::Kind::tcp_target) {
-    lead_reference(wish, limits, much);
+    arrived_ = lead_.approach(target, much, solver_);
   } else {
     for (double& x : wanted) x *= much;
-    ramp_reference(wanted);
+    lead_.ramp(wanted, solver_);
   }
 
   // And what the joints do for it.
-  Twist twist = reference_.twist;
-  const Twist error = between(tcp(), reference_.pose);
+  Twist twist = lead_.twist();
+  const Twist error = between(tcp(), lead_.pose());
   if (linear(error) > kAstray || angular(error) > kAstray / length_)
-    reference_.pose = tcp();  // it goes on from where it is
+    lead_.return_to(tcp());  // it goes on from where it is
   else
     for (std::size_t k = 0; k < 6; ++k) twist[k] += kReturn * error[k];
   solver_.solve(twist, {fast, acceleration_, jerk_, lower_, upper_}, solution);
   rates = solution.rates;
   const double share = solution.share * throttle(limits, kFirmly, true, rates);
-  if (share == 1 && solution.outcome == TwistOutcome::exact && solver_.columns() >= 6) return;
-  // It is held back: the reference stays with the arm.
-  reference_.pose = tcp();
-  for (double& x : reference_.twist) x *= share;
-  // Where it hardly moves it must not gather speed against what holds it.
-  const bool creeps = share < 1 && linear(reference_.twist) < kCreeps && angular(reference_.twist) < kCreeps;
-  for (double& x : reference_.slope) x *= creeps ? 0 : share;
-}
-
-/// The twist that leads to the target at the speed that is allowed.
-Twist JogGenerator::way_to(const JogWish& wish, const JogLimits& limits) const noexcept {
-  Twist out = between(reference_.pose, wish.target);
-  for (std::size_t k = 0; k < 6; ++k) out[k] += kAhead * wish.twist[k];
-  const double time =
-      std::max({linear(out) / (kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed)),
-                angular(out) / (kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)), 1e-9});
-  for (double& x : out) x /= time;
-  return out;
+  if (share < 1 || solution.outcome != TwistOutcome::exact || solver_.columns() < 6)
+    lead_.hold_back(tcp(), share);
 }
 
 void JogGenerator::tell(const TwistSolver::Solution& solution) noexcept {
@@ -491,7 +295,7 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
     double slope = 0;
     if (rates_hold_) slope = (rates[j] - rates_[j]) / dt_;
     slope = std::clamp(slope, -0.8 * own.acceleration, 0.8 * own.acceleration);
-    if (!reference_.on) own.acceleration *= kSoft, own.jerk *= kSoft;
+    if (!lead_.on()) own.acceleration *= kSoft, own.jerk *= kSoft;
     next[j] = towards_velocity(state_[j], rates[j], slope, own, dt_);
   }
 }
@@ -546,9 +350,9 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     const bool at_limit = brake.highest() > axes_[j].upper || brake.lowest() < axes_[j].lower;
     note(at_limit ? JogHold::joint_limit : JogHold::speed, j);
   }
-  const bool any_speed = limits.tcp_speed < 1e3 || reference_.on;
-  const double stray = reference_.on ? kStray + kFaster * std::max(linear(asked_), linear(reference_.twist))
-                                     : limits.tcp_speed;
+  const bool any_speed = limits.tcp_speed < 1e3 || lead_.on();
+  const double stray =
+      lead_.on() ? kStray + kFaster * std::max(linear(asked_), linear(lead_.twist())) : limits.tcp_speed;
   if (workspace_.empty() && !any_speed) return;
   Ahead now, then;  // of braking from now on, which is what cannot be helped
   look_ahead(braked, now);
@@ -597,14 +401,15 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
   which_ = -1;
   arrived_ = false;
   if (wish.kind == Kind::rest && standing()) {
-    reference_.on = rates_hold_ = false;
+    lead_.end();
+    rates_hold_ = false;
     kind_ = Kind::rest;
     tcp_speed_ = 0;
     return;
   }
   const auto of_tcp = [](Kind kind) { return kind == Kind::tcp_velocity || kind == Kind::tcp_target; };
-  if (!of_tcp(wish.kind) && (wish.kind != Kind::rest || wish.at_once)) reference_.on = false;
-  if (wish.kind != kind_ && !(wish.kind == Kind::rest && reference_.on)) rates_hold_ = false;
+  if (!of_tcp(wish.kind) && (wish.kind != Kind::rest || wish.at_once)) lead_.end();
+  if (wish.kind != kind_ && !(wish.kind == Kind::rest && lead_.on())) rates_hold_ = false;
   if (wish.kind == Kind::joint_velocity && wish.joints != wanted_) rates_hold_ = false;
   kind_ = wish.kind;
   wanted_ = wish.joints;
@@ -621,13 +426,13 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
     throttle(limits, kFirmly, false, rates);
   } else if (wish.kind == Kind::joint_target) {
     planned = step_to_joints(wish, limits, next);
-  } else if (of_tcp(wish.kind) || reference_.on) {
+  } else if (of_tcp(wish.kind) || lead_.on()) {
     wish_tcp(wish, limits, rates);
-    if (wish.kind == Kind::rest && is_zero(reference_.twist)) reference_.on = rates_hold_ = false;
+    if (wish.kind == Kind::rest && is_zero(lead_.twist())) lead_.end(), rates_hold_ = false;
     if (wish.kind == Kind::rest) {
       hold_ = JogHold::none;
       which_ = -1;
-      if (!reference_.on) rates = {};
+      if (!lead_.on()) rates = {};
     }
   }
   if (wish.kind == Kind::rest && wish.at_once)
@@ -636,7 +441,7 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
   else if (!planned)
     follow(rates, limits, next);
   rates_ = rates;
-  rates_hold_ = !planned && !(wish.kind == Kind::rest && !reference_.on);
+  rates_hold_ = !planned && !(wish.kind == Kind::rest && !lead_.on());
   guard(limits, next);
   std::array<double, kMostJogJoints> velocity{};
   for (std::size_t j = 0; j < n; ++j) {

@@ -11,6 +11,8 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/motion/jog_axis.hpp"
+#include "polyarm/motion/tcp_lead.hpp"
+#include "polyarm/motion/twist.hpp"
 #include "polyarm/motion/twist_solver.hpp"
 #include "polyarm/motion/workspace.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
@@ -55,11 +57,11 @@ struct JogLimits {
 /// Once each cycle: step(), and then where every joint has to be. One thread; no allocation, no locks, no
 /// exceptions, no clock in start(), step() and what only reads.
 ///
-/// What is wanted becomes joint velocities (TwistSolver), those are slowed down in time before joint limits
-/// and workspace boundaries along the way, and joints go there by jerk-limited steps. Each step is taken only
-/// if from its end every joint can still brake within its limits and the TCP stays where it may be
-/// meanwhile; else as much of it as that allows, down to braking, which was found to be possible in the cycle
-/// before.
+/// What is wanted of the TCP leads it (TcpLead), becomes joint velocities (TwistSolver), those are slowed
+/// down in time before joint limits and workspace boundaries along the way, and joints go there by
+/// jerk-limited steps. Each step is taken only if from its end every joint can still brake within its limits
+/// and the TCP stays where it may be meanwhile; else as much of it as that allows, down to braking, which was
+/// found to be possible in the cycle before.
 class JogGenerator {
  public:
   /// `axes`: limits of all joints of the chain, which outlives the generator. `period`: of a cycle, s. Throws
@@ -93,28 +95,12 @@ class JogGenerator {
     double acceleration, jerk;
   };
   static constexpr Before kFirmly{0.5, 0.25}, kGently{0.25, 0.05};
-  /// The TCP's own motion: where it would be, and how fast, if nothing held it back.
-  struct Reference {
-    bool on = false;
-    Pose pose;
-    Twist twist{}, slope{};
-  };
-
-  /// How quickly a motion may change: along its way, and along any axis.
-  struct Pull {
-    double acceleration, jerk, any_acceleration, any_jerk;
-  };
 
   void wish_joints(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
   bool step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept;
   void wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
-  void begin_reference() noexcept;
-  void ramp_reference(const Twist& wanted) noexcept;
-  Twist way_to(const JogWish& wish, const JogLimits& limits) const noexcept;
-  void lead_reference(const JogWish& wish, const JogLimits& limits, double share) noexcept;
+  Twist twist_now() const noexcept;
   void tell(const TwistSolver::Solution& solution) noexcept;
-  void capability(const Twist& direction, double& acceleration, double& jerk) const noexcept;
-  Pull pull_along(const Twist& ahead, std::size_t part) const noexcept;
   double throttle(const JogLimits& limits, Before before, bool common, JogValues& rates) noexcept;
   void follow(const JogValues& rates, const JogLimits& limits, States& next) noexcept;
   void guard(const JogLimits& limits, States& next) noexcept;
@@ -130,10 +116,10 @@ class JogGenerator {
   Workspace workspace_;
   double dt_, length_ = 1;
   TwistSolver solver_;
-  trajectory::StateToState to_joints_, to_pose_;
+  TcpLead lead_;
+  trajectory::StateToState to_joints_;
 
   States state_{};
-  Reference reference_;
   JogWish::Kind kind_ = JogWish::Kind::rest;
   JogValues rates_{}, wanted_{};  // of the last cycle; what was wanted of them
   Twist asked_{};

@@ -8,11 +8,9 @@
 
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/motion/arm_derivatives.hpp"
+#include "polyarm/motion/twist.hpp"
 
 namespace polyarm::motion {
-
-/// linear x y z (m/s), angular x y z (rad/s).
-using Twist = std::array<double, 6>;
 
 /// Most joints of an arm that is jogged.
 inline constexpr std::size_t kMostJogJoints = 16;

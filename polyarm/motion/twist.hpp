@@ -1,0 +1,39 @@
+#pragma once
+/// Velocities of the TCP, and small motions of it: six numbers. Metres, radians, seconds.
+#include <array>
+#include <cmath>
+
+#include "polyarm/base/pose.hpp"
+
+namespace polyarm::motion {
+
+/// linear x y z (m/s), angular x y z (rad/s).
+using Twist = std::array<double, 6>;
+
+/// m/s.
+inline double linear(const Twist& t) noexcept {
+  return std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+}
+/// rad/s.
+inline double angular(const Twist& t) noexcept {
+  return std::sqrt(t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
+}
+/// The same in axes that `r` turns into those of the result.
+inline Twist turned(const Quaternion& r, const Twist& t) noexcept {
+  const Vec3 v = r * Vec3{t[0], t[1], t[2]}, w = r * Vec3{t[3], t[4], t[5]};
+  return {v.x, v.y, v.z, w.x, w.y, w.z};
+}
+/// From `a` to `b`: m, and the rotation vector, in the world.
+inline Twist between(const Pose& a, const Pose& b) noexcept {
+  const Vec3 d = b.position - a.position, r = to_rotation_vector(b.rotation * inverse(a.rotation));
+  return {d.x, d.y, d.z, r.x, r.y, r.z};
+}
+/// Moves a pose by m and a rotation vector, in the world.
+inline void advance(Pose& pose, const Twist& by) noexcept {
+  pose.position = pose.position + Vec3{by[0], by[1], by[2]};
+  const Vec3 r{by[3], by[4], by[5]};
+  const double angle = norm(r);
+  if (angle > 0) pose.rotation = normalized(from_axis_angle((1 / angle) * r, angle) * pose.rotation);
+}
+
+}  // namespace polyarm::motion
