@@ -159,7 +159,7 @@ POLYARM_INLINE Lane solve_shoulder(const Shoulder& f, const ShoulderAim& aim, La
   const LaneVec v = aim.f0 + (q[2].c * aim.fc + q[2].s * aim.fs);
   const Lane fx = dot(f.e1, v), fy = dot(f.e2, v);
   const Lane flat2 = fx * fx + fy * fy;
-  Lane x, y;
+  Lane x{}, y{};
   if (f.kind != Shoulder::Kind::meets) x = (aim.a0 + q[2].c * aim.ac + q[2].s * aim.as) * (1 / f.distance);
   if (f.kind != Shoulder::Kind::parallel) y = (aim.b0 + q[2].c * aim.bc + q[2].s * aim.bs) * (1 / f.sine);
   if (f.kind != Shoulder::Kind::any) {

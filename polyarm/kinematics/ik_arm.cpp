@@ -86,9 +86,9 @@ void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6
 }
 
 void InverseKinematics::Arm::find_form() {
-  const auto end = geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count);
+  const auto behind = geometry.axes.begin() + static_cast<std::ptrdiff_t>(geometry.count);
   const auto slides =
-      std::count_if(geometry.axes.begin(), end, [](const JointAxis& axis) { return axis.slides; });
+      std::count_if(geometry.axes.begin(), behind, [](const JointAxis& axis) { return axis.slides; });
   if (geometry.count == 7 && slides <= 1) {
     find_seven();
   } else if (slides > 0) {

@@ -155,8 +155,8 @@ void InverseKinematics::Arm::look_for_twins(const BranchJob& job, std::size_t si
                                             Gathered& out) const noexcept {
   constexpr double kNear = 0.02, kSteps[] = {3, 10, 40, 150};
   Branches branches;
-  const std::size_t end = out.count;
-  for (std::size_t c = since; c < end; ++c) {
+  const std::size_t behind = out.count;
+  for (std::size_t c = since; c < behind; ++c) {
     const AxisValues at = out.all[c].value;
     AxisValues way{};
     const double least = geometry.least_motion(at, way);

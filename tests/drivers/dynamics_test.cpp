@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -22,8 +23,12 @@ namespace {
 using description::JointType;
 using Values = std::vector<double>;
 
-/// MuJoCo keeps an inertia as main axes and moments, found to about nine digits.
-constexpr double kAgree = 1e-8;
+/// MuJoCo keeps an inertia as main axes and moments, found to about nine digits, to seven where two moments
+/// are nearly the same: of the largest torque; and of accelerations, rad/s^2 or m/s^2.
+struct Agreement {
+  double torque = 1e-8, acceleration = 1e-5;
+};
+constexpr Agreement kOfTheCatalogue{1e-6, 1e-3};
 
 std::string place(const Pose& pose) {
   const auto& [p, r] = pose;
@@ -106,7 +111,6 @@ Physics physics(const std::string& text) {
   char error[500] = "";
   out.model.reset(mj_loadXML("model.xml", &vfs, error, sizeof error));
   mj_deleteVFS(&vfs);
-  EXPECT_NE(out.model, nullptr) << error;
   if (out.model) out.data.reset(mj_makeData(out.model.get()));
   return out;
 }
@@ -154,7 +158,7 @@ void set_positions(const Physics& p, const Tree& tree, const Values& q) {
   }
 }
 
-void compare(const test::SampleTree& sample, Random& random) {
+void compare(const test::SampleTree& sample, Random& random, Agreement agree = {}) {
   SCOPED_TRACE(sample.name);
   const Tree tree(sample.model, sample.options);
   Dynamics dynamics(tree);
@@ -179,9 +183,9 @@ void compare(const test::SampleTree& sample, Random& random) {
     double size = 1;
     for (const double t : tau) size = std::max(size, std::abs(t));
     for (std::size_t k = 0; k < n; ++k) {
-      ASSERT_NEAR(tau[k], p.data->qfrc_inverse[theirs[k]], kAgree * size);
+      ASSERT_NEAR(tau[k], p.data->qfrc_inverse[theirs[k]], agree.torque * size);
       for (std::size_t j = 0; j < n; ++j)
-        ASSERT_NEAR(M[k * n + j], full[theirs[k] * n + theirs[j]], kAgree * size);
+        ASSERT_NEAR(M[k * n + j], full[theirs[k] * n + theirs[j]], agree.torque * size);
     }
     if (!tree.massless_joints().empty()) continue;
     for (std::size_t k = 0; k < n; ++k) p.data->qfrc_applied[theirs[k]] = tau[k];
@@ -189,7 +193,7 @@ void compare(const test::SampleTree& sample, Random& random) {
     ASSERT_TRUE(dynamics.forward(q, v, tau, back));
     for (std::size_t k = 0; k < n; ++k) {
       ASSERT_NEAR(back[k], a[k], 1e-8);
-      ASSERT_NEAR(p.data->qacc[theirs[k]], back[k], 1e-5);
+      ASSERT_NEAR(p.data->qacc[theirs[k]], back[k], agree.acceleration);
     }
     std::fill_n(p.data->qfrc_applied, n, 0.0);
   }
@@ -207,23 +211,42 @@ TEST(DynamicsAndMuJoCo, AgreeOnTreesOfEveryTypeOfJoint) {
   }
 }
 
-/// Arms whose inertias are those of real bodies; MuJoCo refuses or alters others.
-TEST(DynamicsAndMuJoCo, AgreeOnArmsOfTheCatalogue) {
-  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
-  Random random(22);
-  for (const char* name : {"universal_robots/ur5e", "universal_robots/ur10e", "kuka/lbr_iiwa_14_r820",
-                           "abb/irb_2400_12_1_55", "kinova/gen3_7dof", "yaskawa/gp12"}) {
-    description::RobotModel model;
-    try {
-      model = catalogue.load(name);
-    } catch (const Error&) {
-      ADD_FAILURE() << name;
+/// Inertias that no body has are refused by MuJoCo, and so is what moves without mass: rounder ones instead.
+void make_real(description::RobotModel& model, Random& random) {
+  for (description::Link& link : model.links) {
+    if (!link.inertial || !(link.inertial->mass > 1e-6)) {
+      if (link.parent_joint >= 0) link.inertial = test::any_inertial(random);
       continue;
     }
-    compare({name, model, {}}, random);
-    model.links[static_cast<std::size_t>(model.root)].inertial = test::any_inertial(random);
-    compare({std::string(name) + " floating", model, {RootJoint::floating, {}, {0, 0, -9.81}}}, random);
+    auto& i = link.inertial->inertia;
+    const double more = std::abs(i[0]) + std::abs(i[3]) + std::abs(i[5]) +
+                        2 * (std::abs(i[1]) + std::abs(i[2]) + std::abs(i[4])) + 1e-6;
+    for (const std::size_t k : {0, 3, 5}) i[k] += more;
   }
+}
+
+/// All of the catalogue, as its files say; with inertias changed, in both, where MuJoCo does not take them.
+TEST(DynamicsAndMuJoCo, AgreeOnEveryArmOfTheCatalogue) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  Random random(22);
+  int arms = 0, changed = 0;
+  for (const std::string& name : catalogue.names()) {
+    description::RobotModel model = catalogue.load(name);
+    model.actuated.clear();
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      model.joints[j].mimic.reset();
+      if (model.joints[j].moves()) model.actuated.push_back(static_cast<int>(j));
+    }
+    if (!physics(mjcf(model, {})).data) make_real(model, random), ++changed;
+    compare({name, model, {}}, random, kOfTheCatalogue);
+    ++arms;
+    if (arms % 10 != 0) continue;
+    model.links[static_cast<std::size_t>(model.root)].inertial = test::any_inertial(random);
+    compare({name + " floating", model, {RootJoint::floating, {}, {0, 0, -9.81}}}, random, kOfTheCatalogue);
+  }
+  std::printf("%d robots, of %d inertias were changed\n", arms, changed);
+  EXPECT_GT(arms, 300);
+  EXPECT_LT(changed, arms / 4);
 }
 
 }  // namespace
