@@ -9,16 +9,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
 #include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/motion/cartesian_joints.hpp"
 #include "polyarm/trajectory/path_follower.hpp"
 #include "polyarm/trajectory/timing.hpp"
+#include "tests/support/arm_stop_moments.hpp"
 #include "tests/support/slow_stop.hpp"
 #include "tests/support/stop_moments.hpp"
 #include "tests/support/test_paths.hpp"
@@ -35,16 +34,9 @@ struct Case {
   TimedPath path;
 };
 
-kinematics::Chain arm(const std::string& name) {
-  const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name);
-  for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (model.links[i].name == "tool0") return kinematics::Chain(model, static_cast<int>(i));
-  return kinematics::Chain(model, static_cast<int>(model.links.size()) - 1);
-}
-
 /// Five lines and arcs with corners of 2 cm; the joints' limits are those of a UR5e's size.
 Case lines_and_arcs(const std::string& robot, const std::vector<double>& q) {
-  const kinematics::Chain chain = arm(robot);
+  const kinematics::Chain chain = test::chain_of(robot);
   Pose at = chain.forward(q);
   CartesianPathBuilder builder(at);
   for (int i = 0; i < 5; ++i) {
@@ -107,44 +99,6 @@ void cost(const Case& c) {
   std::sort(all.begin(), all.end());
   std::printf("%-28s %6zu cycles  p50 %5.1f us  p99 %5.1f us  worst %5.1f us\n", c.name.c_str(), all.size(),
               at(all, 0.5), at(all, 0.99), all.back());
-}
-
-/// Random lines, arcs and splines of the TCP about a pose, with blends; limits that differ by joint.
-test::StopMoment moment_of_an_arm(std::uint64_t seed) {
-  struct Robot {
-    const char* name;
-    std::vector<double> q;
-  };
-  static const Robot kRobots[] = {{"universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}},
-                                  {"abb/irb_120", {0.2, 0.2, -0.1, 0.4, 0.8, 0.3}},
-                                  {"fanuc/lr_mate_200id_7l", {0.1, 0.3, -0.2, 0.3, -0.9, 0.2}},
-                                  {"kuka/lbr_iiwa_7_r800", {0.2, 0.5, -0.1, -1.4, 0.2, 0.9, 0}},
-                                  {"franka/fer_panda", {0, -0.4, 0, -2.0, 0, 1.7, 0.8}}};
-  const Robot& robot = kRobots[seed % std::size(kRobots)];
-  const kinematics::Chain chain = arm(robot.name);
-  std::mt19937_64 engine(seed);
-  const auto near = [&] {
-    std::vector<double> q = robot.q;
-    for (double& x : q) x += std::uniform_real_distribution<double>(-0.25, 0.25)(engine);
-    return chain.forward(q);
-  };
-  for (;;) {
-    CartesianPathBuilder builder(chain.forward(robot.q));
-    for (int i = 0; i < 4; ++i) {
-      const Corner corner{std::uniform_real_distribution<double>(0.005, 0.05)(engine), ""};
-      if (i % 3 == 0)
-        builder.line(near(), corner);
-      else if (i % 3 == 1)
-        builder.arc(near().position, near(), ArcOrientation::interpolated, corner);
-      else
-        builder.spline(std::vector<Pose>{near(), near()}, corner);
-    }
-    try {
-      std::shared_ptr<const Path> path = motion::joints_along(chain, builder.build().sections[0], robot.q);
-      return test::moment_on(path, test::unequal_limits(engine, robot.q.size()), engine, seed % 4 < 2);
-    } catch (const Error&) {  // leads where this arm does not go
-    }
-  }
 }
 
 /// Stops from random moments at random factors, every other one at full speed.
@@ -220,6 +174,7 @@ void plot(const Case& c) {
 
 int main(int argc, char** argv) {
   using namespace polyarm;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // takes minutes
   if (argc > 1 && std::string(argv[1]) == "plot") {
     plot(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));
     return 0;
@@ -228,7 +183,7 @@ int main(int argc, char** argv) {
     const std::size_t stops = argc > 2 ? std::size_t(std::atoi(argv[2])) : 60;
     const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
     ratio("splines and blended lines of six joints", stops, seed, test::random_moment);
-    ratio("lines, arcs and splines of five arms", stops, seed, moment_of_an_arm);
+    ratio("lines, arcs and splines of five arms", stops, seed, test::moment_of_an_arm);
     return 0;
   }
   cost(lines_and_arcs("universal_robots/ur5e", {0, -1.4, 1.8, -2.0, -1.57, 0.3}));

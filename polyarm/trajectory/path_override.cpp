@@ -22,8 +22,10 @@ constexpr Room kChosen{0.999}, kAccepted{0.9997};
 constexpr double kBetween = 2e-4;  // of a limit: what may lie between two looks
 // Of the factor, where the joints hardly move and leave any room: 0 to 1 in some 20 ms.
 constexpr double kMostRate = 50, kMostBend = 20000;
-constexpr double kMostLooks = 32;      // beside the table's nodes, in one step
-constexpr double kSpacing = 1e-3;      // s of the plan between two rows
+constexpr double kMostLooks = 32;  // beside the table's nodes, in one step
+constexpr double kSpacing = 1e-3;  // s of the plan between two rows
+/// Of a bend as bold as both ends of a step leave: what something in between may leave less.
+constexpr double kALittleLess[] = {0, 0.003};
 constexpr double kSame = 1e-12;        // of factors
 constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
 constexpr double kLeastBoldness = 1.0 / 64;
@@ -179,6 +181,17 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   return passed || parts > 1 || kept(0.5);
 }
 
+/// The same for a bend that is as bold in a direction as both ends leave, or for a little less.
+bool PathOverride::keeps_nearly(const State& s, double& bend, double t, double direction) noexcept {
+  for (const double less : kALittleLess) {
+    const double tried = bend - direction * less * std::abs(bend);
+    if (!keeps(s, tried, t)) continue;
+    bend = tried;
+    return true;
+  }
+  return false;
+}
+
 /// A way to a steady factor: in `direction` for `push` cycles as far as the rows leave, then as soon as they
 /// leave. False where that does not keep the limits.
 bool PathOverride::recover(State s, Way& way, double direction, std::size_t push) noexcept {
@@ -199,7 +212,7 @@ bool PathOverride::recover(State s, Way& way, double direction, std::size_t push
     double bend = boldest(s, t, towards);
     const bool last = !on && towards * rest <= towards * bend;
     if (last) bend = rest;
-    if (!keeps(s, bend, t)) return false;
+    if (last ? !keeps(s, bend, t) : !keeps_nearly(s, bend, t, towards)) return false;
     s = during(s, bend, t);
     if (last) s.rate = 0;
     way.bends[way.steps] = bend;
@@ -254,8 +267,9 @@ bool PathOverride::attempt(double target) noexcept {
   double more = m.boldness * most;
   for (std::size_t tries = 0; tries < kMostTries; ++tries) {
     if (!(direction * more > 0)) return false;
-    const double bend = calm + more;
-    const bool safe = keeps(m.at, bend, t) && recover(during(m.at, bend, t), tried_, direction, 0);
+    double bend = calm + more;
+    const bool safe =
+        keeps_nearly(m.at, bend, t, direction) && recover(during(m.at, bend, t), tried_, direction, 0);
     const double beyond = safe ? direction * (tried_.end - target) : 0;
     if (safe && beyond <= kSame) {
       take(bend, tried_);
@@ -273,19 +287,29 @@ bool PathOverride::attempt(double target) noexcept {
   return false;
 }
 
-/// Goes on as far as the rows leave for some cycles more, and then to a steady factor.
+/// Goes on as far as the rows leave for some cycles more, and then to a steady factor. For how many: too few
+/// do not lead past what is in the way, too many beyond the target; between those it is looked for.
 bool PathOverride::push_past(double bend, double direction, double target) noexcept {
   Motion& m = motion_;
-  if (!keeps(m.at, bend, period_)) return false;
-  if (recover(during(m.at, bend, period_), tried_, direction, m.push)) {
-    if (direction * (tried_.end - target) <= kSame) {
+  if (!keeps_nearly(m.at, bend, period_, direction)) return false;
+  const State next = during(m.at, bend, period_);
+  std::size_t few = 0, many = 0;
+  for (std::size_t tries = 0; tries < kMostPushes; ++tries) {
+    if (!recover(next, tried_, direction, m.push)) {
+      few = m.push;
+    } else if (direction * (tried_.end - target) > kSame) {
+      many = m.push;
+    } else {
       take(bend, tried_);
       return true;
     }
-    m.push = std::max(m.push / 2, kLeastPush);
-    return false;
+    if (many == 0)
+      m.push = m.push >= kMostPush ? kLeastPush : 2 * m.push;
+    else if (few == 0 || few >= many)
+      m.push = std::max(many / 2, kLeastPush);
+    else
+      m.push = (few + many) / 2;
   }
-  m.push = m.push >= kMostPush ? kLeastPush : 2 * m.push;
   return false;
 }
 

@@ -33,12 +33,12 @@ struct StoppingWay {
 /// a bounded number of looks at the table, acts at once, and never enters what it could not leave.
 /// docs/decisions/0010-timing.md.
 ///
-/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries + 1 runs of at
-/// most kMostSteps steps. Keeps a reference to the path given.
+/// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries + kMostPushes
+/// runs of at most kMostSteps steps. Keeps a reference to the path given.
 class PathOverride {
  public:
   static constexpr std::size_t kMostSteps = 96;
-  static constexpr std::size_t kMostTries = 3;
+  static constexpr std::size_t kMostTries = 3, kMostPushes = 3;
   /// An immediate stop takes this many times the acceleration, and its square times the jerk.
   static constexpr double kHarder = 3;
 
@@ -99,6 +99,7 @@ class PathOverride {
   bool within(const Rows* rows, double factor, double rate, double bend) const noexcept;
   double looks(const State& s, const State& end, double bend, double t) const noexcept;
   bool keeps(const State& s, double bend, double t) noexcept;
+  bool keeps_nearly(const State& s, double& bend, double t, double direction) noexcept;
   bool recover(State s, Way& way, double direction, std::size_t push) noexcept;
   bool push_past(double bend, double direction, double target) noexcept;
   bool arrive(double target) noexcept;

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <random>
 #include <string>
@@ -15,6 +16,7 @@
 
 #include "polyarm/trajectory/path_override.hpp"
 #include "tests/motion/arm_moves.hpp"
+#include "tests/support/limit_extrema.hpp"
 
 namespace polyarm::motion {
 namespace {
@@ -70,30 +72,6 @@ std::vector<Move> random_program(const Arm& arm, const Values& q, Draw& draw) {
   return out;
 }
 
-/// What the joints do in the cycle that began with these, ten times: the highest share of a limit; `harder`:
-/// of an immediate stop.
-double most_used(const TimedPath& path, const std::vector<MotionLimits>& limits, const PathOverride& o,
-                 double time, double factor, double rate, double harder) {
-  const std::size_t n = limits.size();
-  Values q(n), v(n), a(n), j(n);
-  std::size_t hint = 0;
-  double most = 0;
-  for (int k = 0; k <= 10; ++k) {
-    const double t = kPeriod * k / 10, at = time + t * (factor + t * (rate / 2 + t * o.bend() / 6));
-    if (at < 0 || at > path.duration()) continue;
-    const double f = factor + t * (rate + t * o.bend() / 2), g = rate + t * o.bend();
-    path.sample(at, q, v, a, j, hint);
-    for (std::size_t i = 0; i < n; ++i) {
-      const MotionLimits& l = limits[i];
-      const double jerk = j[i] * f * f * f + 3 * a[i] * f * g + v[i] * o.bend();
-      most = std::max({most, std::abs(v[i] * f) / l.max_velocity,
-                       std::abs(a[i] * f * f + v[i] * g) / (harder * l.max_acceleration),
-                       std::abs(jerk) / (harder * harder * l.max_jerk)});
-    }
-  }
-  return most;
-}
-
 /// How far the TCP is from a line of the program where it is on one, outside of the balls that blends may
 /// use.
 std::optional<double> off_its_line(const Arm& arm, const PlannedMotion& motion,
@@ -118,15 +96,54 @@ std::optional<double> off_its_line(const Arm& arm, const PlannedMotion& motion,
   return std::nullopt;
 }
 
-class ProgramLaws : public testing::TestWithParam<const char*> {};
-
-TEST_P(ProgramLaws, WhateverIsAskedTheWayAndTheLimitsAreKept) {
-  const Arm arm(GetParam());
-  const Values q0 = test::bent(arm);
-  const std::size_t n = q0.size();
-  double most = 0, off_way = 0, off_line = 0;
+/// What random programs of an arm showed.
+struct Seen {
+  double most = 0, off_way = 0, off_line = 0,
+         beyond = 0;  ///< share of a limit; m; m; rad or m outside of joint limits
   int programs = 0, changes = 0, on_lines = 0;
-  for (std::uint64_t seed = 1; seed <= 40 && programs < 5; ++seed) {
+};
+
+/// Follows one motion while overrides, stops, immediate stops, steps back and resumes come at random moments.
+void follow(const Arm& arm, const MovePlan& plan, const PlannedMotion& motion, const std::vector<Move>& moves,
+            Draw& draw, Seen& seen) {
+  const std::size_t n = plan.limits.size();
+  PathOverride o(motion.path, plan.limits, kPeriod);
+  polyarm::test::LimitExtrema extrema(motion.path, plan.limits);
+  Values q(n), v(n), a(n), way(n), none;
+  double target = 1, harder = 1;
+  bool immediate = false;
+  std::size_t hint = 0;
+  for (int cycle = 0, next = 0; cycle < 12'000 && !o.finished(); ++cycle) {
+    if (cycle == next) {
+      const double what = draw(0, 1);
+      immediate = what < 0.1;
+      target = what < 0.35 ? 0 : what < 0.45 ? -draw(0, 0.5) : what < 0.7 ? 1 : draw(0.1, 1);
+      next += static_cast<int>(draw(5, 250));
+      ++seen.changes;
+    }
+    const double time = o.time(), factor = o.factor(), rate = o.rate();
+    if (immediate) harder = PathOverride::kHarder;
+    o.advance(target, immediate);
+    if (o.time() > 0)
+      seen.most = std::max(seen.most, extrema.most({time, factor, rate, o.bend(), kPeriod, harder}));
+    if (o.stands()) immediate = false, harder = 1;
+    o.sample(q, v, a);
+    for (std::size_t j = 0; j < n; ++j)
+      seen.beyond = std::max({seen.beyond, q[j] - arm.chain().upper()[j], arm.chain().lower()[j] - q[j]});
+    const double s = motion.path.profile().at(o.time(), hint).s;
+    joints_on_path(motion.path.path(), {s, 0, 0, 0}, way, none, none, none);
+    seen.off_way =
+        std::max(seen.off_way, norm(arm.chain().forward(q).position - arm.chain().forward(way).position));
+    if (const auto off = off_its_line(arm, motion, moves, s, q))
+      seen.off_line = std::max(seen.off_line, *off), ++seen.on_lines;
+  }
+}
+
+Seen random_programs(const Arm& arm, int programs, std::uint64_t seed) {
+  const Values q0 = test::bent(arm);
+  Seen out;
+  for (const std::uint64_t end = seed + 8 * std::uint64_t(programs); seed < end && out.programs < programs;
+       ++seed) {
     Draw draw(seed);
     const std::vector<Move> moves = random_program(arm, q0, draw);
     MovePlan plan;
@@ -135,45 +152,54 @@ TEST_P(ProgramLaws, WhateverIsAskedTheWayAndTheLimitsAreKept) {
     } catch (const MoveError&) {
       continue;  // leads where this arm does not go
     }
-    ++programs;
-    for (const PlannedMotion& motion : plan.motions) {
-      PathOverride o(motion.path, plan.limits, kPeriod);
-      Values q(n), v(n), a(n), way(n), none;
-      double target = 1, harder = 1;
-      bool immediate = false;
-      std::size_t hint = 0;
-      for (int cycle = 0, next = 0; cycle < 12'000 && !o.finished(); ++cycle) {
-        if (cycle == next) {
-          const double what = draw(0, 1);
-          immediate = what < 0.1;
-          target = what < 0.35 ? 0 : what < 0.45 ? -draw(0, 0.5) : what < 0.7 ? 1 : draw(0.1, 1);
-          next += static_cast<int>(draw(5, 250));
-          ++changes;
-        }
-        const double time = o.time(), factor = o.factor(), rate = o.rate();
-        if (immediate) harder = PathOverride::kHarder;
-        o.advance(target, immediate);
-        if (o.time() > 0)
-          most = std::max(most, most_used(motion.path, plan.limits, o, time, factor, rate, harder));
-        if (o.stands()) immediate = false, harder = 1;
-        o.sample(q, v, a);
-        const double s = motion.path.profile().at(o.time(), hint).s;
-        joints_on_path(motion.path.path(), {s, 0, 0, 0}, way, none, none, none);
-        off_way =
-            std::max(off_way, norm(arm.chain().forward(q).position - arm.chain().forward(way).position));
-        if (const auto off = off_its_line(arm, motion, moves, s, q))
-          off_line = std::max(off_line, *off), ++on_lines;
-      }
-    }
+    ++out.programs;
+    for (const PlannedMotion& motion : plan.motions) follow(arm, plan, motion, moves, draw, out);
   }
+  return out;
+}
+
+void judge(const Seen& seen, const std::string& name) {
   std::printf(
-      "%d programs, %d changes, %d cycles on lines: %.1e m off the way, %.1e m off a line, limits %.1e\n",
-      programs, changes, on_lines, off_way, off_line, most - 1);
-  EXPECT_GE(programs, 3);
-  EXPECT_GE(changes, 40);
-  EXPECT_LT(off_way, 1e-6);
-  EXPECT_LT(off_line, 1e-6);
-  EXPECT_LE(most, 1 + 1e-6);
+      "%s: %d programs, %d changes, %d cycles on lines: %.1e m off the way, %.1e m off a line, limits %.1e\n",
+      name.c_str(), seen.programs, seen.changes, seen.on_lines, seen.off_way, seen.off_line, seen.most - 1);
+  EXPECT_LT(seen.off_way, 1e-6) << name;
+  EXPECT_LT(seen.off_line, 1e-6) << name;
+  EXPECT_LE(seen.most, 1 + 1e-6) << name;
+  EXPECT_LE(seen.beyond, 1e-9) << name;
+}
+
+/// A number from the environment, for long runs by hand.
+int asked(const char* variable, int otherwise) {
+  const char* text = std::getenv(variable);
+  return text ? std::atoi(text) : otherwise;
+}
+
+class ProgramLaws : public testing::TestWithParam<const char*> {};
+
+/// POLYARM_LAWS_PROGRAMS, POLYARM_LAWS_SEED: how many programs, and which.
+TEST_P(ProgramLaws, WhateverIsAskedTheWayAndTheLimitsAreKept) {
+  const Seen seen = random_programs(Arm(GetParam()), asked("POLYARM_LAWS_PROGRAMS", 5),
+                                    static_cast<std::uint64_t>(asked("POLYARM_LAWS_SEED", 1)));
+  judge(seen, GetParam());
+  EXPECT_GE(seen.programs, 3);
+  EXPECT_GE(seen.changes, 40);
+}
+
+/// One program each of every twentieth arm of six or seven joints; POLYARM_LAWS_EVERY=1: of every one.
+TEST(ProgramLawsOfTheCatalogue, WhateverIsAskedTheWayAndTheLimitsAreKept) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  const std::vector<std::string> names = catalogue.names();
+  const int every = asked("POLYARM_LAWS_EVERY", 20);
+  int arms = 0, programs = 0;
+  for (std::size_t k = 0; k < names.size(); k += std::size_t(every)) {
+    const description::RobotModel model = catalogue.load(names[k]);
+    if (model.actuated.size() < 6 || model.actuated.size() > 7) continue;
+    const Seen seen = random_programs(Arm(names[k]), asked("POLYARM_LAWS_PROGRAMS", 1), k + 1);
+    judge(seen, names[k]);
+    ++arms, programs += seen.programs;
+  }
+  std::printf("%d arms, %d programs\n", arms, programs);
+  EXPECT_GE(programs, arms / 2);
 }
 
 /// From one override to another where the plan is steady: beside what the joint needs that has the most to

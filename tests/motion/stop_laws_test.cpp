@@ -17,6 +17,8 @@
 #include "polyarm/motion/cartesian_joints.hpp"
 #include "polyarm/trajectory/path_override.hpp"
 #include "polyarm/trajectory/timing.hpp"
+#include "tests/support/arm_stop_moments.hpp"
+#include "tests/support/slow_stop.hpp"
 
 namespace polyarm::motion {
 namespace {
@@ -125,6 +127,22 @@ TEST_P(StopLaws, TheTcpStaysOnItsPathAndTheJointsWithinTheirLimits) {
   EXPECT_GE(stops, 30);
   EXPECT_LT(furthest, 1e-6);
   EXPECT_LE(most, 1 + 1e-6);
+}
+
+/// A joint whose planned jerk takes most of its limit: in the middle of a cycle there is a little less left
+/// for braking than at its ends, and that was taken for none. And stops from moments beside it.
+TEST(StopTimes, AreNearTheShortestThereIs) {
+  for (const std::uint64_t seed : {2001, 2019}) {
+    const test::StopMoment m = test::moment_of_an_arm(seed);
+    PathOverride o(m.path, m.limits, kPeriod);
+    o.begin(m.time, m.factor);
+    const StoppingWay stop = o.stopping();
+    ASSERT_TRUE(stop.known);
+    const double shortest = test::SlowStop(m.path, m.limits).search(m.time, m.factor);
+    std::printf("stop %llu: %.4f s, the shortest found %.4f s\n", (unsigned long long)seed, stop.time,
+                shortest);
+    EXPECT_LE(stop.time, 1.1 * shortest) << seed;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, StopLaws,

@@ -1,0 +1,137 @@
+#pragma once
+/// How much of their limits joints use on a timed path that is passed at a changing speed: at every extremum.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "polyarm/trajectory/path_trajectory.hpp"
+#include "polyarm/trajectory/state_to_state.hpp"
+
+namespace polyarm::test {
+
+/// A cycle of PathOverride: where on the planned time it begins, factor and rate there, and the bend that
+/// holds throughout.
+struct FactorCycle {
+  double time, factor, rate, bend, period;
+  double harder = 1;  ///< of an immediate stop: times the acceleration, and its square times the jerk
+};
+
+/// Velocities, accelerations and jerks as they are (by the chain rule, in closed form), on both sides of
+/// every jump. Between jumps they are smooth: looked at in `looks` places, and wherever a place is no lower
+/// than those beside it and near its limit, the extremum between these is searched for to the last bits.
+class LimitExtrema {
+ public:
+  LimitExtrema(const trajectory::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
+               int looks = 11)
+      : path_(path), limits_(limits.begin(), limits.end()), looks_(looks) {
+    for (const trajectory::SpeedProfile::Piece& piece : path.profile().pieces())
+      jumps_.push_back(piece.begin);
+    for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
+    std::sort(jumps_.begin(), jumps_.end());
+    for (auto* v : {&q_, &v_, &a_, &j_}) v->resize(limits_.size());
+  }
+
+  /// The highest share of a limit in this cycle.
+  double most(const FactorCycle& cycle) {
+    cycle_ = cycle;
+    const double end = at(cycle.period);
+    const double low = std::min(cycle.time, end), high = std::max(cycle.time, end);
+    std::vector<double> ends{0, cycle.period};
+    for (auto jump = std::upper_bound(jumps_.begin(), jumps_.end(), low);
+         jump != jumps_.end() && *jump < high; ++jump)
+      ends.push_back(when(*jump));
+    std::sort(ends.begin(), ends.end());
+    double out = 0;
+    for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+      // A jump's own side is a little beside it: what is lost is less than 1e-9 of a jerk's change in a
+      // cycle.
+      const double side = std::min(1e-9, (ends[k + 1] - ends[k]) / 4);
+      out = std::max(out, between(ends[k] + side, ends[k + 1] - side));
+    }
+    return out;
+  }
+  /// What it was that came highest since the beginning: a joint, and of which derivative (1 to 3).
+  std::size_t joint() const { return joint_; }
+  int derivative() const { return derivative_; }
+
+ private:
+  static constexpr double kNear = 0.98;  // of a limit: below, no extremum between two looks reaches it
+
+  double at(double t) const {
+    return cycle_.time + t * (cycle_.factor + t * (cycle_.rate / 2 + t * cycle_.bend / 6));
+  }
+  double when(double time) const {
+    double low = 0, high = cycle_.period;
+    const bool forward = at(high) >= at(low);
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (low + high) / 2;
+      ((at(middle) < time) == forward ? low : high) = middle;
+    }
+    return (low + high) / 2;
+  }
+  /// Shares of all joints' limits at `t` into shares_, three for each joint.
+  const std::vector<double>& look(double t) {
+    const double f = cycle_.factor + t * (cycle_.rate + t * cycle_.bend / 2),
+                 g = cycle_.rate + t * cycle_.bend;
+    const double time = at(t);
+    shares_.assign(3 * limits_.size(), 0.0);
+    if (time < 0 || time > path_.duration()) return shares_;
+    path_.sample(time, q_, v_, a_, j_, hint_);
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      const trajectory::MotionLimits& l = limits_[i];
+      const double v = v_[i] * f, a = a_[i] * f * f + v_[i] * g;
+      const double jerk = j_[i] * f * f * f + 3 * a_[i] * f * g + v_[i] * cycle_.bend;
+      shares_[3 * i] = std::max(v / l.max_velocity, v / l.min_velocity);
+      shares_[3 * i + 1] = std::max(a / l.max_acceleration, a / l.min_acceleration) / cycle_.harder;
+      shares_[3 * i + 2] = std::abs(jerk) / (cycle_.harder * cycle_.harder * l.max_jerk);
+    }
+    return shares_;
+  }
+  double between(double begin, double end) {
+    std::vector<std::vector<double>> seen;
+    for (int k = 0; k < looks_; ++k) seen.push_back(look(begin + (end - begin) * k / (looks_ - 1)));
+    double out = 0;
+    for (std::size_t row = 0; row < 3 * limits_.size(); ++row)
+      for (std::size_t k = 0; k < seen.size(); ++k) {
+        double share = seen[k][row];
+        if (share > kNear && (k == 0 || share >= seen[k - 1][row]) &&
+            (k + 1 == seen.size() || share >= seen[k + 1][row]))
+          share = std::max(
+              share,
+              peak(row, begin + (end - begin) * std::max(0.0, double(k) - 1) / (looks_ - 1),
+                   begin + (end - begin) * std::min(double(looks_ - 1), double(k) + 1) / (looks_ - 1)));
+        if (share > highest_) highest_ = share, joint_ = row / 3, derivative_ = int(row % 3) + 1;
+        out = std::max(out, share);
+      }
+    return out;
+  }
+  /// By golden sections.
+  double peak(std::size_t row, double low, double high) {
+    constexpr double kGolden = 0.6180339887498949;
+    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    double at_a = look(a)[row], at_b = look(b)[row];
+    for (int i = 0; i < 36; ++i) {
+      if (at_a > at_b) {
+        high = b, b = a, at_b = at_a;
+        at_a = look(a = high - kGolden * (high - low))[row];
+      } else {
+        low = a, a = b, at_a = at_b;
+        at_b = look(b = low + kGolden * (high - low))[row];
+      }
+    }
+    return std::max(at_a, at_b);
+  }
+
+  const trajectory::TimedPath& path_;
+  std::vector<trajectory::MotionLimits> limits_;
+  int looks_;
+  std::vector<double> jumps_, q_, v_, a_, j_, shares_;
+  FactorCycle cycle_{};
+  std::size_t hint_ = 0, joint_ = 0;
+  double highest_ = 0;
+  int derivative_ = 0;
+};
+
+}  // namespace polyarm::test
