@@ -326,7 +326,10 @@ void PathOverride::advance(double target, bool immediate) noexcept {
   const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSame;
   const bool leads_there = m.step < m.out.steps && std::abs(target - m.out.end) <= kNearlyThere;
   if (settled) m.at.factor = m.out.end = target, m.boldness = 1;
-  if (settled || leads_there || !(arrive(target) || attempt(target))) follow_way_out();
+  // Whatever ends within this cycle cannot be changed by much any more, and nobody looks between here and
+  // there.
+  const bool ends = m.at.time + period_ * (m.at.factor + period_ / 2 * m.at.rate) >= path_.duration();
+  if (settled || leads_there || ends || !(arrive(target) || attempt(target))) follow_way_out();
   if (m.at.time <= 0 && m.at.factor < 0) {  // back at the start, where the plan rests
     m.at.factor = m.at.rate = m.out.end = 0;
     m.step = m.out.steps = 0;

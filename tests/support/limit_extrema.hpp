@@ -30,6 +30,9 @@ class LimitExtrema {
       jumps_.push_back(piece.begin);
     for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
     std::sort(jumps_.begin(), jumps_.end());
+    // The same jump of path and profile, but for rounding.
+    jumps_.erase(std::unique(jumps_.begin(), jumps_.end(), [](double a, double b) { return b - a < kSame; }),
+                 jumps_.end());
     for (auto* v : {&q_, &v_, &a_, &j_}) v->resize(limits_.size());
   }
 
@@ -45,9 +48,9 @@ class LimitExtrema {
     std::sort(ends.begin(), ends.end());
     double out = 0;
     for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
-      // A jump's own side is a little beside it: what is lost is less than 1e-9 of a jerk's change in a
-      // cycle.
-      const double side = std::min(1e-9, (ends[k + 1] - ends[k]) / 4);
+      // A jump's own side is a little beside it.
+      const double f = std::abs(cycle.factor + ends[k] * (cycle.rate + ends[k] * cycle.bend / 2));
+      const double side = std::min(2 * kSame / std::max(f, 1e-3), (ends[k + 1] - ends[k]) / 4);
       out = std::max(out, between(ends[k] + side, ends[k + 1] - side));
     }
     return out;
@@ -57,6 +60,7 @@ class LimitExtrema {
   int derivative() const { return derivative_; }
 
  private:
+  static constexpr double kSame = 4e-9;  // s of the plan
   static constexpr double kNear = 0.98;  // of a limit: below, no extremum between two looks reaches it
 
   double at(double t) const {
