@@ -84,7 +84,7 @@ class Steps {
         Json points = Json::array();
         for (const auto& argument : statement.arguments) points.push_back(program::spelled(*argument));
         out_.back()["points"] = points;
-        out_.back()["name"] = motion_name(statement);
+        out_.back()["name"] = program::spelling(statement.motion);
       }
       for (const program::Clause& clause : statement.clauses) block(clause.otherwise, depth + 1);
       block(statement.body, depth + 1);
@@ -98,11 +98,6 @@ class Steps {
         add("on error", statement.handler_place.line, depth, "");
       block(statement.handler, depth + 1);
     }
-  }
-  static const char* motion_name(const Statement& statement) {
-    constexpr const char* kMotions[] = {"moveto", "movej", "movel", "movec", "drive", "turn"};
-    if (!statement.name.empty()) return statement.name.c_str();
-    return kMotions[static_cast<std::size_t>(statement.motion)];
   }
   void add(const char* kind, int line, int depth, const std::string& name) {
     out_.push_back({{"kind", kind},

@@ -1,6 +1,7 @@
 #include "polyarm/program/ast.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "polyarm/base/text.hpp"
 
@@ -21,6 +22,19 @@ const char* spelling(Clause::Kind kind) {
                                                "speed",  "accel", "blend", "duration", "exact",
                                                "smooth", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
+}
+
+static constexpr const char* kMotions[] = {"moveto", "movej",  "movel", "movec",
+                                           "speedj", "speedl", "drive", "turn"};
+
+const char* spelling(Statement::Motion motion) {
+  return kMotions[static_cast<int>(motion)];
+}
+
+std::optional<Statement::Motion> motion_of(std::string_view word) {
+  const auto at = std::find(std::begin(kMotions), std::end(kMotions), word);
+  if (at == std::end(kMotions)) return std::nullopt;
+  return static_cast<Statement::Motion>(at - std::begin(kMotions));
 }
 
 std::string spelled(const Expression& expression) {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
@@ -155,13 +156,12 @@ struct Statement {
     run,
     expect
   };
-  /// drive, turn: of a base, by so much.
-  enum class Motion { moveto, movej, movel, movec, drive, turn };
+  /// speedj, speedl: their argument is a record of velocities. drive, turn: of a base, by so much.
+  enum class Motion { moveto, movej, movel, movec, speedj, speedl, drive, turn };
   Kind kind = Kind::stop;
   Motion motion = Motion::moveto;
   Place place;
-  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error; of a
-  /// move speedj or speedl, where it is one: a movej or movel whose argument is a record of velocities.
+  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error.
   std::string name;
   Place name_place;
   bool explicit_variable = false;        ///< wait var NAME
@@ -183,6 +183,10 @@ struct Statement {
   bool moves_base() const {
     return kind == Kind::move && (motion == Motion::drive || motion == Motion::turn);
   }
+  /// speedj or speedl: it goes on from where the robot is.
+  bool moves_at_speed() const {
+    return kind == Kind::move && (motion == Motion::speedj || motion == Motion::speedl);
+  }
 };
 
 struct Branch {
@@ -190,6 +194,10 @@ struct Branch {
   Place place;
   Block body;
 };
+
+/// As it is spelled in a program, and the motion that is spelled so.
+const char* spelling(Statement::Motion motion);
+std::optional<Statement::Motion> motion_of(std::string_view word);
 
 /// A parsed program and its text.
 struct Program {

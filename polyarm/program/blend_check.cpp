@@ -50,7 +50,7 @@ class BlendCheck {
       case Kind::import:
         return "loads data";
       case Kind::move:
-        if (!s.name.empty()) return "goes on from where the robot stands";
+        if (s.moves_at_speed()) return "goes on from where the robot stands";
         break;
       case Kind::wait:
       case Kind::wait_time:
@@ -78,7 +78,7 @@ class BlendCheck {
   }
 
   static const Clause* own_blend(const Statement& s) {
-    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto || s.moves_base() || !s.name.empty())
+    if (s.kind != Kind::move || s.motion == Statement::Motion::moveto || s.moves_base() || s.moves_at_speed())
       return nullptr;
     const Clause* blend = nullptr;
     for (const Clause& clause : s.clauses) {

@@ -319,11 +319,11 @@ class Checker {
     if (s.arguments.empty()) return check_clauses(s);  // the parser has said what is wrong
     const Expression& velocities = *s.arguments.front();
     const Type type = infer(velocities);
-    const std::string advice = speed_move_advice(s.name);
+    const std::string word = spelling(s.motion), advice = speed_move_advice(s.motion);
     if (type.kind && *type.kind != Kind::record)
       error("bad-type", velocities.place,
-            "'" + s.name + "' takes a record of velocities, here is " + described(type), advice);
-    const bool line = s.name == "speedl";
+            "'" + word + "' takes a record of velocities, here is " + described(type), advice);
+    const bool line = s.motion == Statement::Motion::speedl;
     for (std::size_t i = 0; velocities.kind == Expression::Kind::record && i < velocities.names.size(); ++i) {
       const std::string& name = velocities.names[i];
       const std::string_view axes[] = {"x", "y", "z", "rx", "ry", "rz"};
@@ -350,7 +350,7 @@ class Checker {
 
   void check_move(const Statement& s) {
     if (s.moves_base()) return check_base_move(s);
-    if (!s.name.empty()) return check_speed_move(s);
+    if (s.moves_at_speed()) return check_speed_move(s);
     const bool may_be_list = s.motion == Statement::Motion::movej || s.motion == Statement::Motion::movel;
     for (const ExpressionPtr& point : s.arguments) {
       const Type type = infer(*point);

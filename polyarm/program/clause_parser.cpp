@@ -97,7 +97,7 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   using Kinds = Clause::Kind;
   const bool of_base = clause.kind == Kinds::speed || clause.kind == Kinds::accel ||
                        clause.kind == Kinds::robot || clause.kind == Kinds::duration;
-  const bool at_speed = out.kind == Kind::move && !out.name.empty();
+  const bool at_speed = out.moves_at_speed();
   const bool of_speed = clause.kind == Kinds::duration || clause.kind == Kinds::accel ||
                         clause.kind == Kinds::robot || clause.kind == Kinds::tool ||
                         clause.kind == Kinds::frame || clause.kind == Kinds::payload ||
@@ -153,21 +153,15 @@ std::string parse_target(TokenCursor& cursor, const char* statement) {
 void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
   using Motion = Statement::Motion;
   out.kind = Kind::move;
-  const bool at_speed = line.word == "speedj" || line.word == "speedl";
-  if (at_speed) out.name = line.word;
-  out.motion = line.word == "movej" || line.word == "speedj"   ? Motion::movej
-               : line.word == "movel" || line.word == "speedl" ? Motion::movel
-               : line.word == "movec"                          ? Motion::movec
-               : line.word == "drive"                          ? Motion::drive
-               : line.word == "turn"                           ? Motion::turn
-                                                               : Motion::moveto;
+  out.motion = motion_of(line.word).value_or(Motion::moveto);
+  const bool at_speed = out.moves_at_speed();
   out.name_place = cursor.peek().place;
   if (cursor.at_end() && out.moves_base())
     throw SyntaxError{"no-value", cursor.peek().place, "how far was expected after '" + line.word + "'",
                       out.motion == Motion::turn ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
   if (cursor.at_end() && at_speed)
     throw SyntaxError{"no-value", cursor.peek().place, "velocities were expected after '" + line.word + "'",
-                      speed_move_advice(line.word)};
+                      speed_move_advice(out.motion)};
   if (cursor.at_end())
     throw SyntaxError{
         "no-value", cursor.peek().place, "a point was expected after '" + line.word + "'",
@@ -186,12 +180,12 @@ void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
                                  [](const Clause& c) { return c.kind == Clause::Kind::duration; });
   if (at_speed && !lasts)
     throw SyntaxError{"no-duration", out.name_place, "'" + line.word + "' needs to know for how long at most",
-                      speed_move_advice(line.word)};
+                      speed_move_advice(out.motion)};
 }
 
-std::string speed_move_advice(const std::string& word) {
-  return word == "speedj" ? "write `speedj {JOINT = 10deg/s}, duration 2s`"
-                          : "write `speedl {z = -20mm/s}, duration 2s`";
+std::string speed_move_advice(Statement::Motion motion) {
+  return motion == Statement::Motion::speedj ? "write `speedj {JOINT = 10deg/s}, duration 2s`"
+                                             : "write `speedl {z = -20mm/s}, duration 2s`";
 }
 
 void parse_use(TokenCursor& cursor, Statement& out) {

@@ -29,7 +29,7 @@ void Compiler::clause_value(const Clause& clause) {
 }
 
 void Compiler::move(const Statement& s) {
-  if (!s.name.empty()) add(Op::arrive, s.place);  // it goes on from where the robot is
+  if (s.moves_at_speed()) add(Op::arrive, s.place);  // it goes on from where the robot is
   {
     const Temporaries inner(*this);
     const int first = height();

@@ -170,7 +170,8 @@ void Interpreter::tell_assumptions(const StartingPoint& start, StartReport& out)
     const bool changes = s.kind == Kind::set || s.kind == Kind::set_literal;
     if (skipped && changes && is_host(s.name)) sets.insert(s.name);
     if (skipped && s.kind == Kind::move && !s.moves_base() && !s.arguments.empty())
-      out.last_point = spelled(*s.arguments.back());
+      out.last_point =
+          (s.moves_at_speed() ? std::string(spelling(s.motion)) + " " : "") + spelled(*s.arguments.back());
     if (skipped) return;
     for_each_expression(s, [&](const Expression& e) {
       for (const std::string& name : names_read(e))

@@ -127,11 +127,12 @@ constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
 
 /// What a speedj or speedl goes by in `time` s: its velocities become lengths and angles, and its speed the
 /// greatest of them, or that of the TCP.
-void take_velocities(Move& move, const Value& value, const Expression& e, const std::string& word,
+void take_velocities(Move& move, const Value& value, const Expression& e, Statement::Motion motion,
                      double time) {
-  const bool line = word == "speedl";
+  const std::string word = spelling(motion);
+  const bool line = motion == Statement::Motion::speedl;
   const auto refuse = [&](const std::string& what) {
-    return Refused{e.place, what, speed_move_advice(word)};
+    return Refused{e.place, what, speed_move_advice(motion)};
   };
   const data::Record* record = value.as_record();
   if (!record) throw refuse("'" + word + "' takes a record of velocities, here is " + described(value));
@@ -169,9 +170,9 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   const Statement& s = *source(step).statement;
   const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
   Move out;
-  out.kind = s.motion == Motion::movel   ? Move::Kind::line
-             : s.motion == Motion::movec ? Move::Kind::arc
-                                         : Move::Kind::joint;
+  out.kind = s.motion == Motion::movec                                 ? Move::Kind::arc
+             : s.motion == Motion::movel || s.motion == Motion::speedl ? Move::Kind::line
+                                                                       : Move::Kind::joint;
   out.speed = use.speed, out.accel = use.accel, out.blend = use.blend, out.payload = use.payload;
   out.robot = use.robot, out.tool = use.tool, out.frame = use.frame, out.frame_pose = use.frame_pose;
   if (s.moves_base()) {
@@ -186,7 +187,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     out.kind = turns ? Move::Kind::turn : Move::Kind::drive;
     out.targets.push_back({amount.value, (turns ? "turn " : "drive ") + spelled(*s.arguments.front())});
   }
-  const bool at_speed = !s.name.empty();
+  const bool at_speed = s.moves_at_speed();
   const std::size_t velocities = first;
   if (at_speed) ++first, out.blend.reset();
   for (const ExpressionPtr& point : s.arguments) {
@@ -206,7 +207,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     first += values_of(clause);
   }
   if (at_speed) {
-    take_velocities(out, task.stack[velocities].value, *s.arguments.front(), s.name, out.duration->value);
+    take_velocities(out, task.stack[velocities].value, *s.arguments.front(), s.motion, out.duration->value);
     out.duration.reset();
   }
   out.step = task.step;

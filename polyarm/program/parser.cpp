@@ -31,7 +31,8 @@ bool ends_block(const Line& line) {
 }
 
 bool is_move(std::string_view word) {
-  return one_of(word, {"moveto", "movej", "movel", "movec", "speedj", "speedl"});
+  const auto motion = motion_of(word);
+  return motion && *motion < Statement::Motion::drive;
 }
 
 /// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.

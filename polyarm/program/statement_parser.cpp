@@ -429,8 +429,7 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "load" || word == "import") return parse_load(line, cursor, out);
   if (word == "set") return parse_set(line, cursor, out);
   if (word == "let") return parse_let(cursor, out);
-  if (one_of(word, {"moveto", "movej", "movel", "movec", "speedj", "speedl", "drive", "turn"}))
-    return parse_move(line, cursor, out);
+  if (motion_of(word)) return parse_move(line, cursor, out);
   if (word == "use") return parse_use(cursor, out);
   if (word == "wait") return parse_wait(cursor, out);
   if (word == "while" || word == "if") return parse_condition(word, cursor, out);

@@ -29,7 +29,7 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
 /// The name of something that can be changed, with its dots; `statement` stands before it.
 std::string parse_target(TokenCursor& cursor, const char* statement);
 /// How speedj or speedl is written.
-std::string speed_move_advice(const std::string& word);
+std::string speed_move_advice(Statement::Motion motion);
 /// moveto, movej, movel, movec, speedj, speedl, drive, turn and use, with their clauses. speedj and speedl
 /// are a movej and a movel whose `name` says the word: their argument is a record of velocities, not a point.
 void parse_move(const Line& line, TokenCursor& cursor, Statement& out);
