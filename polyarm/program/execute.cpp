@@ -89,13 +89,17 @@ bool Interpreter::go_on_with_work(Task& task) {
   return task.work->done();
 }
 
-bool Interpreter::part_from_others(Task& task, Value& whole, std::span<const PathStep> path) {
+bool Interpreter::part_from_others(Task& task, Value& whole, std::span<const PathStep> path,
+                                   std::size_t more) {
+  constexpr std::size_t kTimes = 4;  // to move is dearer than room that is not used
   Value* at = &whole;
   for (std::size_t deep = 0; at->as_list() || at->as_record(); ++deep) {
     const bool large = at->as_list() && at->as_list()->size() > kLargeList;
-    if (large && !at->is_alone()) {
+    const bool grows = large && deep == path.size() && more > 0;
+    if (large && (!at->is_alone() || (grows && moves_when_growing(*at->as_list(), more)))) {
       const bool begun = task.work && static_cast<Copying&>(*task.work).is_of(*at);
-      if (!begun) task.work = std::make_unique<Copying>(*at);
+      const std::size_t room = grows ? std::min(kTimes * at->as_list()->size(), kMostListItems + more) : 0;
+      if (!begun) task.work = std::make_unique<Copying>(*at, Value(data::List{}), room);
       if (!go_on_with_work(task)) return false;
       *at = static_cast<Copying&>(*task.work).take();
       task.work.reset();

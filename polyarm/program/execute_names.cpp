@@ -108,7 +108,9 @@ bool Interpreter::append(Task& task, const Step& step) {
       if (!task.local(i).set)
         fail_at(list, "no-value", "a value was expected, and this function returns none",
                 "write `return` with a value in it");
-    if (variable.set && variable.value.as_list() && !part_from_others(task, variable.value, {})) return false;
+    const auto more_values = static_cast<std::size_t>(step.c);
+    if (variable.set && variable.value.as_list() && !part_from_others(task, variable.value, {}, more_values))
+      return false;
     data::List items;
     for (int i = 0; i < step.c; ++i) items.push_back(std::move(task.local(step.b + i).value));
     const Value more = make_list(std::move(items));

@@ -125,6 +125,7 @@ class Interpreter {
  private:
   struct Task;
   struct Watch;
+  struct Course;
 
   // Tasks: interpreter.cpp
   Task& add_task(std::string name, int entry, bool shown);
@@ -231,8 +232,9 @@ class Interpreter {
   void charge_for(const Value& value);
   /// A piece of the work that the task's step is at; true when it is done.
   bool go_on_with_work(Task& task);
-  /// `whole` and what is in it on the way along `path` are its own then; false: not yet.
-  bool part_from_others(Task& task, Value& whole, std::span<const PathStep> path);
+  /// `whole` and what is in it on the way along `path` are its own then, and there is room for `more` values
+  /// behind a list at its end; false: not yet.
+  bool part_from_others(Task& task, Value& whole, std::span<const PathStep> path, std::size_t more = 0);
   /// Registers as one text; false: not yet.
   bool write(Task& task, int first, int count, std::string_view between, std::string& text);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "polyarm/program/operators.hpp"
+
 namespace polyarm::program {
 
 namespace {
@@ -22,8 +24,9 @@ int Work::go_on() {
 
 // Copying.
 
-Copying::Copying(Value first, Value second) : first_{std::move(first)}, second_{std::move(second)} {
-  made_.reserve(first_.as_list()->size() + second_.as_list()->size());
+Copying::Copying(Value first, Value second, std::size_t room)
+    : first_{std::move(first)}, second_{std::move(second)} {
+  made_.reserve(std::max(room, first_.as_list()->size() + second_.as_list()->size()));
 }
 
 bool Copying::go_on(int& left) {
@@ -106,8 +109,17 @@ bool Writing::go_on(int& left) {
 
 bool Making::go_on(int& left) {
   made_.reserve(series_.count);
-  for (; left > 0 && made_.size() < series_.count; left -= kMade) made_.push_back(series_.at(made_.size()));
+  for (; left > 0 && made_.size() < series_.count; left -= kMade) {
+    made_.push_back(series_.at(made_.size()));
+    const Value::Extent each = made_.back().extent();
+    extent_ = {extent_.values + each.values, std::max(extent_.depth, each.depth + 1)};
+  }
   return made_.size() == series_.count;
+}
+
+Value Making::take() {
+  require_fits(extent_);
+  return {std::move(made_), extent_};
 }
 
 }  // namespace polyarm::program

@@ -32,10 +32,10 @@ class Work {
   bool done_ = false;
 };
 
-/// A list, or two behind one another.
+/// A list, or two behind one another, in room for at least `room` values.
 class Copying : public Work {
  public:
-  explicit Copying(Value first, Value second = Value(data::List{}));
+  explicit Copying(Value first, Value second = Value(data::List{}), std::size_t room = 0);
   bool is_of(const Value& first) const { return first_.is_same(first); }
   Value take();
 
@@ -85,13 +85,19 @@ class Writing : public Work {
 class Making : public Work {
  public:
   explicit Making(Series series) : series_{std::move(series)} {}
-  Value take() { return make_list(std::move(made_)); }
+  Value take();
 
  private:
   bool go_on(int& left) override;
   Series series_;
   data::List made_;
+  Value::Extent extent_{1, 1};
 };
+
+/// Whether so many more make `list` move, which takes more than a moment.
+inline bool moves_when_growing(const data::List& list, std::size_t more) {
+  return list.size() > kLargeList && list.size() + more > list.capacity();
+}
 
 /// Whether it takes more than a moment to copy, compare or write.
 inline bool is_large(const Value& value) {

@@ -263,6 +263,7 @@ bool quick_append(const Operands& at, const Step& step) {
   const Value::Extent extent = list.value.extent();
   const auto count = static_cast<std::uint32_t>(step.c);
   if (extent.depth > kDeepest || extent.values + count > kMostListItems + 1) return false;
+  if (moves_when_growing(*list.value.as_list(), count)) return false;
   Slot* const parts = at.of[0] + step.b;
   for (std::uint32_t i = 0; i < count; ++i)
     if (!parts[i].set || has_parts(parts[i].value)) return false;
@@ -355,144 +356,171 @@ bool Interpreter::execute_whole(Task& task, int& budget) {
   return task.state == TaskState::running && !task.work;
 }
 
-// A step that goes on with the next one, and the two that jump where a comparison does not hold, or does;
-// where they are not known here they are left to execute().
+/// What run() looks at again and again: where operands are, and the step that comes next. Each of these takes
+/// that step, or leaves it to execute() and returns false.
+struct Interpreter::Course {
+  Interpreter& program;
+  Task& task;
+  const Step* steps = program.code_.steps.data();
+  const Step* step = steps + task.pc;
+  Operands at{};
+
+  POLYARM_QUICK void find_operands() {
+    Slot* const frame = task.stack.data() + task.frames.back().base;
+    at = {{frame, program.globals_.data(), program.code_.constants.data(), frame}};
+  }
+  POLYARM_QUICK void enter_frame() { at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base; }
+  /// For execute(), and back.
+  POLYARM_QUICK void note() { task.pc = static_cast<std::size_t>(step - steps); }
+  POLYARM_QUICK void take_up() {
+    find_operands();
+    step = steps + task.pc;
+  }
+  /// The step that this one names, or the next.
+  POLYARM_QUICK bool go_on(bool jumps) {
+    step = jumps ? steps + step->d : step + 1;
+    return true;
+  }
+
+  /// Jumps where the comparison holds (`when`), or where it does not.
+  template <Operator op, bool when>
+  POLYARM_QUICK bool compared() {
+    bool truth = false;
+    return compare<op>(at, *step, truth) && go_on(truth == when);
+  }
+  POLYARM_QUICK bool jump_unless() {
+    const bool* holds = truth_of(at[step->b]);
+    return holds && go_on(!*holds);
+  }
+  /// The left of an `and` or `or` may say all.
+  POLYARM_QUICK bool settle() {
+    const bool* left = truth_of(at[step->b]);
+    return left && go_on(*left == (static_cast<Operator>(step->more) == Operator::logical_or));
+  }
+  POLYARM_QUICK bool for_again() {
+    bool more = false;
+    return (count_on(at, *step, more) || next_of_list(at, *step, more)) && go_on(more);
+  }
+  POLYARM_QUICK bool call() {
+    if (program.is_too_deep(task, *step)) return false;
+    note();
+    program.enter_function(task, *step);
+    enter_frame();
+    step = steps + task.pc;
+    return true;
+  }
+  /// A number, from a function that leaves nothing behind.
+  POLYARM_QUICK bool give() {
+    const CallFrame& frame = task.frames.back();
+    const Number* result = at[step->b].value.as_number();
+    if (!result || task.uses.size() != frame.uses || task.handlers.size() > frame.handlers ||
+        task.locks.size() > frame.locks)
+      return false;
+    const Number number = *result;
+    forget(at.of[0], program.code_.functions[static_cast<std::size_t>(step->c)].registers);
+    at.of[0]->fill_plain(number);
+    step = steps + frame.return_to;
+    task.frames.pop_back();
+    enter_frame();
+    return true;
+  }
+  POLYARM_QUICK bool let_go() {
+    forget(at.of[0] + step->a, step->b);
+    return true;
+  }
+  POLYARM_QUICK bool field() {
+    const data::Record* record = at[step->b].value.as_record();
+    std::size_t place = 0;
+    if (!record || !program.at_field(*record, *step, place)) return false;
+    take_part(at, step->a, step->b, record->values[place]);
+    return true;
+  }
+  bool set_field() {
+    Value& whole = at[step->a].value;
+    const data::Record* record = whole.as_record();
+    std::size_t place = 0;
+    return record && program.at_field(*record, *step, place) &&
+           replace(whole, place, record->values[place], at[step->b]);
+  }
+};
+
+// A step that goes on with the next one; one that says where it goes on; and the jumps after a comparison.
 #define POLYARM_STEP(op, done) \
   case Op::op:                 \
     if (!(done)) break;        \
-    ++step;                    \
+    ++on.step;                 \
     continue;
-#define POLYARM_JUMPS(comparison)                                \
-  case Op::unless_##comparison:                                  \
-    if (!compare<Operator::comparison>(at, *step, truth)) break; \
-    step = truth ? step + 1 : steps + step->d;                   \
-    continue;                                                    \
-  case Op::when_##comparison:                                    \
-    if (!compare<Operator::comparison>(at, *step, truth)) break; \
-    step = truth ? steps + step->d : step + 1;                   \
+#define POLYARM_TURN(op, done) \
+  case Op::op:                 \
+    if (!(done)) break;        \
     continue;
+#define POLYARM_JUMPS(comparison)                                                 \
+  POLYARM_TURN(unless_##comparison, (on.compared<Operator::comparison, false>())) \
+  POLYARM_TURN(when_##comparison, (on.compared<Operator::comparison, true>()))
 
 /// Takes steps until `task` waits, has ended or pauses; true where the budget is used up.
 bool Interpreter::run(Task& task, int& budget) {
   if (task.work && !execute_whole(task, budget)) return task.state == TaskState::running;
-  const Step* const steps = code_.steps.data();
-  const auto operands = [&] {
-    Slot* const frame = task.stack.data() + task.frame().base;
-    return Operands{{frame, globals_.data(), code_.constants.data(), frame}};
-  };
-  Operands at = operands();
-  const FunctionCode* const functions = code_.functions.data();
-  const auto quick_field = [&](const Step& of) __attribute__((always_inline)) {
-    const data::Record* record = at[of.b].value.as_record();
-    std::size_t place = 0;
-    if (!record || !at_field(*record, of, place)) return false;
-    take_part(at, of.a, of.b, record->values[place]);
-    return true;
-  };
-  const auto quick_set_field = [&](const Step& of) {
-    Value& whole = at[of.a].value;
-    const data::Record* record = whole.as_record();
-    std::size_t place = 0;
-    return record && at_field(*record, of, place) && replace(whole, place, record->values[place], at[of.b]);
-  };
-  const Step* step = steps + task.pc;
+  Course on{*this, task};
+  on.find_operands();
   bool watched = looks_for_stops();
   while (true) {
-    if (step->begins != 0) {
+    if (on.step->begins != 0) {
       if (budget <= 0 || watched) {
-        task.pc = static_cast<std::size_t>(step - steps);
+        on.note();
         if (budget <= 0) return true;
         if (stops_here(task)) return false;
         watched = looks_for_stops();
       }
-      budget -= step->begins;
+      budget -= on.step->begins;
     }
-    bool truth = false;
-    switch (step->op) {
-      POLYARM_STEP(load, quick_load(at, *step))
-      POLYARM_STEP(require, at[step->a].set)
-      POLYARM_STEP(add, into_register<Operator::add>(at, *step))
-      POLYARM_STEP(subtract, into_register<Operator::subtract>(at, *step))
-      POLYARM_STEP(multiply, into_register<Operator::multiply>(at, *step))
-      POLYARM_STEP(divide, into_register<Operator::divide>(at, *step))
-      POLYARM_STEP(modulo, into_register<Operator::modulo>(at, *step))
-      POLYARM_STEP(calculate, other_operator(at, *step))
-      POLYARM_STEP(add_to, into_variable<Operator::add>(at, *step))
-      POLYARM_STEP(subtract_to, into_variable<Operator::subtract>(at, *step))
-      POLYARM_STEP(multiply_to, into_variable<Operator::multiply>(at, *step))
-      POLYARM_STEP(divide_to, into_variable<Operator::divide>(at, *step))
-      POLYARM_STEP(modulo_to, into_variable<Operator::modulo>(at, *step))
-      POLYARM_STEP(unary, quick_unary(at, *step))
-      POLYARM_STEP(change, quick_change(at, *step))
-      POLYARM_STEP(element, quick_element(at, *step))
-      POLYARM_STEP(field, quick_field(*step))
-      POLYARM_STEP(set_element, quick_set_element(at, *step))
-      POLYARM_STEP(set_field, quick_set_field(*step))
-      POLYARM_STEP(replace, quick_replace(at, *step))
-      POLYARM_STEP(append, quick_append(at, *step))
+    switch (on.step->op) {
+      POLYARM_STEP(load, quick_load(on.at, *on.step))
+      POLYARM_STEP(require, on.at[on.step->a].set)
+      POLYARM_STEP(add, into_register<Operator::add>(on.at, *on.step))
+      POLYARM_STEP(subtract, into_register<Operator::subtract>(on.at, *on.step))
+      POLYARM_STEP(multiply, into_register<Operator::multiply>(on.at, *on.step))
+      POLYARM_STEP(divide, into_register<Operator::divide>(on.at, *on.step))
+      POLYARM_STEP(modulo, into_register<Operator::modulo>(on.at, *on.step))
+      POLYARM_STEP(calculate, other_operator(on.at, *on.step))
+      POLYARM_STEP(add_to, into_variable<Operator::add>(on.at, *on.step))
+      POLYARM_STEP(subtract_to, into_variable<Operator::subtract>(on.at, *on.step))
+      POLYARM_STEP(multiply_to, into_variable<Operator::multiply>(on.at, *on.step))
+      POLYARM_STEP(divide_to, into_variable<Operator::divide>(on.at, *on.step))
+      POLYARM_STEP(modulo_to, into_variable<Operator::modulo>(on.at, *on.step))
+      POLYARM_STEP(unary, quick_unary(on.at, *on.step))
+      POLYARM_STEP(change, quick_change(on.at, *on.step))
+      POLYARM_STEP(element, quick_element(on.at, *on.step))
+      POLYARM_STEP(field, on.field())
+      POLYARM_STEP(set_element, quick_set_element(on.at, *on.step))
+      POLYARM_STEP(set_field, on.set_field())
+      POLYARM_STEP(replace, quick_replace(on.at, *on.step))
+      POLYARM_STEP(append, quick_append(on.at, *on.step))
       POLYARM_JUMPS(equal)
       POLYARM_JUMPS(unequal)
       POLYARM_JUMPS(less)
       POLYARM_JUMPS(less_equal)
       POLYARM_JUMPS(greater)
       POLYARM_JUMPS(greater_equal)
-      case Op::jump:
-        step = steps + step->d;
-        continue;
-      case Op::jump_unless: {
-        const bool* holds = truth_of(at[step->b]);
-        if (!holds) break;
-        step = *holds ? step + 1 : steps + step->d;
-        continue;
-      }
-      case Op::settle: {
-        const bool* left = truth_of(at[step->b]);
-        if (!left) break;
-        const bool settles = *left == (static_cast<Operator>(step->more) == Operator::logical_or);
-        step = settles ? steps + step->d : step + 1;
-        continue;
-      }
-      case Op::for_again:
-        if (!count_on(at, *step, truth) && !next_of_list(at, *step, truth)) break;
-        step = truth ? steps + step->d : step + 1;
-        continue;
-      case Op::call:
-        if (is_too_deep(task, *step)) break;
-        task.pc = static_cast<std::size_t>(step - steps);
-        enter_function(task, *step);
-        at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base;
-        step = steps + task.pc;
-        continue;
-      case Op::give: {
-        const CallFrame& frame = task.frames.back();
-        const Number* result = at[step->b].value.as_number();
-        if (!result || task.uses.size() != frame.uses || task.handlers.size() > frame.handlers ||
-            task.locks.size() > frame.locks)
-          break;
-        const Number number = *result;
-        forget(at.of[0], functions[step->c].registers);
-        at.of[0]->fill_plain(number);
-        step = steps + frame.return_to;
-        task.frames.pop_back();
-        at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base;
-        continue;
-      }
-      case Op::let_go:
-        forget(at.of[0] + step->a, step->b);
-        ++step;
-        continue;
+      POLYARM_TURN(jump, on.go_on(true))
+      POLYARM_TURN(jump_unless, on.jump_unless())
+      POLYARM_TURN(settle, on.settle())
+      POLYARM_TURN(for_again, on.for_again())
+      POLYARM_TURN(call, on.call())
+      POLYARM_TURN(give, on.give())
+      POLYARM_STEP(let_go, on.let_go())
       default:
         break;
     }
-    task.pc = static_cast<std::size_t>(step - steps);
+    on.note();
     if (!execute_whole(task, budget)) return task.state == TaskState::running;
-    at = operands();
-    step = steps + task.pc;
+    on.take_up();
     watched = looks_for_stops();
   }
 }
 
 #undef POLYARM_STEP
+#undef POLYARM_TURN
 #undef POLYARM_JUMPS
 
 }  // namespace polyarm::program
