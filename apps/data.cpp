@@ -186,11 +186,12 @@ int show_history(const DataArguments& a) {
 int undo_changes(const DataArguments& a) {
   const fs::path path = set_path(a.file);
   const auto versions = data::history(path);
-  if (a.steps <= versions.size() && a.steps > 0)
-    for (std::size_t k = versions.size(); k > versions.size() - a.steps; --k)
-      fmt::print(stderr, "takes back: {}\n", versions[k - 1].what);
-  if (!agreed(a, "take " + std::to_string(a.steps) + " changes of " + path.string() + " back?"))
-    return kFailed;
+  data::require_history(path, a.steps);
+  for (std::size_t k = versions.size(); k > versions.size() - a.steps; --k)
+    fmt::print(stderr, "takes back: {}\n", versions[k - 1].what);
+  const std::string what =
+      a.steps == 1 ? "the last change" : "the last " + std::to_string(a.steps) + " changes";
+  if (!agreed(a, "take back " + what + " of " + path.string() + "?")) return kFailed;
   data::undo(path, a.steps);
   return kOk;
 }

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <ctime>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "polyarm/base/file.hpp"
@@ -110,13 +111,16 @@ void make_history_folder(const fs::path& path) {
                         "the file is as it was; check permissions and free space"});
 }
 
+/// What notes of changes begin with that made their file.
+constexpr std::string_view kOfNewFile = "new\t";
+
 /// Keeps what the file is now; an absent file as a version that says so.
 void keep(const fs::path& path, const std::string& text, bool existed, const std::string& what) {
   make_history_folder(path);
   const std::vector<SetVersion> versions = history(path);
   const int next = versions.empty() ? 1 : versions.back().number + 1;
   const fs::path file = history_folder(path) / padded(next);
-  std::string note = local_time() + "\t" + (existed ? "" : "new\t") + what;
+  std::string note = local_time() + "\t" + (existed ? "" : std::string(kOfNewFile)) + what;
   std::replace(note.begin(), note.end(), '\n', ' ');
   write_file_atomically(file.string() + ".what", note + "\n");
   write_file_atomically(file, text);
@@ -125,10 +129,6 @@ void keep(const fs::path& path, const std::string& text, bool existed, const std
     fs::remove(versions[k].file, ignored);
     fs::remove(versions[k].file.string() + ".what", ignored);
   }
-}
-
-bool is_absent(const SetVersion& version) {
-  return version.what.starts_with("new\t");
 }
 }  // namespace
 
@@ -157,7 +157,7 @@ std::vector<SetVersion> history(const fs::path& path) {
        at.increment(error)) {
     const auto number = number_of(at->path());
     if (!number) continue;
-    SetVersion version{*number, {}, {}, at->path()};
+    SetVersion version{*number, {}, {}, at->path(), false};
     const std::string note_file = at->path().string() + ".what";
     std::error_code ignored;
     if (fs::exists(note_file, ignored)) {
@@ -165,6 +165,10 @@ std::vector<SetVersion> history(const fs::path& path) {
       const auto tab = note.find('\t');
       version.when = note.substr(0, tab);
       if (tab != std::string::npos) version.what = note.substr(tab + 1);
+      if (version.what.starts_with(kOfNewFile)) {
+        version.absent = true;
+        version.what = version.what.substr(kOfNewFile.size()) + " (which made the file)";
+      }
     }
     out.push_back(std::move(version));
   }
@@ -172,22 +176,31 @@ std::vector<SetVersion> history(const fs::path& path) {
   return out;
 }
 
+void require_history(const fs::path& path, std::size_t steps) {
+  const std::size_t known = history(path).size();
+  if (steps > 0 && steps <= known) return;
+  const auto refuse = [&](std::string what, std::string advice) {
+    throw Error(Problem{"no-history", {path.string()}, std::move(what), std::move(advice)});
+  };
+  if (steps == 0) refuse("0 changes were to be taken back", "say how many: 1 is the last one alone");
+  if (known == 0) refuse("there is nothing to take back: no change of this file is known", {});
+  refuse((known == 1 ? "1 change of this file is known, "
+                     : std::to_string(known) + " changes of this file are known, ") +
+             std::to_string(steps) + " were to be taken back",
+         "polyarm data history shows them");
+}
+
 void undo(const fs::path& path, std::size_t steps, int patience_ms) {
   const FolderLock lock(path, patience_ms);
+  require_history(path, steps);
   const std::vector<SetVersion> versions = history(path);
-  if (steps == 0 || steps > versions.size())
-    throw Error(Problem{"no-history",
-                        {path.string()},
-                        std::to_string(versions.size()) + " changes of this file are known, " +
-                            std::to_string(steps) + " were to be taken back",
-                        "polyarm data history shows them"});
   const SetVersion& wanted = versions[versions.size() - steps];
   const fs::path undone = history_folder(path) / "undone";
   std::error_code error;
   fs::create_directories(undone, error);
   if (fs::exists(path, error))
     write_file_atomically(undone / padded(versions.back().number + 1), read_file(path));
-  if (is_absent(wanted))
+  if (wanted.absent)
     fs::remove(path, error);
   else
     write_file_atomically(path, read_file(wanted.file));

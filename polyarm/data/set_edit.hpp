@@ -26,9 +26,12 @@ struct SetVersion {
   std::string when;  ///< local time at which it was replaced
   std::string what;  ///< the change that replaced it
   std::filesystem::path file;
+  bool absent = false;  ///< there was no file then: the change made it
 };
 /// Oldest first.
 std::vector<SetVersion> history(const std::filesystem::path& path);
+/// Throws Error("no-history") where fewer than `steps` changes are known, and where `steps` is 0.
+void require_history(const std::filesystem::path& path, std::size_t steps);
 /// Takes the last `steps` changes back. What was there is kept in `.state/history/<file>/undone/`. Throws
 /// Error("no-history") where fewer are known.
 void undo(const std::filesystem::path& path, std::size_t steps, int patience_ms = 5000);

@@ -29,6 +29,21 @@ TEST_F(DataVerb, SetsGetsAndTakesBack) {
   EXPECT_EQ(read_file(file("PAPpoints.points")), before);
 }
 
+TEST_F(DataVerb, AsksAboutTakingBackOnlyWhatThereIs) {
+  const std::string points = file("PAPpoints");
+  const test::Finished none = data({"undo", points});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.output.find("no change of this file is known"), std::string::npos) << none.output;
+  EXPECT_EQ(none.output.find("[y/N]"), std::string::npos) << none.output;
+  ASSERT_EQ(data({"set", points, "gap", "40mm", "--yes"}).exit_code, 0);
+  EXPECT_NE(data({"undo", points}).output.find("take back the last change of "), std::string::npos);
+  const test::Finished more = data({"undo", points, "2", "--yes"});
+  EXPECT_EQ(more.exit_code, 1);
+  EXPECT_NE(more.output.find("1 change of this file is known, 2 were to be taken back"), std::string::npos)
+      << more.output;
+  EXPECT_EQ(data({"get", points, "gap"}).output, "0.04m\n") << "nothing was taken back";
+}
+
 TEST_F(DataVerb, OverwritesAndDeletesNothingUnasked) {
   const std::string before = read_file(file("cycledata.data"));
   for (const auto& words :
