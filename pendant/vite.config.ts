@@ -4,6 +4,8 @@ import { defineConfig } from 'vite';
 export default defineConfig({
   base: '/',
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
+  // A test reads the language's reference page.
+  server: { fs: { allow: ['..'] } },
   build: {
     target: 'es2021',
     modulePreload: { polyfill: false },

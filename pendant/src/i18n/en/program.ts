@@ -199,6 +199,8 @@ export const program = {
   'step.moveto': 'Move to {target} and stop',
   'step.movej': 'Joint move to {target}',
   'step.movel': 'Straight line to {target}',
+  'step.speedj': 'Joints turn at {target}',
+  'step.speedl': 'Tool moves at {target}',
   'step.movec': 'Arc through {via} to {target}',
   'step.load': 'Load {rest}',
   'step.include': 'Include {rest}',

@@ -201,6 +201,8 @@ export const program: Record<keyof typeof en, string> = {
   'step.moveto': 'Ir a {target} y parar',
   'step.movej': 'Movimiento de ejes a {target}',
   'step.movel': 'Línea recta a {target}',
+  'step.speedj': 'Los ejes giran a {target}',
+  'step.speedl': 'La herramienta se mueve a {target}',
   'step.movec': 'Arco por {via} a {target}',
   'step.load': 'Cargar {rest}',
   'step.include': 'Incluir {rest}',

@@ -11,7 +11,7 @@ import {
 import type { KnownName } from '../../state/points';
 import type { Problem } from './documents';
 import { colours, indents, mode } from './mode';
-import type { Language } from './words';
+import type { Language } from './knownWords';
 
 export interface EditorHooks {
   label: string;

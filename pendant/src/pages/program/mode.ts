@@ -1,7 +1,8 @@
 /** The language for CodeMirror: colours and blanks at the begin of a line, from the list of words. */
 import { HighlightStyle, indentService, StreamLanguage, type StringStream, syntaxHighlighting } from '@codemirror/language';
 import { tags } from '@lezer/highlight';
-import type { Language } from './words';
+import type { Language } from './knownWords';
+import { kMotionWords } from './statements';
 
 interface State {
   /** Has the line's first word been seen? */
@@ -11,7 +12,7 @@ interface State {
 export function mode(language: Language) {
   const roles = new Map(language.words.map((each) => [each.name, each.role]));
   const functions = new Set(language.functions.map((each) => each.name));
-  const moves = new Set(['moveto', 'movej', 'movel', 'movec', 'drive', 'turn']);
+  const moves = new Set(kMotionWords);
 
   function wordToken(name: string, first: boolean, called: boolean): string {
     const role = roles.get(name);

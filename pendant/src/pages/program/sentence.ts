@@ -1,7 +1,7 @@
 /** A statement in words, for the list of steps. */
 import { type Key, t } from '../../i18n';
 import type { IconName } from '../../ui/Icon';
-import { kMoveWords, parseMove, type Statement } from './statements';
+import { kMoveWords, kSpeedWords, parseMove, type Statement } from './statements';
 
 export interface Sentence {
   icon: IconName;
@@ -40,15 +40,24 @@ const kPlain: Record<string, [IconName, Key]> = {
   drive: ['up', 'step.drive'],
   turn: ['turnLeft', 'step.turn'],
 };
-const kMoves: Record<string, Key> = { moveto: 'step.moveto', movej: 'step.movej', movel: 'step.movel', movec: 'step.movec' };
+const kMoves: Record<string, Key> = {
+  moveto: 'step.moveto',
+  movej: 'step.movej',
+  movel: 'step.movel',
+  movec: 'step.movec',
+  speedj: 'step.speedj',
+  speedl: 'step.speedl',
+};
+/** Every statement that has words of its own here. */
+export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on'];
 
 export function sentenceOf(statement: Statement): Sentence {
   const { word, text } = statement;
   const rest = text.slice(word.length).trim();
   if (word === '#') return { icon: 'more', text: statement.comment || '#', chips: [] };
   if (statement.closes) return { icon: 'up', text: t('step.end'), chips: [] };
-  if (kMoveWords.includes(word)) {
-    const move = parseMove(text)!;
+  if (word in kMoves) {
+    const move = parseMove(text, [...kMoveWords, ...kSpeedWords])!;
     const chips = move.clauses.map((each) => [each.word, each.value].filter(Boolean).join(' '));
     return { icon: word === 'movel' ? 'up' : word === 'movec' ? 'turnRight' : 'move', text: t(kMoves[word]!, { target: move.target, via: move.via }), chips };
   }

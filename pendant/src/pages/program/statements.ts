@@ -97,6 +97,9 @@ export function statementsOf(text: string): Statement[] {
 // --- moves, taken apart and put together
 
 export const kMoveWords = ['moveto', 'movej', 'movel', 'movec'];
+/** Velocities instead of a place; they have the clauses of moves. */
+export const kSpeedWords = ['speedj', 'speedl'];
+export const kMotionWords = [...kMoveWords, ...kSpeedWords, 'drive', 'turn'];
 export const kClauses = [
   'robot', 'tool', 'frame', 'payload', 'near', 'speed', 'accel', 'blend', 'duration', 'exact', 'smooth', 'until', 'at',
 ];
@@ -141,9 +144,9 @@ export function splitTop(text: string): string[] {
   return out;
 }
 
-export function parseMove(text: string): Move | null {
+export function parseMove(text: string, words: readonly string[] = kMoveWords): Move | null {
   const word = firstWord(text);
-  if (!kMoveWords.includes(word)) return null;
+  if (!words.includes(word)) return null;
   const rest = text.slice(word.length).trim();
   const starts: { at: number; word: string }[] = [];
   for (const i of topLevel(rest)) {

@@ -1,0 +1,34 @@
+/** The words of the language that colours and steps need. Pure. */
+
+export interface LanguageWord {
+  name: string;
+  role: 'statement' | 'branch' | 'closer' | 'clause' | 'reserved' | string;
+  form: string;
+  meaning: string;
+  in_tests: boolean;
+}
+export interface LanguageFunction {
+  name: string;
+  signature: string;
+  meaning: string;
+  in_tests: boolean;
+}
+export interface Language {
+  words: LanguageWord[];
+  functions: LanguageFunction[];
+}
+
+const word = (role: string) => (name: string) => ({ name, role, form: name, meaning: '', in_tests: false });
+/** Until the cell has told its own. A test compares them with the reference page, which is made from the parser's list. */
+export const knownWords: Language = {
+  words: [
+    ...('load import set let include log moveto movej movel movec speedj speedl drive turn use wait while for if func ' +
+      'return break continue stop hold try on raise retry task together meet lock when').split(' ').map(word('statement')),
+    ...'elif else'.split(' ').map(word('branch')),
+    ...('end endwhile endif endfor endfunc endtry endtask endtogether endlock endwhen endon endwait endmeet endmove endtest').split(' ').map(word('closer')),
+    ...'robot tool frame payload near speed accel blend duration exact smooth until at'.split(' ').map(word('clause')),
+    ...'and or not mod true false'.split(' ').map(word('reserved')),
+  ],
+  functions: ('length abs min max round floor ceil sqrt sin cos tan asin acos atan atan2 pose quat joints offset tool_offset ' +
+    'inverse distance interpolate pallet here ask').split(' ').map((name) => ({ name, signature: `${name}(…)`, meaning: '', in_tests: false })),
+};
