@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -25,6 +26,7 @@ using data::Value;
 
 struct DataArguments {
   std::string file, name, value, from, to, form, group = "arm";
+  std::vector<std::string> names;
   std::size_t steps = 1;
   bool yes = false, json = false;
 };
@@ -76,10 +78,27 @@ int list_names(const DataArguments& a) {
     fmt::print("{}", data::write_form(set.values(), data::SetForm::json, a.group, problems));
     return kOk;
   }
+  const auto& entries = set.values().entries();
+  const bool groups =
+      std::any_of(entries.begin(), entries.end(), [](const auto& e) { return !e.group.empty(); });
   std::vector<std::vector<std::string>> rows;
-  for (const data::Entry& entry : set.values().entries())
+  for (const data::Entry& entry : entries) {
     rows.push_back({entry.name, type_of(entry.value), entry.value.text()});
-  print_table({"NAME", "TYPE", "VALUE"}, rows);
+    if (groups) rows.back().insert(rows.back().begin() + 1, entry.group);
+  }
+  print_table(groups ? std::vector<std::string>{"NAME", "GROUP", "TYPE", "VALUE"}
+                     : std::vector<std::string>{"NAME", "TYPE", "VALUE"},
+              rows);
+  return kOk;
+}
+
+/// Nothing is asked: no value changes.
+int group_names(const DataArguments& a) {
+  const fs::path path = set_path(a.file);
+  ImportFile::load(path.string());  // says so where there is none
+  data::edit_set(path, "group " + a.value + ": " + join(a.names, ", "), [&](ImportFile& set) {
+    for (const std::string& each : a.names) set.set_group(each, a.value);
+  });
   return kOk;
 }
 
@@ -133,7 +152,10 @@ int import_values(const DataArguments& a) {
   }
   if (!changed.empty() && !agreed(a, "this overwrites " + join(changed, ", ") + "; go on?")) return kFailed;
   data::edit_set(path, "import " + a.from, [&](ImportFile& set) {
-    for (const data::Entry& entry : values.entries()) set.set(entry.name, entry.value);
+    for (const data::Entry& entry : values.entries()) {
+      set.set(entry.name, entry.value);
+      if (!entry.group.empty()) set.set_group(entry.name, entry.group);
+    }
   });
   fmt::print("{} values from {} are in {}\n", values.size(), a.from, path.string());
   return kOk;
@@ -206,6 +228,7 @@ constexpr Action kActions[] = {
     {"list", "the names with their types and values", list_names},
     {"get", "one value, as it can be set again", get_value},
     {"set", "change a value, or add one", set_value},
+    {"group", "put names into a group, by which lists show them", group_names},
     {"import", "take values from a text file, CSV, JSON, YAML or SRDF", import_values},
     {"export", "write the values as text, CSV, JSON, YAML or SRDF", export_values},
     {"delete", "delete a name, or the file", delete_values},
@@ -219,6 +242,10 @@ void add_arguments(CLI::App& sub, const std::string& action, DataArguments& a) {
   if (action == "delete") sub.add_option("name", a.name, "left out: the whole file");
   if (action == "set")
     sub.add_option("value", a.value, "true, 40mm, \"text\", [1, 2], pose(…), joints(…)")->required();
+  if (action == "group") {
+    sub.add_option("group", a.value, "its name; \"\": into none")->required();
+    sub.add_option("names", a.names)->required();
+  }
   if (action == "import") sub.add_option("from", a.from, "the file to read")->required();
   if (action == "export") sub.add_option("--output,-o", a.to, "the file to write; left out: it is printed");
   if (action == "import" || action == "export")
@@ -226,7 +253,7 @@ void add_arguments(CLI::App& sub, const std::string& action, DataArguments& a) {
   if (action == "export") sub.add_option("--group", a.group, "group of an SRDF's states");
   if (action == "undo") sub.add_option("steps", a.steps, "how many");
   if (action == "list") sub.add_flag("--json", a.json, "as JSON");
-  if (action != "list" && action != "get" && action != "history")
+  if (action != "list" && action != "get" && action != "history" && action != "group")
     sub.add_flag("--yes,-y", a.yes, "do not ask");
 }
 

@@ -138,6 +138,20 @@ void DataFiles::remove(const std::string& set, const std::string& name) {
   });
 }
 
+void DataFiles::set_group(const std::string& set, const std::string& name, const std::string& group) {
+  const auto found = files_.find(set);
+  if (found == files_.end()) return;
+  store_.set_group(name, group);
+  exchange(written_);  // a new name stands there first
+  Bound& bound = found->second;
+  if (bound.file.values().find(name)) bound.file.set_group(name, group);
+  if (folder_.is_live(set)) return;  // the user's own file, which has been changed
+  if (bound.box)
+    bound.box->post_group(name, group);
+  else
+    dirty_.insert(set);
+}
+
 /// A pose from outside is taken whole, or the old one stays.
 bool DataFiles::refuses(const std::string& file, const std::string& name, const data::Value& value) {
   const data::Point* point = value.as_point();

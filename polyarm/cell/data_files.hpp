@@ -39,6 +39,8 @@ class DataFiles {
   void put(const std::string& set, const std::string& name, const data::Value& value, const std::string& who);
   /// The name goes from the set, and from the store where no other set has it.
   void remove(const std::string& set, const std::string& name);
+  /// The name is in the group (an empty text: in none) in the store and in the file that the set is kept in.
+  void set_group(const std::string& set, const std::string& name, const std::string& group);
   /// True when a data set is bound to its own file, which somebody outside may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 

@@ -89,9 +89,9 @@ void adopt(Cell& cell, const std::string& set, const Edited& edited) {
   for (const data::Entry& entry : edited.before.entries())
     if (!edited.after.find(entry.name)) cell.files().remove(set, entry.name);
   for (const data::Entry& entry : edited.after.entries()) {
-    const data::Value* old = edited.before.value(entry.name);
-    if (old && *old == entry.value) continue;
-    cell.files().put(set, entry.name, entry.value, "a person");
+    const data::Entry* old = edited.before.find(entry.name);
+    if (!old || !(old->value == entry.value)) cell.files().put(set, entry.name, entry.value, "a person");
+    if (entry.group != (old ? old->group : "")) cell.files().set_group(set, entry.name, entry.group);
   }
 }
 
@@ -117,10 +117,15 @@ Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
 }
 
 Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
-                const data::Value& value) {
+                const data::Value& value, const std::optional<std::string>& group) {
   data::check_can_keep(name, value, set);
+  if (group) data::check_group(*group);
   return edit_set(
-      cell, set, what, [name, value](data::ImportFile& file) { file.set(name, value); },
+      cell, set, what,
+      [name, value, group](data::ImportFile& file) {
+        file.set(name, value);
+        if (group) file.set_group(name, *group);
+      },
       [name](Cell& c) { return value_json(c, name); });
 }
 
@@ -163,7 +168,7 @@ Json value_json(Cell& cell, const std::string& name) {
            {"world", Json()},
            {"joints", Json()},
            {"taught", Json()},
-           {"group", ""}};
+           {"group", cell.store().group_of(name)}};
   if (const bool* flag = value.as_boolean()) out["value"] = *flag;
   if (const std::string* text = value.as_text()) out["value"] = *text;
   if (const data::Number* number = value.as_number()) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Points and variables as requests see and change them. Private to the room; cell thread.
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,8 +48,8 @@ void adopt(Cell& cell, const std::string& set, const Edited& edited);
 /// Changes a set's file on the worker, then the running cell; `answer` makes the answer on the cell thread.
 Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
               std::function<void(data::ImportFile&)> change, std::function<Json(Cell&)> answer);
-/// The same for one value; answered with value_json().
+/// The same for one value, and its group where one is given; answered with value_json().
 Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
-                const data::Value& value);
+                const data::Value& value, const std::optional<std::string>& group = {});
 
 }  // namespace polyarm::cell

@@ -34,6 +34,22 @@ data::Value standing_value(Cell& cell, std::size_t i, bool as_joints, const std:
   return point;
 }
 
+/// The set that all of these are in. Throws Error("bad-points") where they are in several.
+std::string one_set(Cell& cell, const std::vector<std::string>& names) {
+  const std::string set = cell.store().set_of(names.front());
+  for (const std::string& each : names)
+    if (cell.store().set_of(each) != set)
+      throw Error("bad-points", "'" + each + "' is in another file than '" + names.front() + "'",
+                  "change them apart");
+  return set;
+}
+
+Json values_json(Cell& cell, const std::vector<std::string>& names) {
+  Json out = Json::array();
+  for (const std::string& each : names) out.push_back(value_json(cell, each));
+  return {{"values", out}};
+}
+
 Vec3 vector_argument(const Json& map, const std::array<const char*, 3>& keys, Dimension dimension) {
   std::array<double, 3> out{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -100,6 +116,12 @@ Poll points_here(Cell& cell, const Json& arguments) {
                   {"tool", robot.entry.tool}});
 }
 
+/// The group that the arguments name; nothing where they name none.
+std::optional<std::string> group_argument(const Json& arguments) {
+  if (!arguments.contains("group")) return std::nullopt;
+  return std::string(trim(text_argument(arguments, "group")));
+}
+
 Poll points_teach(Cell& cell, const Json& arguments) {
   const std::string name = text_argument(arguments, "name");
   check_point_name(name);
@@ -114,7 +136,8 @@ Poll points_teach(Cell& cell, const Json& arguments) {
   const std::string frame =
       text_argument(arguments, "frame", old && old->as_point() ? old->as_point()->frame() : "");
   const data::Value value = standing_value(cell, robot_argument(cell, arguments), kind == "joints", frame);
-  return edit_value(cell, set_for(cell, arguments, name), (old ? "touch up " : "teach ") + name, name, value);
+  return edit_value(cell, set_for(cell, arguments, name), (old ? "touch up " : "teach ") + name, name, value,
+                    group_argument(arguments));
 }
 
 Poll points_set(Cell& cell, const Json& arguments) {
@@ -149,13 +172,11 @@ Poll points_shift(Cell& cell, const Json& arguments) {
   const std::vector<std::string> names = list_argument(arguments, "names");
   if (names.empty()) throw Error("bad-argument", "no point is named", "'names': [\"Pick\", \"Place\"]");
   std::vector<std::pair<std::string, data::Value>> shifted;
-  const std::string set = set_for(cell, arguments, names.front());
+  for (const std::string& each : names) place_of(cell, each);
+  const std::string set = one_set(cell, names);
   for (const std::string& each : names) {
     const data::Point* point = place_of(cell, each).as_point();
     if (!point) throw Error("bad-points", "'" + each + "' is a joint state, which has no place to shift");
-    if (cell.store().set_of(each) != set)
-      throw Error("bad-points", "'" + each + "' is in another file than '" + names.front() + "'",
-                  "shift them apart");
     data::Point out = *point;
     out.pose = along == "own" ? out.pose * change
                               : Pose{out.pose.position + way, change.rotation * out.pose.rotation};
@@ -171,11 +192,22 @@ Poll points_shift(Cell& cell, const Json& arguments) {
       [shifted](ImportFile& file) {
         for (const auto& [name, value] : shifted) file.set(name, value);
       },
-      [names](Cell& c) {
-        Json out = Json::array();
-        for (const std::string& each : names) out.push_back(value_json(c, each));
-        return Json{{"values", out}};
-      });
+      [names](Cell& c) { return values_json(c, names); });
+}
+
+Poll points_group(Cell& cell, const Json& arguments) {
+  const std::string group = *group_argument(arguments);
+  data::check_group(group);
+  const std::vector<std::string> names = list_argument(arguments, "names");
+  if (names.empty()) throw Error("bad-argument", "no point is named", "'names': [\"Pick\", \"Place\"]");
+  for (const std::string& each : names) kept_value(cell, each);
+  const std::string set = one_set(cell, names);
+  return edit_set(
+      cell, set, (group.empty() ? "no group for " : "group " + group + ": ") + join(names, ", "),
+      [names, group](ImportFile& file) {
+        for (const std::string& each : names) file.set_group(each, group);
+      },
+      [names](Cell& c) { return values_json(c, names); });
 }
 
 Poll points_rename(Cell& cell, const Json& arguments) {
@@ -187,8 +219,11 @@ Poll points_rename(Cell& cell, const Json& arguments) {
   return edit_set(
       cell, set_for(cell, Json::object(), from), "rename " + from + " to " + to,
       [from, to, value, uses, folder = cell.file().folder](ImportFile& file) {
+        const data::Entry* entry = file.values().find(from);
+        const std::string group = entry ? entry->group : "";
         file = data::without(file, from);
         file.set(to, value);
+        file.set_group(to, group);
         *uses = uses_of(folder, from);
       },
       [to, uses](Cell& c) {
@@ -265,6 +300,7 @@ const std::vector<RequestRow>& point_rows() {
          {"kind", kText},
          {"frame", kText},
          {"file", kText},
+         {"group", kText},
          {"replace", kFlag}},
         "{name, …, undo}, as in points",
         "where the robot stands becomes a point (`kind` pose or joints; in `frame`), in the user's file and "
@@ -284,6 +320,13 @@ const std::vector<RequestRow>& point_rows() {
         "`own`",
         true},
        points_shift},
+      {{"points.group",
+        {{"names", kNames, true}, {"group", kText, true}},
+        "{values: [{name, …}], undo}",
+        "points and variables are put into a group (an empty text: into none) by a line of their file; "
+        "programs do not see it",
+        true},
+       points_group},
       {{"points.rename",
         {{"name", kText, true}, {"to", kText, true}},
         "{name, …, uses: [{file, line}], undo}",

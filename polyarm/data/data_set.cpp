@@ -7,12 +7,17 @@ namespace polyarm::data {
 void DataSet::set(const std::string& name, Value value, Location where) {
   const auto [at, added] = index_.try_emplace(name, entries_.size());
   if (added) {
-    entries_.push_back({name, std::move(value), std::move(where)});
+    entries_.push_back({name, std::move(value), std::move(where), {}});
     return;
   }
   Entry& entry = entries_[at->second];
   entry.value = std::move(value);
   if (where.line > 0) entry.where = std::move(where);
+}
+
+void DataSet::set_group(const std::string& name, std::string group) {
+  const auto at = index_.find(name);
+  if (at != index_.end()) entries_[at->second].group = std::move(group);
 }
 
 const Entry* DataSet::find(const std::string& name) const {
@@ -33,7 +38,9 @@ std::vector<std::string> DataSet::names() const {
 
 bool operator==(const DataSet& a, const DataSet& b) {
   return std::equal(a.entries_.begin(), a.entries_.end(), b.entries_.begin(), b.entries_.end(),
-                    [](const Entry& x, const Entry& y) { return x.name == y.name && x.value == y.value; });
+                    [](const Entry& x, const Entry& y) {
+                      return x.name == y.name && x.value == y.value && x.group == y.group;
+                    });
 }
 
 std::optional<ScriptInformation> script_information(const DataSet& set) {

@@ -15,13 +15,16 @@ namespace polyarm::data {
 struct Entry {
   std::string name;
   Value value;
-  Location where;  ///< the line of its value
+  Location where;     ///< the line of its value
+  std::string group;  ///< that a person has put it into, for lists; means nothing to programs
 };
 
 class DataSet {
  public:
   /// Adds the name at the end, or changes its value where it stands.
   void set(const std::string& name, Value value, Location where = {});
+  /// Puts a name of the set into a group; an empty text: into none. Nothing where the set has no such name.
+  void set_group(const std::string& name, std::string group);
   const Entry* find(const std::string& name) const;
   const Value* value(const std::string& name) const;
   const std::vector<Entry>& entries() const { return entries_; }
@@ -29,7 +32,7 @@ class DataSet {
   bool empty() const { return entries_.empty(); }
   std::size_t size() const { return entries_.size(); }
 
-  /// The same names in the same order with the same values, wherever they stand.
+  /// The same names in the same order with the same values and groups, wherever they stand.
   friend bool operator==(const DataSet& a, const DataSet& b);
 
  private:

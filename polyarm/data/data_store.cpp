@@ -32,7 +32,10 @@ void DataStore::load(const std::string& set, const DataSet& content, const std::
   const std::size_t index = set_index(set);
   std::erase_if(writes_, [&](const auto& write) { return write.first.first == index; });
   forget_missing(index, content, who);
-  for (const Entry& entry : content.entries()) load_entry(index, entry, who);
+  for (const Entry& entry : content.entries()) {
+    load_entry(index, entry, who);
+    set_group(entry.name, entry.group);
+  }
 }
 
 void DataStore::forget_missing(std::size_t set, const DataSet& content, const std::string& who) {
@@ -63,7 +66,7 @@ void DataStore::load_entry(std::size_t set, const Entry& entry, const std::strin
 void DataStore::take_outside(const std::string& set, const std::vector<std::pair<std::string, Value>>& values,
                              const std::string& who) {
   const std::size_t index = set_index(set);
-  for (const auto& [name, value] : values) load_entry(index, {name, value, {}}, who);
+  for (const auto& [name, value] : values) load_entry(index, {name, value, {}, {}}, who);
 }
 
 std::vector<std::string> DataStore::sets() const {
@@ -73,6 +76,18 @@ std::vector<std::string> DataStore::sets() const {
 std::string DataStore::set_of(const std::string& name) const {
   const auto at = slots_.find(name);
   return at == slots_.end() || at->second.sets.empty() ? std::string{} : sets_[at->second.sets.front()];
+}
+
+std::string DataStore::group_of(const std::string& name) const {
+  const auto at = slots_.find(name);
+  return at == slots_.end() ? std::string{} : at->second.group;
+}
+
+void DataStore::set_group(const std::string& name, const std::string& group) {
+  const auto at = slots_.find(name);
+  if (at == slots_.end() || at->second.group == group) return;
+  at->second.group = group;
+  ++groups_version_;
 }
 
 const Value* DataStore::find(std::string_view name) const {

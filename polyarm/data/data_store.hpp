@@ -78,6 +78,12 @@ class DataStore {
   std::vector<std::string> sets() const;
   /// The first loaded set that holds `name`, or an empty text.
   std::string set_of(const std::string& name) const;
+  /// The group that a data set or a person has put the name into, empty where none has. It is for lists
+  /// alone: programs do not see it, and version() stays as it is.
+  std::string group_of(const std::string& name) const;
+  void set_group(const std::string& name, const std::string& group);
+  /// Grows with every change of any group.
+  std::uint64_t groups_version() const { return groups_version_; }
 
   /// The value, or nullptr. The pointer holds until the next change of the store.
   const Value* find(std::string_view name) const;
@@ -102,6 +108,7 @@ class DataStore {
     std::optional<Value> behind;  ///< what would be the value if it were not forced
     Nanoseconds changed_at = -1;
     std::string changed_by;
+    std::string group;
   };
   struct NameHash {
     using is_transparent = void;
@@ -120,7 +127,7 @@ class DataStore {
   std::vector<std::string> sets_;
   std::map<std::pair<std::size_t, std::string>, Value> writes_;
   std::deque<Change> changes_;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, groups_version_ = 0;
   Nanoseconds now_ = 0;
 };
 

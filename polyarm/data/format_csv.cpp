@@ -5,15 +5,16 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/format_parts.hpp"
+#include "polyarm/data/import_format.hpp"
 #include "polyarm/data/literal.hpp"
 
 namespace polyarm::data {
 
 namespace {
 const std::vector<std::string>& columns() {
-  static const std::vector<std::string> names = {"name", "type",  "value", "x",     "y",     "z",
-                                                 "rx",   "ry",    "rz",    "qx",    "qy",    "qz",
-                                                 "qw",   "frame", "tool",  "robot", "joints"};
+  static const std::vector<std::string> names = {"name", "type",  "value", "x",     "y",      "z",
+                                                 "rx",   "ry",    "rz",    "qx",    "qy",     "qz",
+                                                 "qw",   "frame", "tool",  "robot", "joints", "group"};
   return names;
 }
 
@@ -97,9 +98,16 @@ class CsvReader {
     if (name.empty()) return problems_.error("no-name", {file_, line_}, "this row has no name");
     std::string why;
     if (auto value = read_value(lower(trim(field("type"))), why))
-      out_.set(name, std::move(*value), {file_, line_});
+      keep(name, std::move(*value));
     else
       problems_.error("bad-value", {file_, line_}, "'" + name + "' is no value: " + why);
+  }
+
+  void keep(const std::string& name, Value value) {
+    out_.set(name, std::move(value), {file_, line_});
+    const std::string group(trim(field("group")));
+    collect(problems_, [&] { check_group(group); });
+    out_.set_group(name, group);
   }
 
   std::optional<Value> read_value(const std::string& type, std::string& why) {
@@ -156,6 +164,7 @@ std::string write_csv(const DataSet& set) {
   for (const Entry& entry : set.entries()) {
     std::vector<std::string> row(columns().size());
     row[0] = entry.name;
+    row[17] = entry.group;
     const std::string type = name(entry.value.kind());
     row[1] = type.substr(type.find(' ') + 1);
     if (const Point* point = entry.value.as_point()) {

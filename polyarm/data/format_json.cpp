@@ -1,11 +1,13 @@
 /// Data sets in JSON and YAML: plain values, and maps with a key that says what they are.
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/data/format_parts.hpp"
+#include "polyarm/data/import_format.hpp"
 #include "polyarm/data/literal.hpp"
 
 namespace polyarm::data {
@@ -160,6 +162,32 @@ std::optional<Value> typed_record(const Record& record, std::string& why) {
   return typed_fields(record, why);
 }
 
+/// A map of groups with lists of the names in them.
+void read_groups(const Value& groups, const std::string& file, DataSet& out, Problems& problems) {
+  const Record* record = groups.as_record();
+  if (!record) return problems.error("bad-value", {file}, "'groups' is no map of groups and lists of names");
+  for (std::size_t i = 0; i < record->names.size(); ++i) {
+    collect(problems, [&] { check_group(record->names[i]); });
+    const List* names = record->values[i].as_list();
+    if (!names)
+      problems.error("bad-value", {file}, "the group '" + record->names[i] + "' is no list of names");
+    else
+      for (const Value& name : *names)
+        if (name.as_text()) out.set_group(*name.as_text(), record->names[i]);
+  }
+}
+
+std::string json_groups(const DataSet& set) {
+  std::map<std::string, std::string> names;
+  for (const Entry& entry : set.entries())
+    if (!entry.group.empty())
+      names[entry.group] += (names[entry.group].empty() ? "" : ", ") + quoted(entry.name);
+  std::string out;
+  for (const auto& [group, list] : names)
+    out += (out.empty() ? "" : ", ") + quoted(group) + ": [" + list + "]";
+  return out;
+}
+
 /// Takes `polyarm` and `values` off where they are there.
 void read_tree(const Value& tree, const std::string& file, DataSet& out, Problems& problems) {
   const Record* record = tree.as_record();
@@ -169,8 +197,11 @@ void read_tree(const Value& tree, const std::string& file, DataSet& out, Problem
     return problems.error("bad-version", {file},
                           "'" + version->text() + "' is no kind of file that is read here",
                           "this version reads `polyarm: data/1`");
-  if (const Value* values = record->find("values"); values && values->as_record())
+  const Value* groups = nullptr;
+  if (const Value* values = record->find("values"); values && values->as_record()) {
+    groups = record->find("groups");
     record = values->as_record();
+  }
   for (std::size_t i = 0; i < record->names.size(); ++i) {
     std::string why;
     if (record->names[i] == "polyarm") continue;
@@ -179,6 +210,7 @@ void read_tree(const Value& tree, const std::string& file, DataSet& out, Problem
     else
       problems.error("bad-value", {file}, "'" + record->names[i] + "' is no value: " + why);
   }
+  if (groups) read_groups(*groups, file, out, problems);
 }
 
 Value tree_of(const Yaml& node) {
@@ -218,11 +250,14 @@ std::string write_json(const DataSet& set) {
   std::string out;
   for (const Entry& entry : set.entries())
     out += (out.empty() ? "\n  " : ",\n  ") + quoted(entry.name) + ": " + json_of(entry.value);
-  return "{\"polyarm\": \"data/1\",\n \"values\": {" + out + "\n}}\n";
+  const std::string groups = json_groups(set);
+  return "{\"polyarm\": \"data/1\",\n" + (groups.empty() ? "" : " \"groups\": {" + groups + "},\n") +
+         " \"values\": {" + out + "\n}}\n";
 }
 
 std::string write_yaml(const DataSet& set) {
-  std::string out = "polyarm: data/1\nvalues:\n";
+  const std::string groups = json_groups(set);
+  std::string out = "polyarm: data/1\n" + (groups.empty() ? "" : "groups: {" + groups + "}\n") + "values:\n";
   for (const Entry& entry : set.entries())
     out += "  " + quoted(entry.name) + ": " + json_of(entry.value) + "\n";
   return out;

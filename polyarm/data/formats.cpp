@@ -103,7 +103,10 @@ std::string write_form(const DataSet& set, SetForm form, const std::string& grou
       break;
   }
   ImportFile out = ImportFile::parse("", "", problems);
-  for (const Entry& entry : set.entries()) out.set(entry.name, entry.value);
+  for (const Entry& entry : set.entries()) {
+    out.set(entry.name, entry.value);
+    out.set_group(entry.name, entry.group);
+  }
   return out.text();
 }
 

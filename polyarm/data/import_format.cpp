@@ -20,8 +20,8 @@ constexpr std::size_t kMostProblems = 200;
 using Form = PointFormat::Form;
 
 const std::vector<std::string>& keys() {
-  static const std::vector<std::string> list = {"Name", "Bool", "Num",   "Text",
-                                                "JS",   "Pose", "Point", "Value"};
+  static const std::vector<std::string> list = {"Name", "Bool",  "Num",   "Text", "JS",
+                                                "Pose", "Point", "Value", "Group"};
   return list;
 }
 
@@ -193,6 +193,12 @@ void check_can_keep(const std::string& name, const Value& value, const std::stri
     refuse("its joints do not all have a name and a position");
 }
 
+void check_group(const std::string& group) {
+  if (group.size() <= 64 && trim(group) == group && group.find_first_of("\r\n#") == std::string::npos) return;
+  throw Error("bad-group", quote(group) + " is no name of a group",
+              "one line of at most 64 letters, without # and without blanks around it");
+}
+
 /// Reads line by line, with the name and the point format that hold at each.
 class ImportReader {
  public:
@@ -259,6 +265,7 @@ class ImportReader {
     if (lowered == "text") return store(line, Value(std::string(value)));
     if (lowered == "point") return read_point(line, value);
     if (lowered == "value") return read_literal(line, value);
+    if (lowered == "group") return read_group(line, value);
     error(line, key.empty() ? std::string_view(line) : key, "unknown-key",
           quote(key) + " is no kind of data" + did_you_mean(key, keys()), "kinds are " + join(keys(), ", "));
   }
@@ -268,6 +275,7 @@ class ImportReader {
     name_ = value;
     name_line_ = line_;
     name_used_ = false;
+    groups_.clear();
     if (value.empty()) error(line, value, "no-name", "a name is missing after 'Name:'", "write `Name: Home`");
   }
 
@@ -304,6 +312,17 @@ class ImportReader {
       return;
     }
     format_broken_ = false;
+  }
+
+  /// Of the name whose value stands before or behind it.
+  void read_group(const std::string& line, std::string_view value) {
+    if (name_.empty())
+      return error(line, value, "no-name", "this group has no name", "write a line `Name: …` before it");
+    group_ = value;
+    ImportFile::Slot* slot = out_.slot_of(name_);
+    if (!slot) return groups_.push_back(line_);
+    slot->groups.push_back(line_);
+    out_.values_.set_group(name_, group_);
   }
 
   void read_boolean(const std::string& line, std::string_view value) {
@@ -441,9 +460,14 @@ class ImportReader {
     const int column = column_of(line, line.find_first_not_of(" \t"));
     const bool known = out_.values_.find(name_) != nullptr;
     out_.values_.set(name_, std::move(value), place(column));
-    if (!known) return out_.slots_.push_back({name_, line_, format_});
-    *std::find_if(out_.slots_.rbegin(), out_.slots_.rend(),
-                  [&](const ImportFile::Slot& slot) { return slot.name == name_; }) = {name_, line_, format_};
+    if (!known) out_.slots_.push_back({name_, line_, format_, {}});
+    ImportFile::Slot& slot = *out_.slot_of(name_);
+    slot.line = line_;
+    slot.format = format_;
+    if (groups_.empty()) return;
+    slot.groups.insert(slot.groups.end(), groups_.begin(), groups_.end());
+    out_.values_.set_group(name_, group_);
+    groups_.clear();
   }
 
   Location place(int column) const { return {out_.file_, static_cast<int>(line_) + 1, column}; }
@@ -467,7 +491,8 @@ class ImportReader {
   PointFormat format_;
   bool format_broken_ = false;
   std::shared_ptr<const Taught> taught_;  ///< of the point that is being read
-  std::string name_;
+  std::string name_, group_;
+  std::vector<std::size_t> groups_;  ///< lines of the name's groups, before its value has come
   std::size_t name_line_ = 0, line_ = 0, count_ = 0;
   bool name_used_ = false;
 };
@@ -501,8 +526,8 @@ void ImportFile::set(const std::string& name, const Value& value) {
   const Value* present = values_.value(name);
   if (present && *present == value) return;
   check_can_keep(name, value, file_);
-  const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) { return s.name == name; });
-  if (slot == slots_.end()) return append(name, value);
+  const Slot* slot = slot_of(name);
+  if (!slot) return append(name, value);
   Line& line = lines_[slot->line];
   line.text = block(value, slot->format, line.text);
   Problems none;
@@ -515,10 +540,53 @@ void ImportFile::append(const std::string& name, const Value& value) {
   const std::string written = block(value, last_format_, "");
   lines_.push_back({"Name: " + name, newline_});
   lines_.push_back({written, newline_});
-  slots_.push_back({name, lines_.size() - 1, last_format_});
+  slots_.push_back({name, lines_.size() - 1, last_format_, {}});
   Problems none;
   const std::string text = header(last_format_) + "\nName: " + name + "\n" + written;
   values_.set(name, *parse(text, file_, none).values().value(name));
+}
+
+ImportFile::Slot* ImportFile::slot_of(const std::string& name) {
+  const auto at = std::find_if(slots_.rbegin(), slots_.rend(), [&](const Slot& s) { return s.name == name; });
+  return at == slots_.rend() ? nullptr : &*at;
+}
+
+void ImportFile::insert_line(std::size_t at, const std::string& text) {
+  lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(at), {text, newline_});
+  for (Slot& slot : slots_) {
+    if (slot.line >= at) ++slot.line;
+    for (std::size_t& line : slot.groups)
+      if (line >= at) ++line;
+  }
+}
+
+void ImportFile::erase_line(std::size_t at) {
+  lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(at));
+  for (Slot& slot : slots_) {
+    if (slot.line > at) --slot.line;
+    std::erase(slot.groups, at);
+    for (std::size_t& line : slot.groups)
+      if (line > at) --line;
+  }
+}
+
+void ImportFile::set_group(const std::string& name, const std::string& group) {
+  check_group(group);
+  Slot* slot = slot_of(name);
+  if (!slot)
+    throw Error(Problem{
+        "unknown-name", {file_}, "there is no " + quote(name) + did_you_mean(name, values_.names()), {}});
+  if (values_.find(name)->group == group) return;
+  const std::size_t at = slot->groups.empty() ? slot->line : slot->groups.front();
+  const std::string& old = lines_[at].text;
+  const std::string text = old.substr(0, old.find_first_not_of(" \t")) + "Group: " + group +
+                           (slot->groups.empty() ? "" : comment_of(old));
+  while (!slot->groups.empty()) erase_line(slot->groups.back());
+  if (!group.empty()) {
+    insert_line(at, text);
+    slot->groups = {at};
+  }
+  values_.set_group(name, group);
 }
 
 std::string ImportFile::text() const {

@@ -9,6 +9,7 @@
 ///   Pose: RPY             the Points that follow are x, y, z, roll, pitch, yaw (metres, radians), or with
 ///                         `Pose: Quaternion` x, y, z, qx, qy, qz, qw
 ///   Point: 0.1, 0.2       numbers between commas
+///   Group: conveyor       the group that the name belongs to, for lists
 ///
 /// Keys are read in any case. Blank lines, lines that start with #, and a # after a value other than a text
 /// or a name are comments. CRLF and a byte order mark are kept.
@@ -43,6 +44,9 @@ class ImportFile {
   /// Changes the line of `name`, or appends name and value. Nothing changes where the value is equal.
   /// Throws Error("cannot-keep") for a value that this form cannot hold: a list, a text with a line break.
   void set(const std::string& name, const Value& value);
+  /// Puts a name of the file into a group by a line `Group:` over its value; an empty text: into none. Throws
+  /// Error("unknown-name"), and Error("bad-group") for a text that is no name of a group.
+  void set_group(const std::string& name, const std::string& group);
   std::string text() const;
 
  private:
@@ -53,12 +57,16 @@ class ImportFile {
   struct Slot {
     std::string name;
     std::size_t line = 0;
-    PointFormat format;  ///< that a Point in this line has
+    PointFormat format;                 ///< that a Point in this line has
+    std::vector<std::size_t> groups{};  ///< its lines `Group:`, the last one counts
   };
   friend class ImportReader;
 
   std::string block(const Value& value, const PointFormat& format, const std::string& old_line) const;
   void append(const std::string& name, const Value& value);
+  Slot* slot_of(const std::string& name);
+  void insert_line(std::size_t at, const std::string& text);
+  void erase_line(std::size_t at);
 
   std::string file_;
   std::string mark_;  ///< the byte order mark, where the file has one
@@ -71,6 +79,9 @@ class ImportFile {
 
 /// Throws Error("cannot-keep") where the form has no place for this name or value.
 void check_can_keep(const std::string& name, const Value& value, const std::string& file);
+
+/// Throws Error("bad-group") where `group` is no name of a group: one line of at most 64 bytes without #.
+void check_group(const std::string& group);
 
 /// A sentence why `content` is no text file (a pickle, NUL bytes), or nothing.
 std::optional<std::string> why_not_text(std::string_view content);

@@ -1,6 +1,7 @@
 #include "polyarm/server/events.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include "polyarm/server/documents.hpp"
 
@@ -94,7 +95,8 @@ Json TagEvents::value_of(const std::string& name) const {
 }
 
 Text TagEvents::changes(bool look) {
-  const std::uint64_t version = cell_.store().version();
+  const std::uint64_t version = cell_.store().version(), groups = cell_.store().groups_version();
+  places_ = std::exchange(groups_version_, groups) != groups || places_;
   if (version == version_ && !look) return nullptr;
   std::vector<std::string> names;
   const auto changed = cell_.store().changes_since(version_);

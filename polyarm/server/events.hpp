@@ -24,7 +24,7 @@ class TagEvents {
   Text changes(bool look);
   /// All of them.
   Text full();
-  /// Has a point come, gone or changed? changes() sees it.
+  /// Has a point come, gone or changed, or a group? changes() sees it.
   bool places_changed() const { return places_; }
   void take_places_changed() { places_ = false; }
 
@@ -33,7 +33,7 @@ class TagEvents {
 
   cell::Cell& cell_;
   std::map<std::string, nlohmann::json> told_;
-  std::uint64_t version_ = ~0ull;
+  std::uint64_t version_ = ~0ull, groups_version_ = 0;
   bool places_ = false;
 };
 

@@ -172,6 +172,12 @@ class FileMailbox::Io {
     last_post_[name] = ++posted_;
   }
 
+  void post_group(const std::string& name, const std::string& group) {
+    data::check_group(group);
+    const std::lock_guard lock(mutex_);
+    groups_.emplace_back(name, group);
+  }
+
   std::vector<MailboxEvent> take_events() {
     std::vector<MailboxEvent> out;
     const std::lock_guard lock(mutex_);
@@ -228,15 +234,23 @@ class FileMailbox::Io {
 
   void begin_look() {
     std::vector<std::pair<std::string, data::Value>> posts;
+    std::vector<std::pair<std::string, std::string>> groups;
     {
       const std::lock_guard lock(mutex_);
       ++looks_started_;
       posts.swap(posts_);
+      groups.swap(groups_);
       applied_ += posts.size();
     }
     for (const auto& [name, value] : posts) {
       image_.set(name, value);
       merge_.set(name, *image_.values().value(name));  // as a reader of the text gets it
+    }
+    for (const auto& [name, group] : groups) {
+      const data::Entry* entry = image_.values().find(name);
+      if (!entry || entry->group == group) continue;
+      image_.set_group(name, group);
+      needs_write_ = true;
     }
   }
 
@@ -484,6 +498,7 @@ class FileMailbox::Io {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<std::pair<std::string, data::Value>> posts_;
+  std::vector<std::pair<std::string, std::string>> groups_;
   std::vector<std::pair<MailboxEvent, std::uint64_t>> events_;
   std::unordered_map<std::string, std::uint64_t> last_post_;
   std::uint64_t posted_ = 0, applied_ = 0, written_ = 0, looks_started_ = 0, looks_ended_ = 0;
@@ -499,6 +514,9 @@ const std::string& FileMailbox::path() const {
 }
 void FileMailbox::post(const std::string& name, const data::Value& value) {
   io_->post(name, value);
+}
+void FileMailbox::post_group(const std::string& name, const std::string& group) {
+  io_->post_group(name, group);
 }
 std::vector<MailboxEvent> FileMailbox::take_events() {
   return io_->take_events();

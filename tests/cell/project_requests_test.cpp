@@ -119,6 +119,47 @@ TEST_F(ProjectTest, PointsAreShiftedRenamedDeletedAndAllIsTakenBack) {
   EXPECT_NEAR(point("Bench")["pose"]["p"][0].get<double>(), 0.3, 1e-12);
 }
 
+TEST_F(ProjectTest, PointsAreGroupedByALineOfTheirFile) {
+  const std::string before = read_file(folder.path() / "points.points");
+  const Json grouped =
+      result({{"request", "points.group"}, {"names", {"Bench", "Home"}}, {"group", " conveyor "}});
+  ASSERT_EQ(grouped["values"].size(), 2u) << grouped;
+  EXPECT_EQ(grouped["values"][0]["group"], "conveyor");
+  EXPECT_EQ(point("Home")["group"], "conveyor");
+  EXPECT_EQ(point("Count")["group"], "");
+  EXPECT_EQ(
+      read_file(folder.path() / "points.points"),
+      "Name: Home\nJS: joint_1 joint_2 joint_3 joint_4 joint_5 joint_6\nGroup: conveyor\nPoint: 0, 0.4, 0.8, "
+      "0, 0.6, 0\nName: Bench\nPose: RPY\nGroup: conveyor\nPoint: 0.3, 0.1, 0.2, 0, 0, "
+      "1.5707963267948966\nName: Count\nNum: 3\n");
+  const Json taught = result({{"request", "points.teach"}, {"name", "Pick"}, {"group", "table"}});
+  EXPECT_EQ(taught["group"], "table") << taught;
+  result({{"request", "points.teach"}, {"name", "Pick"}, {"replace", true}});
+  EXPECT_EQ(point("Pick")["group"], "table") << "touching up leaves it where it is";
+  result({{"request", "points.rename"}, {"name", "Pick"}, {"to", "Grip"}});
+  result({{"request", "points.shift"}, {"names", {"Bench"}}, {"by", {{"x", 0.01}}}});
+  result({{"request", "program.from"}, {"line", 1}, {"confirmed", true}});
+  EXPECT_EQ(point("Grip")["group"], "table") << "and so does a new name, and loading anew";
+  EXPECT_EQ(point("Bench")["group"], "conveyor");
+  EXPECT_EQ(code({{"request", "points.group"}, {"names", {"Bench"}}, {"group", ""}}), "ok");
+  EXPECT_EQ(point("Bench")["group"], "");
+  EXPECT_EQ(code({{"request", "points.undo"}}), "ok");
+  EXPECT_EQ(point("Bench")["group"], "conveyor") << "what is undone is seen at once";
+  EXPECT_EQ(code({{"request", "points.undo"}, {"steps", 4}}), "ok");
+  EXPECT_EQ(read_file(folder.path() / "points.points"), before);
+  EXPECT_EQ(point("Home")["group"], "");
+}
+
+TEST_F(ProjectTest, AGroupIsRefusedWhereItIsNone) {
+  const std::string before = read_file(folder.path() / "points.points");
+  EXPECT_EQ(code({{"request", "points.group"}, {"names", {"Bench"}}, {"group", "a # b"}}), "bad-group");
+  EXPECT_EQ(code({{"request", "points.group"}, {"names", {"Bench", "Moon"}}, {"group", "x"}}),
+            "unknown-name");
+  EXPECT_EQ(code({{"request", "points.group"}, {"names", Json::array()}, {"group", "x"}}), "bad-argument");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "P"}, {"group", "a\nb"}}), "bad-group");
+  EXPECT_EQ(read_file(folder.path() / "points.points"), before);
+}
+
 TEST_F(ProjectTest, WhatWasTaughtIsThereWhenTheProgramBeginsAnew) {
   result({{"request", "points.teach"}, {"name", "Pick"}});
   result({{"request", "points.delete"}, {"name", "Count"}});

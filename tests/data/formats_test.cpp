@@ -23,6 +23,9 @@ DataSet everything() {
   set.set("joints", JointState{{"a", "b"}, {0.5, -0.25}});
   set.set("pose", pose);
   set.set("quaternion", quaternion);
+  set.set_group("count", "left, \"front\"");
+  set.set_group("pose", "right");
+  set.set_group("joints", "right");
   return set;
 }
 
@@ -36,6 +39,7 @@ std::string both_ways(const DataSet& set, SetForm form) {
   for (const Entry& entry : set.entries()) {
     const Value* value = again.value(entry.name);
     if (!value) continue;
+    EXPECT_EQ(again.find(entry.name)->group, entry.group) << entry.name << ": " << text;
     if (!entry.value.as_point()) {
       EXPECT_EQ(*value, entry.value) << entry.name << ": " << value->text();
       continue;
@@ -56,7 +60,10 @@ TEST(Formats, GoThereAndBackWithEveryKindOfValue) {
   for (const SetForm form : {SetForm::text, SetForm::csv, SetForm::json}) both_ways(set, form);
   DataSet plain;  // a YAML text that reads as something else is that
   for (const Entry& entry : set.entries())
-    if (entry.name != "record") plain.set(entry.name, entry.value);
+    if (entry.name != "record") {
+      plain.set(entry.name, entry.value);
+      plain.set_group(entry.name, entry.group);
+    }
   both_ways(plain, SetForm::yaml);
 }
 

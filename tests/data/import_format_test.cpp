@@ -172,6 +172,46 @@ TEST(ImportFormat, WhatAPointRemembersStandsBehindItsNumbersAndIsChecked) {
   EXPECT_TRUE(problems.has_errors());
 }
 
+TEST(ImportFormat, AGroupIsALineOfItsName) {
+  const std::string text =
+      "Name: a\nGroup: table # left\nNum: 1\nPose: RPY\n  Name: p\n  Point: 1, 2, 3, 0, 0, 0\nGroup: far "
+      "one\n";
+  ImportFile file = parsed(text);
+  EXPECT_EQ(file.values().find("a")->group, "table");
+  EXPECT_EQ(file.values().find("p")->group, "far one");
+  file.set_group("a", "table");
+  EXPECT_EQ(file.text(), text) << "nothing changes where it is the same";
+  file.set_group("a", "bench");
+  file.set_group("p", "");
+  EXPECT_EQ(file.text(),
+            "Name: a\nGroup: bench # left\nNum: 1\nPose: RPY\n  Name: p\n  Point: 1, 2, 3, 0, 0, 0\n");
+  file.set_group("p", "near");
+  file.set("p", Value(2));
+  file.set("a", Value(true));
+  EXPECT_EQ(file.text(),
+            "Name: a\nGroup: bench # left\nBool: True\nPose: RPY\n  Name: p\n  Group: near\n  Num: 2\n");
+  EXPECT_EQ(parsed(file.text()).values(), file.values());
+}
+
+TEST(ImportFormat, OneOfSeveralGroupsOfANameCountsTheLast) {
+  ImportFile file = parsed("Name: a\nGroup: x\nNum: 1\nName: b\nNum: 2\nName: a\nNum: 3\nGroup: y\n");
+  EXPECT_EQ(file.values().find("a")->group, "y");
+  file.set_group("a", "z");
+  EXPECT_EQ(file.text(), "Name: a\nGroup: z\nNum: 1\nName: b\nNum: 2\nName: a\nNum: 3\n");
+  EXPECT_EQ(parsed(file.text()).values(), file.values());
+  file.set("b", Value(5));
+  EXPECT_EQ(file.text(), "Name: a\nGroup: z\nNum: 1\nName: b\nNum: 5\nName: a\nNum: 3\n");
+}
+
+TEST(ImportFormat, AGroupNeedsANameAndIsOneLine) {
+  EXPECT_EQ(problems_of("Group: x\n").at(0).code, "no-name");
+  ImportFile file = parsed("Name: a\nNum: 1\n");
+  for (const char* bad : {"a\nb", "a # b", " a"}) EXPECT_THROW(file.set_group("a", bad), Error) << bad;
+  EXPECT_THROW(file.set_group("a", std::string(65, 'x')), Error);
+  EXPECT_THROW(file.set_group("b", "x"), Error);
+  EXPECT_EQ(file.text(), "Name: a\nNum: 1\n");
+}
+
 /// Whatever is set, the text reads back as the same values.
 TEST(ImportFormat, WritingAndReadingAgainGivesTheSameValues) {
   std::mt19937 random(9);
@@ -205,6 +245,8 @@ TEST(ImportFormat, WritingAndReadingAgainGivesTheSameValues) {
     ImportFile file = parsed(draw(2) ? "# start\nPose: Quaternion\nName: n1\nNum: 1\n" : "");
     for (int change = 0; change < 30; ++change) {
       file.set("n" + std::to_string(draw(8)), value());
+      const std::string grouped = "n" + std::to_string(draw(8));
+      if (file.values().find(grouped)) file.set_group(grouped, draw(3) ? "g" + std::to_string(draw(3)) : "");
       Problems problems;
       const ImportFile again = ImportFile::parse(file.text(), "t", problems);
       ASSERT_FALSE(problems.has_errors()) << file.text();
@@ -219,7 +261,7 @@ TEST(ImportFormat, SurvivesFiveThousandDamagedFiles) {
     return std::uniform_int_distribution<std::size_t>(0, below - 1)(random);
   };
   const std::string whole = read_file(POLYARM_SOURCE_DIR "/tests/data/import_listing_1.txt");
-  static const std::string kBytes = ":,#\n\r\t .-e0999mdegNJPBT\x80\xC3\xEF";
+  static const std::string kBytes = ":,#\n\r\t .-e0999mdegNJPBTGroup\x80\xC3\xEF";
   for (int i = 0; i < 5000; ++i) {
     std::string text = whole;
     for (std::size_t changes = 1 + draw(8); changes > 0 && !text.empty(); --changes) {
@@ -234,6 +276,10 @@ TEST(ImportFormat, SurvivesFiveThousandDamagedFiles) {
     ASSERT_EQ(file.text(), text);
     file.set("Home", Value(3));
     ASSERT_EQ(*file.values().value("Home"), Value(3));
+    file.set_group("Home", "g");
+    Problems later;
+    const ImportFile again = ImportFile::parse(file.text(), "t", later);
+    ASSERT_EQ(again.values().find("Home")->group, "g") << file.text();
   }
 }
 

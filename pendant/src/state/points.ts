@@ -44,6 +44,8 @@ export const isPlace = (kind: string) => kind === 'pose' || kind === 'joints';
 export const places = computed(() => values.value.filter((each) => isPlace(each.kind)));
 export const frameNames = computed(() => values.value.filter((each) => each.kind === 'pose').map((each) => each.name));
 
+export const groupNames = computed(() => [...new Set(values.value.map((each) => each.group).filter(Boolean))].sort());
+
 export async function loadPoints(): Promise<void> {
   try {
     const answer = await request<{ file: string; files: string[]; values: DataValue[] }>('points');

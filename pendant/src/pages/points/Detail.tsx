@@ -4,7 +4,7 @@ import { number, t } from '../../i18n';
 import { able } from '../../state/abilities';
 import { mayMove, request, robot } from '../../state/cell';
 import { heldBack, heldKey, pressGoTo, release } from '../../state/jog';
-import { changePoints, type DataValue, goodName, isPlace, values } from '../../state/points';
+import { changePoints, type DataValue, goodName, groupNames, isPlace, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty, Field, Segmented } from '../../ui/controls';
@@ -113,7 +113,6 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
   const may = mayMove.value;
   const names = list.map((each) => each.name);
   const poses = list.every((each) => each.kind === 'pose');
-  const all = list.every((each) => isPlace(each.kind));
   return (
     <div class="points-actions">
       {only && isPlace(only.kind) && (
@@ -129,7 +128,7 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
       {poses && <Button label={t('points.shift')} icon="move" disabled={!may} onClick={() => open((close) => <Shift names={names} onClose={close} />)} />}
       {only && <Button label={t('points.rename')} icon="edit" disabled={!may} onClick={() => open((close) => <Rename value={only} onClose={close} />)} />}
       {only && <Button label={t('points.change')} icon="settings" disabled={!may} onClick={() => open((close) => <Change value={only} onClose={close} />)} />}
-      {all && able('points.group') && <Button label={t('points.setGroup')} icon="layers" disabled={!may} onClick={() => open((close) => <Group list={list} onClose={close} />)} />}
+      {able('points.group') && <Button label={t('points.setGroup')} icon="layers" disabled={!may} onClick={() => open((close) => <Group list={list} onClose={close} />)} />}
       <Button label={t('points.delete')} icon="trash" disabled={!may} onClick={() => void remove(names)} />
     </div>
   );
@@ -220,10 +219,11 @@ export function literalOf(value: DataValue): string {
 
 function Group({ list, onClose }: { list: DataValue[]; onClose: () => void }) {
   const [name, setName] = useState(list[0]?.group ?? '');
-  const known = [...new Set(values.value.map((each) => each.group).filter(Boolean))];
   const go = async (to: string) => {
     onClose();
-    await changePoints('points.group', { names: list.map((each) => each.name), group: to });
+    const names = list.map((each) => each.name);
+    if (await changePoints('points.group', { names, group: to }))
+      toast({ kind: 'ok', text: to ? t('points.grouped', { names: names.join(', '), group: to }) : t('points.ungrouped', { names: names.join(', ') }) });
   };
   return (
     <Dialog
@@ -238,7 +238,7 @@ function Group({ list, onClose }: { list: DataValue[]; onClose: () => void }) {
     >
       <Field label={t('points.group')} value={name} placeholder={t('points.noGroup')} onInput={setName} onEnter={() => void go(name.trim())} />
       <div class="row">
-        {known.map((each) => (
+        {groupNames.value.map((each) => (
           <Button key={each} label={each} pressed={each === name} onClick={() => setName(each)} />
         ))}
       </div>

@@ -1,11 +1,24 @@
 /** Which points are chosen, and how the list is narrowed and ordered. */
 import { computed, effect, signal } from '@preact/signals';
-import { type DataValue, isPlace, values } from '../../state/points';
+import { type DataValue, groupNames, isPlace, values } from '../../state/points';
 import { chosenPoints } from '../../state/preview';
+import { kept } from '../../state/settings';
 
 export const chosen = signal<string[]>([]);
 export const query = signal('');
 export const shownKind = signal<'points' | 'data'>('points');
+/** One group alone; null: all of them, an empty text: what is in none. */
+const wantedGroup = signal<string | null>(null);
+export const shownGroup = computed(() => {
+  const name = wantedGroup.value;
+  return name === null || name === '' || groupNames.value.includes(name) ? name : null;
+});
+export const showGroup = (name: string | null) => (wantedGroup.value = name);
+/** Keys of groups whose points are not shown. A search shows them all the same. */
+export const folded = kept<string[]>('points.folded', []);
+export function fold(key: string): void {
+  folded.value = folded.value.includes(key) ? folded.value.filter((each) => each !== key) : [...folded.value, key];
+}
 
 effect(() => {
   chosenPoints.value = chosen.value;
@@ -20,21 +33,36 @@ export function found(all: DataValue[], words: string): DataValue[] {
   });
 }
 
-/** By group (those without one last, under their file), in the order of the file. */
-export function grouped(list: DataValue[]): { title: string; group: boolean; values: DataValue[] }[] {
-  const out = new Map<string, { title: string; group: boolean; values: DataValue[] }>();
+export interface PointGroup {
+  key: string;
+  title: string;
+  group: boolean;
+  values: DataValue[];
+}
+/** By group (those without one last, under their file). */
+export function grouped(list: DataValue[]): PointGroup[] {
+  const out = new Map<string, PointGroup>();
   for (const each of [...list.filter((v) => v.group), ...list.filter((v) => !v.group)]) {
     const key = each.group ? `g${each.group}` : `f${each.file}`;
-    if (!out.has(key)) out.set(key, { title: each.group || each.file, group: each.group !== '', values: [] });
+    if (!out.has(key)) out.set(key, { key, title: each.group || each.file, group: each.group !== '', values: [] });
     out.get(key)!.values.push(each);
   }
   return [...out.values()];
 }
 
-export const shown = computed(() =>
-  grouped(found(values.value.filter((each) => isPlace(each.kind) === (shownKind.value === 'points')), query.value)),
-);
+export const shown = computed(() => {
+  const only = shownGroup.value;
+  const list = values.value.filter((each) => isPlace(each.kind) === (shownKind.value === 'points') && (only === null || each.group === only));
+  return grouped(found(list, query.value));
+});
 export const chosenValues = computed(() => values.value.filter((each) => chosen.value.includes(each.name)));
+
+/** All of a group, or none of it where all were chosen. */
+export function chooseAll(group: PointGroup): void {
+  const names = group.values.map((each) => each.name);
+  const rest = chosen.value.filter((each) => !names.includes(each));
+  chosen.value = names.every((each) => chosen.value.includes(each)) ? rest : [...rest, ...names];
+}
 
 export function choose(name: string, more: boolean): void {
   if (!more) chosen.value = [name];

@@ -3,16 +3,16 @@ import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
 import { complain, mayMove, request } from '../../state/cell';
-import { type DataValue, followPoints, loadPoints, pointsKnown, values } from '../../state/points';
+import { followPoints, groupNames, loadPoints } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
-import { Button, Empty, Loading, Segmented } from '../../ui/controls';
-import { mm } from '../../ui/format';
+import { Button, Segmented, Select } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import { RobotView } from '../../view3d/RobotView';
-import { choose, chosen, query, shown, shownKind } from './choice';
+import { chosen, query, showGroup, shownGroup, shownKind } from './choice';
 import { Detail } from './Detail';
 import { FrameWizard } from './FrameWizard';
+import { List } from './List';
 import './points.css';
 import { Teach } from './Teach';
 import { ToolWizard } from './ToolWizard';
@@ -80,6 +80,7 @@ function Bar() {
           chosen.value = [];
         }}
       />
+      {groupNames.value.length > 0 && <GroupFilter />}
       <div class="points-wizards">
         <Button label={t('points.frame')} icon="cube" disabled={!mayMove.value} onClick={() => open((close) => <FrameWizard onClose={close} />)} />
         <Button label={t('points.tool')} icon="target" disabled={!mayMove.value} onClick={() => open((close) => <ToolWizard onClose={close} />)} />
@@ -89,61 +90,21 @@ function Bar() {
   );
 }
 
-function List() {
-  if (!pointsKnown.value) return <Loading />;
-  const groups = shown.value;
-  if (groups.length === 0)
-    return (
-      <Empty icon="points" text={values.value.length === 0 ? t('points.none') : query.value ? t('points.notFound') : t('points.noneOf')}>
-        {query.value && <Button label={t('points.clearSearch')} onClick={() => (query.value = '')} />}
-      </Empty>
-    );
+/** The options' ids are `=` and the group, or empty for all. */
+function GroupFilter() {
+  const now = shownGroup.value;
   return (
-    <div class="points-list" role="group" aria-label={t('nav.points')}>
-      {groups.map((group) => (
-        <section key={`${group.group}${group.title}`} aria-label={group.title}>
-          <h3>
-            <Icon name={group.group ? 'layers' : 'folder'} size={16} /> {group.title}
-          </h3>
-          <ul>
-            {group.values.map((each) => (
-              <Row key={each.name} value={each} />
-            ))}
-          </ul>
-        </section>
-      ))}
+    <div class="points-filter">
+      <Select
+        label={t('points.group')}
+        value={now === null ? '' : `=${now}`}
+        options={[
+          { id: '', name: t('points.allGroups') },
+          ...groupNames.value.map((name) => ({ id: `=${name}`, name })),
+          { id: '=', name: t('points.noGroup') },
+        ]}
+        onChange={(id) => showGroup(id === '' ? null : id.slice(1))}
+      />
     </div>
   );
 }
-
-function Row({ value }: { value: DataValue }) {
-  const on = chosen.value.includes(value.name);
-  return (
-    <li class={on ? 'chosen' : ''}>
-      <label class="points-check">
-        <input type="checkbox" checked={on} aria-label={t('points.choose', { name: value.name })} onChange={() => choose(value.name, true)} />
-      </label>
-      <button type="button" aria-pressed={on} onClick={() => choose(value.name, false)}>
-        <Icon name={iconOf(value)} size={20} />
-        <span>
-          <strong>{value.name}</strong>
-          <small>{summary(value)}</small>
-        </span>
-        {value.taught?.frame && <span class="chip">{value.taught.frame}</span>}
-      </button>
-    </li>
-  );
-}
-
-function iconOf(value: DataValue) {
-  if (value.kind === 'pose') return 'points' as const;
-  if (value.kind === 'joints') return 'turnRight' as const;
-  return value.kind === 'boolean' ? ('signals' as const) : ('program' as const);
-}
-
-export function summary(value: DataValue): string {
-  if (value.pose) return `X ${mm(value.pose.p[0])}  Y ${mm(value.pose.p[1])}  Z ${mm(value.pose.p[2])} mm`;
-  if (value.kind === 'joints') return t('points.jointCount', { count: Object.keys(value.joints ?? {}).length });
-  return value.text;
-}
-
