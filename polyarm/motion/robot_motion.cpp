@@ -244,6 +244,12 @@ void RobotMotion::add_travel(const Ready& ready, double time, std::uint64_t firs
   out.elapsed += at(now) - at(from), out.remaining += at(to) - at(now);
 }
 
+std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
+  if (goal_ == 0) return std::nullopt;
+  return UnderWay{&active_.motion, &facts(active_.with), goal_,
+                  controller_.status().time.load(std::memory_order_relaxed)};
+}
+
 Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {
   Travel out;
   if (last <= settled_) return out;

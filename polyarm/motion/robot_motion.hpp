@@ -100,6 +100,14 @@ class RobotMotion {
   /// What the motion under way was planned with; null while there is none.
   const MovePlanOptions* options_under_way() const { return goal_ != 0 ? &active_.options : nullptr; }
   const RobotFacts& robot() const { return robot_; }
+  /// What the controller follows, until the next tick; `goal` tells one from the next.
+  struct UnderWay {
+    const PlannedMotion* motion;
+    const RobotFacts* robot;  ///< with the TCP that it was planned for
+    std::uint64_t goal;
+    double time;  ///< s of the plan
+  };
+  std::optional<UnderWay> under_way() const;
 
  private:
   struct Waiting {

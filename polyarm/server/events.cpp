@@ -1,5 +1,7 @@
 #include "polyarm/server/events.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -153,6 +155,79 @@ Text PartEvents::changes() {
 }
 Text PartEvents::full() {
   return tell(true);
+}
+
+namespace {
+
+/// Where the path goes, rounded to 0.1 mm.
+Json path_of(const motion::RobotMotion::UnderWay& way) {
+  constexpr double kEvery = 0.02;
+  constexpr int kLeast = 20, kMost = 200;
+  const trajectory::TimedPath& path = way.motion->path;
+  const int samples = std::clamp(static_cast<int>(path.duration() / kEvery), kLeast, kMost);
+  Json out = Json::array();
+  std::vector<double> q(path.joints());
+  std::size_t hint = 0;
+  for (int k = 0; k <= samples; ++k) {
+    path.sample(path.duration() * k / samples, q, {}, {}, {}, hint);
+    const Vec3 at = way.robot->chain.forward(q).position;
+    Json place = Json::array();
+    for (const double x : {at.x, at.y, at.z}) place.push_back(std::round(x * 1e4) / 1e4);
+    out.push_back(std::move(place));
+  }
+  return out;
+}
+
+Json joints_at(const motion::RobotMotion::UnderWay& way, double time) {
+  std::vector<double> q(way.motion->path.joints());
+  std::size_t hint = 0;
+  way.motion->path.sample(time, q, {}, {}, {}, hint);
+  Json out = Json::object();
+  for (std::size_t j = 0; j < q.size(); ++j) out[way.robot->chain.names()[j]] = std::round(q[j] * 1e5) / 1e5;
+  return out;
+}
+
+}  // namespace
+
+void PlanEvents::look(std::size_t robot, Way& way) const {
+  const motion::RobotMotion* motion = cell_.motion(robot);
+  const auto now = motion ? motion->under_way() : std::nullopt;
+  if (!now) {
+    way = {};
+    return;
+  }
+  const std::vector<double>& ends = now->motion->ends;
+  const auto next = std::upper_bound(ends.begin(), ends.end(), now->time);
+  const auto move = static_cast<std::size_t>(next - ends.begin());
+  if (now->goal == way.goal && move == way.move) return;
+  if (now->goal != way.goal) way.told = {{"path", path_of(*now)}};
+  way.goal = now->goal;
+  way.move = move;
+  const double end = next == ends.end() ? now->motion->path.duration() : *next;
+  way.told["target"] = {{"joints", joints_at(*now, end)}};
+}
+
+Text PlanEvents::tell() const {
+  Json plans = Json::object();
+  for (std::size_t i = 0; i < ways_.size(); ++i)
+    if (ways_[i].goal != 0) plans[cell_.robots()[i]->entry.name] = ways_[i].told;
+  return text_of({{"event", "plan"}, {"plans", plans}});
+}
+
+Text PlanEvents::changes() {
+  ways_.resize(cell_.robots().size());
+  bool news = false;
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    const std::pair before(ways_[i].goal, ways_[i].move);
+    look(i, ways_[i]);
+    news = news || before != std::pair(ways_[i].goal, ways_[i].move);
+  }
+  return news ? tell() : nullptr;
+}
+
+Text PlanEvents::full() {
+  const bool any = std::any_of(ways_.begin(), ways_.end(), [](const Way& way) { return way.goal != 0; });
+  return any ? tell() : nullptr;
 }
 
 Text log_event(const Journal& journal, std::uint64_t after) {

@@ -50,6 +50,30 @@ class PartEvents {
   std::vector<hardware::PartState> told_;
 };
 
+/// The ways that robots are on: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], target: {joints}}}},
+/// places of the TCP in the world; a robot that no planned move moves is not among them. The target is where
+/// the move under way ends, of all that the path is made of.
+class PlanEvents {
+ public:
+  explicit PlanEvents(cell::Cell& cell) : cell_(cell) {}
+  /// Null: nothing has changed since the last call.
+  Text changes();
+  /// All there is; null: nobody moves.
+  Text full();
+
+ private:
+  struct Way {
+    std::uint64_t goal = 0;
+    std::size_t move = 0;  ///< that is under way, of the path's
+    nlohmann::json told;
+  };
+  void look(std::size_t robot, Way& way) const;
+  Text tell() const;
+
+  cell::Cell& cell_;
+  std::vector<Way> ways_;  ///< by robot
+};
+
 /// Lines after number `after`, {"event": "log"}; null: none.
 Text log_event(const Journal& journal, std::uint64_t after);
 /// {"event": "alarm", number, time, code, what, where: {file, line, column}, why, advice, severity}

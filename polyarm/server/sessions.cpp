@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 60;
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kLogEvery = 0.1, kProgramAgain = 1, kPointsEvery = 0.2;
+                 kPlansEvery = 0.05, kLogEvery = 0.1, kProgramAgain = 1, kPointsEvery = 0.2;
 
 /// One that is connected, as the cell thread knows it.
 struct Seat {
@@ -62,6 +62,7 @@ class Sessions::Work {
     frames_.emplace(cell, ++layout_);
     tags_.emplace(cell);
     parts_.emplace(cell);
+    plans_.emplace(cell);
     status_.clear();
     program_ = std::make_shared<ProgramWatch>();
     for (auto& [number, seat] : seats_) seat.greeted = false;
@@ -74,6 +75,7 @@ class Sessions::Work {
     frames_.reset();
     tags_.reset();
     parts_.reset();
+    plans_.reset();
     program_.reset();
     status_.clear();
   }
@@ -483,6 +485,7 @@ class Sessions::Work {
     }
     if (due(told_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
+    if (due(told_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
     if (!program_->on && cell_->program() && due(program_->again, kProgramAgain)) watch_program();
     if (std::exchange(program_->fresh, false)) broadcast(Kind::program, program_event());
   }
@@ -517,6 +520,7 @@ class Sessions::Work {
     if (seat.rate > 0) put(Kind::layout, frames_->layout());
     put(Kind::tags, tags_->full());
     put(Kind::parts, parts_->full());
+    put(Kind::plan, plans_->full());
     if (!program_->text.empty()) put(Kind::program, program_event());
   }
 
@@ -548,11 +552,13 @@ class Sessions::Work {
   std::optional<StateFrames> frames_;
   std::optional<TagEvents> tags_;
   std::optional<PartEvents> parts_;
+  std::optional<PlanEvents> plans_;
   std::shared_ptr<ProgramWatch> program_;
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_told_ = 0, alarms_told_ = 0;
-  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0, told_points_ = 0;
+  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0, told_points_ = 0,
+         told_plans_ = 0;
   std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <random>
@@ -118,6 +119,38 @@ class PendantTest : public ::testing::Test {
   std::unique_ptr<Pendant> pendant;
   int last_ = 0;
 };
+
+TEST_F(PendantTest, TheWayOfAMoveIsToldWithWhereItGoes) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.hello"}});
+  ask(*peer, {{"request", "session.take"}});
+  const double before = joint();
+  const Json first = ask(*peer, {{"request", "points.here"}})["result"]["joints"];
+  Json second = first;
+  second["joint_2"] = before + 0.4;
+  Json third = second;
+  third["joint_1"] = 0.5;
+  peer->send({{"id", 900},
+              {"request", "move"},
+              {"points", Json::array({{{"joints", second}}, {{"joints", third}}})},
+              {"rests", true}});
+  const auto target = [](const Json& plan, const char* joint) {
+    return plan["plans"].contains("arm") ? plan["plans"]["arm"]["target"]["joints"][joint].get<double>() : -9;
+  };
+  ASSERT_TRUE(heard(*peer, "plan",
+                    [&](const Json& plan) {
+                      return std::abs(target(plan, "joint_2") - before - 0.4) < 1e-3 &&
+                             target(plan, "joint_1") < 0.1;
+                    }))
+      << peer->event("plan") << peer->answer(900);
+  const Json path = peer->event("plan")["plans"]["arm"]["path"];
+  ASSERT_GE(path.size(), 20u);
+  const Pose tcp = cell->cell().tcp(0);
+  EXPECT_NEAR(path[0][0].get<double>(), tcp.position.x, 0.05) << "it begins where the robot was";
+  EXPECT_TRUE(heard(*peer, "plan", [&](const Json& plan) { return target(plan, "joint_1") > 0.49; }));
+  EXPECT_TRUE(heard(*peer, "plan", [](const Json& plan) { return plan["plans"].empty(); }))
+      << "it has arrived";
+}
 
 TEST_F(PendantTest, ALinkBecomesACookieThatOpensEverything) {
   const std::string link = pendant->link();

@@ -15,7 +15,7 @@ import type {
   Status,
   TagValue,
 } from '../wire/types';
-import { readAlarm, readCell, readHolder, readJog, readPart, readStatus } from '../wire/read';
+import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { settings } from './settings';
 import { toast } from './toasts';
@@ -196,8 +196,7 @@ const events: Record<string, (event: Event) => void> = {
     program.value = e;
   },
   plan: (e) => {
-    const plan = e as unknown as Plan;
-    plans.value = { ...plans.value, [plan.robot]: plan };
+    plans.value = readPlans(e);
   },
   jog: (e) => {
     jogEvents.value = readJog(e);

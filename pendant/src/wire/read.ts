@@ -1,5 +1,5 @@
 /** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
-import type { Alarm, CellInfo, Holder, JogEvent, PartPose, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Vec3, Visual } from './types';
+import type { Alarm, CellInfo, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Vec3, Visual } from './types';
 import type { Json } from './connection';
 
 const list = (value: unknown): Json[] => (Array.isArray(value) ? (value as Json[]) : []);
@@ -99,6 +99,14 @@ export function readPart(each: Json): PartPose {
     here: each.in_world !== false,
     heldBy: text(each.held_by),
   };
+}
+
+/** The ways that robots are on, by robot; who is not named stands. */
+export function readPlans(event: Json): Record<string, Plan> {
+  const plans = Object.entries((event.plans ?? {}) as Record<string, Json>);
+  return Object.fromEntries(
+    plans.map(([robot, each]) => [robot, { robot, path: Array.isArray(each.path) ? (each.path as Vec3[]) : null, target: (each.target ?? null) as Plan['target'] }]),
+  );
 }
 
 export function readAlarm(event: Json): Alarm {
