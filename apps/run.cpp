@@ -13,6 +13,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "apps/options.hpp"
 #include "apps/run_output.hpp"
@@ -40,6 +41,7 @@ struct RunArguments {
   cell::RecordOptions record;
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
+  bool connects = false;  ///< somebody has just asked for the real hardware: it comes up held
   int line = 0;
 };
 
@@ -303,6 +305,7 @@ struct Ended {
   int code = kFailed;
   bool by_person = false;
   std::optional<cell::RestartWish> wish;  ///< it is to be built anew
+  bool armed = false;                     ///< real hardware was, by a person
 };
 
 /// One cell from its files to its end.
@@ -330,7 +333,7 @@ class OneRun {
       begin_recording(*cell, a_);
       if (!begins_where_told(*cell, a_)) {
         fmt::print("nothing was begun\n");
-        return {kStopped, true, {}};
+        return {kStopped, true, {}, false};
       }
     } catch (const Error& e) {  // nothing has moved
       return not_built(cell ? e.problems() : all_problems(a_, e));
@@ -340,7 +343,9 @@ class OneRun {
       pendant_->attach(*cell);
       cell->tell("pendant: " + pendant_->link());  // by the cell, whose events say it to other clients, too
     }
+    if (a_.connects) cell->loop().supervisor().latch().request(realtime::StopKind::controlled);
     const cell::RunResult result = cell::run(*cell, a_.run, observer_);
+    const bool armed = cell->arming().needed() && cell->arming().armed();
     if (pendant_) pendant_->detach();
     std::string folder;
     if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command_);
@@ -349,7 +354,7 @@ class OneRun {
     if (result.stuck) std::_Exit(code);
     const EndsInTime guard(code);
     cell.reset();
-    return {code, result.outcome != cell::Outcome::failed && !result.restart, result.restart};
+    return {code, result.outcome != cell::Outcome::failed && !result.restart, result.restart, armed};
   }
 
  private:
@@ -385,8 +390,12 @@ std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::O
   return std::nullopt;
 }
 
-/// What somebody has just chosen moves nothing before it is started.
+/// What somebody has just chosen moves nothing before it is started; what is real only where it was asked
+/// for.
 void take_over(const cell::RestartWish& wish, RunArguments& a) {
+  if (!wish.cell.empty() || !wish.robot.empty() || !wish.hardware.empty()) a.cell_options.real = false;
+  if (wish.real) a.cell_options.real = *wish.real;
+  a.connects = wish.real.value_or(false);
   if (!wish.cell.empty()) a.cell = wish.cell, a.description.clear(), a.overrides = {};
   if (!wish.robot.empty()) a.overrides.robot = wish.robot;
   if (!wish.hardware.empty()) a.overrides.hardware = wish.hardware;
@@ -400,6 +409,11 @@ int run_until_done(RunArguments& a, const std::string& command, const descriptio
                    cell::Observer& shown, server::Pendant* pendant) {
   for (;;) {
     Ended ended = OneRun(a, command, catalogue, shown, pendant).run();
+    if (std::exchange(a.connects, false) && !ended.wish && !ended.by_person && !ended.armed) {
+      pendant->observer().on_note("the real hardware was not connected: the cell is simulated again");
+      ended.wish.emplace();
+      ended.wish->real = false;
+    }
     if (pendant && !ended.wish && !ended.by_person) ended.wish = wait_for_wish(*pendant, shown);
     if (!ended.wish) return ended.code;
     take_over(*ended.wish, a);

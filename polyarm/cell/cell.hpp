@@ -42,6 +42,7 @@ class TestTask;
 /// What somebody wants a cell to be built anew with; empty: as it is.
 struct RestartWish {
   std::string robot, hardware, program, cell;
+  std::optional<bool> real{};  ///< on its real hardware, or simulated
 };
 
 /// A test of a file of tests, by its place among them.

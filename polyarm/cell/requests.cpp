@@ -35,7 +35,7 @@ const std::vector<Row>& rows() {
         {{"help", {}, "[{request, arguments, result, text, moves}]", "this table", false}, help}};
     for (const auto family : {controller_rows, motion_rows, tag_rows, hardware_rows, health_rows,
                               message_rows, jog_rows, move_rows, load_rows, program_rows, record_rows,
-                              point_rows, frame_rows, preview_rows, file_rows, text_rows, cells_rows})
+                              point_rows, frame_rows, preview_rows, file_rows, text_rows, cells_rows, connect_rows})
       out.insert(out.end(), family().begin(), family().end());
     return out;
   }();

@@ -50,6 +50,7 @@ const std::vector<RequestRow>& preview_rows();
 const std::vector<RequestRow>& file_rows();
 const std::vector<RequestRow>& text_rows();
 const std::vector<RequestRow>& cells_rows();
+const std::vector<RequestRow>& connect_rows();
 
 /// What rows are written with.
 inline constexpr auto kText = ArgumentType::text;

@@ -92,6 +92,13 @@ std::string unless_real(const std::string& driver, const std::string& who, bool 
   return simulated;
 }
 
+/// Whether a robot's file or its description's plugin names it.
+std::string real_driver_of(const std::string& hardware, const description::HardwareInfo& info) {
+  if (hardware != "declared") return hardware;
+  const HardwareChoice choice = choose_hardware(info.plugin, info.name);
+  return choice.real.empty() ? choice.driver : choice.real;
+}
+
 /// What plays the robot: the drivers of its blocks, or one for the whole of it.
 void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
   const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
@@ -193,6 +200,25 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<Joint
   return robot;
 }
 }  // namespace
+
+std::vector<NamedHardware> named_real_hardware(const CellRobots& robots) {
+  std::vector<NamedHardware> out;
+  const auto add = [&](const RobotEntry& entry, const description::HardwareInfo& info) {
+    const std::string driver = real_driver_of(entry.hardware, info);
+    if (!hardware::driver_available(driver) || !drives_real_hardware(driver)) return;
+    NamedHardware named{entry.name, info.name, driver, info.parameters};
+    for (const auto& [key, value] : entry.parameters) named.parameters[key] = value;
+    out.push_back(std::move(named));
+  };
+  for (const auto& robot : robots) {
+    for (const HardwareBlock& block : robot->blocks) add(robot->entry, *block.info);
+    if (!robot->blocks.empty()) continue;
+    description::HardwareInfo whole;
+    whole.name = robot->entry.name;
+    add(robot->entry, whole);
+  }
+  return out;
+}
 
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes) {

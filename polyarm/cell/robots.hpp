@@ -34,6 +34,14 @@ struct CellRobot {
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 
+/// Real hardware that the cell's file or a description names, whether it is driven or played by something
+/// simulated.
+struct NamedHardware {
+  std::string robot, component, driver;
+  std::map<std::string, std::string> parameters;
+};
+std::vector<NamedHardware> named_real_hardware(const CellRobots& robots);
+
 /// Loads models and tools and picks drivers. Drivers of real hardware are taken where `real` says so, else
 /// something simulated plays their part, which a note tells. Problems are added with their places; a robot
 /// that cannot be had is left out. `notes` gets one line for every replaced component.

@@ -237,7 +237,7 @@ class Sessions::Work {
 
   /// To the cell's table.
   void pass_on(Seat& seat, const std::string& name, const Json& request, const std::string& line) {
-    if (!cell_ && name == "cell.restart")
+    if (!cell_ && (name == "cell.restart" || name == "cell.connect"))
       return answer(seat, request.value("id", Json()), restart(seat, request));
     require_cell();
     const auto found = moves_.find(name);
@@ -300,6 +300,7 @@ class Sessions::Work {
     require_control(seat, "cell.restart");
     wish = {request.value("robot", ""), request.value("hardware", ""), request.value("program", ""),
             request.value("cell", "")};
+    if (request.contains("real")) wish->real = request["real"].get<bool>();
     return {{"asked", "restart"}};
   }
 

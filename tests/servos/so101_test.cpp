@@ -6,21 +6,17 @@
 #include "drivers/feetech/family.hpp"
 #include "drivers/servo_bus/fake_bus.hpp"
 #include "polyarm/base/file.hpp"
+#include "tests/servos/arm_on_a_wire.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm {
 namespace {
 
+using test::ArmOnAWire;
+using test::change;
 using test::ExampleCopy;
 using test::Finished;
 using test::run_command;
-
-void change(const ExampleCopy& copy, const std::string& from, const std::string& to) {
-  std::string text = read_file(copy.file("cell.yaml"));
-  ASSERT_NE(text.find(from), std::string::npos);
-  text.replace(text.find(from), from.size(), to);
-  write_file_atomically(copy.file("cell.yaml"), text);
-}
 
 TEST(So101, WavesSimulatedAndRepeatsItself) {
   const std::string example = std::string(POLYARM_SOURCE_DIR) + "/examples/so101";
@@ -38,18 +34,6 @@ TEST(So101, WavesOverTheRealWireByOneWord) {
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 10.9);
 }
-
-/// The servos of an arm on a pty, and the example's cell that drives them.
-struct ArmOnAWire {
-  servo_bus::FakeBus bus{servo_bus::Wire::feetech, {1, 2, 3, 4, 5, 6}};
-  ExampleCopy copy{"so101"};
-  ArmOnAWire() {
-    change(copy, "hardware: mock", "hardware: feetech");
-    change(copy, "/dev/ttyACM0", bus.path() + "\n      answer_timeout_ms: 500");
-    std::ofstream(copy.file("calibration.yaml"))
-        << "polyarm: servo_calibration/1\nfamily: feetech\njoints:\n  wrist_roll: {id: 5, direction: -1}\n";
-  }
-};
 
 /// Runs the cell on its hardware, with somebody at the terminal who arms it.
 Finished run_armed(const std::string& cell) {

@@ -76,13 +76,15 @@ class Command {
   }
   void signal(int number) { ::kill(pid_, number); }
   /// Reads until a line contains `text`; false at the end of the output.
-  bool wait_for(const std::string& text) {
+  bool wait_for(const std::string& text) { return !line_with(text).empty(); }
+  /// That line; empty at the end of the output.
+  std::string line_with(const std::string& text) {
     char line[8192];
     while (std::fgets(line, sizeof line, out_)) {
       finished_.output += line;
-      if (std::string(line).find(text) != std::string::npos) return true;
+      if (std::string(line).find(text) != std::string::npos) return line;
     }
-    return false;
+    return {};
   }
   const Finished& wait() {
     if (pid_ <= 0) return finished_;

@@ -1,15 +1,13 @@
 /** What cell this is, what it runs on, and putting it back to its beginning. */
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
-import { able } from '../../state/abilities';
-import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { cell, complain, mayMove, request, status } from '../../state/cell';
 import { loadScene } from '../../state/models';
-import { ask, open } from '../../ui/ask';
-import { Button, Card, Loading, Segmented } from '../../ui/controls';
-import { Dialog } from '../../ui/Dialog';
-import { jointText } from '../../ui/format';
+import { ask } from '../../ui/ask';
+import { Button, Card, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { RobotInfo } from '../../wire/types';
+import { Mode } from './Mode';
 import { restart, restarting } from './restart';
 
 interface Found {
@@ -107,98 +105,6 @@ function Check() {
         </div>
       )}
     </>
-  );
-}
-
-/** Simulated or on the real robot. */
-function Mode() {
-  const now = status.value;
-  const real = now ? !now.simulated : false;
-  const to = (next: boolean) =>
-    ask({
-      title: t(next ? 'cell.toRealQ' : 'cell.toSimQ'),
-      text: t(next ? 'cell.toRealText' : 'cell.toSimText'),
-      action: t(next ? 'cell.toReal' : 'cell.toSim'),
-      tone: next ? 'warn' : 'primary',
-      onYes: () => void restart(t('cell.starting'), t('cell.started'), 'cell.connect', { real: next }),
-    });
-  return (
-    <Card title={t('cell.mode')}>
-      <Segmented
-        label={t('cell.mode')}
-        value={real ? 'real' : 'simulated'}
-        disabled={!mayMove.value || restarting.value !== '' || !able('cell.connect')}
-        options={[
-          { id: 'simulated', name: t('mode.simulated'), icon: 'cube' },
-          { id: 'real', name: t('mode.real'), icon: 'link' },
-        ]}
-        onChange={(id) => to(id === 'real')}
-      />
-      <p class="note">
-        {t(real ? 'cell.realNote' : 'cell.simNote')}
-        {!able('cell.connect') && !real && ` ${t('cell.realHow')}`}
-      </p>
-      {real && now && !now.armed && (
-        <Button label={t('cell.arm')} icon="lock" tone="warn" big disabled={!mayMove.value} onClick={() => open((close) => <ArmDialog onClose={close} />)} />
-      )}
-    </Card>
-  );
-}
-
-interface Compared {
-  joint: string;
-  measured: number;
-  expected: number;
-}
-
-/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
-function ArmDialog({ onClose }: { onClose: () => void }) {
-  const [joints, setJoints] = useState<Compared[] | null>(null);
-  const [asked, setAsked] = useState(false);
-  if (!asked) {
-    setAsked(true);
-    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
-  }
-  const unit = (name: string) => cell.value?.robots.flatMap((robot) => robot.joints).find((joint) => joint.interface === name || joint.name === name)?.unit ?? 'rad';
-  return (
-    <Dialog
-      title={t('cell.arm')}
-      onClose={onClose}
-      actions={
-        <>
-          <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('cell.armDo')} tone="warn" disabled={!joints || !mayMove.value} onClick={() => (onClose(), void attempt('control.arm', { confirmed: true }))} />
-        </>
-      }
-    >
-      <p>{t('cell.armText')}</p>
-      {!joints ? (
-        <Loading />
-      ) : (
-        <table class="plain">
-          <thead>
-            <tr>
-              <th scope="col">{t('cell.joint')}</th>
-              <th scope="col" class="right">
-                {t('cell.measured')}
-              </th>
-              <th scope="col" class="right">
-                {t('cell.expected')}
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {joints.map((each) => (
-              <tr key={each.joint}>
-                <th scope="row">{each.joint}</th>
-                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
-                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
-    </Dialog>
   );
 }
 

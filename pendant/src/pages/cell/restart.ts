@@ -8,16 +8,17 @@ import { toast } from '../../state/toasts';
 export const restarting = signal('');
 const kPatienceMs = 30_000;
 
-/** True when the new cell is there. */
-export async function restart(what: string, done: string, name: string, args: Record<string, unknown>): Promise<boolean> {
+/** True when the new cell is there, and `wrong` says of it that nothing is. */
+export async function restart(what: string, done: string, name: string, args: Record<string, unknown>, wrong: () => string = () => ''): Promise<boolean> {
   if (restarting.value) return false;
   restarting.value = what;
   const before = layout.peek().id;
   try {
     await request(name, args, kPatienceMs);
     await newLayout(before);
-    toast({ kind: 'ok', text: done });
-    return true;
+    const problem = wrong();
+    toast(problem ? { kind: 'warning', text: problem } : { kind: 'ok', text: done });
+    return problem === '';
   } catch (error) {
     complain(error);
     return false;

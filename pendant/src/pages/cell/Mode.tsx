@@ -1,0 +1,182 @@
+/** Simulated or on the real robot: what would be connected is shown first, and a person arms it. */
+import { useState } from 'preact/hooks';
+import { t } from '../../i18n';
+import { able } from '../../state/abilities';
+import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { ask, open } from '../../ui/ask';
+import { Button, Card, Loading, Segmented } from '../../ui/controls';
+import { Dialog } from '../../ui/Dialog';
+import { jointText } from '../../ui/format';
+import { Icon } from '../../ui/Icon';
+import { restart, restarting } from './restart';
+
+interface Hardware {
+  robot: string;
+  component: string;
+  driver: string;
+  /** The devices it is for, in words. */
+  drives: string;
+  devices: { parameter: string; path: string; there: boolean }[];
+}
+interface Reachable {
+  real: boolean;
+  hardware: Hardware[];
+  possible: boolean;
+  why: string;
+  advice: string;
+}
+
+export function Mode() {
+  const now = status.value;
+  const real = now ? !now.simulated : false;
+  const to = (next: boolean) => {
+    if (next) return open((close) => <ConnectDialog onClose={close} />);
+    ask({ title: t('cell.toSimQ'), text: t('cell.toSimText'), action: t('cell.toSim'), onYes: () => void connect(false) });
+  };
+  return (
+    <Card title={t('cell.mode')}>
+      <Segmented
+        label={t('cell.mode')}
+        value={real ? 'real' : 'simulated'}
+        disabled={!mayMove.value || restarting.value !== '' || !able('cell.connect')}
+        options={[
+          { id: 'simulated', name: t('mode.simulated'), icon: 'cube' },
+          { id: 'real', name: t('mode.real'), icon: 'link' },
+        ]}
+        onChange={(id) => to(id === 'real')}
+      />
+      <p class="note">
+        {t(real ? 'cell.realNote' : 'cell.simNote')}
+        {!able('cell.connect') && !real && ` ${t('cell.realHow')}`}
+      </p>
+      {real && now && !now.armed && (
+        <Button label={t('cell.arm')} icon="lock" tone="warn" big disabled={!mayMove.value} onClick={() => open((close) => <ArmDialog onClose={close} />)} />
+      )}
+    </Card>
+  );
+}
+
+async function connect(real: boolean): Promise<void> {
+  await restart(t('cell.starting'), t(real ? 'cell.connected' : 'cell.started'), 'cell.connect', { real }, () => (status.peek()?.simulated === real ? t('cell.notConnected') : ''));
+}
+
+/** What would be connected. Nothing has been touched before it is agreed to. */
+function ConnectDialog({ onClose }: { onClose: () => void }) {
+  const [found, setFound] = useState<Reachable | null>(null);
+  const [asked, setAsked] = useState(false);
+  if (!asked) {
+    setAsked(true);
+    request<Reachable>('cell.connect').then(setFound, (error) => (complain(error), onClose()));
+  }
+  const go = () => {
+    onClose();
+    void connect(true);
+  };
+  return (
+    <Dialog
+      title={t('cell.toRealQ')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('cell.toReal')} icon="link" tone="warn" disabled={!found?.possible || !mayMove.value} onClick={go} />
+        </>
+      }
+    >
+      {!found ? <Loading /> : <WhatIsThere found={found} />}
+    </Dialog>
+  );
+}
+
+function WhatIsThere({ found }: { found: Reachable }) {
+  return (
+    <>
+      {found.hardware.length > 0 && (
+        <ul class="cell-hardware" aria-label={t('cell.connects')}>
+          {found.hardware.map((each) => (
+            <li key={each.component}>
+              <strong>{each.component}</strong>
+              <span>
+                {each.driver}
+                {each.drives && `: ${each.drives}`}
+              </span>
+              {each.devices.map((device) => (
+                <span key={device.parameter} class={device.there ? 'good' : 'bad'}>
+                  <Icon name={device.there ? 'check' : 'close'} size={18} /> <code>{device.path}</code> {t(device.there ? 'cell.isThere' : 'cell.notThere')}
+                </span>
+              ))}
+            </li>
+          ))}
+        </ul>
+      )}
+      {found.possible ? (
+        <p>{t('cell.toRealText')}</p>
+      ) : (
+        <div class="banner" role="alert">
+          <Icon name="alarm" />
+          <div>
+            <strong>{found.why}</strong>
+            <p>{found.advice}</p>
+          </div>
+        </div>
+      )}
+    </>
+  );
+}
+
+interface Compared {
+  joint: string;
+  measured: number;
+  expected: number;
+}
+
+/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
+function ArmDialog({ onClose }: { onClose: () => void }) {
+  const [joints, setJoints] = useState<Compared[] | null>(null);
+  const [asked, setAsked] = useState(false);
+  if (!asked) {
+    setAsked(true);
+    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
+  }
+  const unit = (name: string) => cell.value?.robots.flatMap((robot) => robot.joints).find((joint) => joint.interface === name || joint.name === name)?.unit ?? 'rad';
+  return (
+    <Dialog
+      title={t('cell.arm')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('cell.armDo')} tone="warn" disabled={!joints || !mayMove.value} onClick={() => (onClose(), void attempt('control.arm', { confirmed: true }))} />
+        </>
+      }
+    >
+      <p>{t('cell.armText')}</p>
+      {!joints ? (
+        <Loading />
+      ) : (
+        <table class="plain">
+          <thead>
+            <tr>
+              <th scope="col">{t('cell.joint')}</th>
+              <th scope="col" class="right">
+                {t('cell.measured')}
+              </th>
+              <th scope="col" class="right">
+                {t('cell.expected')}
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {joints.map((each) => (
+              <tr key={each.joint}>
+                <th scope="row">{each.joint}</th>
+                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
+                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </Dialog>
+  );
+}
