@@ -42,6 +42,16 @@ Json times(const realtime::Histogram& values) {
   return {{"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
 }
 
+/// The same, and how the samples lie.
+Json distribution(const realtime::Histogram& values) {
+  Json out = times(values), buckets = Json::array();
+  values.quarters([&](Nanoseconds to, std::uint64_t count) {
+    buckets.push_back({{"to_ns", to}, {"count", count}});
+  });
+  out["buckets"] = std::move(buckets);
+  return out;
+}
+
 Json thread_of(const char* what, const std::string& name, double rate, bool own_clock,
                const realtime::ThreadHealth& thread) {
   return {{what, name},
@@ -99,9 +109,9 @@ Poll health(Cell& cell, const Json&) {
                   {"rate_hz", 1 / seconds(cell.loop().options().period)},
                   {"cycles", std::uint64_t{h.cycles}},
                   {"late", std::uint64_t{h.late}},
-                  {"cost", times(h.cost)},
-                  {"wake_up", times(h.wake_up)},
-                  {"period", times(h.period)},
+                  {"cost", distribution(h.cost)},
+                  {"wake_up", distribution(h.wake_up)},
+                  {"period", distribution(h.period)},
                   {"clamps", cell.loop().limits().clamps()}});
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <tuple>
 
 #include "polyarm/base/time.hpp"
 
@@ -44,6 +45,20 @@ class Histogram {
       if (seen >= wanted && seen > 0) return std::min(upper_edge(i), max());
     }
     return max();
+  }
+  /// Tells `each(to, count)` for each quarter of an octave: how many samples were no longer than `to`, and
+  /// longer than the `to` before. From the quarter before the shortest to that of the longest; nothing while
+  /// there are no samples.
+  template <typename Each>
+  void quarters(Each each) const {
+    constexpr std::size_t kOne = 4;
+    std::array<std::uint64_t, std::tuple_size_v<decltype(counts_)> / kOne> sums{};
+    for (std::size_t i = 0; i < counts_.size(); ++i) sums[i / kOne] += counts_[i];
+    const auto any = [](std::uint64_t sum) { return sum > 0; };
+    const auto first = std::find_if(sums.begin(), sums.end(), any);
+    const auto last = std::find_if(sums.rbegin(), sums.rend(), any).base();
+    for (auto at = first == sums.begin() || first == sums.end() ? first : first - 1; at < last; ++at)
+      each(upper_edge(static_cast<std::size_t>(at - sums.begin()) * kOne + kOne - 1), *at);
   }
 
  private:

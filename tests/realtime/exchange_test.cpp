@@ -90,6 +90,29 @@ TEST(Histogram, PercentilesAreWithinABucket) {
   EXPECT_EQ(histogram.percentile(1.0), INT64_MAX);
 }
 
+TEST(Histogram, TellsHowSamplesLieByQuartersOfOctaves) {
+  Histogram histogram;
+  histogram.quarters([](Nanoseconds, std::uint64_t) { FAIL() << "there are none"; });
+  for (int i = 1000; i < 3000; ++i) histogram.add(i);
+  std::uint64_t count = 0;
+  Nanoseconds before = 0;
+  int bars = 0;
+  histogram.quarters([&](Nanoseconds to, std::uint64_t n) {
+    if (bars++ == 0)
+      EXPECT_EQ(n, 0u) << "the first says where the shortest begins";
+    else
+      EXPECT_LT(static_cast<double>(to), 1.26 * static_cast<double>(before));
+    const Nanoseconds shortest = std::max<Nanoseconds>(before + 1, 1000),
+                      longest = std::min<Nanoseconds>(to, 2999);
+    EXPECT_EQ(n, longest < shortest ? 0u : static_cast<std::uint64_t>(longest - shortest + 1)) << to;
+    count += n;
+    before = to;
+  });
+  EXPECT_EQ(count, 2000u);
+  EXPECT_GE(before, 2999);
+  EXPECT_LT(bars, 10);
+}
+
 TEST(Histogram, IsReadWhileAnotherThreadAdds) {
   constexpr std::uint64_t kAdded = 200'000;
   Histogram histogram;
