@@ -73,7 +73,8 @@ CellChannels::CellChannels(cell::Cell& cell, std::int64_t offset)
     : cell_(cell), offset_(offset), state_(cell.robots(), cell.loop().table()) {
   joints_ = add<ros::sensor_msgs::msg::JointState>("/joint_states", "every joint that is measured");
   add_commands();
-  moving_ = add<ros::tf2_msgs::msg::TFMessage>("/tf", "the frames that move");
+  moving_ = add<ros::tf2_msgs::msg::TFMessage>(
+      "/tf", "the frames that move, those of parts (`part/NAME`) among them");
   fixed_ = add<ros::tf2_msgs::msg::TFMessage>("/tf_static", "the frames that never move", true);
   add_descriptions();
   add_interfaces();
@@ -264,6 +265,40 @@ void CellChannels::tell_tags(Nanoseconds time, bool all, const Tell& tell) {
     say_tag(tag, *value, at, tell);
     if (changed) tag.told = *value;
   }
+}
+
+namespace {
+/// Less is the shaking of physics.
+bool same_place(const Pose& a, const Pose& b) {
+  constexpr double kLength = 1e-5, kAngle = 1e-4;
+  return norm(a.position - b.position) < kLength && angle_between(a.rotation, b.rotation) < kAngle;
+}
+}  // namespace
+
+void CellChannels::tell_parts(Nanoseconds time, bool all, const Tell& tell) {
+  constexpr Nanoseconds kEvery = 20'000'000;
+  if (!all && parts_at_ >= 0 && time - parts_at_ < kEvery) return;
+  const auto& parts = cell_.snapshot().world.parts;
+  parts_told_.resize(parts.size());
+  parts_.transforms.clear();
+  for (std::size_t i = 0; i < parts.size() && i < cell_.scene().parts.size(); ++i) {
+    std::optional<Pose>& told = parts_told_[i];
+    if (!parts[i].in_world) {
+      told.reset();
+      continue;
+    }
+    if (!all && told && same_place(*told, parts[i].pose)) continue;
+    told = parts[i].pose;
+    auto& frame = parts_.transforms.emplace_back();
+    frame.header.stamp = stamp_of(time + offset_);
+    frame.header.frame_id = "world";
+    frame.child_frame_id = "part/" + cell_.scene().parts[i].name;
+    const auto& [p, q] = parts[i].pose;
+    frame.transform = {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+  }
+  if (parts_.transforms.empty()) return;
+  parts_at_ = time;
+  say(moving_, time + offset_, parts_, event_room_, tell);
 }
 
 void CellChannels::tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,

@@ -45,6 +45,9 @@ class CellChannels {
   void tell_interfaces(Nanoseconds time, std::span<const double> states, const Tell& tell);
   /// Tags that have changed since the last time, a step as two messages; all of them where `all`.
   void tell_tags(Nanoseconds time, bool all, const Tell& tell);
+  /// Where parts are that have moved since the last time, as frames part/NAME in the world; all of them where
+  /// `all`. A part that is not in the world has none. At most 50 times a second.
+  void tell_parts(Nanoseconds time, bool all, const Tell& tell);
   void tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
                 const Location& where, const Tell& tell);
   /// A task has come to a line.
@@ -89,6 +92,9 @@ class CellChannels {
   messages::control_msgs::msg::DynamicJointState dynamic_;
   std::vector<std::vector<std::size_t>> dynamic_states_;
   std::vector<Tag> tags_;
+  messages::tf2_msgs::msg::TFMessage parts_;
+  std::vector<std::optional<Pose>> parts_told_;  ///< by part; nothing: not in the world
+  Nanoseconds parts_at_ = -1;
   std::vector<std::byte> sample_room_, event_room_;
 };
 

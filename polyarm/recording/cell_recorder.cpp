@@ -102,6 +102,7 @@ class Session {
     const bool all = now - told_all_ >= kChunk;
     if (all) told_all_ = now;
     channels_.tell_tags(now, all, events());
+    channels_.tell_parts(now, all, events());
     if (all) channels_.tell_health(now, events());
     if (lock_step_) pass();
   }

@@ -69,6 +69,27 @@ TEST(Recorder, ATagIsAStepOfTwoMessagesAndIsSaidAgainEachSecond) {
   EXPECT_EQ(decoded(*file.of("/tags/Count").back())["data"], 4.0);
 }
 
+TEST(Recorder, PartsAreFramesWhileTheyAreInTheWorld) {
+  Demo demo;
+  demo.folder.write("scene.yaml",
+                    "polyarm: scene/1\nparts:\n  cube: {box: [0.04, 0.04, 0.04], at: [0.5, 0.2, 0.02]}\n");
+  demo.folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + Demo::robot() +
+                                     ", hardware: mock}\nscene: scene.yaml\nsignals: signals.yaml\nprogram: "
+                                     "demo.script\n");
+  const McapFile file = McapFile::read(demo.record(2.5, 100));
+  std::vector<Json> frames;
+  for (const McapMessage* message : file.of("/tf")) {
+    const Json all = decoded(*message);
+    for (const Json& frame : all["transforms"])
+      if (frame["child_frame_id"] == "part/cube") frames.push_back(frame);
+  }
+  ASSERT_GE(frames.size(), 3u) << "said again each second";
+  EXPECT_LE(frames.size(), 20u) << "a part that lies is not told in each cycle";
+  EXPECT_EQ(frames.back()["header"]["frame_id"], "world");
+  EXPECT_NEAR(frames.back()["transform"]["translation"]["x"].get<double>(), 0.5, 1e-3);
+  EXPECT_NEAR(frames.back()["transform"]["translation"]["y"].get<double>(), 0.2, 1e-3);
+}
+
 TEST(Recorder, LinesAndLogTellWhatTheProgramDid) {
   Demo demo;
   const McapFile file = McapFile::read(demo.record(3, 100));
