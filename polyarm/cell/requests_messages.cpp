@@ -9,6 +9,7 @@
 #include "polyarm/cell/message_forms.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/cell/worker.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
 
 namespace polyarm::cell {
 
@@ -154,9 +155,20 @@ Json json_of(const controllers::GoalEvent& event, const controllers::Controller&
   return out;
 }
 
-/// Follows a goal: feedback ten times a second, its result last.
-Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t goal) {
-  return [to, feedback, goal, told = Nanoseconds{0}, sample = Nanoseconds{-1},
+/// Of ros2_control's action servers, where a controller says nothing else.
+constexpr double kFeedbackRate = 20;
+
+/// How often a goal under way is told of.
+Nanoseconds feedback_period(Cell& cell, const std::string& controller) {
+  const controllers::Declared* declared =
+      parameters_of(cell, controller).find_declared("action_monitor_rate");
+  const double rate = declared ? parse_number(declared->value).value_or(kFeedbackRate) : kFeedbackRate;
+  return nanoseconds(1 / (rate > 0 ? rate : kFeedbackRate));
+}
+
+/// Follows a goal: feedback as often as its controller says, its result last.
+Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t goal, Nanoseconds every) {
+  return [to, feedback, goal, every, told = Nanoseconds{0}, sample = Nanoseconds{-1},
           accepted = false](Cell& cell) mutable {
     controllers::Controller* controller = cell.loop().controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was taken away");
@@ -167,12 +179,14 @@ Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t g
       Json out = json_of(event, *controller);
       return first ? Progress::more(std::move(out)) : Progress::done(std::move(out));
     }
+    // It ended between the message and its first look at it: the goal is not begun any more.
+    if (!accepted) require_active(cell, to.controller);
     controllers::Output* state = controller->find_output(feedback);
-    if (!accepted || !state || cell.now() - told < 100'000'000) return Progress{};
+    if (!accepted || !state || cell.now() - told < every) return Progress{};
     state->fetch();
     if (state->value().time == sample) return Progress{};
     sample = state->value().time;
-    told = cell.now();
+    told += cell.now() - told < 2 * every ? every : cell.now() - told;  // no less often than asked for
     return Progress::more({{"goal", goal}, {"feedback", Json::parse(message_json(*state))}});
   };
 }
@@ -265,8 +279,39 @@ Poll send_message(Cell& cell, const Json& arguments) {
     const std::uint64_t id = controller->receive(to.port, *reading->message, action);
     reading->message.reset();
     if (!action) return Progress::done({{"to", to.controller + "/" + to.port}});
-    follow = follow_goal(to, feedback, id);
+    follow = follow_goal(to, feedback, id, feedback_period(c, to.controller));
     return follow(c);
+  };
+}
+
+/// Where a trajectory controller's trajectory will be at `at` s of cell time.
+Poll query_state(Cell& cell, const Json& arguments) {
+  const std::string name = text_argument(arguments, "name");
+  const Nanoseconds at = nanoseconds(number_argument(arguments, "at", seconds(cell.now())));
+  controller_state(cell, name);  // it is known
+  return [name, at, asked = false](Cell& c) mutable {
+    auto* controller =
+        dynamic_cast<controllers::JointTrajectoryController*>(c.loop().controllers().find(name));
+    if (!controller)
+      throw Error("no-trajectories", "'" + name + "' follows no trajectories", "ask a trajectory controller");
+    if (controller_state(c, name) != hardware::LifecycleState::active) {
+      if (asked) controller->forget_sample();
+      throw Error("not-active", "the controller '" + name + "' is not active",
+                  "start it, and give it a goal");
+    }
+    asked = asked || controller->ask_sample(at);
+    const auto* sampled = asked ? controller->sampled() : nullptr;
+    if (!sampled) return Progress{};
+    const Json out{{"joints", controller->told_joints()},
+                   {"found", sampled->found},
+                   {"position", sampled->position},
+                   {"velocity", sampled->velocity},
+                   {"acceleration", sampled->acceleration}};
+    controller->forget_sample();
+    if (!out["found"].get<bool>())
+      throw Error("no-trajectory", "no trajectory leads all joints of '" + name + "' at that time",
+                  "ask for a time between the start and the end of one that is under way");
+    return Progress::done(out);
   };
 }
 
@@ -330,6 +375,12 @@ const std::vector<RequestRow>& message_rows() {
         "end a goal that is under way",
         true},
        goal_cancel},
+      {{"query",
+        {{"name", kText, true}, {"at", kNumber}},
+        "{joints, found, position, velocity, acceleration}",
+        "where the trajectory of a controller will be at a cell time, s; now without one",
+        false},
+       query_state},
       {{"watch",
         {{"name", kText, true}, {"rate", kNumber}},
         "the message in its ROS shape",

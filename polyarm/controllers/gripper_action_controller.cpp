@@ -42,7 +42,7 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   p.read("max_velocity_interface", speed_interface_, {"command interface that is told the velocity"});
   p.read("state_interfaces", states,
          {"states that are read; here position, and velocity where there is one"});
-  p.read("action_monitor_rate", monitor, {"Hz at which the goal is looked at; here every cycle"});
+  p.read("action_monitor_rate", monitor, {"Hz at which the goal is told of; it is looked at every cycle"});
   by_effort_ = command == "effort";
   if (joint.empty())
     p.problems().error("missing-parameter", {}, "it is not said which joint the gripper has",

@@ -54,6 +54,12 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
   scale_ = trajectory::TimeScale();
   stopping_for_ = 0;
   command_all(0);
+  // A message that came when it had just ended was meant for then.
+  while (TrajectoryGoal* goal = inbox_.take())
+    if (goal->bridged)
+      refuse(goal, GoalRefusal::busy);
+    else
+      arrive(goal, cycle);
   return CallbackReturn::success;
 }
 
@@ -531,6 +537,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
   }
   command_all(period_s_);
   publish(cycle);
+  answer_sample(cycle);
   return ReturnType::ok;
 }
 

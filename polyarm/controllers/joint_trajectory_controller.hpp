@@ -41,12 +41,25 @@ class JointTrajectoryController : public Controller {
   std::optional<GoalEvent> next_goal_event() override;
   std::string refuse_changes(const std::vector<ParameterChange>& changes) const override;
 
+  /// Where a trajectory under way will have the joints.
+  struct Sampled {
+    bool found = false;  ///< every joint is led by a trajectory that has begun by then and not ended
+    std::vector<double> position, velocity, acceleration;  ///< of joints(), rad or m, per s, per s²
+  };
+  /// Cell thread: asks for the cell time `at`, as if time went on as planned; answered with the next update.
+  /// False while an earlier question is open. One that nobody waits for any more is taken back.
+  bool ask_sample(Nanoseconds at);
+  const Sampled* sampled();  ///< null: no answer yet; the address stays until the next question
+  void forget_sample();
+
   /// Cell thread. A number for the next goal.
   std::uint64_t new_goal_id() { return next_id_++; }
   /// Cell thread. False when the inbox is full; the goal stays with the caller.
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
   const std::vector<std::string>& joints() const { return joints_; }
+  /// As the user names them.
+  const std::vector<std::string>& told_joints() const { return told_joints_; }
   /// Of its cycles, s; what a planned path must be made for. Once configured.
   double period() const { return period_s_; }
 
@@ -103,6 +116,8 @@ class JointTrajectoryController : public Controller {
                   double tolerance = 0) noexcept;
   void command_all(double dt) noexcept;
   void publish(const Cycle& cycle) noexcept;
+  void answer_sample(const Cycle& cycle) noexcept;
+  bool sample_track(const Track& track, double ahead) noexcept;
   double position_error(std::size_t joint) const noexcept;
   GoalRefusal check_start(const TrajectoryGoal& goal) noexcept;
   double scaling() noexcept;
@@ -155,6 +170,10 @@ class JointTrajectoryController : public Controller {
   realtime::Handover<TrajectoryGoal> inbox_{32};
   realtime::Queue<std::uint64_t> cancels_{32};
   realtime::Queue<GoalEvent> events_{256};
+  enum class Asking : std::uint8_t { nothing, asked, answering, answered };
+  std::atomic<Asking> asking_{Asking::nothing};
+  Nanoseconds asked_time_ = 0;
+  Sampled sampled_;
   std::atomic<double> asked_factor_{1};
   std::atomic<Nanoseconds> now_{0};
   GoalStatus status_;

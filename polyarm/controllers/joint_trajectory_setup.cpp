@@ -205,7 +205,7 @@ void JointTrajectoryController::read_behaviour(ControllerContext& context) {
           .changeable = true,
           .least = 0});
   p.read("action_monitor_rate", monitor,
-         {.text = "Hz at which goals are looked at; here every cycle", .least = 0});
+         {.text = "Hz at which a goal under way is told of; it is looked at every cycle", .least = 0});
   p.read("speed_scaling.initial_scaling_factor", initial_scaling_,
          {.text = "speed at the start, 1: as planned", .least = 0});
   p.read("speed_scaling.state_interface", state_interface, {"state interface that says the speed"});
@@ -267,10 +267,10 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
   read_behaviour(context);
   make_output();
   const std::size_t n = joints_.size();
-  for (auto* values :
-       {&position_, &velocity_, &acceleration_, &effort_, &measured_position_, &measured_velocity_,
-        &plan_velocity_, &plan_acceleration_, &error_, &error_velocity_, &output_, &sample_position_,
-        &sample_velocity_, &sample_acceleration_, &sample_effort_})
+  for (auto* values : {&position_, &velocity_, &acceleration_, &effort_, &measured_position_,
+                       &measured_velocity_, &plan_velocity_, &plan_acceleration_, &error_, &error_velocity_,
+                       &output_, &sample_position_, &sample_velocity_, &sample_acceleration_, &sample_effort_,
+                       &sampled_.position, &sampled_.velocity, &sampled_.acceleration})
     values->assign(n, 0.0);
   leader_.assign(n, -1);
   braking_.assign(n, {});

@@ -58,5 +58,44 @@ TEST(Pacing, ALoopHasOneClock) {
   }
 }
 
+/// Rings in the tick itself, so that its request is there before the next one.
+struct Ringing : cell::Door {
+  int rings = 5;
+  std::string seen;
+  std::shared_ptr<realtime::Bell> bell;
+  void serve() override {
+    seen += 's';
+    if (bell && rings-- > 0) bell->ring();
+  }
+  void take() override { seen += 't'; }
+  void set_bell(const std::shared_ptr<realtime::Bell>& given) override { bell = given; }
+  std::string address() const override { return "nowhere"; }
+};
+
+TEST(Pacing, WhatRingsIsTakenBeforeTheNextTick) {
+  const test::Folder folder;
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  cell::Observer nobody;
+  cell::Cell cell(
+      cell::read_cell_file(folder.write(
+          "cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + std::string(POLYARM_SOURCE_DIR) +
+                           "/examples/r6bot/r6bot.urdf, hardware: mock}\n")),
+      description::Catalogue({}), {}, nobody);
+  Ringing door;
+  cell::RunOptions options;
+  options.socket = options.console = false;
+  options.seconds = 0.1;
+  options.doors = {&door};
+  cell::run(cell, options, nobody);
+  EXPECT_EQ(door.bell, nullptr) << "it is taken down at the end";
+  std::size_t at = 0;
+  for (int i = 0; i < 5; ++i) {
+    at = door.seen.find('s', at);
+    ASSERT_LT(at + 1, door.seen.size()) << door.seen;
+    EXPECT_EQ(door.seen[++at], 't') << "ring " << i << " of " << door.seen;
+  }
+}
+
 }  // namespace
 }  // namespace polyarm

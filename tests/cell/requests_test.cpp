@@ -447,11 +447,39 @@ TEST_F(RequestsTest, AGoalIsAcceptedFollowedAndFinished) {
       EXPECT_TRUE(answer["more"].get<bool>());
       EXPECT_TRUE(answer["result"]["feedback"]["error"]["positions"].is_array());
     }
-  EXPECT_NEAR(feedback, 10, 3);  // ten times a second
+  EXPECT_NEAR(feedback, 20, 3);  // twenty times a second, as from ros2_control
   EXPECT_EQ(answers->back()["result"]["status"], "succeeded");
   EXPECT_EQ(answers->back()["result"]["error_code"], 0);
   EXPECT_FALSE(answers->back().contains("more"));
   EXPECT_NEAR(cell.value_of("states", "arm/joint_2/position"), -0.3, 1e-6);
+}
+
+TEST_F(RequestsTest, ItIsToldWhereATrajectoryWillBe) {
+  const auto ask = [&](Json request) {
+    request["request"] = "query";
+    request["name"] = "follow";
+    const auto answers = cell.give(std::move(request));
+    cell.run(0.01);
+    return answers->empty() ? Json() : answers->back();
+  };
+  EXPECT_EQ(ask(Json::object())["error"]["code"], "no-trajectory") << "nothing is under way";
+  cell.give(Json{{"request", "send"}, {"to", "follow"}, {"message", trajectory(0.3, 1)}, {"goal", true}});
+  cell.run(0.2);
+  const double now = seconds(cell.cell().now());
+  const Json soon = ask({{"at", now + 0.4}})["result"];
+  const Json at_once = ask(Json::object())["result"];
+  ASSERT_EQ(soon["joints"].size(), soon["position"].size());
+  const auto moved = [](const Json& sample) {
+    double out = 0;
+    for (const Json& position : sample["position"]) out = std::max(out, std::abs(position.get<double>()));
+    return out;
+  };
+  EXPECT_GT(moved(soon), moved(at_once) + 0.05);
+  cell.run(0.4 - 0.02);
+  EXPECT_NEAR(moved(ask(Json::object())["result"]), moved(soon), 0.01) << "it is where it was foretold";
+  EXPECT_EQ(ask({{"at", now + 5}})["error"]["code"], "no-trajectory") << "it is over by then";
+  cell.run(2);
+  EXPECT_EQ(ask({{"name", "follow"}})["error"]["code"], "no-trajectory");
 }
 
 TEST_F(RequestsTest, AGoalIsCanceled) {

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/realtime/periodic.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -286,6 +287,24 @@ TEST_F(SocketDoorTest, OpenRequestsOutliveTheDoorWithoutHarm) {
   door.reset();
   cell.run(0.5);
   EXPECT_EQ(cell.cell().requests().open(), 0u);
+}
+
+/// One ring, one look, and no tick: a request does not wait for the time.
+TEST_F(SocketDoorTest, ALineRingsTheBellAndIsAnsweredWithoutATick) {
+  const auto bell = std::make_shared<realtime::Bell>();
+  door->set_bell(bell);
+  Peer peer(door->path());
+  for (std::size_t i = 1; i <= 20; ++i) {
+    ASSERT_TRUE(peer.say("{\"request\":\"control.chains\"}\n"));
+    ASSERT_TRUE(bell->wait_until(realtime::monotonic_now() + 60'000'000'000)) << "nobody rang";
+    door->serve(cell.cell().requests());
+    for (int n = 0; n < 60 && peer.lines() < i; ++n) peer.listen(1000);
+    ASSERT_EQ(peer.lines(), i);
+  }
+  door->set_bell(nullptr);
+  ASSERT_TRUE(peer.say("{\"request\":\"control.chains\"}\n"));
+  EXPECT_TRUE(hears(peer, 21));
+  EXPECT_FALSE(bell->wait_until(0)) << "it is rung no more";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/realtime/periodic.hpp"
 #include "tests/support/lock_step_cell.hpp"
 #include "tests/support/web_peer.hpp"
 
@@ -474,6 +475,28 @@ TEST_F(PendantTest, NoiseOnTheSocketIsAnsweredAndChangesNothing) {
     }
   }
   EXPECT_EQ(code(ask(*peer, {{"request", "health"}})), "ok");
+}
+
+/// One ring, one look, and no tick: a request does not wait for the time.
+TEST_F(PendantTest, ARequestRingsTheBellAndIsTakenWithoutATick) {
+  const auto bell = std::make_shared<realtime::Bell>();
+  pendant->set_bell(bell);
+  const auto peer = connect();
+  const Nanoseconds time = cell->cell().now();
+  for (int i = 1; i <= 20; ++i) {
+    const std::uint64_t before = pendant->counts().requests;
+    peer->send({{"request", "health"}, {"id", i}});
+    ASSERT_TRUE(bell->wait_until(realtime::monotonic_now() + 60'000'000'000)) << "nobody rang";
+    pendant->take();
+    EXPECT_EQ(pendant->counts().requests, before + 1);
+  }
+  EXPECT_EQ(cell->cell().now(), time);
+  EXPECT_TRUE(served_until([&] {
+    peer->listen();
+    peer->take();
+    return !peer->answer(20).is_null();
+  }));
+  pendant->set_bell(nullptr);
 }
 
 }  // namespace
