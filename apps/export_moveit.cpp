@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -126,6 +127,9 @@ std::string joint_limits_yaml(const RobotModel& model) {
     out += "  " + joint.name + ":\n";
     limit("velocity", joint.limits.velocity);
     limit("acceleration", joint.limits.acceleration);
+    if (joint.limits.acceleration)
+      out += "    has_deceleration_limits: true\n    max_deceleration: " +
+             decimal(-joint.limits.deceleration.value_or(*joint.limits.acceleration)) + "\n";
     if (joint.limits.jerk) limit("jerk", joint.limits.jerk);
   }
   return out;
@@ -178,6 +182,61 @@ std::string own_controllers_yaml(cell::Cell& cell, const cell::CellRobot& robot)
   return manager + each;
 }
 
+constexpr const char* kAdapters = R"(request_adapters:
+  - default_planning_request_adapters/ResolveConstraintFrames
+  - default_planning_request_adapters/ValidateWorkspaceBounds
+  - default_planning_request_adapters/CheckStartStateBounds
+  - default_planning_request_adapters/CheckStartStateCollision
+response_adapters:
+)";
+constexpr const char* kValidate =
+    "  - default_planning_response_adapters/ValidateSolution\n"
+    "  - default_planning_response_adapters/DisplayMotionPath\n";
+
+std::string ompl_yaml(const RobotModel& model) {
+  constexpr const char* kPlanners[] = {"RRTConnect", "RRT", "RRTstar", "PRM", "EST", "BiTRRT"};
+  std::string out = "planning_plugins: [ompl_interface/OMPLPlanner]\n" + std::string(kAdapters) +
+                    "  - default_planning_response_adapters/AddTimeOptimalParameterization\n" + kValidate +
+                    "planner_configs:\n";
+  std::vector<std::string> names;
+  for (const std::string name : kPlanners) {
+    out += fmt::format("  {0}: {{type: geometric::{0}}}\n", name);
+    names.push_back(name);
+  }
+  for (const GroupInfo& group : model.groups)
+    out += fmt::format(
+        "{}:\n  default_planner_config: {}\n  planner_configs: [{}]\n  longest_valid_segment_fraction: "
+        "0.005\n",
+        group.name, names.front(), join(names, ", "));
+  return out;
+}
+
+/// Pilz plans with limits of acceleration alone.
+bool pilz_can_plan(const RobotModel& model) {
+  return std::all_of(model.actuated.begin(), model.actuated.end(), [&](int index) {
+    const description::JointLimits& limits = joint_at(model, index).limits;
+    return limits.velocity && limits.acceleration;
+  });
+}
+
+std::string pilz_yaml() {
+  return std::string(
+             "planning_plugins: [pilz_industrial_motion_planner/CommandPlanner]\n"
+             "default_planner_config: PTP\n") +
+         kAdapters + kValidate +
+         "capabilities: pilz_industrial_motion_planner/MoveGroupSequenceAction "
+         "pilz_industrial_motion_planner/MoveGroupSequenceService\n";
+}
+
+/// Of lines and arcs, as the cell plans them itself.
+std::string cartesian_limits_yaml(const cell::Cell& cell) {
+  const motion::TcpLimits& tcp = cell.pace().tcp;
+  return fmt::format(
+      "cartesian_limits:\n  max_trans_vel: {}\n  max_trans_acc: {}\n  max_trans_dec: {}\n  max_rot_vel: "
+      "{}\n",
+      decimal(tcp.speed), decimal(tcp.acceleration), decimal(-tcp.acceleration), decimal(tcp.turn_speed));
+}
+
 constexpr const char* kLaunch =
     R"(# ros2 launch ./moveit.launch.py beside a running cell: polyarm run CELL --ros2
 from pathlib import Path
@@ -201,29 +260,48 @@ def generate_launch_description():
     planning = {{
         "planning_pipelines": ["ompl"],
         "default_planning_pipeline": "ompl",
-        "ompl": {{
-            "planning_plugins": ["ompl_interface/OMPLPlanner"],
-            "request_adapters": [
-                "default_planning_request_adapters/ResolveConstraintFrames",
-                "default_planning_request_adapters/ValidateWorkspaceBounds",
-                "default_planning_request_adapters/CheckStartStateBounds",
-                "default_planning_request_adapters/CheckStartStateCollision",
-            ],
-            "response_adapters": [
-                "default_planning_response_adapters/AddTimeOptimalParameterization",
-                "default_planning_response_adapters/ValidateSolution",
-            ],
-        }},
+        "ompl": read("ompl_planning.yaml"),
+    }}
+    if (here / "pilz_industrial_motion_planner_planning.yaml").exists():
+        pilz = read("pilz_industrial_motion_planner_planning.yaml")
+        planning["planning_pipelines"].append("pilz_industrial_motion_planner")
+        planning["pilz_industrial_motion_planner"] = pilz
+        planning["capabilities"] = pilz["capabilities"]
+        limits["robot_description_planning"].update(read("pilz_cartesian_limits.yaml"))
+    scene = {{
+        "publish_planning_scene": True,
+        "publish_geometry_updates": True,
+        "publish_state_updates": True,
+        "publish_transforms_updates": True,
         "publish_robot_description_semantic": True,
     }}
     common = [description, semantic, kinematics, limits]
     return LaunchDescription([
         Node(package="moveit_ros_move_group", executable="move_group", output="screen",
-             parameters=common + [planning, read("moveit_controllers.yaml")],
+             parameters=common + [planning, scene, read("moveit_controllers.yaml")],
              remappings=[("joint_states", "{joint_states}")]),
-        Node(package="rviz2", executable="rviz2", output="log", parameters=common),
+        Node(package="rviz2", executable="rviz2", output="log", parameters=common + [planning]),
     ])
 )";
+
+bool is_at_origin(const Pose& pose) {
+  return pose.position.x == 0 && pose.position.y == 0 && pose.position.z == 0 &&
+         std::abs(pose.rotation.w) == 1;
+}
+
+/// Where the robot stands elsewhere than at the origin, the description begins with the world.
+std::string in_world(std::string urdf, const RobotModel& model, const Pose& base) {
+  const std::string& root = model.links[static_cast<std::size_t>(model.root)].name;
+  if (is_at_origin(base) || root == "world") return urdf;
+  const Vec3 rpy = to_rpy(base.rotation);
+  const std::size_t begin = urdf.find('>', urdf.find("<robot")) + 1;
+  urdf.insert(begin,
+              fmt::format("\n    <link name=\"world\"/>\n    <joint name=\"world_to_{0}\" type=\"fixed\">"
+                          "<parent link=\"world\"/><child link=\"{0}\"/><origin xyz=\"{1} {2} {3}\" "
+                          "rpy=\"{4} {5} {6}\"/></joint>",
+                          root, base.position.x, base.position.y, base.position.z, rpy.x, rpy.y, rpy.z));
+  return urdf;
+}
 
 }  // namespace
 
@@ -234,12 +312,19 @@ MoveItFiles moveit_files(cell::Cell& cell, std::size_t index, int samples) {
   add_groups(model, robot.entry.name, actors);
   const auto pairs = description::needless_pairs(model, samples);
   MoveItFiles out;
-  out.texts["robot.urdf"] = description::write_plain_urdf(model);
-  out.texts["robot.srdf"] = description::write_srdf(model, pairs);
+  const Pose& base = robot.entry.base;
+  out.texts["robot.urdf"] = in_world(description::write_plain_urdf(model), model, base);
+  out.texts["robot.srdf"] = description::write_srdf(model, pairs, is_at_origin(base));
   out.texts["kinematics.yaml"] = kinematics_yaml(model);
   out.texts["joint_limits.yaml"] = joint_limits_yaml(model);
+  out.texts["ompl_planning.yaml"] = ompl_yaml(model);
+  if (pilz_can_plan(model)) {
+    out.texts["pilz_industrial_motion_planner_planning.yaml"] = pilz_yaml();
+    out.texts["pilz_cartesian_limits.yaml"] = cartesian_limits_yaml(cell);
+  }
   out.texts["moveit_controllers.yaml"] = controllers_yaml(actors);
-  out.texts["moveit.launch.py"] = fmt::format(kLaunch, fmt::arg("joint_states", "/joint_states"));
+  const std::string of = cell.robots().size() == 1 ? "" : "/" + robot.entry.name;
+  out.texts["moveit.launch.py"] = fmt::format(kLaunch, fmt::arg("joint_states", of + "/joint_states"));
   const auto& files = cell.file().controllers;
   for (std::size_t i = 0; i < files.size(); ++i)
     out.texts[files.size() == 1 ? "ros2_controllers.yaml" : fmt::format("ros2_controllers_{}.yaml", i + 1)] =

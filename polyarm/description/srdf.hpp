@@ -19,8 +19,8 @@ void read_srdf(std::string_view text, const std::string& file, RobotModel& model
 
 /// The model's groups, their named states, end effectors and `pairs` as SRDF, which reads back equal. A group
 /// whose links hang one below the other is written as a chain, any other as its joints. The root hangs on
-/// `world`.
-std::string write_srdf(const RobotModel& model, const std::vector<LinkPair>& pairs);
+/// `world` unless the description itself says where (`hung` false).
+std::string write_srdf(const RobotModel& model, const std::vector<LinkPair>& pairs, bool hung = true);
 
 /// Where the SRDF of a description would be: `arm.srdf` beside arm.urdf, arm.xacro or arm.urdf.xacro.
 std::filesystem::path srdf_beside(const std::filesystem::path& description);

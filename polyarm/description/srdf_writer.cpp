@@ -14,7 +14,7 @@ class SrdfWriter {
  public:
   explicit SrdfWriter(const RobotModel& model) : model_{model} {}
 
-  std::string write(const std::vector<LinkPair>& pairs) {
+  std::string write(const std::vector<LinkPair>& pairs, bool hung) {
     xml_.PushHeader(false, true);
     open("robot", {{"name", model_.name}});
     for (const GroupInfo& group : model_.groups) write_group(group);
@@ -22,7 +22,7 @@ class SrdfWriter {
       for (const auto& [name, values] : model_.named_states) write_state(group, name, values);
     for (const EndEffectorInfo& e : model_.end_effectors) write_end_effector(e);
     const std::string& root = link(model_.root);
-    if (root != "world")
+    if (hung && root != "world")
       leaf("virtual_joint",
            {{"name", "fixed_base"}, {"type", "fixed"}, {"parent_frame", "world"}, {"child_link", root}});
     for (const LinkPair& pair : pairs)
@@ -85,8 +85,8 @@ class SrdfWriter {
 
 }  // namespace
 
-std::string write_srdf(const RobotModel& model, const std::vector<LinkPair>& pairs) {
-  return SrdfWriter(model).write(pairs);
+std::string write_srdf(const RobotModel& model, const std::vector<LinkPair>& pairs, bool hung) {
+  return SrdfWriter(model).write(pairs, hung);
 }
 
 }  // namespace polyarm::description

@@ -37,7 +37,7 @@ class ExportMoveIt : public ::testing::Test {
     EXPECT_FALSE(problems_.has_errors());
   }
   std::string text(const std::string& name) const {
-    std::ifstream in(folder_ / "out" / name);
+    std::ifstream in(folder_ / "out" / robot_ / name);
     EXPECT_TRUE(in) << name;
     return {std::istreambuf_iterator<char>(in), {}};
   }
@@ -49,6 +49,7 @@ class ExportMoveIt : public ::testing::Test {
   }
 
   const fs::path folder_ = fs::temp_directory_path() / ("polyarm_export_" + std::to_string(::getpid()));
+  std::string robot_;  ///< of several
   description::RobotModel model_;
   Problems problems_;
 };
@@ -88,8 +89,78 @@ arm_controller:
   const Yaml limits = yaml("joint_limits.yaml")["joint_limits"];
   EXPECT_TRUE(limits["elbow_joint"]["has_velocity_limits"].boolean());
   EXPECT_GT(limits["elbow_joint"]["max_velocity"].number(), 1);
+  EXPECT_LT(limits["elbow_joint"]["max_deceleration"].number(), 0) << "Pilz's readers want it so";
+  const Yaml ompl = yaml("ompl_planning.yaml");
+  EXPECT_EQ(ompl["planning_plugins"].texts(), std::vector<std::string>{"ompl_interface/OMPLPlanner"});
+  for (const std::string& planner : ompl["arm"]["planner_configs"].texts())
+    EXPECT_TRUE(ompl["planner_configs"][planner].has("type")) << planner;
+  EXPECT_EQ(yaml("pilz_industrial_motion_planner_planning.yaml")["default_planner_config"].text(), "PTP");
+  const Yaml cartesian = yaml("pilz_cartesian_limits.yaml")["cartesian_limits"];
+  EXPECT_GT(cartesian["max_trans_acc"].number(), 0);
+  EXPECT_LT(cartesian["max_trans_dec"].number(), 0);
+  EXPECT_NE(text("robot.srdf").find("<virtual_joint name=\"fixed_base\""), std::string::npos);
   EXPECT_EQ(yaml("ros2_controllers.yaml")["arm_controller"]["ros__parameters"]["joints"].texts().size(), 6u);
   EXPECT_NE(text("moveit.launch.py").find("move_group"), std::string::npos);
+}
+
+/// Of a Panda, its hand among what moves, and of an arm that xacro makes.
+TEST_F(ExportMoveIt, APandaAndAnArmInXacroAreReadBackWhole) {
+  std::ofstream(folder_ / "arm.urdf.xacro")
+      << R"(<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="maker">
+  <xacro:macro name="part" params="name parent length">
+    <link name="${name}_link"><collision><origin xyz="0 0 ${length/2}"/><geometry><cylinder radius="0.04" length="${length}"/></geometry></collision></link>
+    <joint name="${name}" type="revolute"><parent link="${parent}"/><child link="${name}_link"/><origin xyz="0 0 ${length}"/>
+      <axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1.5" effort="20"/></joint>
+  </xacro:macro>
+  <link name="base_link"/>
+  <xacro:part name="one" parent="base_link" length="0.3"/>
+  <xacro:part name="two" parent="one_link" length="0.25"/>
+  <xacro:part name="three" parent="two_link" length="0.2"/>
+</robot>)";
+  for (const std::string model : {"franka/fer_panda", "arm.urdf.xacro"}) {
+    SCOPED_TRACE(model);
+    fs::remove_all(folder_ / "out");
+    model_ = {};
+    std::ofstream(folder_ / "cell.yaml")
+        << "polyarm: cell/1\nrobots:\n  arm: {model: " << model << ", hardware: mock}\n";
+    export_cell(folder_.string());
+    ASSERT_TRUE(group("arm"));
+    const Yaml controllers = yaml("moveit_controllers.yaml")["moveit_simple_controller_manager"];
+    const std::string name = controllers["controller_names"].texts().front();
+    for (const std::string& joint : controllers[name]["joints"].texts()) {
+      EXPECT_GE(model_.find_joint(joint), 0) << "a controller moves a joint that the description has not";
+      EXPECT_TRUE(yaml("joint_limits.yaml")["joint_limits"].has(joint)) << joint;
+    }
+    EXPECT_TRUE(yaml("ompl_planning.yaml").has("arm"));
+    EXPECT_TRUE(yaml("kinematics.yaml").has("arm"));
+    const bool pilz = fs::exists(folder_ / "out" / "pilz_industrial_motion_planner_planning.yaml");
+    EXPECT_EQ(pilz, model == "franka/fer_panda") << "it plans where limits of acceleration are known";
+  }
+}
+
+/// Each has files of its own, stands where it stands in the cell, and is told of its own joints.
+TEST_F(ExportMoveIt, TwoArmsAreTwoRobotsInOneWorld) {
+  std::ofstream(folder_ / "cell.yaml")
+      << "polyarm: cell/1\nrobots:\n  left: {model: universal_robots/ur5e, hardware: mock}\n"
+         "  right: {model: universal_robots/ur5e, hardware: mock, xyz: [1, 0.5, 0], rpy: [0, 0, 90deg]}\n";
+  robot_ = "left";
+  export_cell(folder_.string());
+  EXPECT_NE(text("robot.srdf").find("virtual_joint"), std::string::npos) << "it stands at the origin";
+  EXPECT_NE(text("moveit.launch.py").find("/left/joint_states"), std::string::npos);
+  robot_ = "right";
+  model_ = description::read_urdf(text("robot.urdf"), "robot.urdf", problems_);
+  description::read_srdf(text("robot.srdf"), "robot.srdf", model_, problems_);
+  EXPECT_FALSE(problems_.has_errors());
+  EXPECT_EQ(text("robot.srdf").find("virtual_joint"), std::string::npos);
+  const int joint = model_.find_joint("world_to_base_link");
+  ASSERT_GE(joint, 0);
+  EXPECT_EQ(model_.links[static_cast<std::size_t>(model_.root)].name, "world");
+  const Pose& origin = model_.joints[static_cast<std::size_t>(joint)].origin;
+  EXPECT_NEAR(origin.position.x, 1, 1e-9);
+  EXPECT_NEAR(to_rpy(origin.rotation).z, 1.5707963, 1e-6);
+  EXPECT_NE(text("moveit.launch.py").find("/right/joint_states"), std::string::npos);
+  EXPECT_EQ(yaml("moveit_controllers.yaml")["moveit_simple_controller_manager"]["controller_names"].texts(),
+            std::vector<std::string>{"right_joint_trajectory_controller"});
 }
 
 /// What sampling left out never touches, in other samples than those that it looked at.
