@@ -19,6 +19,8 @@ using Cancel = messages::action_msgs::srv::CancelGoal::Response;
 constexpr Nanoseconds kKept = 60'000'000'000;
 constexpr std::size_t kMostKept = 100;
 constexpr Nanoseconds kTellAgain = 5'000'000'000;
+/// Of control_msgs/FollowJointTrajectory.
+constexpr int kInvalidGoal = -1;
 
 struct Goal {
   Json id;  ///< {"uuid": […]}
@@ -41,9 +43,10 @@ Json feedback_of(const std::string& type, Json sample) {
   return out;
 }
 
-Json result_of(const std::string& type, const Json& ended) {
+Json result_of(const std::string& type, const Json& ended, const std::string& why = {}) {
   if (type.ends_with("FollowJointTrajectory")) {
     std::string text = ended.value("error", std::string());
+    if (!why.empty()) text += (text.empty() ? "" : ": ") + why;
     if (ended.contains("joint") && ended["off_by"].is_number())
       text += ": " + ended["joint"].get<std::string>() + " is off by " + ended["off_by"].dump() +
               ", allowed " + ended.value("tolerance", Json()).dump();
@@ -119,8 +122,10 @@ class Server : public std::enable_shared_from_this<Server> {
     if (message.contains("goal_time_tolerance") && nanoseconds_of(message["goal_time_tolerance"]) == 0)
       message.erase("goal_time_tolerance");
     const auto self = shared_from_this();
+    ++asking_;
     bridge_.ask({{"request", "send"}, {"to", target()}, {"message", std::move(message)}, {"goal", true}},
                 [self, goal, reply](const Json& answer) {
+                  if (goal->status == Status::STATUS_UNKNOWN) --self->asking_;
                   if (!self->closed_) self->answered(goal, answer, reply);
                 });
   }
@@ -131,7 +136,8 @@ class Server : public std::enable_shared_from_this<Server> {
         tell_refusal(answer);
         return reply({{"accepted", false}, {"stamp", goal->stamp}});
       }
-      return end(goal, Status::STATUS_ABORTED, result_of(port_.type, {{"error_code", -1}}));
+      const std::string why = answer.value("error", Json::object()).value("what", std::string());
+      return end(goal, Status::STATUS_ABORTED, result_of(port_.type, {{"error_code", kInvalidGoal}}, why));
     }
     const Json& told = answer["result"];
     if (told.contains("feedback")) return tell_feedback(*goal, told["feedback"]);
@@ -139,8 +145,19 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->number = told.value("goal", std::uint64_t{0});
     if (goal->status == Status::STATUS_UNKNOWN) accept(goal, reply);
     if (status == "succeeded") end(goal, Status::STATUS_SUCCEEDED, result_of(port_.type, told));
-    if (status == "aborted") end(goal, Status::STATUS_ABORTED, result_of(port_.type, told));
+    if (status == "aborted")
+      end(goal, Status::STATUS_ABORTED, result_of(port_.type, told, why_aborted(*goal, told)));
     if (status == "canceled") end(goal, Status::STATUS_CANCELED, result_of(port_.type, told));
+  }
+
+  /// What the code alone does not say.
+  std::string why_aborted(const Goal& goal, const Json& told) const {
+    if (told.value("error_code", 0) != kInvalidGoal) return "";
+    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+      if (c.name == port_.controller && c.state != hardware::LifecycleState::active)
+        return "the controller is not active any more";
+    const bool newer = goals_.empty() || goals_.back().get() != &goal;
+    return asking_ > 0 || newer ? "another goal took its place" : "the motion was given up at the cell";
   }
 
   /// ROS's answer has no place for the reason: a person at the cell is told, of the same one not at once
@@ -178,7 +195,8 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->waiting.push_back(std::move(reply));
   }
 
-  /// All goals where neither id nor time is given, those up to a time, and the one with the id.
+  /// All goals where neither id nor time is given, those up to a time, and the one with the id. An id alone
+  /// must be one of a goal under way; to find none in the other cases is no fault.
   void cancel_goal(const Json& request, Reply reply) {
     const Json& info = request["goal_info"];
     const bool any_id = std::all_of(info["goal_id"]["uuid"].begin(), info["goal_id"]["uuid"].end(),
@@ -186,19 +204,20 @@ class Server : public std::enable_shared_from_this<Server> {
     const std::int64_t until = nanoseconds_of(info["stamp"]);
     const GoalPointer named = any_id ? nullptr : find(info["goal_id"]);
     if (!any_id && until == 0 && !named) return reply({{"return_code", Cancel::ERROR_UNKNOWN_GOAL_ID}});
-    if (named && named->over()) return reply({{"return_code", Cancel::ERROR_GOAL_TERMINATED}});
+    const bool too_late = named && named->status >= Status::STATUS_CANCELING;
+    if (until == 0 && too_late) return reply({{"return_code", Cancel::ERROR_GOAL_TERMINATED}});
     Json canceling = Json::array();
     for (const GoalPointer& goal : goals_) {
       const bool meant =
           goal == named || (any_id && until == 0) || (until != 0 && nanoseconds_of(goal->stamp) <= until);
-      if (!meant || goal->over()) continue;
+      if (!meant || goal->over() || goal->status == Status::STATUS_CANCELING) continue;
       goal->status = Status::STATUS_CANCELING;
       canceling.push_back({{"goal_id", goal->id}, {"stamp", goal->stamp}});
       bridge_.ask({{"request", "goal.cancel"}, {"to", target()}, {"goal", goal->number}}, [](const Json&) {});
     }
-    const int code = canceling.empty() ? Cancel::ERROR_REJECTED : Cancel::ERROR_NONE;
-    reply({{"return_code", code}, {"goals_canceling", std::move(canceling)}});
-    tell_status();
+    const bool any = !canceling.empty();
+    reply({{"return_code", Cancel::ERROR_NONE}, {"goals_canceling", std::move(canceling)}});
+    if (any) tell_status();
   }
 
   void tell_feedback(const Goal& goal, Json sample) {
@@ -221,6 +240,7 @@ class Server : public std::enable_shared_from_this<Server> {
   const messages::TypeInfo* feedback_type_ = nullptr;
   Wire::Id feedback_ = 0, status_ = 0;
   std::deque<GoalPointer> goals_;
+  int asking_ = 0;  ///< goals that the cell has not answered yet
   std::string refusal_;
   Nanoseconds refused_ = 0;
   bool closed_ = false;

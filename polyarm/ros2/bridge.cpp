@@ -49,9 +49,11 @@ std::string Bridge::interface_name(const std::string& name) const {
 }
 
 void Bridge::ask(Json request, OnAnswer answer, const void* from) {
+  const bool changes = request["request"].get_ref<const std::string&>().starts_with("control.");
   cell_.requests().handle(
       request.dump(),
-      [this, answer = std::move(answer)](const std::string& line) {
+      [this, changes, answer = std::move(answer)](const std::string& line) {
+        changed_ = changed_ || changes;
         guarded([&] { answer(Json::parse(line, nullptr, false)); });
         return true;
       },

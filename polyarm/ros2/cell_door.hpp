@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/time.hpp"
@@ -39,6 +40,10 @@ class Bridge {
   /// Asks the cell as every door does; `from` keeps requests of one asker in order.
   void ask(Json request, OnAnswer answer, const void* from = nullptr);
 
+  /// Whether controllers may have changed since this was asked last: somebody has been answered who asked for
+  /// it here.
+  bool take_change() { return std::exchange(changed_, false); }
+
   /// What fails here ends neither the cell nor the door: a person is told once.
   void guarded(const std::function<void()>& work);
 
@@ -53,6 +58,8 @@ class Bridge {
   /// lock-step.
   std::int64_t ros_time(Nanoseconds cell_time) const;
   Json ros_stamp(Nanoseconds cell_time) const;
+  /// The other way round.
+  Nanoseconds cell_time(std::int64_t ros_time) const { return ros_time - offset_; }
   /// A stamp of ROS in place of one of cell time, in `message["header"]["stamp"]`, and the other way round;
   /// 0 stays 0.
   void to_ros(Json& message) const;
@@ -64,6 +71,7 @@ class Bridge {
   cell::Cell& cell_;
   Wire wire_;
   std::string space_;
+  bool changed_ = false;
   std::int64_t offset_ = 0;  ///< ros time − cell time
   /// What was seen of it: the least in this window and the one before, and in the latest few looks.
   std::int64_t least_ = 0, least_before_ = 0, recent_ = 0, window_ends_ = 0;
@@ -103,7 +111,7 @@ void offer_standard_services(Bridge& bridge, const std::string& node, ParameterS
 
 /// An action server of a controller's port.
 struct ActionPort {
-  std::string node;        ///< "/arm_controller"
+  std::string node;        ///< "/arm_controller", or a group of it
   std::string name;        ///< "/arm_controller/follow_joint_trajectory"
   std::string type;        ///< "control_msgs/action/FollowJointTrajectory"
   std::string controller;  ///< where goals go

@@ -9,6 +9,7 @@ namespace polyarm::ros2 {
 
 namespace {
 
+using Log = messages::rcl_interfaces::msg::Log;
 using Status = messages::diagnostic_msgs::msg::DiagnosticStatus;
 constexpr Nanoseconds kDiagnostics = 1'000'000'000;
 
@@ -27,6 +28,7 @@ class CellNode : public Part {
   explicit CellNode(Bridge& bridge) : bridge_{bridge}, node_{bridge.name("polyarm")} {
     diagnostics_ = bridge.wire().publisher(
         node_, "/diagnostics", messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>());
+    log_ = bridge.wire().publisher(node_, "/rosout", messages::type_info<Log>(), {true, true, 1000});
     // Nothing moves that a person has not asked for: these do what the verbs of the same names do.
     for (const char* verb : {"stop", "hold", "resume", "discard", "recover"})
       offer(verb, std::string("control.") + verb);
@@ -42,6 +44,7 @@ class CellNode : public Part {
   }
 
   void serve() override {
+    tell_events();
     const Nanoseconds now = bridge_.cell().now();
     if (told_ >= 0 && now - told_ < kDiagnostics) return;
     told_ = now;
@@ -50,6 +53,34 @@ class CellNode : public Part {
   }
 
  private:
+  /// What a person at the cell is told, ROS's tools are told on /rosout.
+  void tell_events() {
+    for (const cell::EventLog::Event& event : bridge_.cell().events().events())
+      if (event.number > last_event_) tell_event(event.json);
+    last_event_ = bridge_.cell().events().last();
+  }
+  void tell_event(const Json& event) {
+    const std::string kind = event["event"];
+    const auto text = [&](const char* key) { return event.value(key, std::string()); };
+    std::string message = text("text"), name = "polyarm";
+    if (kind == "problem")
+      message = text("what") + (text("advice").empty() ? "" : " (" + text("advice") + ")");
+    else if (kind == "state")
+      message = text("state") + (text("cause").empty() ? "" : ": " + text("cause"));
+    else if (kind == "log")
+      name += "." + text("task");
+    else if (kind != "note" && kind != "stop" && kind != "question")
+      return;  // lines and tags come too often
+    const bool problem = kind == "problem";
+    const int level = !problem ? Log::INFO : text("severity") == "error" ? Log::ERROR : Log::WARN;
+    const Json out{{"stamp", bridge_.ros_stamp(bridge_.cell().now())},
+                   {"level", level},
+                   {"name", name},
+                   {"msg", message},
+                   {"file", problem ? text("where") : ""}};
+    bridge_.wire().publish(log_, messages::from_json(messages::type_info<Log>(), out));
+  }
+
   void trigger(const std::string& service, std::function<void(const Reply&)> work) {
     bridge_.service(node_, node_ + "/" + service, "std_srvs/srv/Trigger",
                     [work = std::move(work)](const Json&, const Reply& reply) { work(reply); });
@@ -118,7 +149,8 @@ class CellNode : public Part {
 
   Bridge& bridge_;
   std::string node_;
-  Wire::Id diagnostics_ = 0;
+  Wire::Id diagnostics_ = 0, log_ = 0;
+  std::uint64_t last_event_ = 0;
   Nanoseconds told_ = -1;
   std::uint64_t bad_ = 0;
 };

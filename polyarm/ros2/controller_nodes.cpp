@@ -38,11 +38,13 @@ Json in_ros_shape(const std::string& type, Json message) {
   return message;
 }
 
-/// What a controller puts out on one topic.
+/// What a controller puts out on one topic. Of joint states, those of one `robot` alone, without its name,
+/// where one is given.
 class OutputTopic {
  public:
-  OutputTopic(Bridge& bridge, const std::string& node, const std::string& topic, const Output& output)
-      : bridge_{bridge}, port_{output.name()}, type_{output.type()} {
+  OutputTopic(Bridge& bridge, const std::string& node, const std::string& topic, const Output& output,
+              const std::string& robot = {})
+      : bridge_{bridge}, port_{output.name()}, type_{output.type()}, robot_{robot} {
     const bool transform = type_ == "geometry_msgs/TransformStamped";
     info_ = bridge.wire().find_type(transform ? "tf2_msgs/TFMessage" : type_);
     if (info_)
@@ -69,21 +71,12 @@ class OutputTopic {
 
   /// Three fields for each joint, without the way through JSON: this one is asked for at the loop's rate.
   std::vector<std::byte> joint_states(const Output& output) {
-    const auto& fields = output.fields();
     const auto& values = output.value().values;
-    const std::size_t count = fields.size() / 3;
-    if (states_.name.size() != count) {
-      states_.name.clear();
-      for (std::size_t i = 0; i < count; ++i)
-        states_.name.push_back(fields[3 * i].substr(0, fields[3 * i].rfind('/')));
-      for (auto* list : {&states_.position, &states_.velocity, &states_.effort}) list->resize(count);
-      if (const auto frame = output.texts.find("frame_id"); frame != output.texts.end())
-        states_.header.frame_id = frame->second;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      states_.position[i] = values[3 * i];
-      states_.velocity[i] = values[3 * i + 1];
-      states_.effort[i] = values[3 * i + 2];
+    if (states_.name.empty()) find_joints(output);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      states_.position[i] = values[places_[i]];
+      states_.velocity[i] = values[places_[i] + 1];
+      states_.effort[i] = values[places_[i] + 2];
     }
     const std::int64_t now = bridge_.ros_time(output.value().time);
     states_.header.stamp = {static_cast<std::int32_t>(now / 1'000'000'000),
@@ -91,33 +84,59 @@ class OutputTopic {
     return messages::to_cdr(states_);
   }
 
+  void find_joints(const Output& output) {
+    const std::string prefix = robot_.empty() ? "" : robot_ + "/";
+    for (std::size_t i = 0; i + 2 < output.fields().size(); i += 3) {
+      const std::string name = output.fields()[i].substr(0, output.fields()[i].rfind('/'));
+      if (!name.starts_with(prefix)) continue;
+      states_.name.push_back(name.substr(prefix.size()));
+      places_.push_back(i);
+    }
+    for (auto* list : {&states_.position, &states_.velocity, &states_.effort}) list->resize(places_.size());
+    if (const auto frame = output.texts.find("frame_id"); frame != output.texts.end())
+      states_.header.frame_id = frame->second;
+  }
+
   Bridge& bridge_;
-  std::string port_, type_;
+  std::string port_, type_, robot_;
   const messages::TypeInfo* info_ = nullptr;
   Wire::Id publisher_ = 0;
   bool wanted_ = false;
   Nanoseconds seen_ = -1;
   messages::sensor_msgs::msg::JointState states_;
+  std::vector<std::size_t> places_;  ///< of its joints' positions among the values
 };
 
-/// The node of one controller, from its configuration on.
+/// The node of one controller. What it puts out and takes is there while it is configured.
 class ControllerNode {
  public:
-  ControllerNode(Bridge& bridge, const control::ListedController& listed, bool only_base)
-      : bridge_{bridge}, controller_{listed.name}, node_{bridge.name(listed.name)} {
+  ControllerNode(Bridge& bridge, const std::string& controller)
+      : bridge_{bridge},
+        controller_{controller},
+        node_{bridge.name(controller)},
+        ports_{node_ + "@ports"},
+        life_{bridge, node_, controller} {
     offer_standard_services(bridge, node_, parameters());
-    offer_life_cycle(bridge, node_, controller_);
-    if (listed.state == LifecycleState::unconfigured) return;
-    const controllers::Controller& controller = *bridge.cell().loop().controllers().find(controller_);
+  }
+  ~ControllerNode() {
+    close_ports();
+    bridge_.wire().remove_node(node_);
+  }
+  ControllerNode(const ControllerNode&) = delete;
+  ControllerNode& operator=(const ControllerNode&) = delete;
+
+  void open_ports(const controllers::Controller& controller, bool only_base) {
     offer_outputs(controller, only_base);
     for (const controllers::InputPort& port : controller.inputs()) offer_input(port, only_base);
   }
-  ~ControllerNode() {
+  void close_ports() {
     actions_.clear();
-    bridge_.wire().remove_node(node_);
+    outputs_.clear();
+    bridge_.wire().remove_node(ports_);
   }
 
-  void look() {
+  void look(const std::string& state) {
+    life_.look(state);
     for (OutputTopic& topic : outputs_) topic.look();
   }
   void serve() {
@@ -133,8 +152,13 @@ class ControllerNode {
     for (const auto& output : controller.outputs()) {
       const std::string& name = output->name();
       const bool global = name == "tf" || (!local && name.ends_with("joint_states"));
-      outputs_.emplace_back(bridge_, node_, global ? bridge_.name(name) : node_ + "/" + name, *output);
-      if (name == "odom" && only_base) outputs_.emplace_back(bridge_, node_, bridge_.name(name), *output);
+      outputs_.emplace_back(bridge_, ports_, global ? bridge_.name(name) : node_ + "/" + name, *output);
+      // MoveIt and RViz know one robot by the names of its own description.
+      if (output->type() == "sensor_msgs/JointState" && bridge_.cell().robots().size() > 1)
+        for (const auto& robot : bridge_.cell().robots())
+          outputs_.emplace_back(bridge_, ports_, bridge_.name(robot->entry.name + "/joint_states"), *output,
+                                robot->entry.name);
+      if (name == "odom" && only_base) outputs_.emplace_back(bridge_, ports_, bridge_.name(name), *output);
     }
   }
 
@@ -144,7 +168,8 @@ class ControllerNode {
       const std::string whole = type.substr(0, type.find('/')) + "/action" + type.substr(type.find('/'));
       if (bridge_.wire().find_type(whole + "_Goal"))
         actions_.push_back(
-            make_action_server(bridge_, {node_, node_ + "/" + port.name, whole, controller_, port.name}));
+            make_action_server(bridge_, {ports_, node_ + "/" + port.name, whole, controller_, port.name}));
+      if (type == "control_msgs/FollowJointTrajectory") offer_query();
     }
     for (const std::string& type : port.types) {
       if (!bridge_.wire().find_type(type) || (port.action && bridge_.wire().find_type(type + "_Goal")))
@@ -154,10 +179,31 @@ class ControllerNode {
     }
   }
 
+  /// Where its trajectory will be at a time; time 0 is now.
+  void offer_query() {
+    bridge_.service(
+        ports_, node_ + "/query_state", "control_msgs/srv/QueryTrajectoryState",
+        [this](const Json& request, const Reply& reply) {
+          Json asked{{"request", "query"}, {"name", controller_}};
+          if (const std::int64_t at = nanoseconds_of(request["time"]); at != 0)
+            asked["at"] = seconds(bridge_.cell_time(at));
+          bridge_.ask(std::move(asked), [reply](const Json& answer) {
+            if (!answer.value("ok", false))
+              return reply({{"success", false}, {"message", answer["error"].value("what", "refused")}});
+            const Json& at = answer["result"];
+            reply({{"success", true},
+                   {"name", at["joints"]},
+                   {"position", at["position"]},
+                   {"velocity", at["velocity"]},
+                   {"acceleration", at["acceleration"]}});
+          });
+        });
+  }
+
   /// A message goes the way of every other door's; what an inactive controller is sent is dropped, as in ROS.
   void listen(const std::string& topic, const std::string& port, const std::string& type) {
     const bool command = type.find("Twist") != std::string::npos;
-    bridge_.subscribe(node_, topic, type,
+    bridge_.subscribe(ports_, topic, type,
                       [this, to = controller_ + "/" + port](Json message) {
                         bridge_.to_cell(message);
                         bridge_.ask(
@@ -170,14 +216,13 @@ class ControllerNode {
   ParameterSource parameters() {
     ParameterSource out;
     out.list = [this](std::function<void(Json)> got) {
-      bridge_.ask(
-          {{"request", "param.list"}, {"name", controller_}}, [got = std::move(got)](const Json& answer) {
-            Json all = Json::object();
-            for (const Json& p : answer.value("result", Json::array()))
-              all[p["key"].get<std::string>()] = {
-                  {"value", value_of(p)}, {"text", p["text"]}, {"read_only", !p["changeable"].get<bool>()}};
-            got(std::move(all));
-          });
+      bridge_.ask({{"request", "param.list"}, {"name", controller_}},
+                  [got = std::move(got)](const Json& answer) {
+                    Json all = Json::object();
+                    for (const Json& p : answer.value("result", Json::array()))
+                      all[p["key"].get<std::string>()] = entry_of(p);
+                    got(std::move(all));
+                  });
     };
     out.set = [this](const Json& values, std::function<void(std::string)> done) {
       bridge_.ask({{"request", "param.set"}, {"name", controller_}, {"values", values}},
@@ -185,6 +230,18 @@ class ControllerNode {
                     done(answer.value("ok", false) ? "" : answer["error"].value("what", "refused"));
                   });
     };
+    return out;
+  }
+
+  static Json entry_of(const Json& parameter) {
+    using Type = messages::rcl_interfaces::msg::ParameterType;
+    Json out{{"value", value_of(parameter)},
+             {"text", parameter["text"]},
+             {"read_only", !parameter["changeable"].get<bool>()}};
+    if (parameter["type"] == "a list of numbers") out["type"] = Type::PARAMETER_DOUBLE_ARRAY;
+    if (parameter["type"] == "a list of texts") out["type"] = Type::PARAMETER_STRING_ARRAY;
+    if (const auto choices = parameter.find("choices"); choices != parameter.end())
+      out["constraints"] = "one of " + choices->dump();
     return out;
   }
 
@@ -204,7 +261,9 @@ class ControllerNode {
   }
 
   Bridge& bridge_;
-  std::string controller_, node_;
+  const std::string controller_, node_;
+  const std::string ports_;  ///< the group of the node's endpoints that come and go with its configuration
+  LifeCycle life_;
   std::vector<OutputTopic> outputs_;
   std::vector<std::unique_ptr<Part>> actions_;
 };
@@ -214,14 +273,15 @@ class ControllerNodes : public Part {
   explicit ControllerNodes(Bridge& bridge) : bridge_{bridge} {}
 
   void serve() override {
-    if (looked_ < 0 || bridge_.cell().now() - looked_ >= kLook) look();
+    const bool changed = bridge_.take_change();
+    if (changed || looked_ < 0 || bridge_.cell().now() - looked_ >= kLook) look();
     for (auto& [name, known] : nodes_) known.node->serve();
   }
 
  private:
   struct Known {
-    const controllers::Controller* controller;
-    bool configured, only_base;
+    const controllers::Controller* controller = nullptr;
+    bool configured = false, only_base = false;
     std::unique_ptr<ControllerNode> node;
   };
 
@@ -238,22 +298,27 @@ class ControllerNodes : public Part {
     looked_ = bridge_.cell().now();
     const auto all = bridge_.cell().loop().controllers().list();
     const std::string base = only_base(bridge_.cell(), all);
-    std::map<std::string, Known> now;
+    std::erase_if(nodes_, [&](const auto& known) {
+      return std::none_of(all.begin(), all.end(), [&](const auto& c) { return c.name == known.first; });
+    });
     for (const control::ListedController& c : all) {
-      const controllers::Controller* controller = bridge_.cell().loop().controllers().find(c.name);
-      const bool configured = c.state != LifecycleState::unconfigured;
-      const auto at = nodes_.find(c.name);
-      if (at != nodes_.end() && at->second.controller == controller && at->second.configured == configured &&
-          at->second.only_base == (c.name == base)) {
-        now[c.name] = std::move(at->second);
-        continue;
-      }
-      if (at != nodes_.end()) at->second.node.reset();  // its endpoints go before their names are used again
-      now[c.name] = {controller, configured, c.name == base,
-                     std::make_unique<ControllerNode>(bridge_, c, c.name == base)};
+      bring_up_to_date(nodes_[c.name], c, c.name == base);
+      nodes_[c.name].node->look(hardware::name(c.state));
     }
-    nodes_ = std::move(now);
-    for (auto& [name, known] : nodes_) known.node->look();
+  }
+
+  void bring_up_to_date(Known& known, const control::ListedController& c, bool only_base) {
+    const controllers::Controller* controller = bridge_.cell().loop().controllers().find(c.name);
+    const bool configured = c.state != LifecycleState::unconfigured;
+    if (known.controller != controller) {
+      known.node.reset();  // its endpoints go before their names are used again
+      known = {controller, false, false, std::make_unique<ControllerNode>(bridge_, c.name)};
+    }
+    if (known.configured == configured && known.only_base == only_base) return;
+    known.node->close_ports();
+    if (configured) known.node->open_ports(*controller, only_base);
+    known.configured = configured;
+    known.only_base = only_base;
   }
 
   Bridge& bridge_;

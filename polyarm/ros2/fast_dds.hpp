@@ -58,9 +58,11 @@ namespace polyarm::ros2 {
 #ifdef POLYARM_FAST_DDS_3
 namespace rtps = eprosima::fastdds::rtps;
 namespace rtps_qos = eprosima::fastdds::dds;
+inline constexpr auto kNoDiscovery = rtps::DiscoveryProtocol::NONE;
 #else
 namespace rtps = eprosima::fastrtps::rtps;
 namespace rtps_qos = eprosima::fastrtps;
+inline constexpr auto kNoDiscovery = rtps::DiscoveryProtocol_t::NONE;
 #endif
 
 /// Told of the endpoints of others, and of participants that are gone with theirs.

@@ -2,28 +2,66 @@
 
 #include <array>
 
+#include "polyarm/messages/json.hpp"
+#include "polyarm/messages/types.hpp"
+
 namespace polyarm::ros2 {
 
 namespace {
+
+using StateId = messages::lifecycle_msgs::msg::State;
+using Id = messages::lifecycle_msgs::msg::Transition;
 
 struct State {
   int id;
   const char* label;
 };
-constexpr std::array<State, 5> kStates{
-    {{0, "unknown"}, {1, "unconfigured"}, {2, "inactive"}, {3, "active"}, {4, "finalized"}}};
+constexpr std::array<State, 11> kStates{{{StateId::PRIMARY_STATE_UNKNOWN, "unknown"},
+                                         {StateId::PRIMARY_STATE_UNCONFIGURED, "unconfigured"},
+                                         {StateId::PRIMARY_STATE_INACTIVE, "inactive"},
+                                         {StateId::PRIMARY_STATE_ACTIVE, "active"},
+                                         {StateId::PRIMARY_STATE_FINALIZED, "finalized"},
+                                         {StateId::TRANSITION_STATE_CONFIGURING, "configuring"},
+                                         {StateId::TRANSITION_STATE_CLEANINGUP, "cleaningup"},
+                                         {StateId::TRANSITION_STATE_SHUTTINGDOWN, "shuttingdown"},
+                                         {StateId::TRANSITION_STATE_ACTIVATING, "activating"},
+                                         {StateId::TRANSITION_STATE_DEACTIVATING, "deactivating"},
+                                         {StateId::TRANSITION_STATE_ERRORPROCESSING, "errorprocessing"}}};
 
-/// The transitions that a person may ask for, and the request that does it.
+/// A person asks for what leads from a primary state; what leads on from between follows by itself.
 struct Transition {
   int id;
   const char* label;
   const char* from;
   const char* to;
 };
-constexpr std::array<Transition, 4> kTransitions{{{1, "configure", "unconfigured", "inactive"},
-                                                  {2, "cleanup", "inactive", "unconfigured"},
-                                                  {3, "activate", "inactive", "active"},
-                                                  {4, "deactivate", "active", "inactive"}}};
+constexpr const char *kSuccess = "transition_success", *kFailure = "transition_failure",
+                     *kError = "transition_error";
+/// Shutting a controller down for good is not offered: `cleanup` and `unload_controller` take it away.
+constexpr std::array<Transition, 16> kTransitions{
+    {{Id::TRANSITION_CONFIGURE, "configure", "unconfigured", "configuring"},
+     {Id::TRANSITION_ON_CONFIGURE_SUCCESS, kSuccess, "configuring", "inactive"},
+     {Id::TRANSITION_ON_CONFIGURE_FAILURE, kFailure, "configuring", "unconfigured"},
+     {Id::TRANSITION_ON_CONFIGURE_ERROR, kError, "configuring", "errorprocessing"},
+     {Id::TRANSITION_CLEANUP, "cleanup", "inactive", "cleaningup"},
+     {Id::TRANSITION_ON_CLEANUP_SUCCESS, kSuccess, "cleaningup", "unconfigured"},
+     {Id::TRANSITION_ON_CLEANUP_FAILURE, kFailure, "cleaningup", "inactive"},
+     {Id::TRANSITION_ON_CLEANUP_ERROR, kError, "cleaningup", "errorprocessing"},
+     {Id::TRANSITION_ACTIVATE, "activate", "inactive", "activating"},
+     {Id::TRANSITION_ON_ACTIVATE_SUCCESS, kSuccess, "activating", "active"},
+     {Id::TRANSITION_ON_ACTIVATE_FAILURE, kFailure, "activating", "inactive"},
+     {Id::TRANSITION_ON_ACTIVATE_ERROR, kError, "activating", "errorprocessing"},
+     {Id::TRANSITION_DEACTIVATE, "deactivate", "active", "deactivating"},
+     {Id::TRANSITION_ON_DEACTIVATE_SUCCESS, kSuccess, "deactivating", "inactive"},
+     {Id::TRANSITION_ON_DEACTIVATE_FAILURE, kFailure, "deactivating", "active"},
+     {Id::TRANSITION_ON_DEACTIVATE_ERROR, kError, "deactivating", "errorprocessing"}}};
+
+/// The one that follows when a transition succeeds; null after one that leads to a primary state.
+const Transition* success_after(const Transition& asked) {
+  for (const Transition& t : kTransitions)
+    if (t.label == kSuccess && std::string_view(t.from) == asked.to) return &t;
+  return nullptr;
+}
 
 std::string state_of(cell::Cell& cell, const std::string& controller) {
   for (const control::ListedController& c : cell.loop().controllers().list())
@@ -31,21 +69,26 @@ std::string state_of(cell::Cell& cell, const std::string& controller) {
   return "unknown";
 }
 
+/// By label, and where there is none by id, of those that may be asked for.
 const Transition* transition_of(const Json& asked) {
   const int id = asked.value("id", 0);
   const std::string label = asked.value("label", std::string());
   for (const Transition& t : kTransitions)
-    if (label == t.label || (label.empty() && id == t.id)) return &t;
+    if (success_after(t) && (label == t.label || (label.empty() && id == t.id))) return &t;
   return nullptr;
 }
 
-Json transitions_from(const std::string& state) {
+Json transition_json(const Transition& t) {
+  return {{"transition", {{"id", t.id}, {"label", t.label}}},
+          {"start_state", state_json(t.from)},
+          {"goal_state", state_json(t.to)}};
+}
+
+/// Those that lead from a state, or all.
+Json transitions(const std::string& from = {}) {
   Json out = Json::array();
   for (const Transition& t : kTransitions)
-    if (state == t.from)
-      out.push_back({{"transition", {{"id", t.id}, {"label", t.label}}},
-                     {"start_state", state_json(t.from)},
-                     {"goal_state", state_json(t.to)}});
+    if (from.empty() || from == t.from) out.push_back(transition_json(t));
   return out;
 }
 
@@ -65,33 +108,55 @@ std::string state_label(const Json& state) {
   return "";
 }
 
-void offer_life_cycle(Bridge& bridge, const std::string& node, const std::string& controller) {
+LifeCycle::LifeCycle(Bridge& bridge, std::string node, std::string controller)
+    : bridge_{bridge}, node_{std::move(node)}, controller_{std::move(controller)} {
+  const auto& event = messages::type_info<messages::lifecycle_msgs::msg::TransitionEvent>();
+  events_ = bridge.wire().publisher(node_, node_ + "/transition_event", event);
   const std::string types = "lifecycle_msgs/srv/";
-  bridge.service(node, node + "/get_state", types + "GetState",
-                 [&bridge, controller](const Json&, Reply reply) {
-                   reply({{"current_state", state_json(state_of(bridge.cell(), controller))}});
-                 });
-  bridge.service(node, node + "/get_available_states", types + "GetAvailableStates",
-                 [](const Json&, Reply reply) {
-                   Json states = Json::array();
-                   for (const State& state : kStates)
-                     states.push_back({{"id", state.id}, {"label", state.label}});
-                   reply({{"available_states", states}});
-                 });
-  bridge.service(node, node + "/get_available_transitions", types + "GetAvailableTransitions",
-                 [&bridge, controller](const Json&, Reply reply) {
-                   reply({{"available_transitions", transitions_from(state_of(bridge.cell(), controller))}});
-                 });
-  bridge.service(node, node + "/change_state", types + "ChangeState",
-                 [&bridge, controller](const Json& request, Reply reply) {
+  const auto serve = [&](const char* name, const char* type, std::function<Json(Bridge&)> answer) {
+    bridge.service(
+        node_, node_ + "/" + name, types + type,
+        [&bridge, answer = std::move(answer)](const Json&, const Reply& reply) { reply(answer(bridge)); });
+  };
+  serve("get_state", "GetState", [name = controller_](Bridge& b) {
+    return Json{{"current_state", state_json(state_of(b.cell(), name))}};
+  });
+  serve("get_available_states", "GetAvailableStates", [](Bridge&) {
+    Json states = Json::array();
+    for (const State& state : kStates) states.push_back({{"id", state.id}, {"label", state.label}});
+    return Json{{"available_states", states}};
+  });
+  serve("get_available_transitions", "GetAvailableTransitions", [name = controller_](Bridge& b) {
+    return Json{{"available_transitions", transitions(state_of(b.cell(), name))}};
+  });
+  serve("get_transition_graph", "GetAvailableTransitions", [](Bridge&) {
+    return Json{{"available_transitions", transitions()}};
+  });
+  bridge.service(node_, node_ + "/change_state", types + "ChangeState",
+                 [&bridge, name = controller_](const Json& request, Reply reply) {
                    const Transition* wanted = transition_of(request["transition"]);
-                   if (!wanted || state_of(bridge.cell(), controller) != wanted->from)
+                   if (!wanted || state_of(bridge.cell(), name) != wanted->from)
                      return reply({{"success", false}});
-                   bridge.ask({{"request", "control.state"}, {"name", controller}, {"state", wanted->to}},
-                              [reply](const Json& answer) {
-                                reply({{"success", answer.value("ok", false)}});
-                              });
+                   bridge.ask(
+                       {{"request", "control.state"}, {"name", name}, {"state", success_after(*wanted)->to}},
+                       [reply](const Json& answer) {
+                         reply({{"success", answer.value("ok", false)}});
+                       });
                  });
+}
+
+void LifeCycle::look(const std::string& state) {
+  const std::string before = std::exchange(state_, state);
+  if (before.empty() || before == state || !bridge_.wire().wanted(events_)) return;
+  for (const Transition& t : kTransitions)
+    if (const Transition* then = success_after(t); then && before == t.from && state == then->to)
+      for (const Transition* each : {&t, then}) tell(transition_json(*each));
+}
+
+void LifeCycle::tell(Json event) {
+  event["timestamp"] = bridge_.ros_time(bridge_.cell().now());
+  const auto& type = messages::type_info<messages::lifecycle_msgs::msg::TransitionEvent>();
+  bridge_.wire().publish(events_, messages::from_json(type, event));
 }
 
 }  // namespace polyarm::ros2

@@ -12,7 +12,20 @@ Json state_json(const std::string& label);
 /// The state that a lifecycle_msgs/State names, by its id or, where that is 0, by its label; "" where none.
 std::string state_label(const Json& state);
 
-/// get_state, change_state, get_available_states and get_available_transitions of a controller.
-void offer_life_cycle(Bridge& bridge, const std::string& node, const std::string& controller);
+/// The five services and `transition_event` of a controller, as nodes with a life cycle have them.
+class LifeCycle {
+ public:
+  LifeCycle(Bridge& bridge, std::string node, std::string controller);
+  /// What it is in now: a change is told.
+  void look(const std::string& state);
+
+ private:
+  void tell(Json event);
+
+  Bridge& bridge_;
+  std::string node_, controller_;
+  Wire::Id events_ = 0;
+  std::string state_;
+};
 
 }  // namespace polyarm::ros2

@@ -154,8 +154,6 @@ class ManagerNode : public Part {
   void offer_changes() {
     const auto name = [](const Json& asked) { return Json{{"name", asked["name"]}}; };
     const auto ok = [](const Json& answer) { return Json{{"ok", answer.value("ok", false)}}; };
-    // `load` of the cell configures at once; ROS's does not, and its `configure` of what is configured says
-    // no.
     bridge_.service(node_, node_ + "/load_controller", kTypes + "LoadController",
                     [this](const Json& asked, const Reply& reply) { load(asked["name"], reply); });
     offer("unload_controller", "UnloadController", "control.unload", name, ok);
@@ -172,28 +170,66 @@ class ManagerNode : public Part {
           return Json{{"ok", answer.value("ok", false)},
                       {"state", state_json(result.value("state", std::string()))}};
         });
-    bridge_.service(node_, node_ + "/reload_controller_libraries", kTypes + "ReloadControllerLibraries",
-                    [](const Json&, const Reply& reply) {
-                      reply({{"ok", false}});
-                    });
+    bridge_.service(
+        node_, node_ + "/reload_controller_libraries", kTypes + "ReloadControllerLibraries",
+        [this](const Json& asked, const Reply& reply) { reload(asked["force_kill"].get<bool>(), reply); });
   }
 
-  /// ROS's answer has no place for the reason: a person at the cell is told.
+  /// ROS's answers have no place for the reason: a person at the cell is told.
+  void tell(const std::string& what, const Json& answer) {
+    bridge_.cell().tell("ROS 2: " + what + ": " +
+                        answer.value("error", Json::object()).value("what", std::string("refused")));
+  }
+
+  /// `load` of the cell configures at once; a controller that ROS 2 has loaded is not configured yet.
   void load(const std::string& name, const Reply& reply) {
     Json request;
     try {
       request = to_load(name);
     } catch (const Error& e) {
-      bridge_.cell().tell("ROS 2: '" + name + "' cannot be loaded: " + e.what());
+      tell("'" + name + "' cannot be loaded", {{"error", {{"what", e.what()}}}});
       return reply({{"ok", false}});
     }
     request["request"] = "control.load";
     bridge_.ask(std::move(request), [this, name, reply](const Json& answer) {
-      if (!answer.value("ok", false))
-        bridge_.cell().tell("ROS 2: '" + name + "' cannot be loaded: " +
-                            answer.value("error", Json::object()).value("what", std::string()));
-      reply({{"ok", answer.value("ok", false)}});
+      if (!answer.value("ok", false)) {
+        tell("'" + name + "' cannot be loaded", answer);
+        return reply({{"ok", false}});
+      }
+      bridge_.ask({{"request", "control.cleanup"}, {"name", name}}, [reply](const Json& cleaned) {
+        reply({{"ok", cleaned.value("ok", false)}});
+      });
     });
+  }
+
+  /// Nothing that is at work is taken away unless it is forced; then all controllers go. Libraries of plugins
+  /// stay loaded: what is loaded afterwards is made anew from them.
+  void reload(bool force, const Reply& reply) {
+    Json active = Json::array();
+    const auto names = std::make_shared<std::vector<std::string>>();
+    for (const control::ListedController& c : bridge_.cell().loop().controllers().list()) {
+      if (c.state == hardware::LifecycleState::active) active.push_back(c.name);
+      names->push_back(c.name);
+    }
+    if (active.empty()) return unload_all(names, reply);
+    if (!force) return reply({{"ok", false}});
+    bridge_.ask({{"request", "control.switch"}, {"deactivate", active}, {"strictness", "force"}},
+                [this, names, reply](const Json& answer) {
+                  if (answer.value("ok", false) && answer["result"].value("ok", false))
+                    return unload_all(names, reply);
+                  reply({{"ok", false}});
+                });
+  }
+  void unload_all(const std::shared_ptr<std::vector<std::string>>& names, const Reply& reply) {
+    if (names->empty()) return reply({{"ok", true}});
+    const std::string name = names->back();
+    names->pop_back();
+    bridge_.ask({{"request", "control.unload"}, {"name", name}},
+                [this, names, name, reply](const Json& answer) {
+                  if (answer.value("ok", false)) return unload_all(names, reply);
+                  tell("'" + name + "' cannot be taken away", answer);
+                  reply({{"ok", false}});
+                });
   }
 
   /// What is configured already stays so; what is active is not taken out of it.
@@ -201,8 +237,10 @@ class ManagerNode : public Part {
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
       if (c.name == name && c.state == hardware::LifecycleState::active) return reply({{"ok", false}});
     bridge_.ask({{"request", "control.state"}, {"name", name}, {"state", "inactive"}},
-                [reply](const Json& answer) {
-                  reply({{"ok", answer.value("ok", false)}});
+                [this, name, reply](const Json& answer) {
+                  const bool ok = answer.value("ok", false);
+                  if (!ok) tell("'" + name + "' cannot be configured", answer);
+                  reply({{"ok", ok}});
                 });
   }
 
@@ -212,28 +250,30 @@ class ManagerNode : public Part {
   }
 
   void offer_switch() {
+    bridge_.service(node_, node_ + "/switch_controller", kTypes + "SwitchController",
+                    [this](const Json& asked, const Reply& reply) { change(asked, reply); });
+  }
+
+  void change(const Json& asked, const Reply& reply) {
     using Request = messages::controller_manager_msgs::srv::SwitchController::Request;
-    offer(
-        "switch_controller", "SwitchController", "control.switch",
-        [](const Json& asked) {
-          const int strictness = asked["strictness"];
-          const char* word = strictness == Request::BEST_EFFORT  ? "best_effort"
-                             : strictness == Request::AUTO       ? "auto"
-                             : strictness == Request::FORCE_AUTO ? "force"
-                                                                 : "strict";
-          return Json{{"activate", either(asked, "activate_controllers", "start_controllers")},
-                      {"deactivate", either(asked, "deactivate_controllers", "stop_controllers")},
-                      {"strictness", word}};
-        },
-        [](const Json& answer) {
-          const Json result = answer.value("result", Json::object());
-          const bool done = answer.value("ok", false) && result.value("ok", false);
-          const std::string why =
-              answer.value("ok", false)
-                  ? result.value("reason", std::string())
-                  : answer.value("error", Json::object()).value("what", std::string("refused"));
-          return Json{{"ok", done}, {"message", done ? "" : why}};
-        });
+    const Json on = either(asked, "activate_controllers", "start_controllers");
+    const Json off = either(asked, "deactivate_controllers", "stop_controllers");
+    if (on.empty() && off.empty()) return reply({{"ok", true}, {"message", "nothing is to be changed"}});
+    const int strictness = asked["strictness"];
+    const char* word = strictness == Request::BEST_EFFORT  ? "best_effort"
+                       : strictness == Request::AUTO       ? "auto"
+                       : strictness == Request::FORCE_AUTO ? "force"
+                                                           : "strict";
+    bridge_.ask({{"request", "control.switch"}, {"activate", on}, {"deactivate", off}, {"strictness", word}},
+                [reply](const Json& answer) {
+                  const Json result = answer.value("result", Json::object());
+                  const bool done = answer.value("ok", false) && result.value("ok", false);
+                  const std::string why =
+                      answer.value("ok", false)
+                          ? result.value("reason", std::string())
+                          : answer.value("error", Json::object()).value("what", std::string("refused"));
+                  reply({{"ok", done}, {"message", done ? "" : why}});
+                });
   }
 
   static Json json_of(const Yaml& yaml) {
@@ -244,37 +284,71 @@ class ManagerNode : public Part {
     return out;
   }
 
-  /// What a spawner has set of the controller before it loads it. The file of one whose type it gives is read
-  /// here; else the cell finds the controller in it.
+  /// What a file says of the node of that name, later keys over earlier ones.
+  void add_parameters(const std::string& file, const std::string& name, Json& into) const {
+    const Yaml yaml = Yaml::load(file);
+    const std::string whole = bridge_.name(name);
+    for (const std::string& key :
+         {std::string("/**"), "/**/" + name, "/**" + whole, std::string(name), whole}) {
+      const Json found = json_of(yaml[key]["ros__parameters"]);
+      if (found.is_object()) into.update(found, true);
+    }
+  }
+
+  /// What a spawner has set of the controller before it loads it: its type, which may stand in its files,
+  /// too, and the files, of which later ones have the last word. Where no type is known the cell looks for
+  /// the controller in the last file, or in its own.
   Json to_load(const std::string& name) const {
-    Json out{{"name", name}};
-    const auto type = spawned_.find(name + ".type"), file = spawned_.find(name + ".params_file");
-    if (type != spawned_.end()) out["type"] = type->second;
-    if (file == spawned_.end()) return out;
-    if (type == spawned_.end())
-      out["file"] = file->second;
-    else
-      out["parameters"] = json_of(Yaml::load(file->second)[name]["ros__parameters"]);
+    const auto spawned = [&](const char* key) {
+      const auto at = spawned_.find(name + key);
+      return at == spawned_.end() ? Json() : at->second;
+    };
+    Json out{{"name", name}}, parameters = Json::object();
+    const Json files = spawned(".params_file");
+    for (const Json& file : files) add_parameters(file.get<std::string>(), name, parameters);
+    Json type = spawned(".type");
+    if (type.is_null() && parameters.contains("type")) type = parameters["type"];
+    parameters.erase("type");
+    if (!type.is_null()) {
+      out["type"] = type;
+      if (!parameters.empty()) out["parameters"] = parameters;
+    } else if (!files.empty()) {
+      out["file"] = files.back();
+    }
     return out;
   }
 
-  /// A spawner gives files as one text, "['/a.yaml', '/b.yaml']" or "/a.yaml"; the last has the last word.
-  static std::string last_file(const Json& value) {
-    if (value.is_array()) return value.empty() ? "" : value.back().get<std::string>();
-    std::string text = value.get<std::string>();
-    if (!text.ends_with("']") && !text.ends_with("\"]")) return text;
-    text.resize(text.size() - 2);
-    return text.substr(text.find_last_of("'\"") + 1);
+  /// A spawner gives lists as they are, or as one text: "['/a.yaml', '/b.yaml']" or "/a.yaml".
+  static Json texts_of(const Json& value) {
+    if (value.is_array()) return value;
+    const std::string text = value.get<std::string>();
+    if (!text.starts_with('[')) return Json::array({text});
+    return Json(Yaml::parse(text, "params_file").texts());
   }
 
   /// "" where a spawner may set this before it loads a controller.
   std::string spawn(const std::string& key, const Json& value) {
     const std::size_t dot = key.rfind('.');
     const std::string last = dot == std::string::npos ? "" : key.substr(dot);
-    if (last != ".type" && last != ".params_file") return "it is read when the cell is built";
-    const bool list = value.is_array() && !value.empty() && value.back().is_string();
-    if (!value.is_string() && !list) return key + " is a text";
-    spawned_[key] = last_file(value);
+    if (last == ".type") {
+      if (!value.is_string()) return key + " is a text";
+      spawned_[key] = value;
+      return "";
+    }
+    const bool known =
+        last == ".params_file" || last == ".fallback_controllers" || last == ".node_options_args";
+    if (!known) return "it is read when the cell is built";
+    const bool list = value.is_array() && std::all_of(value.begin(), value.end(),
+                                                      [](const Json& item) { return item.is_string(); });
+    if (!value.is_string() && !list) return key + " is a list of texts";
+    try {
+      spawned_[key] = texts_of(value);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    if (last != ".params_file")
+      bridge_.cell().tell("ROS 2: " + key +
+                          " has no effect on a controller that is loaded while the cell runs");
     return "";
   }
 
@@ -307,8 +381,8 @@ class ManagerNode : public Part {
   Wire::Id activity_ = 0;
   Nanoseconds looked_ = -1;
   Json told_;
-  std::map<std::string, std::string>
-      spawned_;  ///< `NAME.type` and `NAME.params_file`, as a spawner sets them
+  /// `NAME.type`, `NAME.params_file` and the like, as a spawner sets them: a text, or a list of texts.
+  std::map<std::string, Json> spawned_;
 };
 
 }  // namespace

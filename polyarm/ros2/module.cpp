@@ -44,7 +44,9 @@ class Ros2Door : public cell::Door {
 
   std::string address() const override {
     return "ROS 2: domain " + std::to_string(options_.domain) +
-           (options_.loopback ? ", this machine alone" : ", reachable from other machines");
+           (!options_.discovery ? ", found by nobody"
+            : options_.loopback ? ", this machine alone"
+                                : ", reachable from other machines");
   }
 
  private:

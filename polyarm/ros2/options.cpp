@@ -36,13 +36,18 @@ ParticipantOptions participant_options(const Options& options) {
   else
     throw Error("bad-value", "the domain '" + domain + "' is no number from 0 to 232",
                 "look at `ros2: {domain: …}` and ROS_DOMAIN_ID");
-  const std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
-  if (!range.empty() && range != "localhost" && range != "subnet")
-    throw Error("bad-value", "the range '" + range + "' is neither LOCALHOST nor SUBNET",
+  std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
+  std::string peers = option(options, "peers", "ROS_STATIC_PEERS");
+  // What older programs are told with goes before what the environment says otherwise.
+  if (!options.contains("range") && environment("ROS_LOCALHOST_ONLY") == "1")
+    range = "localhost", peers.clear();
+  if (!range.empty() && range != "localhost" && range != "subnet" && range != "system_default" &&
+      range != "off")
+    throw Error("bad-value", "the range '" + range + "' is none of OFF, LOCALHOST, SUBNET and SYSTEM_DEFAULT",
                 "SUBNET lets the robot be reached from other machines");
-  out.loopback = range != "subnet";
-  for (const std::string& peer : split_words(option(options, "peers", "ROS_STATIC_PEERS"), ";, "))
-    out.peers.push_back(peer);
+  out.loopback = range != "subnet" && range != "system_default";
+  out.discovery = range != "off";
+  for (const std::string& peer : split_words(peers, ";, ")) out.peers.push_back(peer);
   if (out.loopback)
     std::erase_if(out.peers, [](const std::string& peer) { return !peer.starts_with("127."); });
   return out;

@@ -56,6 +56,17 @@ Related related_of(const rtps::WriteParams& params) {
   return {guid_of(identity.writer_guid()), static_cast<std::int64_t>(identity.sequence_number().to64long())};
 }
 
+/// Where a peer is, which may be told by its name.
+rtps::Locator_t locator_of(const std::string& peer) {
+  rtps::Locator_t out;
+  if (IPLocator::isIPv4(peer) && IPLocator::setIPv4(out, peer)) return out;
+  const auto found = IPLocator::resolveNameDNS(peer).first;
+  if (found.empty() || !IPLocator::setIPv4(out, *found.begin()))
+    refuse("the peer '" + peer + "' is no IPv4 address, and no name of a machine that has one",
+           "look at ROS_STATIC_PEERS and `ros2: {peers: …}`");
+  return out;
+}
+
 rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options) {
   rtps::RTPSParticipantAttributes out;
   out.setName("polyarm");
@@ -69,6 +80,7 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
   else
     out.userTransports.push_back(udp);
   auto& discovery = out.builtin.discovery_config;
+  if (!options.discovery) discovery.discoveryProtocol = kNoDiscovery;
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 200'000'000};
   out.builtin.avoid_builtin_multicast = options.loopback;
@@ -76,8 +88,7 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
   peers.emplace_back("127.0.0.1");
   if (!options.loopback) peers.emplace_back("239.255.0.1");
   for (const std::string& peer : peers) {
-    rtps::Locator_t locator;
-    if (!IPLocator::setIPv4(locator, peer)) refuse("the peer '" + peer + "' is no IPv4 address");
+    rtps::Locator_t locator = locator_of(peer);
     if (peer.starts_with("239.")) locator.port = 7400 + 250 * options.domain;
     out.builtin.initialPeersList.push_back(locator);
   }

@@ -32,8 +32,10 @@ struct Qos {
 
 struct ParticipantOptions {
   std::uint32_t domain = 0;
-  bool loopback = true;            ///< no socket is bound to, and nothing sent from, another interface
-  std::vector<std::string> peers;  ///< addresses that are told of us beside those that multicast reaches
+  bool loopback = true;   ///< no socket is bound to, and nothing sent from, another interface
+  bool discovery = true;  ///< false: nobody is told of us, and we hear of nobody
+  /// Addresses or names of machines that are told of us beside those that multicast reaches.
+  std::vector<std::string> peers;
   std::string user_data = "enclave=/;";
 };
 

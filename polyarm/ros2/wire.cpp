@@ -21,7 +21,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostWaiting = 1000, kMostToSend = 10'000;
-constexpr auto kPatience = std::chrono::milliseconds(100);
+/// So long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s, and their server stands still
+/// meanwhile; here nobody waits for it, and who asked before it was known here is answered, too: a client of
+/// Fast DDS tells of its endpoints again after 3 s.
+constexpr auto kPatience = std::chrono::seconds(10);
 /// A server that is matched here may not have matched us yet. Fast DDS asks for what it missed; a reader of
 /// another middleware takes it for old, and a first call would be lost. They tell each other of endpoints
 /// again each second.
@@ -341,7 +344,7 @@ class Wire::Work {
       std::deque<Outgoing> still;
       for (auto* list : {&postponed, &now})
         for (Outgoing& out : *list)
-          if (!write(out)) still.push_back(std::move(out));
+          if (!write(out) && still.size() < kMostToSend) still.push_back(std::move(out));
       postponed = std::move(still);
       lock.lock();
     }
@@ -384,16 +387,22 @@ class Wire::Work {
 
   /// The whole of what our nodes have, after every change.
   void tell_graph() {
-    nlohmann::json nodes = nlohmann::json::array();
-    for (const auto& [name, node] : nodes_) {
-      const std::size_t slash = name.rfind('/');
+    struct Ends {
       nlohmann::json readers = nlohmann::json::array(), writers = nlohmann::json::array();
+    };
+    std::map<std::string, Ends> ends;
+    for (const auto& [group, node] : nodes_) {
+      Ends& of = ends[group.substr(0, group.find('@'))];
       for (const auto& [id, endpoint] : node.endpoints)
-        (endpoint.reader ? readers : writers).push_back(gid(participant_.guid(id)));
+        (endpoint.reader ? of.readers : of.writers).push_back(gid(participant_.guid(id)));
+    }
+    nlohmann::json nodes = nlohmann::json::array();
+    for (auto& [name, of] : ends) {
+      const std::size_t slash = name.rfind('/');
       nodes.push_back({{"node_namespace", slash == 0 ? "/" : name.substr(0, slash)},
                        {"node_name", name.substr(slash + 1)},
-                       {"reader_gid_seq", std::move(readers)},
-                       {"writer_gid_seq", std::move(writers)}});
+                       {"reader_gid_seq", std::move(of.readers)},
+                       {"writer_gid_seq", std::move(of.writers)}});
     }
     graph_changed_ = false;
     publish(graph_, messages::from_json(*find_type(kGraph), {{"gid", gid(participant_.prefix())},

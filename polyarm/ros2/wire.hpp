@@ -2,8 +2,7 @@
 /// Topics and services as ROS 2 names them, and the graph that tells its tools which node has which.
 ///
 /// What comes in waits until `take` is called: callbacks run on that thread alone. What goes out is written
-/// by a thread of this class; a reply waits up to 100 ms until its reader is matched, as the middlewares of
-/// ROS 2 do.
+/// by a thread of this class; a reply waits up to ten seconds until its reader is matched.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -44,8 +43,10 @@ class Wire {
                 messages::Distribution distribution = messages::Distribution::jazzy);
   ~Wire();
 
-  /// `node`: whole name ("/controller_manager"); `topic`: whole name ("/joint_states"). Of a service `type`
-  /// is its name without the part ("std_srvs/srv/Trigger"). Throw Error("no-dds") and Error("unknown-type").
+  /// `node`: whole name ("/controller_manager"), or a group of its endpoints ("/arm_controller@ports"), which
+  /// can be ended by itself and which the graph does not tell apart; `topic`: whole name ("/joint_states").
+  /// Of a service `type` is its name without the part ("std_srvs/srv/Trigger"). Throw Error("no-dds") and
+  /// Error("unknown-type").
   Id publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                const Qos& qos = {});
   /// Not told of what this wire itself publishes.
@@ -62,7 +63,7 @@ class Wire {
 
   /// In the form of the distribution; null where there is none.
   const messages::TypeInfo* find_type(const std::string& name) const;
-  /// Ends the node with all it has.
+  /// Ends the node, or a group of it, with all it has.
   void remove_node(const std::string& name);
 
   /// Any thread that also calls take().

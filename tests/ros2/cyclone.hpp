@@ -32,15 +32,21 @@ class Cyclone {
                       bool latched = false) const {
     return endpoint(dds_create_reader, type, topic, latched);
   }
+  dds_entity_t participant() const { return participant_; }
+  /// As ROS 2's topics have it, and services.
+  static dds_qos_t* qos(bool latched) {
+    dds_qos_t* out = dds_create_qos();
+    dds_qset_reliability(out, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    dds_qset_durability(out, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    dds_qset_history(out, DDS_HISTORY_KEEP_LAST, 10);
+    return out;
+  }
 
  private:
   template <class Create>
   dds_entity_t endpoint(Create create, const dds_topic_descriptor_t& type, const std::string& topic,
                         bool latched) const {
-    dds_qos_t* qos = dds_create_qos();
-    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-    dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
+    dds_qos_t* qos = Cyclone::qos(latched);
     const dds_entity_t made = dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr);
     const dds_entity_t out = create(participant_, made, qos, nullptr);
     dds_delete_qos(qos);

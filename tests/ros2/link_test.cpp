@@ -12,6 +12,9 @@
 #include "polyarm/ros2/wire.hpp"
 #include "polyarm/signals/links_file.hpp"
 #include "tests/ros2/client.hpp"
+#ifdef POLYARM_CYCLONE
+#include "tests/ros2/raw_cyclone.hpp"
+#endif
 
 namespace polyarm::ros2 {
 namespace {
@@ -187,6 +190,58 @@ TEST(Ros2Link, AProgramCallsAServiceAndGetsItsAnswer) {
   EXPECT_EQ(node.values.at("Done"), data::Value(true)) << "an answer is told again";
   EXPECT_EQ(asked, (std::vector<bool>{true, false})) << "once for each time it is set";
 }
+
+#ifdef POLYARM_CYCLONE
+/// The same with a camera, a listener and a service on Cyclone DDS.
+TEST(Ros2Link, ACameraAndAServiceOnCycloneAreBoundAsThoseOnFastDds) {
+  Node node(R"(
+    pick: {topic: /camera/part, message: geometry_msgs/PoseStamped, type: pose, direction: in}
+    x: {topic: /goal, message: geometry_msgs/PointStamped, field: point.x, type: number, direction: out}
+    Look: {call: /camera/look, service: std_srvs/SetBool}
+    Side: {request: /camera/look, field: data}
+    Found: {answer: /camera/look, field: success}
+)");
+  test::RawCyclone cyclone(own_domain());
+  const auto& pose = *messages::find_type("geometry_msgs/PoseStamped");
+  const auto& point = *messages::find_type("geometry_msgs/PointStamped");
+  const auto& asked = *messages::find_type("std_srvs/srv/SetBool_Request");
+  const auto& answered = *messages::find_type("std_srvs/srv/SetBool_Response");
+  const auto camera = cyclone.writer("rt/camera/part", pose.dds_name);
+  const auto goals = cyclone.reader("rt/goal", point.dds_name);
+  const auto requests = cyclone.reader("rq/camera/lookRequest", asked.dds_name);
+  const auto replies = cyclone.writer("rr/camera/lookReply", answered.dds_name);
+  test::Payload told = messages::from_json(
+      pose, {{"header", {{"frame_id", "base"}}},
+             {"pose", {{"position", {{"x", 0.5}, {"y", 0.2}, {"z", 0.3}}}, {"orientation", {{"w", 1}}}}}});
+  ASSERT_TRUE(wait([&] {
+    dds_write(camera, &told);
+    node.round();
+    return node.values.contains("pick");
+  }));
+  EXPECT_EQ(node.values["pick"].as_point()->pose.position, (Vec3{0.5, 0.2, 0.3}));
+  json goal;
+  double x = 0;
+  ASSERT_TRUE(wait([&] {
+    node.set("x", x += 1);
+    node.round();
+    const auto payload = test::RawCyclone::take(goals);
+    return payload && messages::to_json(point, *payload, goal) == messages::CdrError::none;
+  }));
+  EXPECT_GE(goal["point"]["x"], 1.0);
+  node.set("Side", true);
+  node.set("Look", true);
+  ASSERT_TRUE(wait([&] {
+    if (const auto request = test::RawCyclone::take(requests)) {
+      EXPECT_EQ((*request)[20], std::byte{1}) << "behind who asks";
+      test::Payload reply = messages::from_json(answered, {{"success", true}});
+      reply.insert(reply.begin() + 4, request->begin() + 4, request->begin() + 20);
+      dds_write(replies, &reply);
+    }
+    return node.has("Look", false);
+  }));
+  EXPECT_EQ(node.values.at("Found"), data::Value(true));
+}
+#endif
 
 TEST(Ros2Link, WhatDoesNotFitIsRefusedWithWhatThereIs) {
   EXPECT_NE(

@@ -7,11 +7,16 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -36,8 +41,18 @@ class RmwNode {
  public:
   enum class Range { localhost, subnet };
 
-  RmwNode(std::uint32_t domain, Range range) {
+  /// `listener` is told of who is found; it outlives the node. `vendor`: it says that it is another's.
+  RmwNode(std::uint32_t domain, Range range, dds::DomainParticipantListener* listener = nullptr,
+          std::optional<std::array<std::uint8_t, 2>> vendor = {}) {
     dds::DomainParticipantQos qos = factory()->get_default_participant_qos();
+    if (vendor) {
+      static std::uint8_t count = 0;
+      auto& prefix = qos.wire_protocol().prefix.value;
+      std::copy(vendor->begin(), vendor->end(), prefix);
+      prefix[8] = static_cast<fast::octet>(::getpid());
+      prefix[9] = static_cast<fast::octet>(::getpid() >> 8);
+      prefix[11] = ++count;
+    }
     auto& builtin = qos.wire_protocol().builtin;
     if (range == Range::localhost) {
       builtin.metatrafficMulticastLocatorList.clear();
@@ -57,7 +72,7 @@ class RmwNode {
     const std::string enclave = "enclave=/;";
     qos.user_data().resize(enclave.size());
     std::memcpy(qos.user_data().data(), enclave.data(), enclave.size());
-    participant_ = factory()->create_participant(domain, qos);
+    participant_ = factory()->create_participant(domain, qos, listener, dds::StatusMask::none());
     if (!participant_) throw std::runtime_error("no participant");
     publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);

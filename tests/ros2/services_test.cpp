@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "tests/ros2/example.hpp"
 #include "tests/ros2/ros2_cell.hpp"
 #ifdef POLYARM_CYCLONE
 #include "messages.h"
@@ -153,29 +154,6 @@ TEST_F(Ros2Cell, AClientOnCycloneCancelsAndSetsWhatOneOnFastDdsSees) {
 }
 #endif
 
-/// An example as it stands, in a domain of its own.
-class Example {
- public:
-  Example(const std::string& name, std::vector<std::string> more = {}) {
-    ::setenv("ROS_DOMAIN_ID", std::to_string(domain_).c_str(), 1);
-    const std::string path =
-        name.starts_with('/') ? name : std::string(POLYARM_SOURCE_DIR) + "/examples/" + name;
-    more.insert(more.begin(), {"run", path, "--ros2", "--no-socket"});
-    command_.emplace(more);
-    EXPECT_TRUE(command_->wait_for("ROS 2: domain")) << command_->wait().output;
-    client.emplace(domain_);
-  }
-
-  std::uint32_t domain() const { return domain_; }
-
- private:
-  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
-  std::optional<polyarm::test::Command> command_;
-
- public:
-  std::optional<Client> client;
-};
-
 const char* const kSensing = R"(<robot name="hand">
   <link name="base_link"/><link name="finger_link"/>
   <joint name="finger" type="prismatic"><parent link="base_link"/><child link="finger_link"/><axis xyz="1 0 0"/>
@@ -244,7 +222,7 @@ pressing:
 }
 
 TEST(Ros2Example, R6botDrawsAndIsSeen) {
-  Example example("r6bot");
+  test::Example example("r6bot");
   const auto joints = example.client->listen("/joint_states", "sensor_msgs/JointState");
   const auto description = example.client->listen("/robot_description", "std_msgs/String", {true, true, 1});
   ASSERT_TRUE(wait([&] { return joints->heard() && description->heard(); }));
@@ -261,7 +239,7 @@ TEST(Ros2Example, R6botDrawsAndIsSeen) {
 
 #ifdef POLYARM_CYCLONE
 TEST(Ros2Example, AJetbotIsDrivenByAClientOnCyclone) {
-  Example example("jetbot");
+  test::Example example("jetbot");
   const auto odometry = example.client->listen("/odom", "nav_msgs/Odometry");
   const test::Cyclone cyclone(example.domain());
   const auto twists = cyclone.writer(geometry_msgs_msg_dds__Twist__desc, "rt/cmd_vel");
@@ -276,7 +254,7 @@ TEST(Ros2Example, AJetbotIsDrivenByAClientOnCyclone) {
 #endif
 
 TEST(Ros2Example, PickAndPlaceIsSeenAtWork) {
-  Example example("pick_and_place");
+  test::Example example("pick_and_place");
   const auto joints = example.client->listen("/joint_states", "sensor_msgs/JointState");
   const auto frames = example.client->listen("/tf", "tf2_msgs/TFMessage", {true, false, 100});
   ASSERT_TRUE(wait([&] { return joints->heard() && frames->heard(); }));

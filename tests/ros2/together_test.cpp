@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/ros2/own_cell.hpp"
 #include "tests/ros2/rmw_fast.hpp"
 #include "tests/ros2/ros2_cell.hpp"
 #ifdef POLYARM_CYCLONE
@@ -27,36 +28,39 @@ const std::string kParameters = "rcl_interfaces/srv/";
 const std::string kManager = "controller_manager_msgs/srv/";
 const std::string kTrigger = "std_srvs/srv/Trigger";
 
-/// A cell of its own folder, in a domain of its own.
-class OwnCell {
- public:
-  explicit OwnCell(const std::vector<std::pair<std::string, std::string>>& files,
-                   std::vector<std::string> more = {}) {
-    std::filesystem::create_directories(folder_);
-    for (const auto& [name, text] : files) std::ofstream(folder_ / name) << text;
-    ::setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
-    more.insert(more.begin(), {"run", folder_.string(), "--ros2", "--no-socket"});
-    command_.emplace(more);
-    EXPECT_TRUE(command_->wait_for("ROS 2: domain")) << command_->wait().output;
-    client.emplace(domain);
-  }
-  ~OwnCell() {
-    client.reset();
-    command_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-  json call(const std::string& service, const std::string& type, const json& request = json::object()) {
-    return client->call(service, type, request);
-  }
-
-  const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
-  std::optional<Client> client;
-
- private:
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("polyarm_ros2_own_" + std::to_string(::getpid()));
-  std::optional<polyarm::test::Command> command_;
-};
+/// Each robot has its own description, frames and joint states; the arms are moved by their own names.
+TEST(Ros2TwoArms, AreToldApart) {
+  test::OwnCell cell(
+      test::OwnCell::Files{{"cell.yaml",
+                            "polyarm: cell/1\nrate: 500\nrobots:\n"
+                            "  left: {model: universal_robots/ur5e, hardware: mock}\n"
+                            "  right: {model: universal_robots/ur5e, hardware: mock, xyz: [1, 0, 0]}\n"}});
+  const auto all = cell.client->listen("/joint_states", "sensor_msgs/JointState");
+  const auto right = cell.client->listen("/right/joint_states", "sensor_msgs/JointState");
+  const auto left = cell.client->listen("/left/joint_states", "sensor_msgs/JointState");
+  const auto description =
+      cell.client->listen("/right/robot_description", "std_msgs/String", {true, true, 1});
+  const auto frames = cell.client->listen("/tf", "tf2_msgs/TFMessage", {true, false, 100});
+  ASSERT_TRUE(wait([&] {
+    return all->heard() && right->heard() && left->heard() && description->heard() && frames->heard();
+  }));
+  EXPECT_EQ(all->latest()["name"].size(), 12u);
+  EXPECT_EQ(right->latest()["name"].size(), 6u);
+  EXPECT_EQ(right->latest()["name"][0], "shoulder_pan_joint") << "as its description has it";
+  std::set<std::string> parents;
+  const json latest = frames->latest();
+  for (const json& t : latest["transforms"]) parents.insert(t["header"]["frame_id"]);
+  EXPECT_TRUE(parents.contains("left/upper_arm_link"));
+  EXPECT_TRUE(parents.contains("right/upper_arm_link"));
+  const std::string action = "/right_joint_trajectory_controller/follow_joint_trajectory/_action/";
+  const double before = left->latest()["position"][0];
+  ASSERT_TRUE(cell.call(action + "send_goal", kType + "_SendGoal",
+                        {{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}})["accepted"]
+                  .get<bool>());
+  EXPECT_EQ(cell.call(action + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
+  EXPECT_TRUE(wait([&] { return std::abs(right->latest()["position"][0].get<double>() - 0.5) < 1e-3; }));
+  EXPECT_EQ(left->latest()["position"][0].get<double>(), before);
+}
 
 const char* const kScript =
     "while true\n"
@@ -67,11 +71,12 @@ const char* const kScript =
     "end\n";
 
 TEST(Ros2Program, IsPausedWentOnWithEndedAndBegunAnew) {
-  OwnCell cell(
-      {{"cell.yaml",
-        "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\n"
-        "program: job\n"},
-       {"job.script", kScript}},
+  test::OwnCell cell(
+      test::OwnCell::Files{
+          {"cell.yaml",
+           "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\n"
+           "program: job\n"},
+          {"job.script", kScript}},
       {"--stay"});
   const auto joints = cell.client->listen("/joint_states", "sensor_msgs/JointState");
   const auto trigger = [&](const char* what) {
@@ -147,7 +152,7 @@ TEST_F(Ros2Cell, AControllerTellsAndChangesItsLifeCycle) {
   EXPECT_TRUE(change(4));
   EXPECT_EQ(state(), "inactive");
   const json all = call("/forward/get_available_states", types + "GetAvailableStates")["available_states"];
-  EXPECT_EQ(all.size(), 5u);
+  EXPECT_EQ(all.size(), 11u) << "those between them, too";
 }
 
 #ifdef POLYARM_RMW_FAST
@@ -325,11 +330,12 @@ class Rover : public ::testing::Test {
     return out;
   }
   std::string nothing;
-  OwnCell cell{{{"cell.yaml",
-                 "polyarm: cell/1\nrate: 200\nrobots:\n  rover: {model: rover.urdf, hardware: declared}\n"
-                 "controllers: controllers.yaml\nactivate: [joint_state_broadcaster, arm, base]\n"},
-                {"rover.urdf", kRover},
-                {"controllers.yaml", kRoverControllers}}};
+  test::OwnCell cell{
+      {{"cell.yaml",
+        "polyarm: cell/1\nrate: 200\nrobots:\n  rover: {model: rover.urdf, hardware: declared}\n"
+        "controllers: controllers.yaml\nactivate: [joint_state_broadcaster, arm, base]\n"},
+       {"rover.urdf", kRover},
+       {"controllers.yaml", kRoverControllers}}};
   const test::Cyclone cyclone{cell.domain};
   Send send{cyclone, action + "send_goal",
             control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request__desc,

@@ -14,6 +14,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/realtime/periodic.hpp"
 #include "tests/ros2/client.hpp"
 #include "tests/ros2/process.hpp"
 #ifdef POLYARM_CYCLONE
@@ -122,6 +123,41 @@ TEST(Wire, RubbishIsCountedAndAnswersNobody) {
   EXPECT_EQ(asked, 1);
   EXPECT_EQ(wire.statistics().received, 10u);
   EXPECT_EQ(wire.statistics().refused, 9u);
+}
+
+TEST(Wire, WhatComesInRingsTheBell) {
+  Wire wire(options());
+  const auto bell = std::make_shared<realtime::Bell>();
+  wire.set_bell(bell);
+  int taken = 0;
+  wire.subscription("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>(), {},
+                    [&](std::span<const std::byte>) { return ++taken > 0; });
+  Participant other(options());
+  const auto writer = other.add_writer("rt/chatter", "std_msgs::msg::dds_::Int32_", {}, "");
+  ASSERT_TRUE(wait([&] { return !other.matched(writer).empty(); }));
+  for (int i = 1; i <= 20; ++i) {
+    other.write(writer, to_cdr(messages::std_msgs::msg::Int32{i}));
+    ASSERT_TRUE(bell->wait_until(realtime::monotonic_now() + 60'000'000'000)) << "nobody rang";
+    EXPECT_EQ(wire.take(10), 1u);
+    EXPECT_EQ(taken, i);
+  }
+}
+
+TEST(Wire, WithoutDiscoveryNobodyIsFound) {
+  ParticipantOptions off = options();
+  off.discovery = false;
+  Wire hidden(off);
+  const auto publisher = hidden.publisher("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>());
+  serve_set_bool(hidden);
+  Wire seen(options());
+  const auto heard = seen.publisher("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>());
+  Participant other(options());
+  const auto reader =
+      other.add_reader("rt/chatter", "std_msgs::msg::dds_::Int32_", {}, "", [](const Sample&) {});
+  ASSERT_TRUE(wait([&] { return seen.wanted(heard) && !other.matched(reader).empty(); }));
+  EXPECT_EQ(other.matched(reader).size(), 1u);
+  EXPECT_FALSE(hidden.wanted(publisher));
+  EXPECT_EQ(hidden.participant().known(), 0u);
 }
 
 TEST(Wire, ATypeThatIsNotKnownIsRefused) {

@@ -1,0 +1,38 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/ros2/client.hpp"
+#include "tests/support/command.hpp"
+
+namespace polyarm::ros2::test {
+
+/// An example as it stands, in a domain of its own.
+class Example {
+ public:
+  Example(const std::string& name, std::vector<std::string> more = {}) {
+    ::setenv("ROS_DOMAIN_ID", std::to_string(domain_).c_str(), 1);
+    const std::string path =
+        name.starts_with('/') ? name : std::string(POLYARM_SOURCE_DIR) + "/examples/" + name;
+    more.insert(more.begin(), {"run", path, "--ros2", "--no-socket"});
+    command_.emplace(more);
+    EXPECT_TRUE(command_->wait_for("ROS 2: domain")) << command_->wait().output;
+    client.emplace(domain_);
+  }
+
+  std::uint32_t domain() const { return domain_; }
+
+ private:
+  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  std::optional<polyarm::test::Command> command_;
+
+ public:
+  std::optional<Client> client;
+};
+
+}  // namespace polyarm::ros2::test
