@@ -16,7 +16,7 @@ void read_srdf(std::string_view text, const std::string& file, DataSet& out, Pro
     bool good = state->Attribute("name") != nullptr;
     for (auto* joint = state->FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
       const char* const value = joint->Attribute("value");
-      const auto number = value ? parse_number(value) : std::nullopt;
+      const auto number = parse_number(value ? value : "");
       good = good && joint->Attribute("name") && number;
       if (!good) break;
       joints.names.emplace_back(joint->Attribute("name"));

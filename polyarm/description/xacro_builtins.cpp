@@ -180,8 +180,8 @@ XacroValue sorted(const XacroList& a) {
   return list_from(std::move(items));
 }
 
-const std::map<std::string, Function>& functions() {
-  static const std::map<std::string, Function> table = {
+std::map<std::string, Function> functions_of_numbers() {
+  return {
       {"sin", real(std::sin)},
       {"cos", real(std::cos)},
       {"tan", real(std::tan)},
@@ -247,6 +247,11 @@ const std::map<std::string, Function>& functions() {
        }},
       {"round", rounded},
       {"int", int_from},
+  };
+}
+
+std::map<std::string, Function> functions_of_types() {
+  return {
       {"ord",
        [](const XacroList& a) -> XacroValue {
          if (!a.at(0).text() || a[0].text()->size() != 1) refuse("'ord' takes one letter");
@@ -264,6 +269,11 @@ const std::map<std::string, Function>& functions() {
       {"float", [](const XacroList& a) { return float_from(a.at(0)); }},
       {"str", [](const XacroList& a) -> XacroValue { return str_of(a.at(0)); }},
       {"bool", [](const XacroList& a) -> XacroValue { return truth_of(a.at(0)); }},
+  };
+}
+
+std::map<std::string, Function> functions_of_lists() {
+  return {
       {"len",
        [](const XacroList& a) -> XacroValue { return static_cast<std::int64_t>(items_of(a.at(0)).size()); }},
       {"min", [](const XacroList& a) { return extreme(a, false); }},
@@ -303,6 +313,15 @@ const std::map<std::string, Function>& functions() {
          return std::all_of(items.begin(), items.end(), truth_of);
        }},
   };
+}
+
+const std::map<std::string, Function>& functions() {
+  static const std::map<std::string, Function> table = [] {
+    std::map<std::string, Function> all = functions_of_numbers();
+    all.merge(functions_of_types());
+    all.merge(functions_of_lists());
+    return all;
+  }();
   return table;
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -109,25 +110,27 @@ bool every(const std::string& text, int (*is)(int)) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [&](unsigned char c) { return is(c) != 0; });
 }
 
-XacroValue text_method(const std::string& text, const std::string& name, const XacroList& a,
-                       const XacroDict& named) {
-  const auto argument = [&](std::size_t i) -> const std::string& {
+/// A text's method and what it is given.
+struct TextCall {
+  const std::string& text;
+  const std::string& name;
+  const XacroList& a;
+  const std::string& argument(std::size_t i) const {
     if (i >= a.size() || !a[i].text()) refuse("'" + name + "' takes a text");
     return *a[i].text();
-  };
-  const auto strip = [&](bool left, bool right) -> XacroValue {
-    const std::string letters = a.empty() ? " \t\r\n" : argument(0);
-    const auto begin = left ? text.find_first_not_of(letters) : 0;
-    if (begin == std::string::npos) return std::string();
-    const auto end = right ? text.find_last_not_of(letters) + 1 : text.size();
-    return text.substr(begin, end - begin);
-  };
+  }
+};
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+/// Methods about capitals and kinds of letters.
+std::optional<XacroValue> letters_method(const TextCall& call) {
+  const auto& [text, name, a] = call;
   if (name == "lower") return lower(text);
-  const auto upper = [](std::string some) {
-    std::transform(some.begin(), some.end(), some.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    return some;
-  };
   if (name == "upper") return upper(text);
   if (name == "capitalize")
     return upper(text.substr(0, 1)) + lower(text.substr(std::min<std::size_t>(1, text.size())));
@@ -144,35 +147,54 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
   if (name == "isspace") return every(text, std::isspace);
   if (name == "islower") return text != upper(text) && text == lower(text);
   if (name == "isupper") return text != lower(text) && text == upper(text);
-  if (name == "removeprefix") return text.starts_with(argument(0)) ? text.substr(argument(0).size()) : text;
+  return std::nullopt;
+}
+
+/// Methods that cut a text, or fill it.
+std::optional<XacroValue> trimming_method(const TextCall& call) {
+  const auto& [text, name, a] = call;
+  const auto strip = [&call, &text = call.text](bool left, bool right) -> XacroValue {
+    const std::string letters = call.a.empty() ? " \t\r\n" : call.argument(0);
+    const auto begin = left ? text.find_first_not_of(letters) : 0;
+    if (begin == std::string::npos) return std::string();
+    const auto end = right ? text.find_last_not_of(letters) + 1 : text.size();
+    return text.substr(begin, end - begin);
+  };
+  if (name == "strip") return strip(true, true);
+  if (name == "lstrip") return strip(true, false);
+  if (name == "rstrip") return strip(false, true);
+  if (name == "removeprefix")
+    return text.starts_with(call.argument(0)) ? text.substr(call.argument(0).size()) : text;
   if (name == "removesuffix")
-    return text.ends_with(argument(0)) ? text.substr(0, text.size() - argument(0).size()) : text;
+    return text.ends_with(call.argument(0)) ? text.substr(0, text.size() - call.argument(0).size()) : text;
   if (name == "zfill") {
     const std::int64_t width = std::min<std::int64_t>(int_of(a.at(0)), 1000);
     const auto missing = std::max<std::int64_t>(width - static_cast<std::int64_t>(text.size()), 0);
     const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
     return text.substr(0, sign) + std::string(static_cast<std::size_t>(missing), '0') + text.substr(sign);
   }
+  return std::nullopt;
+}
+
+/// Methods that look for a text in another, or put it elsewhere.
+std::optional<XacroValue> finding_method(const TextCall& call) {
+  const auto& [text, name, a] = call;
   if (name == "count") {
     std::int64_t times = 0;
-    const std::string& piece = argument(0);
+    const std::string& piece = call.argument(0);
     if (piece.empty()) return static_cast<std::int64_t>(text.size()) + 1;
     for (std::size_t at = 0; (at = text.find(piece, at)) != std::string::npos; at += piece.size()) ++times;
     return times;
   }
-  if (name == "strip") return strip(true, true);
-  if (name == "lstrip") return strip(true, false);
-  if (name == "rstrip") return strip(false, true);
-  if (name == "startswith") return text.starts_with(argument(0));
-  if (name == "endswith") return text.ends_with(argument(0));
+  if (name == "startswith") return text.starts_with(call.argument(0));
+  if (name == "endswith") return text.ends_with(call.argument(0));
   if (name == "find" || name == "rfind" || name == "index") {
-    const auto at = name == "rfind" ? text.rfind(argument(0)) : text.find(argument(0));
+    const auto at = name == "rfind" ? text.rfind(call.argument(0)) : text.find(call.argument(0));
     if (at == std::string::npos && name == "index") refuse(repr_of(a[0]) + " is not in " + repr_of(text));
     return at == std::string::npos ? std::int64_t{-1} : static_cast<std::int64_t>(at);
   }
-  if (name == "format") return formatted(text, a, named);
   if (name == "replace") {
-    const std::string from = argument(0), to = argument(1);
+    const std::string from = call.argument(0), to = call.argument(1);
     std::string out;
     if (from.empty()) {  // stands before every letter and at the end
       require_short((text.size() + 1) * (to.size() + 1));
@@ -186,6 +208,12 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
     }
     return out + text.substr(begin);
   }
+  return std::nullopt;
+}
+
+/// Methods that take texts apart and put them together.
+std::optional<XacroValue> parting_method(const TextCall& call) {
+  const auto& [text, name, a] = call;
   if (name == "join") {
     std::string out;
     bool first = true;
@@ -198,7 +226,7 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
     return out;
   }
   if (name == "partition" || name == "rpartition") {
-    const std::string& by = argument(0);
+    const std::string& by = call.argument(0);
     const auto at = name == "partition" ? text.find(by) : text.rfind(by);
     if (by.empty()) refuse("'" + name + "' needs a text to split at");
     if (at != std::string::npos) return tuple_from({text.substr(0, at), by, text.substr(at + by.size())});
@@ -211,7 +239,7 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
       for (const std::string& word : split_words(text)) out.emplace_back(word);
       return list_from(std::move(out));
     }
-    const std::string by = argument(0);
+    const std::string by = call.argument(0);
     if (by.empty()) refuse("'split' needs a text to split at");
     std::int64_t most = a.size() > 1 ? int_of(a[1]) : -1;
     std::string rest = text;
@@ -226,6 +254,14 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
     if (name == "rsplit") std::reverse(out.begin(), out.end());
     return list_from(std::move(out));
   }
+  return std::nullopt;
+}
+
+XacroValue text_method(const std::string& text, const std::string& name, const XacroList& a,
+                       const XacroDict& named) {
+  if (name == "format") return formatted(text, a, named);
+  for (const auto& method : {letters_method, trimming_method, finding_method, parting_method})
+    if (std::optional<XacroValue> value = method({text, name, a})) return *std::move(value);
   refuse("a text has no method '" + name + "'");
 }
 

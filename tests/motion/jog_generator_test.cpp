@@ -126,7 +126,9 @@ TEST(JogGenerator, GoesStraightWhereNothingIsInTheWay) {
       }
       EXPECT_TRUE(rig.generator.standing()) << arm;
       EXPECT_LT(off, 1e-6) << arm;
-      if (rig.chain.joints() >= 6) EXPECT_LT(turned, 1e-6) << arm;
+      if (rig.chain.joints() >= 6) {
+        EXPECT_LT(turned, 1e-6) << arm;
+      }
     }
   }
 }

@@ -34,11 +34,11 @@ inline std::vector<motion::AxisLimits> axis_limits(const description::RobotModel
 /// An arm with what it may do; the laws are checked in every cycle.
 class JogRig {
  public:
-  explicit JogRig(const std::string& robot, motion::Workspace workspace = {}, double dt = 0.001)
-      : dt(dt),
+  explicit JogRig(const std::string& robot, motion::Workspace workspace = {}, double cycle = 0.001)
+      : dt(cycle),
         model(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(robot)),
         chain(model, model.tool_link()),
-        generator(chain, axis_limits(model), std::move(workspace), dt) {}
+        generator(chain, axis_limits(model), std::move(workspace), cycle) {}
 
   void start(const std::vector<double>& q) {
     generator.start(q);
