@@ -119,19 +119,22 @@ void ratio(const char* name, std::size_t stops, std::uint64_t seed,
               all.size(), at(all, 0.1), at(all, 0.5), at(all, 0.9), all.back());
 }
 
-/// docs/stop.svg: the speed of the TCP along its path while it is overridden, held, stepped back and resumed.
+/// docs/stop.svg: the speed of the TCP along its path while it is overridden, held, stepped back and resumed;
+/// in the end it is held again and the rest of the path discarded: dashed, what it would have been.
 void plot(const Case& c) {
   struct Phase {
     double until;
     const char* name;
     double target;  // below zero: back, by 0.1 s of the plan
   };
-  const std::vector<Phase> phases{{0.45, "100 %", 1}, {0.95, "override 40 %", 0.4}, {1.35, "100 %", 1},
-                                  {1.85, "hold", 0},  {3.0, "back 0.1 s", -0.1},    {3.3, "held", 0},
-                                  {4.2, "resume", 1}};
+  const std::vector<Phase> phases{{0.45, "100 %", 1},        {0.95, "40 %", 0.4},
+                                  {1.35, "100 %", 1},        {1.85, "hold", 0},
+                                  {3.0, "back 0.1 s", -0.1}, {3.3, "held", 0},
+                                  {3.75, "resume", 1},       {4.2, "hold", 0},
+                                  {4.8, "discard", 0}};
   PathFollower follower(c.path, c.limits, kPeriod);
   follower.begin(1);
-  constexpr double kWidth = 170, kHeight = 220, kLeft = 50, kTop = 30;  // per s, per m/s; margins
+  constexpr double kWidth = 150, kHeight = 220, kLeft = 50, kTop = 30;  // per s, per m/s; margins
   constexpr double kZero = kTop + kHeight;
   std::printf(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"800\" height=\"330\" "
@@ -139,13 +142,25 @@ void plot(const Case& c) {
       "fill=\"white\"/>\n<path d=\"M%g %gH780M%g %gV%g\" stroke=\"#888\" fill=\"none\"/>\n",
       kLeft, kZero, kLeft, kTop - 10, kZero + 40);
   double begin = 0, time = 0;
-  std::string line;
+  std::string line, rest;
   std::size_t hint = 0;
   for (const Phase& phase : phases) {
     std::printf(
         "<path d=\"M%.1f %gV%g\" stroke=\"#ccc\"/>\n<text x=\"%.1f\" y=\"20\" fill=\"#444\">%s</text>\n",
         kLeft + kWidth * begin, kTop - 5, kZero + 30, kLeft + kWidth * begin + 3, phase.name);
     if (phase.target < 0) follower.step_back(0.1, 1e9);
+    if (&phase == &phases.back()) {  // the plan from where it stands, as it would be resumed
+      PathOverride resumed(c.path, c.limits, kPeriod);
+      resumed.begin(follower.time(), 0);
+      for (double t = time; t < phase.until && !resumed.finished(); t += kPeriod) {
+        resumed.advance(1);
+        if (std::lround(t / kPeriod) % 5 != 0) continue;
+        char point[64];
+        std::snprintf(point, sizeof point, "%s%.1f %.1f", rest.empty() ? "M" : "L", kLeft + kWidth * t,
+                      kZero - kHeight * c.path.profile().at(resumed.time(), hint).speed * resumed.factor());
+        rest += point;
+      }
+    }
     for (; time < phase.until && !follower.finished(); time += kPeriod) {
       if (phase.target < 0)
         follower.advance_back(-phase.target);
@@ -162,6 +177,7 @@ void plot(const Case& c) {
     begin = phase.until;
   }
   std::printf("<path d=\"%s\" stroke=\"#06c\" stroke-width=\"1.5\" fill=\"none\"/>\n", line.c_str());
+  std::printf("<path d=\"%s\" stroke=\"#888\" stroke-dasharray=\"4 4\" fill=\"none\"/>\n", rest.c_str());
   for (int k = 0; k <= 4; ++k)
     std::printf("<text x=\"%.1f\" y=\"%g\">%d s</text>\n", kLeft + kWidth * k - 6, kZero + 55, k);
   for (const double v : {0.0, 0.5, 1.0})
