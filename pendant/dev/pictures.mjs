@@ -1,4 +1,5 @@
-// The pictures of docs/pendant.md, of a cell that has just been started: node dev/pictures.mjs 'ADDRESS WITH TOKEN'
+// The pictures of docs/pendant.md and README.md, of a copy of examples/pick_and_place that has just been started (its points are
+// put into groups): node dev/pictures.mjs 'ADDRESS WITH TOKEN'
 import { writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
@@ -40,4 +41,24 @@ await page.getByRole('button', { name: 'Go to…' }).click();
 await page.getByText('Joint values').click();
 await page.getByLabel('shoulder pan').fill('45');
 await picture('pendant_goto');
+await page.getByRole('dialog').getByRole('button', { name: 'Close' }).click();
+await page.getByRole('link', { name: 'Points' }).click();
+for (const [group, names] of [['feeder', ['Pick', 'PrePick']], ['tray', ['Place', 'PrePlace']]]) {
+  for (const name of names) await page.getByRole('checkbox', { name: `Choose ${name}`, exact: true }).check();
+  await page.getByRole('button', { name: 'Group', exact: true }).click();
+  await page.getByRole('dialog').getByRole('textbox', { name: 'Group' }).fill(group);
+  await page.getByRole('dialog').getByRole('button', { name: 'Apply' }).click();
+  await page.getByRole('region', { name: group }).waitFor();
+  for (const name of names) await page.getByRole('checkbox', { name: `Choose ${name}`, exact: true }).uncheck();
+}
+await page.getByRole('region', { name: 'Messages' }).getByRole('listitem').first().waitFor({ state: 'detached', timeout: 15_000 }).catch(() => undefined);
+await page.getByRole('button', { name: /^PrePlace / }).click();
+await page.getByText(/^The way there/).waitFor({ timeout: 5000 }).catch(() => undefined);
+await picture('pendant_points');
+await page.getByRole('link', { name: 'Program' }).click();
+await page.getByText('Text', { exact: true }).click();
+await page.getByRole('button', { name: 'Dry run' }).click();
+await page.getByText(/^Dry run: /).first().waitFor({ timeout: 60_000 });
+await page.waitForTimeout(1500);
+await picture('pendant_program');
 await browser.close();
