@@ -25,7 +25,7 @@ using trajectory::MotionLimits;
 struct Request {
   std::string robot, of, tool = "none";
   std::vector<std::string> words, data;
-  std::vector<double> from;
+  std::vector<std::string> from;  ///< a place, or a number for each joint
   PaceWords pace;
   bool keep_times = false, lines = false, ros1 = false, as_json = false;
   std::string svg, csv;
@@ -33,19 +33,31 @@ struct Request {
   double rate = 0, tolerance = 1e-6;
 
   void add_to(CLI::App& app);
+  /// Gives back to the moves what the command line took for more of --from.
+  void part();
 };
+
+void Request::part() {
+  auto rest = from.begin();
+  if (rest != from.end() && !parse_number(*rest))
+    ++rest;
+  else
+    rest = std::find_if(rest, from.end(), [](const std::string& word) { return !parse_number(word); });
+  words.insert(words.end(), rest, from.end());
+  from.erase(rest, from.end());
+}
 
 void Request::add_to(CLI::App& app) {
   app.add_option("what", words,
                  "a JointTrajectory file (YAML or JSON), or [CELL] and moves: movej P, movel P, movec VIA P, "
                  "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
-                 "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone")
-      ->required();
+                 "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone");
   app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
   app.add_option("--of", of, "of a cell with several robots: which");
   app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
   app.add_option("--data", data, "data file with more points; may be repeated")->check(CLI::ExistingFile);
-  app.add_option("--from", from, "joint values to start from, rad or m (home by default)")->expected(-1);
+  app.add_option("--from", from, "where to start, home by default: a place like P, or joint values, rad or m")
+      ->expected(-1);
   app.add_option("--blend", pace.blend,
                  "how far around points the path may leave its lines: 20mm; for files also rad");
   app.add_option("--speed", pace.speed, "50% of the limits, or at most 250mm/s at the TCP");
@@ -127,12 +139,21 @@ Setting settle(Request& request, Problems& problems) {
 
 std::vector<double> start_of(const Request& request, const Setting& setting) {
   const kinematics::Chain& chain = setting.chain();
-  if (request.from.empty()) return setting.facts().home;
-  if (request.from.size() != chain.joints())
-    throw Error("bad-value", fmt::format("--from takes {} numbers for this robot ({}), here are {}",
-                                         chain.joints(), join(chain.names(), " "), request.from.size()));
-  motion::check_joints(setting.facts(), request.from, "--from");
-  return request.from;
+  const std::vector<double>& home = setting.facts().home;
+  if (request.from.empty()) return home;
+  if (!parse_number(request.from[0])) {
+    const NamedPlaces places{setting.facts(), setting.sets};
+    const auto there = parse_moves({"movej", request.from[0]}, places, home, {});
+    return plan_moves(setting.facts(), home, there).end;
+  }
+  std::vector<double> out;
+  for (const std::string& word : request.from) out.push_back(parse_number(word).value());
+  if (out.size() != chain.joints())
+    throw Error("bad-value",
+                fmt::format("--from takes a place, or {} numbers for this robot ({}), here are {}",
+                            chain.joints(), join(chain.names(), " "), out.size()));
+  motion::check_joints(setting.facts(), out, "--from");
+  return out;
 }
 
 void describe_joints(PlannedMotion& motion, const kinematics::Chain& chain,
@@ -172,7 +193,7 @@ trajectory::PathSections path_of(const cell::JointTrajectoryFile& file, const Re
   bool metres = false;
   const double radius = radius_of(request.pace.blend, metres);
   auto points = cell::as_waypoints(file, radius);
-  if (!request.from.empty()) points.insert(points.begin(), {request.from, radius, "--from"});
+  if (!request.from.empty()) points.insert(points.begin(), {start_of(request, setting), radius, "--from"});
   trajectory::JointPathOptions options;
   if (metres) options.tcp_distance = motion::tcp_distance(setting.chain());
   for (const trajectory::JointWaypoint& p : points) motion::check_joints(setting.facts(), p.q, p.name);
@@ -326,11 +347,16 @@ int run_plan(int argc, char** argv) {
            "polyarm plan examples/pick_and_place movel Pick movel Place --blend 20mm"}) +
       "\nExit codes: 0 planned and within limits, 1 not, 2 wrong command line\n");
   if (const auto code = parse(app, argc, argv)) return *code;
-  Problems problems;
-  try {
-    Setting setting = settle(request, problems);
+  request.part();
+  const auto require_words = [&] {
     if (request.words.empty())
       throw Error("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
+  };
+  Problems problems;
+  try {
+    require_words();
+    Setting setting = settle(request, problems);
+    require_words();
     const bool file = is_trajectory_file(request.words[0]);
     PlannedMotion motion =
         file ? from_file(request, setting, problems) : from_moves(request, setting, problems);

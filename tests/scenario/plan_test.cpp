@@ -162,6 +162,29 @@ TEST_F(Plan, PointsOfACell) {
   EXPECT_TRUE(says(wrong, "did you mean 'Place'")) << wrong.output;
 }
 
+TEST_F(Plan, StartsWhereItIsTold) {
+  const std::string cell = POLYARM_SOURCE_DIR "/examples/pick_and_place";
+  const auto duration = [&](const std::vector<std::string>& words) {
+    const auto run = plan(words);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return run.exit_code == 0 ? run.result()["duration"].get<double>() : 0.0;
+  };
+  const double from_home = duration({cell, "movej", "Pick", "--json"});
+  const double from_pick = duration({"--from", "Pick", cell, "movej", "Place", "--json"});
+  EXPECT_NE(from_home, from_pick);
+  EXPECT_EQ(from_pick, duration({cell, "movej", "Place", "--json", "--from", "Pick"}));
+  const std::vector<std::string> numbers{"0", "-1.2", "1.2", "-1.57", "-1.57", "0.5"};
+  std::vector<std::string> first{"--from"}, last{cell, "movej", "Place", "--json", "--from"};
+  first.insert(first.end(), numbers.begin(), numbers.end());
+  first.insert(first.end(), {cell, "movej", "Place", "--json"});
+  last.insert(last.end(), numbers.begin(), numbers.end());
+  EXPECT_EQ(duration(first), duration(last));
+  EXPECT_EQ(duration(first), duration({"--from", "joints(0,-1.2rad,1.2rad,-1.57rad,-1.57rad,0.5rad)", cell,
+                                       "movej", "Place", "--json"}));
+  EXPECT_TRUE(says(plan({cell, "movej", "Place", "--from", "1", "2"}), "a place, or 6 numbers"));
+  EXPECT_TRUE(says(plan({cell, "movej", "Place", "--from", "Plac"}), "did you mean 'Place'"));
+}
+
 TEST_F(Plan, PlotsAndTables) {
   const auto run = ur({way(), "--svg", file("a.svg"), "--csv", file("a.csv"), "--rate", "100", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.output;
