@@ -82,7 +82,7 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
   auto& discovery = out.builtin.discovery_config;
   if (!options.discovery) discovery.discoveryProtocol = kNoDiscovery;
   discovery.leaseDuration = {10, 0};
-  discovery.leaseDuration_announcementperiod = {0, 200'000'000};
+  discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   out.builtin.avoid_builtin_multicast = options.loopback;
   std::vector<std::string> peers = options.peers;
   peers.emplace_back("127.0.0.1");
@@ -136,7 +136,7 @@ class Participant::Work : public DiscoveryListener {
     auto endpoint = std::make_unique<Endpoint>(*this);
     rtps::WriterAttributes attributes;
     attributes.endpoint = endpoint_attributes(qos);
-    set_heartbeat_period(attributes, 200);
+    set_heartbeat_period(attributes, 100);
     endpoint->depth = std::max<std::size_t>(1, qos.depth);
     endpoint->written = std::make_unique<rtps::WriterHistory>(history_attributes());
     endpoint->writer =
