@@ -51,7 +51,7 @@ std::string Bridge::interface_name(const std::string& name) const {
 void Bridge::ask(Json request, OnAnswer answer, const void* from) {
   const bool changes = request["request"].get_ref<const std::string&>().starts_with("control.");
   cell_.requests().handle(
-      request.dump(),
+      request.dump(-1, ' ', false, Json::error_handler_t::replace),  // texts may be no UTF-8
       [this, changes, answer = std::move(answer)](const std::string& line) {
         changed_ = changed_ || changes;
         guarded([&] { answer(Json::parse(line, nullptr, false)); });

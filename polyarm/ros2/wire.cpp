@@ -342,11 +342,18 @@ class Wire::Work {
       to_send_.clear();
       lock.unlock();
       std::deque<Outgoing> still;
+      std::uint64_t given_up = 0;
       for (auto* list : {&postponed, &now})
         for (Outgoing& out : *list)
-          if (!write(out) && still.size() < kMostToSend) still.push_back(std::move(out));
+          if (!write(out)) {
+            if (still.size() < kMostToSend)
+              still.push_back(std::move(out));
+            else
+              ++given_up;
+          }
       postponed = std::move(still);
       lock.lock();
+      statistics_.unsent += given_up;
     }
   }
 

@@ -309,6 +309,17 @@ TEST_F(Ros2Cell, ChangesOfParametersAndLifeCyclesAreTold) {
   for (const int id : {3, 30, 4, 40}) EXPECT_TRUE(ids.contains(id)) << id;
 }
 
+TEST_F(Ros2Cell, ATextThatIsNoUtf8IsAnsweredLikeAnyOther) {
+  EXPECT_FALSE(call("/controller_manager/load_controller", kManager + "LoadController",
+                    {{"name", std::string("\xff\xfe\x80")}})["ok"]
+                   .get<bool>());
+  EXPECT_FALSE(change(*client_, {std::string("\xc3(")}, {}));
+  json goal = goal_to(0.5, 1);
+  goal["trajectory"]["joint_names"][0] = std::string("\xf0\x28\x8c\x28");
+  EXPECT_EQ(send_to(*client_, 1, goal)["accepted"], false);
+  EXPECT_EQ(states()["arm_controller"], "active");
+}
+
 /// Nothing at work is taken away unless it is said; then everything is.
 TEST_F(Ros2Cell, LibrariesAreLoadedAnewWhenNothingIsActiveOrItIsForced) {
   const auto reload = [&](bool force) {
