@@ -1,5 +1,6 @@
 #include "polyarm/cell/data_files.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "polyarm/base/file.hpp"
@@ -13,8 +14,29 @@ constexpr Nanoseconds kLockStepWrites = 1'000'000'000;
 /// In lock-step, files of live sets are looked at this often, in cell time.
 constexpr Nanoseconds kLockStepLooks = 20'000'000;
 
-std::string set_name(const data::ImportFile& file) {
+std::string stem_of(const data::ImportFile& file) {
   return std::filesystem::path(file.file()).stem().string();
+}
+
+std::string name_of(const data::ImportFile& file) {
+  return std::filesystem::path(file.file()).filename().string();
+}
+/// What the set is called that comes from `file`: its name without the ending; with it where another file has
+/// that name, such as job.data and job.points.
+template <typename Files>
+std::string set_for(const data::ImportFile& file, const Files& files) {
+  const auto same = files.find(stem_of(file));
+  const bool taken = same != files.end() && same->second.file.file() != file.file();
+  return taken ? name_of(file) : stem_of(file);
+}
+
+/// The file that a program calls so, with its ending or without it.
+template <typename Files>
+auto bound_as(const std::string& name, const Files& files) {
+  const auto found = files.find(name);
+  if (found != files.end()) return found;
+  return std::find_if(files.begin(), files.end(),
+                      [&](const auto& each) { return name_of(each.second.file) == name; });
 }
 }  // namespace
 
@@ -27,7 +49,7 @@ std::int64_t DataFiles::start_load(const std::string& name, const Location& wher
   auto load = std::make_shared<Load>();
   load->name = name;
   load->where = where;
-  if (const auto bound = files_.find(name); bound != files_.end() && bound->second.box)
+  if (const auto bound = bound_as(name, files_); bound != files_.end() && bound->second.box)
     load->look = bound->second.box->look_from_now();
   const std::int64_t handle = next_++;
   loads_[handle] = load;
@@ -36,7 +58,7 @@ std::int64_t DataFiles::start_load(const std::string& name, const Location& wher
 }
 
 bool DataFiles::caught_up(const Load& load) const {
-  const auto bound = files_.find(load.name);
+  const auto bound = bound_as(load.name, files_);
   if (bound == files_.end() || !bound->second.box) return true;
   const signals::FileMailbox& box = *bound->second.box;
   return box.written() == box.posted() && box.looks() >= load.look;
@@ -75,10 +97,10 @@ std::filesystem::path DataFiles::load_now(const std::string& name, const Locatio
 }
 
 void DataFiles::bind(const data::ImportFile& file, const std::string& who) {
-  const std::string set = set_name(file);
+  const std::string set = set_for(file, files_);
   Bound& bound = files_[set];
   bound.file = file;
-  const bool live = folder_.is_live(set);
+  const bool live = folder_.is_live(stem_of(file));
   if ((live || !lock_step_) && (!bound.box || bound.box->path() != file.file())) {
     signals::MailboxOptions options;
     options.thread = !lock_step_;
@@ -124,7 +146,7 @@ void DataFiles::remove(const std::string& set, const std::string& name) {
   store_.load(set, left, "a person");
   Bound& bound = found->second;
   if (bound.file.values().find(name)) bound.file = data::without(bound.file, name);
-  if (folder_.is_live(set)) return;  // the user's own file, which has been changed
+  if (folder_.is_live(stem_of(bound.file))) return;  // the user's own file, which has been changed
   if (lock_step_) {
     dirty_.insert(set);
     return;
@@ -178,16 +200,18 @@ void DataFiles::take_from(const std::string& set, signals::FileMailbox& box) {
 }
 
 void DataFiles::exchange(Nanoseconds now) {
-  for (const data::PendingWrite& write : store_.take_writes()) {
+  std::map<std::string, std::vector<std::pair<std::string, data::Value>>> posts;  // of one set together
+  for (data::PendingWrite& write : store_.take_writes()) {
     const auto bound = files_.find(write.set);
     if (bound == files_.end()) continue;
     if (bound->second.box) {
-      bound->second.box->post(write.name, write.value);
+      posts[write.set].emplace_back(std::move(write.name), std::move(write.value));
       continue;
     }
     bound->second.file.set(write.name, write.value);
     dirty_.insert(write.set);
   }
+  for (const auto& [set, values] : posts) files_.at(set).box->post(values);
   const bool look = !lock_step_ || now - looked_ >= kLockStepLooks;
   if (look) looked_ = now;
   for (auto& [set, bound] : files_) {

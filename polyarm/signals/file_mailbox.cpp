@@ -1,6 +1,7 @@
 #include "polyarm/signals/file_mailbox.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -127,6 +128,32 @@ struct Displaced {
   int looks_left = 0;
 };
 
+/// The lock on a folder that all who change data in it by our rules hold meanwhile; none where the file
+/// system has none.
+class FolderTurn {
+ public:
+  explicit FolderTurn(const fs::path& folder)
+      : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
+  /// False where others have it for so long that they have to be left out of account.
+  bool take() {
+    constexpr int kTries = 200, kBetween = 100;  // of so many microseconds
+    for (int i = 0; folder_ && i < kTries; ++i) {
+      if (::flock(folder_.get(), LOCK_EX | LOCK_NB) == 0) return true;
+      if (errno != EWOULDBLOCK && errno != EINTR) return true;
+      std::this_thread::sleep_for(std::chrono::microseconds(kBetween));
+    }
+    return !folder_;
+  }
+  void give_back() {
+    if (folder_) ::flock(folder_.get(), LOCK_UN);
+  }
+
+ private:
+  Descriptor folder_;
+};
+
+/// How many looks in a row are left out while others have their turn; then somebody is stuck with it.
+constexpr int kMostLeftOut = 25;
 /// How long a displaced file is watched, in looks.
 constexpr int kLooksAtDisplaced = 500;
 /// Every so many looks it is read even if nothing says that it has changed.
@@ -146,6 +173,7 @@ class FileMailbox::Io {
         image_{start},
         merge_{values_of(start), options.versions_kept},
         watch_{path_, merge_.current()},
+        turn_{fs::path(path_).parent_path()},
         known_text_{start.text()},
         names_in_file_{names_of(start)} {
     if (options_.thread) thread_ = std::thread([this] { run(); });
@@ -165,11 +193,19 @@ class FileMailbox::Io {
 
   const std::string& path() const { return path_; }
 
-  void post(const std::string& name, const data::Value& value) {
-    data::check_can_keep(name, value, path_);
-    const std::lock_guard lock(mutex_);
-    posts_.emplace_back(name, value);
-    last_post_[name] = ++posted_;
+  void post(std::span<const std::pair<std::string, data::Value>> values) {
+    std::optional<Error> refused;
+    {
+      const std::lock_guard lock(mutex_);  // one look takes all of them
+      for (const auto& [name, value] : values) try {
+          data::check_can_keep(name, value, path_);
+          posts_.emplace_back(name, value);
+          last_post_[name] = ++posted_;
+        } catch (const Error& e) {
+          if (!refused) refused = e;
+        }
+    }
+    if (refused) throw *refused;
   }
 
   void post_group(const std::string& name, const std::string& group) {
@@ -200,6 +236,15 @@ class FileMailbox::Io {
 
   /// One round: posts, displaced files, the file, and writing where it is behind.
   void look() {
+    const bool ours = turn_.take();
+    if (!ours && ++left_out_ < kMostLeftOut) return;
+    left_out_ = 0;
+    look_in_turn();
+    if (ours) turn_.give_back();
+  }
+
+ private:
+  void look_in_turn() {
     begin_look();
     look_at_displaced();
     look_at_file();
@@ -210,7 +255,6 @@ class FileMailbox::Io {
     ++looks_ended_;
   }
 
- private:
   static std::set<std::string> names_of(const data::ImportFile& file) {
     const auto names = file.values().names();
     return {names.begin(), names.end()};
@@ -478,6 +522,8 @@ class FileMailbox::Io {
   data::ImportFile image_;  ///< the present values as text, with the comments and order of the file
   MailboxMerge merge_;
   FileWatch watch_;
+  FolderTurn turn_;
+  int left_out_ = 0;        ///< looks, one after the other
   std::string known_text_;  ///< that stands in the file as far as we know
   std::set<std::string> names_in_file_;
   Identity known_;
@@ -513,7 +559,11 @@ const std::string& FileMailbox::path() const {
   return io_->path();
 }
 void FileMailbox::post(const std::string& name, const data::Value& value) {
-  io_->post(name, value);
+  const std::pair<std::string, data::Value> one(name, value);
+  io_->post({&one, 1});
+}
+void FileMailbox::post(std::span<const std::pair<std::string, data::Value>> values) {
+  io_->post(values);
 }
 void FileMailbox::post_group(const std::string& name, const std::string& group) {
   io_->post_group(name, group);

@@ -9,13 +9,15 @@
 /// at what it displaced, and displaced files are watched for a while, since the other side may still be
 /// writing into one. Where the system tells who opens files in the folder, the version that the other side
 /// read is known; else (network drives) the nearest version is taken, and a rewrite that only undoes what the
-/// runtime had just set cannot be told from one that had not seen it. Two limits remain. A rewrite that comes
-/// in the instant between our last look and our write is undone for one round and then merged: a program that
-/// reads just then may do again what it had done. And where several programs read the file, the last reading
-/// before a rewrite counts as its origin.
+/// runtime had just set cannot be told from one that had not seen it. Two of our kind, and `polyarm data`,
+/// take turns by a lock on the folder: each sees what the other wrote before it writes. With programs that
+/// know nothing of that, two limits remain. A rewrite that comes in the instant between our last look and our
+/// write is undone for one round and then merged: a program that reads just then may do again what it had
+/// done. And where several programs read the file, the last reading before a rewrite counts as its origin.
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +61,8 @@ class FileMailbox {
   /// Cell thread. The group that the file is to have for a name, which is no value: nobody merges it, and a
   /// rewrite from outside that had not seen it may leave it out.
   void post_group(const std::string& name, const std::string& group);
+  /// The same for several, which the other side then gets together. What can be kept is, if another cannot.
+  void post(std::span<const std::pair<std::string, data::Value>> values);
   /// Cell thread. What happened since the last call. A change from outside to a name that was posted later
   /// than the merge is left out: the runtime's value is the newer one.
   std::vector<MailboxEvent> take_events();

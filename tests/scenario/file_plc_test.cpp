@@ -22,7 +22,8 @@ using test::ExampleCopy;
 /// to its tags.
 class FilePlc {
  public:
-  explicit FilePlc(const std::string& example) : copy_(example) {
+  FilePlc(const std::string& example, std::size_t parts) : copy_(example) {
+    keep_parts(parts);
     const fs::path far = fs::path(POLYARM_SOURCE_DIR) / "examples" / example / "far_plc" / "signals.yaml";
     const std::string signals = read_file(copy_.file("modbus_signals.yaml"));
     const Yaml all = Yaml::parse(signals, "signals"), other = Yaml::parse(read_file(far), "far");
@@ -62,6 +63,14 @@ class FilePlc {
   std::string plc() const { return copy_.file("far.yaml").string(); }
 
  private:
+  /// The scene without its further parts: less of the same.
+  void keep_parts(std::size_t count) {
+    const std::string name = "scene.yaml", scene = read_file(copy_.file(name));
+    const auto parts = scene.find("\nparts:\n");
+    std::size_t end = scene.find('\n', parts + 1);
+    for (; count > 0 && end != std::string::npos; --count) end = scene.find('\n', end + 1);
+    if (end != std::string::npos) write(name.c_str(), scene.substr(0, end + 1));
+  }
   void write(const char* name, const std::string& text) { write_file_atomically(copy_.file(name), text); }
   ExampleCopy copy_;
 };
@@ -74,7 +83,7 @@ struct FileCase {
 class OverFiles : public testing::TestWithParam<FileCase> {};
 
 TEST_P(OverFiles, TheExampleRunsToItsEndWithItsPlcInAnotherProcess) {
-  const FilePlc far(GetParam().example);
+  const FilePlc far(GetParam().example, GetParam().parts);
   Command plc({"run", far.plc(), "--no-socket", "--json"});
   ASSERT_TRUE(plc.wait_for("load cycledata"));
   const test::Finished run =
@@ -90,7 +99,11 @@ TEST_P(OverFiles, TheExampleRunsToItsEndWithItsPlcInAnotherProcess) {
 constexpr FileCase kFileCases[] = {{"pick_and_place", "universal_robots/ur3", 3},
                                    {"sorting", "fanuc/lr_mate_200id", 4},
                                    {"pick_and_place", "franka/fer_panda", 3},
-                                   {"sorting", "franka/fer_panda", 4}};
+                                   {"sorting", "franka/fer_panda", 4},
+                                   {"bin_picking", "universal_robots/ur3", 1},
+                                   {"bin_picking", "fanuc/lr_mate_200id", 1},
+                                   {"bin_picking", "abb/irb_120", 2},
+                                   {"bin_picking", "franka/fer_panda", 2}};
 INSTANTIATE_TEST_SUITE_P(All, OverFiles, testing::ValuesIn(kFileCases), [](const auto& named) {
   std::string name = std::string(named.param.example) + "_" + named.param.robot;
   std::replace(name.begin(), name.end(), '/', '_');

@@ -1,6 +1,8 @@
 #include "polyarm/signals/file_mailbox.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,8 +11,12 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <initializer_list>
 #include <map>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -230,6 +236,118 @@ TEST_F(Mailbox, TwoOfOurKindShakeHandsOverAFileAgainAndAgain) {
     ASSERT_TRUE(hears(plc, robot, "Done", false)) << round;
   }
   EXPECT_EQ(content(), "Name: Ask\nBool: False\nName: Done\nBool: False\n");
+}
+
+/// One side of a handshake over a file, on the thread of its mailbox.
+class Party {
+ public:
+  Party(const std::string& path, Nanoseconds period)
+      : box_(ImportFile::load(path), {.thread = true, .period = period}) {}
+  void set(std::initializer_list<std::pair<const char*, bool>> values) {
+    std::vector<std::pair<std::string, Value>> posts;
+    for (const auto& [name, value] : values) {
+      known_[name] = value;
+      posts.emplace_back(name, Value(value));
+    }
+    box_.post(posts);
+  }
+  /// False where it does not come for long.
+  bool hears(const std::string& name) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!known_[name] && std::chrono::steady_clock::now() < until) {
+      std::this_thread::yield();
+      for (const MailboxEvent& event : box_.take_events())
+        for (const auto& [changed, value] : event.values) known_[changed] = *value.as_boolean();
+    }
+    return known_[name];
+  }
+
+ private:
+  std::map<std::string, bool> known_;
+  FileMailbox box_;
+};
+
+TEST_F(Mailbox, TwoOfOurKindThatWriteAtTheSameTimeLoseNothing) {
+  rewrite(
+      "Name: Load\nBool: False\nName: Ask\nBool: False\nName: Set\nBool: False\nName: Act\nBool: False\n"
+      "Name: Active\nBool: False\n");
+  Party robot(path_, 200'000), plc(path_, 300'000);
+  constexpr int kRounds = 300;  // the file says the same things again in every round
+  std::string lost;
+  std::thread far([&] {
+    for (int round = 0; round < kRounds && lost.empty(); ++round) {
+      plc.set({{"Load", true}});
+      if (!plc.hears("Ask")) return;
+      plc.set({{"Ask", false}});
+      plc.set({{"Set", true}});
+      if (!plc.hears("Act")) return;
+      plc.set({{"Act", false}, {"Active", true}});
+    }
+  });
+  for (int round = 0; round < kRounds && lost.empty(); ++round) {
+    const auto wait_for = [&](const char* name) {
+      if (lost.empty() && !robot.hears(name)) lost = name + (" in round " + std::to_string(round));
+    };
+    wait_for("Load");
+    robot.set({{"Load", false}, {"Ask", true}});
+    wait_for("Set");
+    robot.set({{"Set", false}, {"Act", true}});
+    wait_for("Active");
+    robot.set({{"Active", false}});
+  }
+  far.join();
+  EXPECT_EQ(lost, "");
+}
+
+/// Held as by `polyarm data`, or by another runtime that looks at the file.
+class FolderHeld {
+ public:
+  explicit FolderHeld(const std::filesystem::path& folder)
+      : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY)) {
+    EXPECT_EQ(::flock(fd_, LOCK_EX | LOCK_NB), 0);
+  }
+  ~FolderHeld() { ::close(fd_); }
+  FolderHeld(const FolderHeld&) = delete;
+  FolderHeld& operator=(const FolderHeld&) = delete;
+
+ private:
+  int fd_;
+};
+
+TEST_F(Mailbox, WritesNothingWhileAnotherHasItsTurn) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.post("B", true);
+  {
+    const FolderHeld held(folder_);
+    mailbox.step();
+    EXPECT_EQ(content(), kTwo);
+    EXPECT_LT(mailbox.written(), mailbox.posted());
+    EXPECT_EQ(mailbox.looks(), 0u) << "that was no look: a `load` still waits for one";
+  }
+  mailbox.step();
+  EXPECT_EQ(content(), "# why\nName: A\nBool: False\n\nName: B\nBool: True\n");
+}
+
+TEST_F(Mailbox, DoesNotWaitForeverForAnotherWhoIsStuckWithItsTurn) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  const FolderHeld held(folder_);
+  mailbox.post("B", true);
+  int looks = 0;
+  for (; looks < 100 && mailbox.written() < mailbox.posted(); ++looks) mailbox.step();
+  EXPECT_GT(looks, 5);
+  EXPECT_LT(looks, 50);
+}
+
+TEST_F(Mailbox, KeepsWhatItCanOfSeveralValues) {
+  rewrite(kTwo);
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  const std::vector<std::pair<std::string, Value>> values{
+      {"A", Value(true)}, {"C", Value(std::nan(""))}, {"B", Value(true)}};
+  EXPECT_THROW(mailbox.post(values), Error);
+  mailbox.step();
+  EXPECT_EQ(content(), "# why\nName: A\nBool: True\n\nName: B\nBool: True\n");
 }
 
 TEST_F(Mailbox, LeavesNoTemporaryFiles) {
