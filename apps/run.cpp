@@ -254,12 +254,11 @@ void tell_assumptions(cell::Cell& cell, const program::StartReport& report) {
     return join(out, ", ");
   };
   const cell::Task& task = *cell.program();
-  std::vector<std::string> variables, held;
+  std::vector<std::string> variables, held = cell.held_parts();
   for (const auto& each : task.interpreter().variables(task.status().name))
     variables.push_back(each.name + " = " + each.value.text());
-  const auto& parts = cell.snapshot().world.parts;
-  for (std::size_t i = 0; i < parts.size() && i < cell.scene().parts.size(); ++i)
-    if (parts[i].held_by >= 0) held.push_back(cell.scene().parts[i].name);
+  if (const auto& before = cell.held_before(); !before.empty() && before != held)
+    held.push_back(join(before, ", ") + " when it was cut off");
   fmt::print("The program goes on at {}: {}\n", report.where.text(), task.status().source);
   line("robot", report.robot);
   line("tool", report.tool.empty() ? "the robot's own" : report.tool);

@@ -73,6 +73,9 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   for (const auto& robot : robots_)
     loop_->limits().set_turns(robot->entry.name + "/", divisor_of(*robot, loop_->options().period, told));
   offer_named_states();
+  std::vector<std::string> names;
+  for (const auto& robot : robots_) names.push_back(robot->entry.name);
+  held_parts_ = std::make_unique<HeldParts>(std::move(names), scene_, loop_->table());
   collect(problems, [&] { build_programs(problems); });
   problems.throw_if_errors();
   for (const Problem& problem : problems.list()) observer_.on_problem(0, problem);

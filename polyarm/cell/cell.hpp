@@ -127,6 +127,9 @@ class Cell {
   /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
   /// there is nothing to go on from, or the program has changed.
   program::StartReport continue_program();
+  /// What grippers hold now; and, after continue_program(), what they held when the run before was cut off.
+  std::vector<std::string> held_parts() const { return held_parts_->names(snapshot()); }
+  const std::vector<std::string>& held_before() const { return held_before_; }
   bool all_idle() const;
   /// At the end of a run: what lets the program go on later is on the disk.
   void keep_safe_point();
@@ -305,6 +308,8 @@ class Cell {
   std::unique_ptr<TestTask> test_;
   ProgramHost::Context program_context_;
   std::unique_ptr<SafePoints> safe_points_;
+  std::unique_ptr<HeldParts> held_parts_;
+  std::vector<std::string> held_before_;
   std::optional<program::Program> ready_program_;  ///< it begins when a test says so
   PartTracker parts_{scene_};
   std::map<std::string, std::vector<controllers::GoalEvent>> goal_events_;

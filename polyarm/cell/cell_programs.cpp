@@ -72,6 +72,7 @@ void Cell::start_program(program::Program program) {
   if (!options_.test && options_.state_folder.empty())
     safe_points_ =
         std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
+  if (safe_points_) safe_points_->set_held(held_parts_->names(snapshot()));
 }
 
 void Cell::put_program(program::Program program) {
@@ -160,6 +161,7 @@ program::StartReport Cell::continue_program() {
       store_.set(name, value, "continue");
   }
   continue_plc(*this, point);
+  held_before_ = point.held;
   if (!scene_.parts.empty() && !options_.real)
     observer_.on_note("the simulated parts lie where the scene puts them: what was held or moved is not");
   return report;
@@ -194,6 +196,7 @@ void Cell::begin_program(const std::string& name, const Location& where) {
 
 void Cell::tick_program(Nanoseconds now) {
   if (!safe_points_) return program_->tick();
+  if (held_parts_->changed(snapshot())) safe_points_->set_held(held_parts_->names(snapshot()));
   const auto look = [&] { safe_points_->tick(now, *program_, plc_.get(), store_); };
   program_->tick(look);
   look();

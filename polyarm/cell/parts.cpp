@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace polyarm::cell {
 
@@ -107,6 +108,45 @@ std::vector<std::string> PartTracker::failures(bool cut_short) const {
     out.push_back(part.sentence());
   }
   return out;
+}
+
+HeldParts::HeldParts(std::vector<std::string> robots, const description::Scene& scene,
+                     const hardware::InterfaceTable& table)
+    : robots_(std::move(robots)), scene_(scene) {
+  for (const std::string& robot : robots_)
+    sensors_.push_back(table.find_state(robot + "/tool/part_present").value_or(kNoSensor));
+}
+
+bool HeldParts::senses(std::size_t robot, const control::Snapshot& snapshot) const {
+  const std::size_t at = sensors_[robot];
+  return at < snapshot.states.size() && snapshot.states[at] > 0.5;
+}
+
+std::vector<std::string> HeldParts::names(const control::Snapshot& snapshot) const {
+  std::vector<std::string> out;
+  std::vector<char> known(robots_.size(), 0);
+  const auto& parts = snapshot.world.parts;
+  for (std::size_t i = 0; i < parts.size() && i < scene_.parts.size(); ++i) {
+    if (parts[i].held_by < 0) continue;
+    out.push_back(scene_.parts[i].name);
+    const auto robot = static_cast<std::size_t>(parts[i].held_by);
+    if (robot < known.size()) known[robot] = 1;
+  }
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (known[i] == 0 && senses(i, snapshot)) out.push_back("a part in '" + robots_[i] + "'");
+  return out;
+}
+
+bool HeldParts::changed(const control::Snapshot& snapshot) {
+  const auto& parts = snapshot.world.parts;
+  const std::size_t count = parts.size() + robots_.size();
+  bool changed = false;
+  if (seen_.size() != count) seen_.assign(count, -1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int now = i < parts.size() ? parts[i].held_by : senses(i - parts.size(), snapshot) ? 1 : -1;
+    changed = std::exchange(seen_[i], now) != now || changed;
+  }
+  return changed;
 }
 
 }  // namespace polyarm::cell

@@ -1,11 +1,14 @@
 #pragma once
 /// What became of the parts: followed through a run, judged at its end.
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "polyarm/base/time.hpp"
+#include "polyarm/control/control_loop.hpp"
 #include "polyarm/description/scene.hpp"
+#include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/hardware/world_state.hpp"
 
 namespace polyarm::cell {
@@ -58,6 +61,30 @@ class PartTracker {
 
   const description::Scene* scene_;
   std::vector<Track> tracks_;
+};
+
+/// What the grippers of a cell hold: the part by name where a simulation tells it, else that there is one.
+/// Cell thread.
+class HeldParts {
+ public:
+  /// `robots`: names, in the order in which the world counts them. `scene` has to outlive this.
+  HeldParts(std::vector<std::string> robots, const description::Scene& scene,
+            const hardware::InterfaceTable& table);
+
+  /// "blank_2", or "a part in 'arm'" where only the gripper's own sensor knows.
+  std::vector<std::string> names(const control::Snapshot& snapshot) const;
+  /// Whether that is other than at the last call; at the first one, whether there is any. Allocates nothing
+  /// but in the first.
+  bool changed(const control::Snapshot& snapshot);
+
+ private:
+  static constexpr std::size_t kNoSensor = static_cast<std::size_t>(-1);
+  bool senses(std::size_t robot, const control::Snapshot& snapshot) const;
+
+  std::vector<std::string> robots_;
+  const description::Scene& scene_;
+  std::vector<std::size_t> sensors_;  ///< by robot: its state tool/part_present
+  std::vector<int> seen_;             ///< by part who holds it, then by robot whether it feels one
 };
 
 }  // namespace polyarm::cell

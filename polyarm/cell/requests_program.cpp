@@ -62,7 +62,7 @@ Json surroundings(Cell& cell) {
           {"holder", cell.control_holder()},
           {"folder", std::filesystem::weakly_canonical(cell.file().folder).string()},
           {"robots", robots},
-          {"held", held_parts(cell)},
+          {"held", cell.held_parts()},
           {"events", cell.events().last()},
           {"file", ""},
           {"paused", false},
@@ -130,14 +130,6 @@ Poll until_paused(const Json& arguments) {
 
 }  // namespace
 
-Json held_parts(Cell& cell) {
-  Json out = Json::array();
-  const auto& seen = cell.snapshot().world.parts;
-  for (std::size_t i = 0; i < seen.size() && i < cell.scene().parts.size(); ++i)
-    if (seen[i].held_by >= 0) out.push_back(cell.scene().parts[i].name);
-  return out;
-}
-
 Json assumed(Cell& cell, const program::StartReport& report) {
   const auto valued = [&](const std::vector<std::string>& names) {
     Json out = Json::array();
@@ -159,7 +151,7 @@ Json assumed(Cell& cell, const program::StartReport& report) {
           {"sets", valued(report.sets)},
           {"reads", valued(report.reads)},
           {"variables", variables},
-          {"held", held_parts(cell)}};
+          {"held", cell.held_parts()}};
 }
 
 namespace {

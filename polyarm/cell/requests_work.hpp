@@ -104,8 +104,7 @@ Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second);
 
 /// Where the program is, as all of these answer.
 Json program_json(Cell& cell);
-/// The parts that grippers hold, and what a program that begins in the middle takes for given.
-Json held_parts(Cell& cell);
+/// What a program that begins in the middle takes for given.
 Json assumed(Cell& cell, const program::StartReport& report);
 
 }  // namespace polyarm::cell

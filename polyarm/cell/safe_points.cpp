@@ -72,11 +72,11 @@ Value to_value(const Json& j) {
   if (j.contains("pose")) {
     data::Point out{to_pose(j["pose"]), j.at("quaternion").get<bool>()};
     if (const auto t = j.find("taught"); t != j.end())
-      out.taught = std::make_shared<data::Taught>(data::Taught{
-          t->at(0),
-          t->at(1),
-          t->at(2),
-          {t->at(3).get<std::vector<std::string>>(), t->at(4).get<std::vector<double>>()}});
+      out.taught = std::make_shared<data::Taught>(
+          data::Taught{t->at(0),
+                       t->at(1),
+                       t->at(2),
+                       {t->at(3).get<std::vector<std::string>>(), t->at(4).get<std::vector<double>>()}});
     return out;
   }
   data::Record record{j.at("record").get<std::vector<std::string>>(), all(j.at("values"))};
@@ -206,13 +206,10 @@ Named to_named(const Json& j) {
 }  // namespace
 
 std::string to_json(const SafePoint& point) {
-  Json out{{"polyarm", "safe-point/2"},
-           {"file", point.program},
-           {"line", point.line},
-           {"state", from_state(point.state)},
-           {"plc_ended", point.plc_ended},
-           {"tags", from_named(point.tags)},
-           {"values", from_named(point.values)}};
+  Json out{{"polyarm", "safe-point/2"},    {"file", point.program},
+           {"line", point.line},           {"state", from_state(point.state)},
+           {"plc_ended", point.plc_ended}, {"tags", from_named(point.tags)},
+           {"held", point.held},           {"values", from_named(point.values)}};
   if (point.plc) out["plc"] = from_state(*point.plc);
   return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -228,6 +225,7 @@ SafePoint safe_point_from_json(const std::string& text, const std::string& file)
     out.plc_ended = j.at("plc_ended");
     out.tags = to_named(j.at("tags"));
     out.values = to_named(j.at("values"));
+    out.held = j.value("held", std::vector<std::string>{});
     return out;
   } catch (const std::exception& e) {
     throw Error(Problem{"bad-state",
@@ -266,18 +264,32 @@ void SafePoints::tick(Nanoseconds now, const Task& task, const Task* plc, const 
     const bool moved_on = differ(at, seen_at_) || differ(plc_at, plc_seen_at_);
     if (data || (moved_on && now - taken_ >= kBetween) || taken_ < 0) {
       seen_version_ = store.version(), seen_at_ = at, plc_seen_at_ = plc_at, taken_ = now;
-      pending_ = taken(task, plc, store);
+      auto point = std::make_shared<SafePoint>(taken(task, plc, store));
+      point->held = held_;
+      last_ = std::move(point);
+      pending_ = true;
     }
   }
-  if (pending_ && !lock_step_ && !busy_->load()) post();
+  post_when_free();
+}
+
+void SafePoints::set_held(std::vector<std::string> held) {
+  held_ = std::move(held);
+  if (!last_) return;
+  auto point = std::make_shared<SafePoint>(*last_);
+  point->held = held_;
+  last_ = std::move(point);
+  pending_ = true;
+  post_when_free();
 }
 
 void SafePoints::post() {
   busy_->store(true);
-  worker_.post([point = *std::exchange(pending_, {}), file = file_, busy = busy_] {
+  pending_ = false;
+  worker_.post([point = last_, file = file_, busy = busy_] {
     try {
       std::filesystem::create_directories(file.parent_path());
-      write_file_atomically(file, to_json(point));
+      write_file_atomically(file, to_json(*point));
     } catch (const std::exception&) {  // the data files tell that the disk is not there
     }
     busy->store(false);

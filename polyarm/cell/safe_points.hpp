@@ -22,6 +22,7 @@ struct SafePoint {
   std::optional<program::SavedState> plc;  ///< nothing: there is none, or it stood where it cannot go on
   bool plc_ended = false;
   std::vector<std::pair<std::string, data::Value>> tags;  ///< but those that hardware and cell tell
+  std::vector<std::string> held;  ///< what grippers held at last, which may be later than the rest
 };
 std::string to_json(const SafePoint& point);
 /// Throws Error("bad-state").
@@ -37,6 +38,8 @@ class SafePoints {
   /// the data have changed; one write is under way at most, and the newest is written next.
   /// `plc`: null where the cell has none.
   void tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store);
+  /// A gripper has taken or let go something; where the program is then makes no difference.
+  void set_held(std::vector<std::string> held);
   /// What is not written yet. A program that has come to its own end leaves nothing.
   void finish(const Task& task);
 
@@ -46,11 +49,16 @@ class SafePoints {
 
  private:
   void post();
+  void post_when_free() {
+    if (pending_ && !lock_step_ && !busy_->load()) post();
+  }
 
   std::filesystem::path file_;
   Worker& worker_;
   bool lock_step_;
-  std::optional<SafePoint> pending_;
+  std::shared_ptr<const SafePoint> last_;  ///< the newest
+  bool pending_ = false;                   ///< it is not on its way to the disk yet
+  std::vector<std::string> held_;
   std::shared_ptr<std::atomic<bool>> busy_ = std::make_shared<std::atomic<bool>>(false);
   std::uint64_t seen_version_ = 0;
   program::Place seen_at_, plc_seen_at_;

@@ -86,6 +86,34 @@ TEST_F(Programs, ARunThatWasCutOffGoesOn) {
   EXPECT_NE(nothing.output.find("no program was cut off here"), std::string::npos) << nothing.output;
 }
 
+TEST_F(Programs, DataAndPointsMayHaveTheSameName) {
+  folder.write("work.data", "Name: PointFile\nText: work\nName: X\nNum: 3\n");
+  folder.write("work.points", "Pose: RPY\nName: Here\nPoint: 0.1, 0, 0.2, 0, 0, 0\n");
+  folder.write("job.script", "load work.data\nset X = X + 1\nload work.data\nlog(\"{X} {Here.z}\")\n");
+  const Finished run = run_command({"run", folder.path().string(), "--fast"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_NE(run.output.find("4 0.2m"), std::string::npos) << run.output;
+}
+
+TEST(CutOff, TheRunAfterwardsTellsWhatTheGripperHeld) {
+  const test::ExampleCopy copy("pick_and_place");
+  const auto asks = [&] { return run_command({"run", copy.path(), "--fast", "--continue"}); };
+  const std::vector<std::string> line{"run", copy.path(), "--fast", "--quiet", "--seconds"};
+  const auto cut_off_after = [&](const char* seconds) {
+    std::vector<std::string> words = line;
+    words.emplace_back(seconds);
+    run_command(words);
+    const std::string told = asks().output;
+    const auto at = told.find("held part");
+    return at == std::string::npos ? told : told.substr(at, told.find('\n', at) - at);
+  };
+  EXPECT_NE(cut_off_after("0.5").find("none that is known"), std::string::npos);
+  std::string held;
+  for (const char* seconds : {"4", "5", "6", "7", "8", "9"})
+    if (held.find("when it was cut off") == std::string::npos) held = cut_off_after(seconds);
+  EXPECT_NE(held.find("cube_1 when it was cut off"), std::string::npos) << held;
+}
+
 TEST_F(Programs, AHoldThatNobodyCanEndEndsTheRun) {
   folder.write("job.script",
                "load work\nset Placed = 7\nhold \"look at the cup\"\nset Placed = 8\ntask other\n"
