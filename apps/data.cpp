@@ -157,7 +157,9 @@ int import_values(const DataArguments& a) {
       if (!entry.group.empty()) set.set_group(entry.name, entry.group);
     }
   });
-  fmt::print("{} values from {} are in {}\n", values.size(), a.from, path.string());
+  const bool one = values.size() == 1;
+  fmt::print("{} {} from {} {} in {}\n", values.size(), one ? "value" : "values", a.from, one ? "is" : "are",
+             path.string());
   return kOk;
 }
 
