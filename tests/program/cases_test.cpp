@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "fake_host.hpp"
+#include "given.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/program/checker.hpp"
@@ -50,28 +51,6 @@ Expectations read_expectations(const std::vector<std::string>& lines) {
     if (const auto text = after(line, "# expect failure:"); !text.empty()) out.failures.emplace(i, text);
   }
   return out;
-}
-
-data::Value given_value(const std::string& text) {
-  if (text == "True" || text == "False") return text == "True";
-  if (text == "point") return data::Point{};
-  if (text == "joints") return data::JointState{{"elbow"}, {0.5}};
-  if (text.starts_with("point ")) {
-    const auto parts = split_words(text);
-    return data::Point{{{std::stod(parts.at(1)), std::stod(parts.at(2)), std::stod(parts.at(3))}, {}}, false};
-  }
-  if (text.starts_with('"')) return text.substr(1, text.size() - 2);
-  const auto tokens = read_tokens(text, {1, 1});
-  return data::Number{tokens[0].number, tokens[0].dimension};
-}
-
-void give(FakeHost& host, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) {
-    if (!line.starts_with("# given ")) continue;
-    const auto colon = line.find(':');
-    host.store.declare_tag(std::string(trim(std::string_view(line).substr(8, colon - 8))),
-                           given_value(std::string(trim(std::string_view(line).substr(colon + 1)))));
-  }
 }
 
 /// What others set while the program runs.
