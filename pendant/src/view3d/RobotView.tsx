@@ -8,7 +8,7 @@ import { frames, jointValues, models, scene } from '../state/models';
 import { chosenPoints, dryPaths, pointsIn3d, problemsIn3d } from '../state/preview';
 import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
-import type { Vec3 } from '../wire/types';
+import type { Pose, Vec3 } from '../wire/types';
 import { FlatView } from './FlatView';
 import type { CellPicture, Ghost, Handle, Layers } from './picture';
 import type { ViewName } from './stage';
@@ -86,7 +86,7 @@ function follow(picture: CellPicture): (() => void)[] {
     picture.updateMovers(valueNow);
     for (const each of cell.peek()?.robots ?? []) {
       const name = each.name;
-      const base = status.peek()?.bases[name];
+      const base = baseNow(name) ?? status.peek()?.bases[name];
       const tcp: Vec3 = [valueNow(`${name}/tcp/x`), valueNow(`${name}/tcp/y`), valueNow(`${name}/tcp/z`)];
       picture.update(name, jointValues(name), tcp, base);
     }
@@ -111,6 +111,14 @@ function follow(picture: CellPicture): (() => void)[] {
     effect(() => picture.setHandle(handle.value)),
     onFrame(update),
   ];
+}
+
+/** Where a base that stands on its wheels is, as the frames tell it; null for one that is fixed. */
+function baseNow(robot: string): Pose | null {
+  const of = (what: string) => valueNow(`${robot}/base/${what}`);
+  const p: Pose['p'] = [of('position.x'), of('position.y'), of('position.z')];
+  const q: Pose['q'] = [of('orientation.x'), of('orientation.y'), of('orientation.z'), of('orientation.w')];
+  return [...p, ...q].every(Number.isFinite) ? { p, q } : null;
 }
 
 function showPlans(picture: CellPicture): void {
