@@ -9,7 +9,7 @@ export type Tone = 'plain' | 'primary' | 'good' | 'warn' | 'danger' | 'quiet';
 interface ButtonProps {
   label: string;
   icon?: IconName;
-  /** Only the picture is shown; the label is still read out. */
+  /** Only the picture is shown; the label is still read out, as it is where a narrow page hides it. */
   bare?: boolean;
   tone?: Tone;
   big?: boolean;
@@ -28,7 +28,7 @@ export function Button(props: ButtonProps) {
     <button
       type="button"
       class={`button ${tone} ${big ? 'big' : ''} ${bare ? 'bare' : ''} ${props.class ?? ''}`}
-      aria-label={bare ? label : undefined}
+      aria-label={icon ? label : undefined}
       aria-pressed={pressed === undefined ? undefined : pressed}
       title={title ?? (bare ? label : undefined)}
       disabled={disabled}
