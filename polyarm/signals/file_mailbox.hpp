@@ -58,11 +58,11 @@ class FileMailbox {
   const std::string& path() const;
   /// Cell thread. Throws Error("cannot-keep") at once for a value that the file cannot hold.
   void post(const std::string& name, const data::Value& value);
+  /// The same for several, which the other side then gets together. What can be kept is, if another cannot.
+  void post(std::span<const std::pair<std::string, data::Value>> values);
   /// Cell thread. The group that the file is to have for a name, which is no value: nobody merges it, and a
   /// rewrite from outside that had not seen it may leave it out.
   void post_group(const std::string& name, const std::string& group);
-  /// The same for several, which the other side then gets together. What can be kept is, if another cannot.
-  void post(std::span<const std::pair<std::string, data::Value>> values);
   /// Cell thread. What happened since the last call. A change from outside to a name that was posted later
   /// than the merge is left out: the runtime's value is the newer one.
   std::vector<MailboxEvent> take_events();
