@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -86,8 +88,11 @@ TEST_P(OverFiles, TheExampleRunsToItsEndWithItsPlcInAnotherProcess) {
   const FilePlc far(GetParam().example, GetParam().parts);
   Command plc({"run", far.plc(), "--no-socket", "--json"});
   ASSERT_TRUE(plc.wait_for("load cycledata"));
+  std::thread listener([&] { plc.wait_for("\nnever"); });  // a full pipe would stop the PLC
   const test::Finished run =
       test::run_command({"run", far.cell(), "--robot", GetParam().robot, "--fast", "--json"});
+  plc.signal(SIGKILL);
+  listener.join();
   ASSERT_EQ(run.exit_code, 0) << run.output.substr(run.output.size() > 3000 ? run.output.size() - 3000 : 0);
   const nlohmann::json result = run.result();
   EXPECT_EQ(result["result"], "completed");
