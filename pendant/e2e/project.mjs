@@ -1,45 +1,13 @@
 // From the link to a robot that does a taught job, by what is visible only: choosing a robot, teaching, writing, running; drafts
 // and conflicts. Each test begins where the one before has left the cell.
 import assert from 'node:assert/strict';
-import { after, before, test as run } from 'node:test';
-import { go, launch, picture, screen, state } from './browser.mjs';
-import { Cell, until, Watcher } from './cell.mjs';
+import { go, launch, state } from './browser.mjs';
+import { until, Watcher } from './cell.mjs';
+import { suite } from './suite.mjs';
 
-const cell = new Cell('pick_and_place');
-let chrome, page, watcher, began;
-
-before(async () => {
-  await cell.start();
-  chrome = await launch();
-  watcher = await new Watcher(cell).start();
-}, { timeout: 180_000 });
-after(async () => {
-  watcher?.end();
-  await chrome?.end();
-  await cell.end();
-});
-/** One case of the job. Where one has failed there is nothing for the next to begin with; a picture shows where it was. */
-let failed = false;
-function test(name, body) {
-  run(name, { timeout: 300_000 }, async (t) => {
-    if (failed) return t.skip('the job has failed before');
-    try {
-      await goOn();
-      await body(t);
-    } catch (error) {
-      failed = true;
-      await picture(page, name.replace(/\W+/g, '-'));
-      t.diagnostic(cell.output.split('\n').slice(-12).join('\n'));
-      throw error;
-    }
-  });
-}
-
-/** A machine that stands still for a moment has the cell hold, as it should; a person resumes. */
-async function goOn() {
-  const { state, cause } = watcher.events.status ?? {};
-  if (page && state === 'held' && /^wall time/.test(cause)) await page.getByRole('contentinfo').getByRole('button', { name: 'Resume' }).click();
-}
+const { at, test } = suite({ chain: true });
+const { cell, goOn } = at;
+let page, began;
 
 const main = (on) => on.getByRole('main');
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });
@@ -48,7 +16,7 @@ const said = (text, on = page) => on.getByRole('region', { name: 'Messages' }).g
 
 test('a robot is chosen from the catalogue', async () => {
   began = Date.now();
-  page = await screen(chrome.browser, cell.link);
+  page = await at.open();
   await button(/^In control/).waitFor();
   await go(page, 'Program');
   await button('End program').click();
@@ -140,7 +108,7 @@ test('it runs, and parts arrive', async (t) => {
   await page.getByRole('list', { name: 'Steps' }).getByText('The program is here').first().waitFor();
   const seen = new Set();
   const placed = () => {
-    for (const part of watcher.events.parts?.parts ?? [])
+    for (const part of at.watcher.events.parts?.parts ?? [])
       if (Math.hypot(part.p[0] - 0.3, part.p[1] + 0.15) < 0.03 && part.p[2] < 0.06) seen.add(part.name);
     return seen.size >= 2;
   };
@@ -158,13 +126,13 @@ test('a draft survives a killed browser and a killed cell', async () => {
   await page.keyboard.press('Control+Home');
   await page.keyboard.insertText('# not saved yet\n');
   await page.getByText('Draft, kept on the cell').waitFor();
-  chrome.kill();
-  watcher.end();
+  at.chrome.kill();
+  at.watcher.end();
   await cell.kill();
   await cell.start();
-  watcher = await new Watcher(cell).start();
-  chrome = await launch();
-  page = await screen(chrome.browser, cell.link);
+  at.watcher = await new Watcher(cell).start();
+  at.chrome = await launch();
+  page = await at.open();
   await button(/^In control/).waitFor();
   await go(page, 'Program');
   await button(/^Program .*open another$/).click();
@@ -177,12 +145,12 @@ test('a draft survives a killed browser and a killed cell', async () => {
 
 test('saving over what another has saved shows both, and lets choose', async () => {
   // Another client writes the same file.
-  const before = await watcher.request('files.read', { name: 'job.script' });
+  const before = await at.watcher.request('files.read', { name: 'job.script' });
   await button(/^In control/).click();
   await button('Give control back').click();
-  await watcher.request('session.take');
-  await watcher.request('files.write', { name: 'job.script', text: `${before.text}# theirs\n`, base: before.hash });
-  await watcher.request('session.release');
+  await at.watcher.request('session.take');
+  await at.watcher.request('files.write', { name: 'job.script', text: `${before.text}# theirs\n`, base: before.hash });
+  await at.watcher.request('session.release');
   await button('Take control').first().click();
   await button(/^In control/).waitFor();
   await button('Save').click();
@@ -192,7 +160,7 @@ test('saving over what another has saved shows both, and lets choose', async () 
   await dialog.getByRole('button', { name: /^The file as it is now: # theirs/ }).click();
   await dialog.getByRole('button', { name: 'Save the mixture' }).click();
   await said('job.script is saved');
-  const now = await watcher.request('files.read', { name: 'job.script' });
+  const now = await at.watcher.request('files.read', { name: 'job.script' });
   assert.ok(now.text.startsWith('# not saved yet\n') && now.text.includes('# theirs'), now.text);
 });
 

@@ -1,0 +1,80 @@
+// Every page on every screen: nothing serious for axe, nothing wider than the screen, targets for fingers, Stop in reach.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { picture, screen, stopKey } from './browser.mjs';
+import { suite } from './suite.mjs';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const { at, test } = suite();
+const kPages = {
+  en: ['Run', 'Move', 'Program', 'Points', 'Signals', 'Plots', 'Health', 'Cell'],
+  es: ['Ejecutar', 'Mover', 'Programa', 'Puntos', 'Señales', 'Gráficas', 'Diagnóstico', 'Celda'],
+};
+const kScreens = { desk: [1280, 800], tablet: [1024, 600], phone: [390, 844] };
+
+/** What axe finds, by all its rules or by some. */
+async function serious(on, where, rules) {
+  const { violations } = await on.evaluate((only) => globalThis.axe.run({ resultTypes: ['violations'], ...(only && { runOnly: only }) }), rules);
+  return violations
+    .filter((each) => ['serious', 'critical'].includes(each.impact))
+    .map((each) => `${where}: ${each.id}: ${each.nodes.map((node) => node.target.join(' ')).join(', ')}`);
+}
+
+/** What a finger would miss: 44 px, but for a line of a list or of a segment, which is at least 42 px high. */
+const small = (on) =>
+  on.evaluate(() =>
+    [...document.querySelectorAll('button, a[href], select, input, label.toggle, .segmented label')]
+      .filter((each) => !(each.matches('input') && each.closest('label, .field, .slider, [class$=search]')))
+      .map((each) => [each.getAttribute('aria-label') ?? each.textContent, each.getBoundingClientRect()])
+      .filter(([, box]) => box.width > 0 && box.bottom > 0 && (box.width < 43.5 || box.height < 41.5))
+      .map(([label, box]) => `${label} ${Math.round(box.width)}×${Math.round(box.height)}`),
+  );
+
+/** Words that stand over their neighbours: they are wider than what they stand in. */
+const squeezed = (on) =>
+  on.evaluate(() =>
+    [...document.querySelectorAll('.segmented label, button > span:not(.badge), .page-link span')]
+      .filter((each) => each.clientWidth > 0 && each.scrollWidth > each.clientWidth + 1 && getComputedStyle(each).display !== 'inline')
+      .map((each) => each.textContent),
+  );
+
+for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
+  for (const [size, [width, height]] of Object.entries(kScreens))
+    test(`looks well in ${locale} on a ${size}, dark and light`, async () => {
+      const page = await screen(at.chrome.browser, at.cell.link, { locale, viewport: { width, height } });
+      assert.equal(await page.evaluate(() => document.documentElement.lang), language);
+      await page.evaluate(axe);
+      const found = [];
+      for (const colorScheme of ['dark', 'light']) {
+        await page.emulateMedia({ colorScheme });
+        for (const [i, name] of kPages[language].entries()) {
+          const where = `${name}, ${size}, ${colorScheme}`;
+          await page.keyboard.press(`Alt+${i + 1}`);
+          await page.getByRole('main', { name, exact: true }).waitFor();
+          await page.getByRole('main').getByText(/^(Loading…|Cargando…)$/).first().waitFor({ state: 'detached' });
+          found.push(...(await serious(page, where, colorScheme === 'dark' ? undefined : ['color-contrast'])));
+          if (colorScheme === 'light') continue;
+          const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+          if (wide > width) found.push(`${where}: ${wide} px wide`);
+          const stop = await page.getByRole('button', { name: language === 'en' ? /^Stop / : /^Parar / }).boundingBox();
+          if (stop.y + stop.height > height || stop.x + stop.width > width || stop.height < 44) found.push(`${where}: Stop is out of reach`);
+          found.push(...(await small(page)).map((each) => `${where}: small: ${each}`));
+          found.push(...(await squeezed(page)).map((each) => `${where}: squeezed: ${each}`));
+        }
+        await page.getByRole('button', { name: language === 'en' ? 'Settings' : 'Ajustes' }).click();
+        found.push(...(await serious(page, `Settings, ${size}, ${colorScheme}`)));
+        await page.getByRole('dialog').getByRole('button', { name: /^(Close|Cerrar)$/ }).click();
+      }
+      if (found.length) await picture(page, `looks-${language}-${size}`);
+      await page.context().close();
+      assert.deepEqual([...found, ...page.problems], []);
+    });
+
+test('Stop is named for what it is', async () => {
+  const page = await at.open();
+  await stopKey(page).waitFor();
+  const spanish = await screen(at.chrome.browser, at.cell.link, { locale: 'es-ES' });
+  await spanish.getByRole('button', { name: /^Parar .*parada por software, no es una parada de emergencia$/ }).waitFor();
+  await spanish.context().close();
+});

@@ -1,0 +1,85 @@
+// What the files of cases share: one cell, one browser, one page; each case begins where the one before has left them.
+import { after, before, test as run } from 'node:test';
+import { launch, picture, screen } from './browser.mjs';
+import { Cell, until, Watcher } from './cell.mjs';
+
+/** `chain`: where a case has failed there is nothing for the next to begin with. */
+export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false } = {}) {
+  const at = { cell: new Cell(example, options), chrome: null, page: null, watcher: null, commanded: 0 };
+  let failed = false;
+  before(async () => {
+    change(at.cell.folder);
+    at.chrome = await launch();
+    at.commanded = Date.now();
+    await at.cell.start();
+    at.watcher = await new Watcher(at.cell).start();
+  }, { timeout: 180_000 });
+  after(async () => {
+    at.watcher?.end();
+    await at.chrome?.end();
+    await at.cell.end();
+  });
+
+  /** A machine that stands still for a moment has the cell hold, as it should; a person resumes. */
+  at.goOn = async () => {
+    const { state, cause } = at.watcher.events.status ?? {};
+    if (at.page && state === 'held' && /^wall time/.test(cause)) await at.bar().getByRole('button', { name: 'Resume' }).click({ timeout: 5000 }).catch(() => undefined);
+  };
+  at.bar = () => at.page.getByRole('contentinfo');
+  /** The page of `link`, which the cases use from now on. */
+  at.open = async (link = at.cell.link, settings = {}) => (at.page = await screen(at.chrome.browser, link, settings));
+
+  /** A case; a picture of the page where it fails, and what the cell said last. */
+  const test = (name, body, timeout = 300_000) =>
+    run(name, { timeout }, async (t) => {
+      if (failed && chain) return t.skip('a case before has failed');
+      try {
+        await at.goOn();
+        await body(t);
+      } catch (error) {
+        failed = true;
+        if (at.page) await picture(at.page, name.replace(/\W+/g, '-'));
+        t.diagnostic(at.cell.output.split('\n').slice(-12).join('\n'));
+        throw error;
+      }
+    });
+
+  /** A busy machine may hold the cell more than once. */
+  const running = async () => {
+    const { state } = at.watcher.events.status ?? {};
+    if (state === 'held') await at.bar().getByRole('button', { name: 'Resume' }).click({ timeout: 5000 }).catch(() => undefined);
+    return state === 'running';
+  };
+
+  /** Holds a key down until `seen`; pressed anew where the machine stood still for so long that the motion was ended for it. */
+  const holdKey = async (button, seen, what) => {
+    const { page, watcher } = at;
+    for (let left = 3; ; --left) {
+      await page.mouse.up();
+      await until(running, 60, 'running');
+      await button.hover();
+      at.pressed = Date.now();
+      await page.mouse.down();
+      try {
+        return await until(seen, 5, what);
+      } catch (error) {
+        await page.mouse.up();
+        if (left === 0) throw error;
+      }
+    }
+  };
+
+  const atRest = () => until(() => at.watcher.speed() < 0.002, 20, 'standing');
+  /** Ends the program of the cell, by the page. */
+  const endProgram = async () => {
+    await at.page.getByRole('navigation', { name: 'Pages' }).getByRole('link', { name: 'Run' }).click();
+    await at.page.getByRole('button', { name: /^(End program|Start)$/ }).first().waitFor();
+    if (!at.watcher.events.status?.program?.ended) {
+      await at.page.getByRole('button', { name: 'End program' }).click();
+      await at.page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
+      await until(() => at.watcher.events.status?.program?.ended, 30, 'the end of the program');
+    }
+    await atRest();
+  };
+  return { at, test, atRest, endProgram, holdKey };
+}
