@@ -9,6 +9,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -29,6 +30,11 @@ constexpr auto kPatience = std::chrono::seconds(10);
 /// another middleware takes it for old, and a first call would be lost. They tell each other of endpoints
 /// again each second.
 constexpr auto kMutual = std::chrono::milliseconds(1200);
+/// A reader of Cyclone that has heard no heartbeat of a writer yet takes all that the first one counts for
+/// old: a reply that comes before it would be lost. It asks for one as soon as it knows the writer, which who
+/// asks does; so long its first reply waits.
+constexpr auto kFirstReply = std::chrono::milliseconds(100);
+constexpr std::size_t kMostAnswered = 4096;
 /// Cyclone DDS puts who asked, and the how manieth time, before the fields of requests and replies.
 constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
 constexpr std::size_t kLargest = 16u << 20;
@@ -47,6 +53,7 @@ struct Asker {
   Related related;        ///< Fast DDS and others: the reader that waits, or the writer that asked
   std::string client_id;  ///< Cyclone: what its request writer and reply reader have in common
   std::array<std::byte, kCycloneHeader> header{};
+  Clock::time_point asked = Clock::now();
 };
 
 }  // namespace
@@ -363,6 +370,7 @@ class Wire::Work {
     if (out.to) {
       const auto reader = reader_of(*out.to, out.writer);
       if (!reader && Clock::now() < out.until) return false;
+      if (reader && out.to->vendor == Vendor::cyclone && !hears(*reader, out.to->asked)) return false;
       related = Related{out.to->vendor == Vendor::cyclone && reader ? *reader : out.to->related.guid,
                         out.to->related.sequence};
       if (out.to->vendor == Vendor::cyclone)
@@ -372,6 +380,15 @@ class Wire::Work {
     const bool sent = participant_.write(out.writer, out.payload, related) != 0;
     const std::lock_guard lock(mutex_);
     ++(sent ? statistics_.sent : statistics_.unsent);
+    return true;
+  }
+
+  /// Whether a reader of Cyclone has been answered before, or has had the time to hear of its writer.
+  bool hears(const Guid& reader, Clock::time_point asked) {
+    if (answered_.contains(reader)) return true;
+    if (Clock::now() < asked + kFirstReply) return false;
+    if (answered_.size() >= kMostAnswered) answered_.clear();
+    answered_.insert(reader);
     return true;
   }
 
@@ -436,6 +453,7 @@ class Wire::Work {
   mutable std::condition_variable arrived_;
   std::deque<std::function<bool()>> waiting_;
   std::deque<Outgoing> to_send_;
+  std::set<Guid> answered_;  ///< readers of Cyclone; of the sending thread
   WireStatistics statistics_;
   bool over_ = false;
   std::thread thread_;
