@@ -144,7 +144,7 @@ TEST(PlainUrdf, HasNothingThatOthersDoNotRead) {
   ASSERT_EQ(read.links[0].collisions.size(), 3u);
   EXPECT_EQ(read.links[0].collisions[0].kind, ShapeKind::cylinder);
   EXPECT_EQ(read.links[0].collisions[2].pose.position.z, 0.2);
-  for (const std::vector<double> q : {std::vector<double>{0, 0, 0.44}, {0.14, 0, 0.2}, {0, 0, 0.5}})
+  for (const std::vector<double>& q : {std::vector<double>{0, 0, 0.44}, {0.14, 0, 0.2}, {0, 0, 0.5}})
     EXPECT_EQ(links_touch(read, 0, 3, q), links_touch(model, 0, 3, q)) << q[2];
 }
 

@@ -31,7 +31,7 @@ using Payload = std::vector<std::byte>;
 
 /// A sample as Cyclone keeps it: nothing but its bytes.
 struct RawSample : ddsi_serdata {
-  RawSample(const ddsi_sertype* of, ddsi_serdata_kind kind) { ddsi_serdata_init(this, of, kind); }
+  RawSample(const ddsi_sertype* of, ddsi_serdata_kind what) { ddsi_serdata_init(this, of, what); }
   Payload bytes;
 };
 

@@ -243,12 +243,12 @@ class Rover : public ::testing::Test {
     uuid[15] = static_cast<unsigned char>(number);
   }
   bool send_by_cyclone(int number, double shoulder, int seconds) {
-    const char* joints[] = {"shoulder", "elbow"};
+    const char* names[] = {"shoulder", "elbow"};
     double there[] = {shoulder, -shoulder};
     control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request_ request{};
     set_id(request.uuid, number);
     request.trajectory.header.frame_id = request.multi_dof_trajectory.header.frame_id = nothing.data();
-    request.trajectory.joint_names._buffer = const_cast<char**>(joints);
+    request.trajectory.joint_names._buffer = const_cast<char**>(names);
     request.trajectory.joint_names._length = request.trajectory.joint_names._maximum = 2;
     trajectory_msgs_msg_dds__JointTrajectoryPoint_ point{};
     point.positions._buffer = there;
