@@ -221,6 +221,7 @@ class Server : public std::enable_shared_from_this<Server> {
   }
 
   void tell_feedback(const Goal& goal, Json sample) {
+    if (!bridge_.is_due(told_feedback_)) return;
     bridge_.to_ros(sample);
     Json message{{"goal_id", goal.id}, {"feedback", feedback_of(port_.type, std::move(sample))}};
     bridge_.wire().publish(feedback_, messages::from_json(*feedback_type_, message));
@@ -238,6 +239,7 @@ class Server : public std::enable_shared_from_this<Server> {
   Bridge& bridge_;
   ActionPort port_;
   const messages::TypeInfo* feedback_type_ = nullptr;
+  std::chrono::steady_clock::time_point told_feedback_;
   Wire::Id feedback_ = 0, status_ = 0;
   std::deque<GoalPointer> goals_;
   int asking_ = 0;  ///< goals that the cell has not answered yet

@@ -110,6 +110,7 @@ void offer_standard_services(Bridge& bridge, const std::string& node, ParameterS
 /// The newest cycle is seen up to a period after it began, so the least of many differences is the true one.
 /// Cycles that are skipped are whole periods that the cell's clock stands still.
 void Bridge::look_at_clock() {
+  tells_ = is_due(told_streams_);
   if (cell_.lock_step()) return;
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
@@ -132,6 +133,14 @@ void Bridge::look_at_clock() {
   least_before_ += skipped;
   offset_ += skipped;
   looks_ = 0;
+}
+
+bool Bridge::is_due(std::chrono::steady_clock::time_point& last) const {
+  if (!cell_.lock_step()) return true;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last < std::chrono::milliseconds(1)) return false;
+  last = now;
+  return true;
 }
 
 std::int64_t Bridge::ros_time(Nanoseconds cell_time) const {

@@ -1,5 +1,6 @@
 #pragma once
 /// What the parts of the ROS 2 door share. Everything here is the cell thread's.
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -66,10 +67,19 @@ class Bridge {
   void to_cell(Json& message) const;
   /// Once each tick, before anything is stamped.
   void look_at_clock();
+  /// Whether streams are told in this tick, all of them or none: in lock-step, where a cell may run thousands
+  /// of times as fast as its readers, in 1,000 ticks of a second of the machine; on the wall clock in every
+  /// one.
+  bool tells() const { return tells_; }
+  /// The same for one that is told between ticks, the last time at `last` by the machine's clock; then sets
+  /// it.
+  bool is_due(std::chrono::steady_clock::time_point& last) const;
 
  private:
   cell::Cell& cell_;
   Wire wire_;
+  bool tells_ = true;
+  std::chrono::steady_clock::time_point told_streams_;
   std::string space_;
   bool changed_ = false;
   std::int64_t offset_ = 0;  ///< ros time − cell time

@@ -54,7 +54,7 @@ class OutputTopic {
   void look() { wanted_ = info_ && bridge_.wire().wanted(publisher_); }
   void serve(const controllers::Controller& controller) {
     Output* output = wanted_ ? controller.find_output(port_) : nullptr;
-    if (!output) return;
+    if (!output || !bridge_.tells()) return;
     output->fetch();
     if (output->value().time == seen_) return;
     seen_ = output->value().time;

@@ -34,6 +34,7 @@ class RobotNode : public Part {
 
   void serve() override {
     const Nanoseconds now = bridge_.cell().now();
+    if (!bridge_.tells()) return;
     if (clock_) {
       const std::int64_t time = bridge_.ros_time(now);
       bridge_.wire().publish(

@@ -22,6 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostWaiting = 1000, kMostToSend = 10'000;
+/// Of topics, before answers are looked at again.
+constexpr std::size_t kAtOnce = 64;
 /// So long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s, and their server stands still
 /// meanwhile; here nobody waits for it, and who asked before it was known here is answered, too: a client of
 /// Fast DDS tells of its endpoints again after 3 s.
@@ -170,7 +172,7 @@ class Wire::Work {
     graph_changed_ = true;
   }
 
-  void publish(Id id, std::vector<std::byte> payload) { send({id, std::move(payload), {}, {}}); }
+  void publish(Id id, std::vector<std::byte> payload) { send(to_tell_, {id, std::move(payload), {}, {}}); }
   bool wanted(Id id) const { return !participant_.matched(id).empty(); }
 
   std::size_t take(std::size_t most) {
@@ -290,7 +292,7 @@ class Wire::Work {
     enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
       if (!*on_request) return true;
       return (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
-                              send({replies, std::move(reply), asker, Clock::now() + kPatience});
+                              send(to_answer_, {replies, std::move(reply), asker, Clock::now() + kPatience});
                             }});
     });
   }
@@ -324,14 +326,14 @@ class Wire::Work {
     ++statistics_.refused;
   }
 
-  void send(Outgoing out) {
+  void send(std::deque<Outgoing>& queue, Outgoing out) {
     {
       const std::lock_guard lock(mutex_);
-      if (to_send_.size() >= kMostToSend) {
+      if (queue.size() >= kMostToSend) {
         ++statistics_.unsent;
         return;
       }
-      to_send_.push_back(std::move(out));
+      queue.push_back(std::move(out));
     }
     wake_.notify_one();
   }
@@ -340,13 +342,17 @@ class Wire::Work {
     std::deque<Outgoing> postponed;
     std::unique_lock lock(mutex_);
     while (!over_) {
-      if (to_send_.empty()) {
+      const auto empty = [this] { return to_answer_.empty() && to_tell_.empty(); };
+      if (empty()) {
         const auto until = Clock::now() + (postponed.empty() ? std::chrono::milliseconds(500)
                                                              : std::chrono::milliseconds(1));
-        wake_.wait_until(lock, until, [this] { return over_ || !to_send_.empty(); });
+        wake_.wait_until(lock, until, [&] { return over_ || !empty(); });
       }
-      std::deque<Outgoing> now = std::move(to_send_);
-      to_send_.clear();
+      std::deque<Outgoing> now = std::exchange(to_answer_, {});
+      for (std::size_t i = 0; i < kAtOnce && !to_tell_.empty(); ++i) {
+        now.push_back(std::move(to_tell_.front()));
+        to_tell_.pop_front();
+      }
       lock.unlock();
       std::deque<Outgoing> still;
       std::uint64_t given_up = 0;
@@ -452,7 +458,8 @@ class Wire::Work {
   std::condition_variable wake_;
   mutable std::condition_variable arrived_;
   std::deque<std::function<bool()>> waiting_;
-  std::deque<Outgoing> to_send_;
+  /// Whoever asked is answered however much is told on topics, as it is by a cell in lock-step.
+  std::deque<Outgoing> to_answer_, to_tell_;
   std::set<Guid> answered_;  ///< readers of Cyclone; of the sending thread
   WireStatistics statistics_;
   bool over_ = false;
