@@ -19,6 +19,7 @@
 #include "apps/run_output.hpp"
 #include "apps/run_pendant.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printer.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/fault_record.hpp"
@@ -229,15 +230,23 @@ std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
   return checked.has_errors() ? checked.problems : first.problems();
 }
 
-int report(const cell::RunResult& result, const std::string& folder, bool json) {
+int code_of(const cell::RunResult& result) {
+  return result.outcome == cell::Outcome::completed ? kOk
+         : result.outcome == cell::Outcome::stopped ? kStopped
+                                                    : kFailed;
+}
+
+void report(const cell::RunResult& result, const std::string& folder, bool json) {
   if (json)
     fmt::print("{}\n", result_json(result, folder));
   else
     print_result(result, folder);
   std::fflush(stdout);
-  return result.outcome == cell::Outcome::completed ? kOk
-         : result.outcome == cell::Outcome::stopped ? kStopped
-                                                    : kFailed;
+}
+
+/// Standard error may be the same pipe.
+void tell_unread(const std::string& text) {
+  Printer(STDERR_FILENO, Printer::Full::leaves_out, [](std::size_t) { return ""; }).put(text);
 }
 
 /// What a program that begins in the middle takes for given.
@@ -310,11 +319,12 @@ struct Ended {
 /// One cell from its files to its end.
 class OneRun {
  public:
-  OneRun(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,
-         cell::Observer& shown, server::Pendant* pendant)
+  OneRun(RunArguments& a, const std::string& command, const description::Catalogue& catalogue, Output& shown,
+         server::Pendant* pendant)
       : a_(a),
         command_(command),
         catalogue_(catalogue),
+        shown_(shown),
         observer_(pendant ? pendant->observer() : shown),
         pendant_(pendant) {
     if (pendant_) waits_ = std::exchange(a_.cell_options.waits, true);  // a fault does not end it
@@ -330,6 +340,7 @@ class OneRun {
       if (a_.ros2) file.doors["ros2"];
       cell.emplace(file, catalogue_, a_.cell_options, observer_);
       begin_recording(*cell, a_);
+      shown_.settle();
       if (!begins_where_told(*cell, a_)) {
         fmt::print("nothing was begun\n");
         return {kStopped, true, {}, false};
@@ -348,7 +359,12 @@ class OneRun {
     if (pendant_) pendant_->detach();
     std::string folder;
     if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command_);
-    const int code = report(result, folder, a_.json);
+    const int code = code_of(result);
+    if (shown_.settle())
+      report(result, folder, a_.json);
+    else
+      tell_unread(fmt::format("polyarm run: {}; nobody reads the output, so that the result is left out\n",
+                              cell::name(result.outcome)));
     std::fflush(nullptr);
     if (result.stuck) std::_Exit(code);
     const EndsInTime guard(code);
@@ -361,6 +377,7 @@ class OneRun {
     cell::RunResult result;
     result.outcome = cell::Outcome::failed;
     result.problems = problems;
+    shown_.settle();
     if (a_.json) report(result, "", true);
     if (pendant_) observer_.on_note("pendant: " + pendant_->link());
     if (pendant_)
@@ -373,7 +390,8 @@ class OneRun {
   RunArguments& a_;
   const std::string& command_;
   const description::Catalogue& catalogue_;
-  cell::Observer& observer_;
+  Output& shown_;
+  cell::Observer& observer_;  ///< the pendant's, which passes on to what is shown
   server::Pendant* pendant_;
   bool waits_ = false;  ///< the program for somebody who begins it
 };
@@ -405,7 +423,7 @@ void take_over(const cell::RestartWish& wish, RunArguments& a) {
 }
 
 int run_until_done(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,
-                   cell::Observer& shown, server::Pendant* pendant) {
+                   Output& shown, server::Pendant* pendant) {
   for (;;) {
     Ended ended = OneRun(a, command, catalogue, shown, pendant).run();
     if (std::exchange(a.connects, false) && !ended.wish && !ended.by_person && !ended.armed) {
@@ -426,7 +444,8 @@ int execute(RunArguments& a, const std::string& command) {
   a.cell_options.keep = a.cell_options.keep || a.goes_on;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
-  const std::unique_ptr<cell::Observer> shown = a.json ? make_json_observer() : make_text_observer(a.quiet);
+  const bool whole = a.run.fast;  // a cell in lock-step has time to wait for who reads
+  const std::unique_ptr<Output> shown = a.json ? make_json_output(whole) : make_text_output(a.quiet, whole);
   const description::Catalogue catalogue = open_catalogue();
   struct sigaction action {};
   action.sa_handler = on_signal;

@@ -4,6 +4,9 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "polyarm/base/printer.hpp"
 
 namespace polyarm::apps {
 
@@ -11,11 +14,22 @@ namespace {
 
 using nlohmann::json;
 
+Printer::Full when_full(bool whole) {
+  return whole ? Printer::Full::waits : Printer::Full::leaves_out;
+}
+
 /// Lines scroll; on a terminal one status line (time, pose) stays at the bottom.
-class TextObserver : public cell::Observer {
+class TextOutput : public Output {
  public:
-  explicit TextObserver(bool quiet) : quiet_(quiet), terminal_(::isatty(STDOUT_FILENO) != 0) {}
-  ~TextObserver() override { clear(); }
+  TextOutput(bool quiet, bool whole)
+      : quiet_(quiet),
+        terminal_(::isatty(STDOUT_FILENO) != 0),
+        printer_(STDOUT_FILENO, when_full(whole), gap) {}
+  ~TextOutput() override { printer_.put(cleared()); }
+  bool settle() override {
+    printer_.put(cleared());
+    return printer_.settle();
+  }
 
   void on_note(const std::string& text) override { line("         " + text); }
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
@@ -42,27 +56,26 @@ class TextObserver : public cell::Observer {
   void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override {
     if (!terminal_ || quiet_) return;
     const Vec3 rpy = to_rpy(tcp.rotation);
-    fmt::print("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
-               seconds(time), robot, tcp.position.x, tcp.position.y, tcp.position.z, rpy.x, rpy.y, rpy.z);
-    std::fflush(stdout);
+    printer_.put(fmt::format("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
+                             seconds(time), robot, tcp.position.x, tcp.position.y, tcp.position.z, rpy.x,
+                             rpy.y, rpy.z));
     status_ = true;
   }
 
  private:
-  void clear() {
-    if (status_) fmt::print("\r\033[K");
-    status_ = false;
+  static std::string gap(std::size_t count) {
+    return fmt::format("         {} lines are left out: nobody read this output\n", count);
   }
-  void line(const std::string& text) {
-    clear();
-    fmt::print("{}\n", text);
-    if (!quiet_) std::fflush(stdout);
-  }
+  const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
+  void line(const std::string& text) { printer_.put(cleared() + text + "\n"); }
   bool quiet_, terminal_, status_ = false;
+  Printer printer_;
 };
 
-class JsonObserver : public cell::Observer {
+class JsonOutput : public Output {
  public:
+  explicit JsonOutput(bool whole) : printer_(STDOUT_FILENO, when_full(whole), gap) {}
+  bool settle() override { return printer_.settle(); }
   void on_note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
   void on_line(Nanoseconds t, const std::string& task, const Location& where,
                const std::string& source) override {
@@ -108,11 +121,14 @@ class JsonObserver : public cell::Observer {
   }
 
  private:
-  static void put(const json& object) {
-    const std::string text = object.dump(-1, ' ', false, json::error_handler_t::replace);
-    std::fwrite((text + "\n").data(), 1, text.size() + 1, stdout);
-    std::fflush(stdout);
+  static std::string line(const json& object) {
+    return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
   }
+  static std::string gap(std::size_t count) {
+    return line({{"event", "note"}, {"text", fmt::format("{} lines are left out: nobody read them", count)}});
+  }
+  void put(const json& object) { printer_.put(line(object)); }
+  Printer printer_;
   Nanoseconds last_ = -1'000'000'000;
 };
 
@@ -122,11 +138,11 @@ json vector(const Vec3& v) {
 
 }  // namespace
 
-std::unique_ptr<cell::Observer> make_text_observer(bool quiet) {
-  return std::make_unique<TextObserver>(quiet);
+std::unique_ptr<Output> make_text_output(bool quiet, bool whole) {
+  return std::make_unique<TextOutput>(quiet, whole);
 }
-std::unique_ptr<cell::Observer> make_json_observer() {
-  return std::make_unique<JsonObserver>();
+std::unique_ptr<Output> make_json_output(bool whole) {
+  return std::make_unique<JsonOutput>(whole);
 }
 
 std::string result_json(const cell::RunResult& r, const std::string& failure_folder) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <set>
 
 #include "polyarm/base/file.hpp"
@@ -120,6 +121,17 @@ TEST(Run, WaitUserNeedsSomebodyOrAnAnswer) {
   const Finished answered = run_command({"run", copy.path(), "--fast", "--answer", "yes"});
   EXPECT_EQ(answered.exit_code, 0) << answered.output;
   EXPECT_NE(answered.output.find("on it goes"), std::string::npos);
+}
+
+TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
+  const ExampleCopy example("pick_and_place");
+  std::ofstream(example.file("PAPscript.script")) << "while true\n  log \"again\"\n  wait 5ms\nend\n";
+  test::Command running({"run", example.path(), "--json", "--seconds", "3"});
+  running.shrink_output(4096);
+  ASSERT_TRUE(running.ends_unread(600)) << "it waits for its reader";
+  const Finished& finished = running.wait();
+  EXPECT_NE(finished.output.find("again"), std::string::npos);
+  EXPECT_EQ(finished.output.find("silent"), std::string::npos) << finished.output;
 }
 
 TEST(Run, TheThesisDurationRuleStretchesMoves) {

@@ -86,6 +86,21 @@ class Command {
     }
     return {};
   }
+  /// Its output may wait for a reader in so many bytes (whole pages).
+  void shrink_output(int bytes) {
+    if (::fcntl(::fileno(out_), F_SETPIPE_SZ, bytes) < 0) throw std::runtime_error("no such pipe");
+  }
+  /// Whether it ends within some tenths of a second although nobody reads what it says.
+  bool ends_unread(int tenths) {
+    for (; tenths > 0; --tenths) {
+      siginfo_t info{};
+      if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+          info.si_pid == pid_)
+        return true;
+      ::usleep(100'000);
+    }
+    return false;
+  }
   const Finished& wait() {
     if (pid_ <= 0) return finished_;
     char line[8192];

@@ -1,0 +1,104 @@
+#include "polyarm/base/printer.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+#include <thread>
+
+namespace polyarm {
+namespace {
+
+/// A pipe that holds a page.
+class Pipe {
+ public:
+  Pipe() {
+    if (::pipe2(ends_.data(), O_CLOEXEC) != 0 || ::fcntl(ends_[1], F_SETPIPE_SZ, 4096) < 0)
+      throw std::runtime_error("no pipe");
+  }
+  ~Pipe() {
+    finish();
+    ::close(ends_[0]);
+  }
+  int to() const { return ends_[1]; }
+  void finish() {
+    if (ends_[1] >= 0) ::close(ends_[1]);
+    ends_[1] = -1;
+  }
+  /// At least so many bytes, or all until its end.
+  std::string read(std::size_t bytes) {
+    std::string text;
+    std::array<char, 1000> piece;
+    while (text.size() < bytes) {
+      const ssize_t count = ::read(ends_[0], piece.data(), piece.size());
+      if (count <= 0) break;
+      text.append(piece.data(), static_cast<std::size_t>(count));
+    }
+    return text;
+  }
+
+ private:
+  std::array<int, 2> ends_{-1, -1};
+};
+
+std::string numbered(int i) {
+  return "line " + std::to_string(i) + "\n";
+}
+std::string gap(std::size_t count) {
+  return std::to_string(count) + " left out\n";
+}
+
+TEST(Printer, WritesAllInOrderForWhoReadsSlowly) {
+  Pipe pipe;
+  std::string expected, read;
+  std::thread reader([&] { read = pipe.read(std::size_t{1} << 30); });
+  {
+    Printer printer(pipe.to(), Printer::Full::waits, gap, 100);
+    for (int i = 0; i < 5000; ++i) {
+      printer.put(numbered(i));
+      expected += numbered(i);
+    }
+    EXPECT_TRUE(printer.settle());
+  }
+  pipe.finish();
+  reader.join();
+  EXPECT_EQ(read, expected);
+}
+
+TEST(Printer, LeavesOutWhatNobodyReadsAndSaysHowMuch) {
+  Pipe pipe;
+  Printer printer(pipe.to(), Printer::Full::leaves_out, gap, 8000);
+  constexpr int kLines = 20000;  // far more than pipe and printer hold
+  for (int i = 0; i < kLines; ++i) printer.put(numbered(i));
+  EXPECT_FALSE(printer.settle());
+  std::string text = pipe.read(1);
+  while (text.find("left out\n") == std::string::npos) text += pipe.read(1);
+  // Each line is there, in order, or counted.
+  int next = 0;
+  std::size_t at = 0;
+  for (; text.compare(at, numbered(next).size(), numbered(next)) == 0; ++next) at += numbered(next).size();
+  EXPECT_GT(next, 100);
+  EXPECT_EQ(text.substr(at), gap(static_cast<std::size_t>(kLines - next)));
+  printer.put("it goes on\n");
+  EXPECT_EQ(pipe.read(11), "it goes on\n");
+  EXPECT_TRUE(printer.settle());
+}
+
+TEST(Printer, ATextLongerThanAllThatMayWaitIsTaken) {
+  Pipe pipe;
+  Printer printer(pipe.to(), Printer::Full::leaves_out, gap, 10);
+  const std::string text(3000, 'x');
+  printer.put(text);
+  EXPECT_EQ(pipe.read(text.size()), text);
+}
+
+TEST(Printer, AReaderThatIsGoneHoldsNobody) {
+  Printer printer(-1, Printer::Full::waits, gap, 10);
+  for (int i = 0; i < 100; ++i) printer.put(numbered(i));
+  EXPECT_TRUE(printer.settle());
+}
+
+}  // namespace
+}  // namespace polyarm
