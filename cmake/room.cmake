@@ -3,8 +3,10 @@
 # one folder share must mean the same thing. Off where one edits (preset dev).
 option(POLYARM_TOGETHER "compile several source files at a time" ON)
 # Not those of which single files go into the kit for plugins (sdk.cmake).
-set(POLYARM_ROOMS_TOGETHER cell control data doctor meshes messages plugins realtime server signals apps)
-set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals)
+set(POLYARM_ROOMS_TOGETHER cell control data doctor meshes messages plugins realtime server signals apps
+    description recording ros2)
+set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
+    recording links messages plugins program ros2 base)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)

@@ -9,6 +9,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_functions.hpp"
+#include "polyarm/description/xacro_parts.hpp"
 #include "polyarm/description/xacro_value.hpp"
 
 namespace polyarm::description {
@@ -23,10 +24,6 @@ struct Token {
   std::string word;
   XacroValue value;
 };
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error("bad-expression", what);
-}
 
 bool starts_name(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) || c == '_' || static_cast<unsigned char>(c) > 127;

@@ -12,7 +12,7 @@ namespace polyarm::ros2 {
 
 namespace {
 
-using Status = messages::action_msgs::msg::GoalStatus;
+using messages::action_msgs::msg::GoalStatus;
 using Cancel = messages::action_msgs::srv::CancelGoal::Response;
 
 /// Results are kept for those who ask later; ROS 2 keeps them for ten seconds, here it is longer.
@@ -25,12 +25,12 @@ constexpr int kInvalidGoal = -1;
 struct Goal {
   Json id;  ///< {"uuid": […]}
   Json stamp;
-  int status = Status::STATUS_UNKNOWN;
+  int status = GoalStatus::STATUS_UNKNOWN;
   std::uint64_t number = 0;  ///< the cell's name of it, once it is accepted
   Json result = Json::object();
   std::vector<Reply> waiting;  ///< for the result
   Nanoseconds ended = 0;
-  bool over() const { return status >= Status::STATUS_SUCCEEDED; }
+  bool over() const { return status >= GoalStatus::STATUS_SUCCEEDED; }
 };
 
 /// What a message between means in the action's own words.
@@ -125,29 +125,30 @@ class Server : public std::enable_shared_from_this<Server> {
     ++asking_;
     bridge_.ask({{"request", "send"}, {"to", target()}, {"message", std::move(message)}, {"goal", true}},
                 [self, goal, reply](const Json& answer) {
-                  if (goal->status == Status::STATUS_UNKNOWN) --self->asking_;
+                  if (goal->status == GoalStatus::STATUS_UNKNOWN) --self->asking_;
                   if (!self->closed_) self->answered(goal, answer, reply);
                 });
   }
 
   void answered(const GoalPointer& goal, const Json& answer, const Reply& reply) {
     if (!answer.value("ok", false)) {
-      if (goal->status == Status::STATUS_UNKNOWN) {
+      if (goal->status == GoalStatus::STATUS_UNKNOWN) {
         tell_refusal(answer);
         return reply({{"accepted", false}, {"stamp", goal->stamp}});
       }
       const std::string why = answer.value("error", Json::object()).value("what", std::string());
-      return end(goal, Status::STATUS_ABORTED, result_of(port_.type, {{"error_code", kInvalidGoal}}, why));
+      return end(goal, GoalStatus::STATUS_ABORTED,
+                 result_of(port_.type, {{"error_code", kInvalidGoal}}, why));
     }
     const Json& told = answer["result"];
     if (told.contains("feedback")) return tell_feedback(*goal, told["feedback"]);
     const std::string status = told.value("status", std::string());
     goal->number = told.value("goal", std::uint64_t{0});
-    if (goal->status == Status::STATUS_UNKNOWN) accept(goal, reply);
-    if (status == "succeeded") end(goal, Status::STATUS_SUCCEEDED, result_of(port_.type, told));
+    if (goal->status == GoalStatus::STATUS_UNKNOWN) accept(goal, reply);
+    if (status == "succeeded") end(goal, GoalStatus::STATUS_SUCCEEDED, result_of(port_.type, told));
     if (status == "aborted")
-      end(goal, Status::STATUS_ABORTED, result_of(port_.type, told, why_aborted(*goal, told)));
-    if (status == "canceled") end(goal, Status::STATUS_CANCELED, result_of(port_.type, told));
+      end(goal, GoalStatus::STATUS_ABORTED, result_of(port_.type, told, why_aborted(*goal, told)));
+    if (status == "canceled") end(goal, GoalStatus::STATUS_CANCELED, result_of(port_.type, told));
   }
 
   /// What the code alone does not say.
@@ -172,7 +173,7 @@ class Server : public std::enable_shared_from_this<Server> {
   }
 
   void accept(const GoalPointer& goal, const Reply& reply) {
-    goal->status = Status::STATUS_EXECUTING;
+    goal->status = GoalStatus::STATUS_EXECUTING;
     goals_.push_back(goal);
     reply({{"accepted", true}, {"stamp", goal->stamp}});
     tell_status();
@@ -190,7 +191,7 @@ class Server : public std::enable_shared_from_this<Server> {
 
   void get_result(const Json& request, Reply reply) {
     const GoalPointer goal = find(request["goal_id"]);
-    if (!goal) return reply({{"status", Status::STATUS_UNKNOWN}});
+    if (!goal) return reply({{"status", GoalStatus::STATUS_UNKNOWN}});
     if (goal->over()) return reply({{"status", goal->status}, {"result", goal->result}});
     goal->waiting.push_back(std::move(reply));
   }
@@ -204,14 +205,14 @@ class Server : public std::enable_shared_from_this<Server> {
     const std::int64_t until = nanoseconds_of(info["stamp"]);
     const GoalPointer named = any_id ? nullptr : find(info["goal_id"]);
     if (!any_id && until == 0 && !named) return reply({{"return_code", Cancel::ERROR_UNKNOWN_GOAL_ID}});
-    const bool too_late = named && named->status >= Status::STATUS_CANCELING;
+    const bool too_late = named && named->status >= GoalStatus::STATUS_CANCELING;
     if (until == 0 && too_late) return reply({{"return_code", Cancel::ERROR_GOAL_TERMINATED}});
     Json canceling = Json::array();
     for (const GoalPointer& goal : goals_) {
       const bool meant =
           goal == named || (any_id && until == 0) || (until != 0 && nanoseconds_of(goal->stamp) <= until);
-      if (!meant || goal->over() || goal->status == Status::STATUS_CANCELING) continue;
-      goal->status = Status::STATUS_CANCELING;
+      if (!meant || goal->over() || goal->status == GoalStatus::STATUS_CANCELING) continue;
+      goal->status = GoalStatus::STATUS_CANCELING;
       canceling.push_back({{"goal_id", goal->id}, {"stamp", goal->stamp}});
       bridge_.ask({{"request", "goal.cancel"}, {"to", target()}, {"goal", goal->number}}, [](const Json&) {});
     }

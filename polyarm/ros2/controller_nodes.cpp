@@ -19,7 +19,7 @@ using controllers::Output;
 using hardware::LifecycleState;
 
 /// How often it is looked which controllers there are, and who listens.
-constexpr Nanoseconds kLook = 50'000'000;
+constexpr Nanoseconds kLookForControllers = 50'000'000;
 
 std::string declared(cell::Cell& cell, const std::string& controller, const char* key) {
   const controllers::ControllerContext* context = cell.loop().controllers().context(controller);
@@ -274,7 +274,7 @@ class ControllerNodes : public Part {
 
   void serve() override {
     const bool changed = bridge_.take_change();
-    if (changed || looked_ < 0 || bridge_.cell().now() - looked_ >= kLook) look();
+    if (changed || looked_ < 0 || bridge_.cell().now() - looked_ >= kLookForControllers) look();
     for (auto& [name, known] : nodes_) known.node->serve();
   }
 

@@ -15,7 +15,7 @@ namespace polyarm::ros2 {
 namespace {
 
 /// How often it is looked whether a state has changed.
-constexpr Nanoseconds kLook = 20'000'000;
+constexpr Nanoseconds kLookForChanges = 20'000'000;
 const std::string kTypes = "controller_manager_msgs/srv/";
 
 class ManagerNode : public Part {
@@ -32,7 +32,7 @@ class ManagerNode : public Part {
   }
 
   void serve() override {
-    if (looked_ >= 0 && bridge_.cell().now() - looked_ < kLook) return;
+    if (looked_ >= 0 && bridge_.cell().now() - looked_ < kLookForChanges) return;
     looked_ = bridge_.cell().now();
     Json now{{"controllers", Json::array()}, {"hardware_components", Json::array()}};
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list())

@@ -3,17 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "fake_host.hpp"
+#include "parsed.hpp"
 #include "polyarm/program/parser.hpp"
 
 namespace polyarm::program {
 namespace {
-
-Program parsed(const std::string& text) {
-  Problems problems;
-  Program program = parse(text, "test.script", problems);
-  problems.throw_if_errors();
-  return program;
-}
 
 TEST(Interpreter, TakesNoMoreStepsThanItsBudget) {
   FakeHost host;

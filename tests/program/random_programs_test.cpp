@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fake_host.hpp"
+#include "parsed.hpp"
 #include "polyarm/program/parser.hpp"
 #include "tree_evaluator.hpp"
 
@@ -209,13 +210,6 @@ Outcome outcome(const FakeHost& host, const Interpreter& interpreter) {
   const TaskStatus status = interpreter.overview();
   if (status.problem) out.failure = std::to_string(status.problem->where.line) + ": " + status.problem->what;
   return out;
-}
-
-Program parsed(const std::string& text) {
-  Problems problems;
-  Program program = parse(text, "t", problems);
-  EXPECT_FALSE(problems.has_errors()) << text << problems.list().front().text();
-  return program;
 }
 
 /// Nothing where it is too long to wait for.

@@ -5,18 +5,15 @@
 #include <thread>
 
 #include "polyarm/recording/foxglove_server.hpp"
+#include "tests/recording/bytes.hpp"
 
 namespace polyarm::recording {
 namespace {
 
 using Json = nlohmann::json;
 
-Channel channel(const std::string& topic, bool latched = false) {
+Channel number_channel(const std::string& topic, bool latched = false) {
   return {topic, "cdr", "a/msg/A", "ros2msg", "float64 x", "", latched};
-}
-
-std::span<const std::byte> bytes_of(std::string_view text) {
-  return std::as_bytes(std::span(text.data(), text.size()));
 }
 
 /// A server of three channels and one who watches.
@@ -27,7 +24,7 @@ struct Bench {
   std::vector<std::string> binary;
 
   Bench() {
-    server.set_channels({channel("/a"), channel("/b"), channel("/text", true)});
+    server.set_channels({number_channel("/a"), number_channel("/b"), number_channel("/text", true)});
     client = server.connect();
     read();
   }
@@ -116,7 +113,7 @@ TEST(FoxgloveServer, NewChannelsTakeThePlaceOfTheOldOnes) {
   Bench bench;
   bench.subscribe(1, "/a");
   const std::uint32_t before = bench.id_of("/a");
-  bench.server.set_channels({channel("/a")});
+  bench.server.set_channels({number_channel("/a")});
   bench.read();
   EXPECT_EQ(bench.last("unadvertise")["channelIds"].size(), 3u);
   EXPECT_NE(bench.id_of("/a"), before) << "a number never means another channel";

@@ -4,14 +4,11 @@
 
 #include "polyarm/recording/lz4.hpp"
 #include "polyarm/recording/mcap_writer.hpp"
+#include "tests/recording/bytes.hpp"
 #include "tests/recording/mcap_reader.hpp"
 
 namespace polyarm::recording {
 namespace {
-
-std::span<const std::byte> bytes_of(std::string_view text) {
-  return std::as_bytes(std::span(text.data(), text.size()));
-}
 
 /// Takes so many bytes and then no more.
 class Text : public ByteSink {
@@ -62,7 +59,7 @@ TEST(Crc32, IsThatOfIso3309) {
   EXPECT_EQ(crc32(bytes_of("6789"), crc32(bytes_of("12345"))), 0xCBF43926u);
 }
 
-Channel channel(const std::string& topic, const std::string& schema = "a/msg/A") {
+Channel text_channel(const std::string& topic, const std::string& schema = "a/msg/A") {
   return {topic, "cdr", schema, "ros2msg", "string of " + schema, "", false};
 }
 
@@ -71,8 +68,9 @@ std::string written(bool compress, int messages, Text& sink) {
   McapWriter writer(sink, {"ros2", "test", 2000, compress});
   writer.attachment("cell.yaml", "text/yaml", 5, "polyarm: cell/1\n");
   writer.metadata("polyarm", {{"cell", "demo"}});
-  const std::size_t a = writer.add_channel(channel("/a")), b = writer.add_channel(channel("/b", "b/msg/B"));
-  writer.add_channel(channel("/never"));
+  const std::size_t a = writer.add_channel(text_channel("/a")),
+                    b = writer.add_channel(text_channel("/b", "b/msg/B"));
+  writer.add_channel(text_channel("/never"));
   for (int i = 0; i < messages; ++i) {
     const auto time = static_cast<std::uint64_t>(1000 * (i + 1));
     writer.message(a, time, bytes_of("message " + std::to_string(i)));
@@ -129,7 +127,7 @@ TEST(McapWriter, AFileWithoutAMessageIsWhole) {
 TEST(McapWriter, WhereNothingCanBeWrittenItDropsWhatItIsGiven) {
   Text sink(3000);
   McapWriter writer(sink, {"ros2", "test", 500, false});
-  const std::size_t a = writer.add_channel(channel("/a"));
+  const std::size_t a = writer.add_channel(text_channel("/a"));
   for (std::uint64_t i = 0; i < 1000; ++i) writer.message(a, i, bytes_of("something to be written"));
   writer.finish();
   EXPECT_TRUE(writer.failed());

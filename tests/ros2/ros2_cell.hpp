@@ -92,5 +92,6 @@ inline json id(int n) {
 
 inline const std::string kAction = "/arm_controller/follow_joint_trajectory/_action/";
 inline const std::string kType = "control_msgs/action/FollowJointTrajectory";
+inline const std::string kParameters = "rcl_interfaces/srv/", kManager = "controller_manager_msgs/srv/";
 
 }  // namespace polyarm::ros2

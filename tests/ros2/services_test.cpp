@@ -17,8 +17,6 @@
 namespace polyarm::ros2 {
 namespace {
 
-const std::string kParameters = "rcl_interfaces/srv/";
-const std::string kManager = "controller_manager_msgs/srv/";
 
 TEST_F(Ros2Cell, ANodeTellsWhatItsTypesLookLike) {
   const auto ask = [&](const char* type, const std::string& hash) {

@@ -24,8 +24,6 @@
 namespace polyarm::ros2 {
 namespace {
 
-const std::string kParameters = "rcl_interfaces/srv/";
-const std::string kManager = "controller_manager_msgs/srv/";
 const std::string kTrigger = "std_srvs/srv/Trigger";
 
 /// Each robot has its own description, frames and joint states; the arms are moved by their own names.
