@@ -31,7 +31,8 @@ inline Shell shell(const std::string& command) {
 /// Where the packages are; empty with a reason where they cannot be had.
 inline std::filesystem::path peers(std::string& why) {
   const std::filesystem::path source = std::filesystem::path(POLYARM_SOURCE_DIR) / "tests/recording/peers";
-  const std::filesystem::path made = std::filesystem::current_path() / "recording_peers";
+  const std::filesystem::path made =
+      std::filesystem::path(POLYARM_COMMAND).parent_path() / "recording_peers";  // in the build folder
   if (shell("node --version").code != 0 || shell("npm --version").code != 0) {
     why = "Node.js or npm is missing: readers of others are not asked";
     return {};
