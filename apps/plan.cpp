@@ -10,10 +10,10 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/robots.hpp"
-#include "polyarm/cell/trajectory_file.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/motion/cartesian_joints.hpp"
 #include "polyarm/motion/tcp_rates.hpp"
+#include "polyarm/ros_files/trajectory_file.hpp"
 
 namespace polyarm::apps {
 
@@ -188,11 +188,11 @@ double radius_of(const std::string& text, bool& metres) {
               "write 20mm at the TCP, or 0.1 rad");
 }
 
-trajectory::PathSections path_of(const cell::JointTrajectoryFile& file, const Request& request,
+trajectory::PathSections path_of(const ros_files::JointTrajectoryFile& file, const Request& request,
                                  const Setting& setting) {
   bool metres = false;
   const double radius = radius_of(request.pace.blend, metres);
-  auto points = cell::as_waypoints(file, radius);
+  auto points = ros_files::as_waypoints(file, radius);
   if (!request.from.empty()) points.insert(points.begin(), {start_of(request, setting), radius, "--from"});
   trajectory::JointPathOptions options;
   if (metres) options.tcp_distance = motion::tcp_distance(setting.chain());
@@ -223,7 +223,7 @@ PlannedMotion from_file(const Request& request, const Setting& setting, Problems
     throw Error("bad-value", fmt::format("'{}' stands behind a trajectory file", request.words[1]),
                 "one file, or moves");
   const kinematics::Chain& chain = setting.chain();
-  cell::JointTrajectoryFile file = cell::read_trajectory_file(request.words[0]);
+  ros_files::JointTrajectoryFile file = ros_files::read_trajectory_file(request.words[0]);
   const std::vector<double> start = start_of(request, setting);
   order_joints(file, chain.names(), start, problems);
   const PaceValue speed = parse_speed(request.pace.speed, "--speed");
@@ -298,8 +298,8 @@ controllers::TrajectoryMessage message_of(const PlannedMotion& motion, const Req
   for (const PlanJoint& joint : motion.joints) names.push_back(joint.name);
   controllers::TrajectoryMessage out;
   for (const auto& timed : motion.timed)
-    cell::append(out, request.rate > 0 ? cell::sampled(*timed, request.rate, names)
-                                       : cell::knots_of(*timed, request.tolerance, names));
+    ros_files::append(out, request.rate > 0 ? ros_files::sampled(*timed, request.rate, names)
+                                       : ros_files::knots_of(*timed, request.tolerance, names));
   return out;
 }
 
@@ -313,7 +313,7 @@ void write_files(const PlannedMotion& motion, const Request& request) {
     const std::string ending = lower(fs::path(path).extension().string());
     if (ending != ".json" && ending != ".yaml" && ending != ".yml")
       throw Error("bad-value", "'" + path + "' is neither .yaml nor .json", "name the file so");
-    const auto words = request.ros1 ? cell::TimeWords::ros1 : cell::TimeWords::ros2;
+    const auto words = request.ros1 ? ros_files::TimeWords::ros1 : ros_files::TimeWords::ros2;
     const auto message = message_of(motion, request);
     write_file_atomically(path, ending == ".json" ? to_json(message, words) : to_yaml(message, words));
   }

@@ -4,9 +4,9 @@
 option(POLYARM_TOGETHER "compile several source files at a time" ON)
 # Not those of which single files go into the kit for plugins (sdk.cmake).
 set(POLYARM_ROOMS_TOGETHER cell control data doctor meshes messages plugins realtime server signals apps
-    description recording ros2)
+    description recording ros2 ros_files)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
-    recording links messages plugins program ros2 base)
+    recording ros_files links messages plugins program ros2 base)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)

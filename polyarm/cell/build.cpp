@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/plugins/plugins.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/ros_files/controllers_file.hpp"
 
 namespace polyarm::cell {
 
@@ -101,20 +101,20 @@ class Planner {
   }
 
   void from_files() {
-    const ControllersFile controllers = read_cell_controllers(file_, problems_);
+    const ros_files::ControllersFile controllers = read_cell_controllers(file_, problems_);
     plan_.manager = controllers.manager;
-    for (const ControllerEntry& entry : controllers.controllers) from_entry(entry);
+    for (const ros_files::ControllerEntry& entry : controllers.controllers) from_entry(entry);
   }
 
   /// Interfaces without a robot's name belong to the robot that the namespace is called after, if any.
-  std::string robot_of(const ControllerEntry& entry) const {
+  std::string robot_of(const ros_files::ControllerEntry& entry) const {
     const std::string ns = entry.ns.substr(entry.ns.rfind('/') + 1);
     for (const auto& robot : robots_)
       if (robot->entry.name == ns) return ns;
     return base_.robot;
   }
 
-  std::string name_of(const ControllerEntry& entry) const {
+  std::string name_of(const ros_files::ControllerEntry& entry) const {
     for (const PlannedController& other : plan_.controllers)
       if (other.context.name == entry.name) return entry.full_name().substr(1);
     return entry.name;
@@ -128,7 +128,7 @@ class Planner {
     options.period = whole || exact < 1 ? 0 : static_cast<Nanoseconds>(std::llround(1e9 / rate));
   }
 
-  void pace(control::LoadOptions& options, double rate, const ControllerEntry& entry) {
+  void pace(control::LoadOptions& options, double rate, const ros_files::ControllerEntry& entry) {
     const double loop_rate = 1 / seconds(loop_.options().period);
     if (rate > loop_rate * (1 + 1e-6))
       observer_.on_note(
@@ -137,7 +137,7 @@ class Planner {
     pace(options, rate);
   }
 
-  void from_entry(const ControllerEntry& entry) {
+  void from_entry(const ros_files::ControllerEntry& entry) {
     if (!entry.spawned) return observer_.on_note(entry.name + ": no launch file starts it; it is left out");
     if (!controllers::find_controller_type(entry.type)) {
       problems_.warning(
@@ -164,7 +164,7 @@ class Planner {
   }
 
   /// Hardware that plays another's part may offer fewer interfaces than the file asks for.
-  void keep_what_is_offered(const ControllerEntry& entry, controllers::Parameters& parameters) {
+  void keep_what_is_offered(const ros_files::ControllerEntry& entry, controllers::Parameters& parameters) {
     const std::vector<std::string> joints = parameters.list("joints");
     if (joints.empty() || parameters.has("command_joints")) return;
     controllers::ControllerContext context = base_;
@@ -270,7 +270,7 @@ void load_plugins(const CellFile& file, Problems& problems) {
     problems.warning("plugin-refused", {refusal.file.string()}, refusal.reason, refusal.advice);
 }
 
-ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) {
+ros_files::ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) {
   if (file.launched) return *file.launched;
   std::vector<std::filesystem::path> paths;
   for (const std::string& written : file.controllers) {
@@ -278,7 +278,7 @@ ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) 
     paths.push_back(path.is_absolute() ? path : file.folder / path);
   }
   if (paths.empty()) return {};
-  return read_controllers_files(paths, problems);
+  return ros_files::read_controllers_files(paths, problems);
 }
 
 double rate_of(const CellFile& file, Problems& problems) {

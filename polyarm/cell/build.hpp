@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/robots.hpp"
@@ -15,6 +14,7 @@
 #include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/ros_files/controllers_file.hpp"
 
 namespace polyarm::cell {
 
@@ -29,7 +29,7 @@ void load_plugins(const CellFile& file, Problems& problems);
 double rate_of(const CellFile& file, Problems& problems);
 
 /// All that the cell's controller files say, or what its launch file said. Empty where there are none.
-ControllersFile read_cell_controllers(const CellFile& file, Problems& problems);
+ros_files::ControllersFile read_cell_controllers(const CellFile& file, Problems& problems);
 
 struct PlannedController {
   std::unique_ptr<controllers::Controller> controller;
@@ -39,7 +39,7 @@ struct PlannedController {
 };
 struct ControllerPlan {
   std::vector<PlannedController> controllers;
-  ManagerParameters manager;
+  ros_files::ManagerParameters manager;
 };
 
 /// The controllers of the cell's files, or a sensible set where it has none: a trajectory controller for each

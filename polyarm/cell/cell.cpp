@@ -35,7 +35,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
 
-  ManagerParameters manager;
+  ros_files::ManagerParameters manager;
   collect(problems, [&] {
     Problems later;  // told again where the controllers are made
     manager = read_cell_controllers(file_, later).manager;

@@ -16,9 +16,11 @@
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/motion/robot_facts.hpp"
 
-namespace polyarm::cell {
-
+namespace polyarm::ros_files {
 struct ControllersFile;
+}
+
+namespace polyarm::cell {
 
 /// How a robot's hardware runs on a thread of its own. What the machine refuses is told and does without.
 struct ThreadEntry {
@@ -83,8 +85,9 @@ struct CellFile {
   std::vector<std::string> plugins;   ///< folders with plugins, relative to the file
   Nanoseconds budget = 0;             ///< of a callback in the loop, where a robot says no other; 0: any
   Location scene_where, controllers_where, plugins_where, signals_where, program_where, plc_where;
-  std::vector<std::string> notes;                   ///< what was passed over on the way here, a sentence each
-  std::shared_ptr<const ControllersFile> launched;  ///< in place of `controllers`, from a launch file
+  std::vector<std::string> notes;  ///< what was passed over on the way here, a sentence each
+  std::shared_ptr<const ros_files::ControllersFile>
+      launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
   LoopEntry loop;
   ProfileEntries profiles;

@@ -12,12 +12,12 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/build.hpp"
-#include "polyarm/cell/controllers_file.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/ros_files/controllers_file.hpp"
 #include "polyarm/signals/tags.hpp"
 
 namespace polyarm::cell {

@@ -253,7 +253,8 @@ Replay replay_record(const fs::path& folder, const std::string& hardware) {
   const CellRobots robots = recorded_robots(folder, out.recorded, hardware);
   const description::Scene scene;
   Problems problems;
-  add_components(components, robots, scene, nanoseconds(period), true, ManagerParameters{}, problems);
+  add_components(components, robots, scene, nanoseconds(period), true, ros_files::ManagerParameters{},
+                 problems);
   problems.throw_if_errors();
   components.configure_and_activate();
 

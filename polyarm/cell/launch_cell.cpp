@@ -3,8 +3,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/launch_file.hpp"
 #include "polyarm/description/packages.hpp"
+#include "polyarm/ros_files/launch_file.hpp"
 
 namespace polyarm::cell {
 
@@ -12,12 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotEntry& robot,
+void describe_robot(const ros_files::LaunchedCell& launched, const fs::path& launch, RobotEntry& robot,
                     Problems& problems) {
   if (launched.descriptions.empty())
     return problems.error("no-description", {launch.string()}, "the launch file loads no robot_description",
                           "a cell needs one: <param name=\"robot_description\" textfile=\"…\"/>");
-  const LaunchedDescription& description = launched.descriptions.front();
+  const ros_files::LaunchedDescription& description = launched.descriptions.front();
   robot.where = description.where;
   robot.model = description.file.empty() ? launch.string() : description.file.string();
   robot.text = description.text;
@@ -31,8 +31,8 @@ void describe_robot(const LaunchedCell& launched, const fs::path& launch, RobotE
 
 CellFile cell_from_launch(const fs::path& launch, const std::map<std::string, std::string>& arguments,
                           const Overrides& overrides, Problems& problems) {
-  const LaunchedCell launched =
-      read_launch_file(launch, arguments, description::packages_near(launch), problems);
+  const ros_files::LaunchedCell launched =
+      ros_files::read_launch_file(launch, arguments, description::packages_near(launch), problems);
   CellFile cell;
   cell.path = launch;
   cell.folder = launch.parent_path().empty() ? fs::path(".") : launch.parent_path();
@@ -42,9 +42,10 @@ CellFile cell_from_launch(const fs::path& launch, const std::map<std::string, st
   robot.budget = cell.budget = overrides.budget;
   describe_robot(launched, launch, robot, problems);
   cell.robots.push_back(robot);
-  cell.launched = std::make_shared<ControllersFile>(read_controllers(launched, problems));
+  cell.launched =
+      std::make_shared<ros_files::ControllersFile>(ros_files::read_controllers(launched, problems));
   if (cell.launched->update_rate > 0) cell.rate = cell.launched->update_rate;
-  for (const NotApplicable& other : launched.not_applicable)
+  for (const ros_files::NotApplicable& other : launched.not_applicable)
     cell.notes.push_back(fmt::format("{}: not applicable here: {}", other.where.text(), other.what));
   problems.throw_if_errors();
   return cell;

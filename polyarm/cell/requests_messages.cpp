@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/message_forms.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/ros_files/message_forms.hpp"
 
 namespace polyarm::cell {
 
@@ -187,7 +187,7 @@ Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t g
     if (state->value().time == sample) return Progress{};
     sample = state->value().time;
     told += cell.now() - told < 2 * every ? every : cell.now() - told;  // no less often than asked for
-    return Progress::more({{"goal", goal}, {"feedback", Json::parse(message_json(*state))}});
+    return Progress::more({{"goal", goal}, {"feedback", Json::parse(ros_files::message_json(*state))}});
   };
 }
 
@@ -248,7 +248,7 @@ std::shared_ptr<Reading> begin_reading(Cell& cell, std::string text, std::vector
   const bool is_short = text.size() <= kShort;
   const auto read = [out, text = std::move(text), types = std::move(types)] {
     try {
-      out->message = read_message(text, "the message", types);
+      out->message = ros_files::read_message(text, "the message", types);
     } catch (...) {
       out->failed = std::current_exception();
     }
@@ -339,7 +339,7 @@ Poll watch_output(Cell& cell, const Json& arguments) {
     if (!due || output->value().time == sample) return Progress{};
     sample = output->value().time;
     told = told < 0 ? c.now() : told + every * ((c.now() - told) / every);
-    return Progress::more(Json::parse(message_json(*output)));
+    return Progress::more(Json::parse(ros_files::message_json(*output)));
   };
 }
 

@@ -8,12 +8,12 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
-#include "polyarm/cell/hardware_names.hpp"
-#include "polyarm/cell/joint_limits.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/transmitted_component.hpp"
+#include "polyarm/ros_files/hardware_names.hpp"
+#include "polyarm/ros_files/joint_limits.hpp"
 
 namespace polyarm::cell {
 
@@ -95,7 +95,7 @@ std::string unless_real(const std::string& driver, const std::string& who, bool 
 /// Whether a robot's file or its description's plugin names it.
 std::string real_driver_of(const std::string& hardware, const description::HardwareInfo& info) {
   if (hardware != "declared") return hardware;
-  const HardwareChoice choice = choose_hardware(info.plugin, info.name);
+  const ros_files::HardwareChoice choice = ros_files::choose_hardware(info.plugin, info.name);
   return choice.real.empty() ? choice.driver : choice.real;
 }
 
@@ -103,8 +103,8 @@ std::string real_driver_of(const std::string& hardware, const description::Hardw
 void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
   const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
   for (const description::HardwareInfo& info : robot.model.hardware) {
-    HardwareChoice choice{asked, "", "", ""};
-    if (asked == "declared") choice = choose_hardware(info.plugin, info.name);
+    ros_files::HardwareChoice choice{asked, "", "", ""};
+    if (asked == "declared") choice = ros_files::choose_hardware(info.plugin, info.name);
     if (real && !choice.real.empty()) choice = {choice.real, "", "", ""};
     choice.driver = unless_real(choice.driver, info.name, real, notes);
     if (!choice.note.empty()) notes.push_back(choice.note);
@@ -118,7 +118,7 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
       break;
     }
   if (asked != "declared" || !robot.blocks.empty()) return;
-  robot.driver = choose_hardware("", robot.entry.name).driver;
+  robot.driver = ros_files::choose_hardware("", robot.entry.name).driver;
   notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " +
                   robot.driver);
 }
@@ -150,16 +150,17 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const m
 }
 
 /// Limits from the description and from the joint_limits of the controllers' files.
-void read_joints(CellRobot& robot, const std::vector<JointLimitsSource>& files, Problems& problems) {
+void read_joints(CellRobot& robot, const std::vector<ros_files::JointLimitsSource>& files,
+                 Problems& problems) {
   std::vector<controllers::JointFacts*> joints;
   for (const int index : robot.model.actuated) {
     const description::Joint& joint = robot.model.joints[static_cast<std::size_t>(index)];
     robot.joints.push_back(facts_of(robot.entry.name, joint));
-    narrow_by_hardware(robot.model, joint.name, robot.joints.back());
+    ros_files::narrow_by_hardware(robot.model, joint.name, robot.joints.back());
   }
   for (controllers::JointFacts& facts : robot.joints) joints.push_back(&facts);
-  for (const JointLimitsSource& source : files)
-    collect(problems, [&] { narrow_by_file(source, joints, problems); });
+  for (const ros_files::JointLimitsSource& source : files)
+    collect(problems, [&] { ros_files::narrow_by_file(source, joints, problems); });
   for (std::size_t j = 0; j < robot.joints.size(); ++j)
     assume_what_is_missing(robot.model.joints[static_cast<std::size_t>(robot.model.actuated[j])],
                            robot.joints[j]);
@@ -177,7 +178,8 @@ void check_start(const CellRobot& robot, Problems& problems) {
                        "widen the range so that the start is inside");
 }
 
-std::unique_ptr<CellRobot> resolve(const CellFile& file, const std::vector<JointLimitsSource>& limits,
+std::unique_ptr<CellRobot> resolve(const CellFile& file,
+                                   const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
                                    bool real, Problems& problems, std::vector<std::string>& notes) {
   auto robot = std::make_unique<CellRobot>();
@@ -223,7 +225,7 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots) {
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes) {
   CellRobots out;
-  std::vector<JointLimitsSource> limits;
+  std::vector<ros_files::JointLimitsSource> limits;
   collect(problems, [&] {
     Problems later;  // told again where the controllers are made
     limits = read_cell_controllers(file, later).joint_limits;
@@ -278,7 +280,7 @@ namespace {
 class Components {
  public:
   Components(const CellRobots& robots, const description::Scene& scene, Nanoseconds period, bool lock_step,
-             const ManagerParameters& manager)
+             const ros_files::ManagerParameters& manager)
       : robots_(robots), scene_(scene), period_(period), lock_step_(lock_step), manager_(manager) {}
 
   void add_to(hardware::Hardware& hardware, Problems& problems) {
@@ -500,14 +502,14 @@ class Components {
   const description::Scene& scene_;
   Nanoseconds period_;
   bool lock_step_;
-  const ManagerParameters& manager_;
+  const ros_files::ManagerParameters& manager_;
   std::vector<Planned> planned_;
 };
 
 }  // namespace
 
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
-                    Nanoseconds period, bool lock_step, const ManagerParameters& manager,
+                    Nanoseconds period, bool lock_step, const ros_files::ManagerParameters& manager,
                     Problems& problems) {
   Components(robots, scene, period, lock_step, manager).add_to(hardware, problems);
 }
@@ -518,7 +520,7 @@ Remade make_again(const std::string& name, const CellFile& file, const descripti
   std::vector<std::string> notes;
   out.robots = resolve_robots(file, catalogue, real, out.warnings, notes);
   out.warnings.throw_if_errors();
-  const ManagerParameters manager;
+  const ros_files::ManagerParameters manager;
   Components(out.robots, scene, period, false, manager).make_one(name, out);
   return out;
 }

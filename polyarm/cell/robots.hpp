@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/manager_parameters.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/motion/robot_motion.hpp"
+#include "polyarm/ros_files/manager_parameters.hpp"
 
 namespace polyarm::cell {
 
@@ -53,7 +53,8 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
 /// says which components stay unconfigured or inactive at the start; those of real hardware are at most
 /// inactive, until somebody arms them. Real hardware in lock-step is an error.
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
-                    Nanoseconds period, bool lock_step, const ManagerParameters& manager, Problems& problems);
+                    Nanoseconds period, bool lock_step, const ros_files::ManagerParameters& manager,
+                    Problems& problems);
 
 /// Has all hardware of the robot a thread of its own, which may run at any rate?
 bool on_threads(const CellRobot& robot);

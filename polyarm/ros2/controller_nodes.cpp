@@ -5,11 +5,11 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/yaml.hpp"
-#include "polyarm/cell/message_forms.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
+#include "polyarm/ros_files/message_forms.hpp"
 
 namespace polyarm::ros2 {
 
@@ -64,7 +64,7 @@ class OutputTopic {
 
  private:
   std::vector<std::byte> any(const Output& output) const {
-    Json message = Json::parse(cell::message_json(output));
+    Json message = Json::parse(ros_files::message_json(output));
     bridge_.to_ros(message);
     return messages::from_json(*info_, in_ros_shape(type_, std::move(message)));
   }

@@ -18,7 +18,7 @@ using test::Folder;
 using test::Json;
 using test::LockStepCell;
 
-constexpr const char* kControllers = R"(
+constexpr const char* kBaseControllers = R"(
 controller_manager:
   ros__parameters:
     update_rate: 100
@@ -45,7 +45,7 @@ base:
 class BaseMotionTest : public ::testing::Test {
  protected:
   CellFile file(const std::string& program) {
-    folder.write("controllers.yaml", kControllers);
+    folder.write("controllers.yaml", kBaseControllers);
     folder.write("go.script", program);
     folder.write("cell.yaml",
                  "polyarm: cell/1\nrobots:\n  jetbot: {model: " + std::string(POLYARM_SOURCE_DIR) +

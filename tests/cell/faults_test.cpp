@@ -18,7 +18,7 @@ using test::Folder;
 using test::Json;
 using test::LockStepCell;
 
-const std::string kControllers = R"(
+const std::string kFollowAndStates = R"(
 controller_manager:
   ros__parameters:
     update_rate: 1000
@@ -31,7 +31,7 @@ follow:
     state_interfaces: [position, velocity]
 )";
 
-std::string description(const std::string& parameters) {
+std::string two_joints(const std::string& parameters) {
   const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
     return "<joint name='" + name + "' type='revolute'><parent link='" + parent + "'/><child link='" + child +
            "'/><axis xyz='0 0 1'/><limit lower='-3' upper='3' velocity='2' effort='10'/></joint>";
@@ -49,7 +49,7 @@ std::string description(const std::string& parameters) {
 }
 
 std::string injected(const std::string& faults, const std::string& more = "") {
-  return description("<param name='inject'>" + faults + "</param>" + more);
+  return two_joints("<param name='inject'>" + faults + "</param>" + more);
 }
 
 const Json kMove = {
@@ -58,7 +58,7 @@ const Json kMove = {
     {"message",
      {{"joint_names", {"a", "b"}}, {"points", {{{"positions", {1.5, -1.5}}, {"time_from_start", 2.0}}}}}}};
 
-struct Row {
+struct InjectedFault {
   const char* name;
   std::string inject;
   std::string more;   ///< parameters
@@ -66,11 +66,11 @@ struct Row {
   std::string told;   ///< part of why the component failed
 };
 
-class FaultTable : public testing::TestWithParam<Row> {};
+class FaultTable : public testing::TestWithParam<InjectedFault> {};
 
 TEST_P(FaultTable, EndsTheSameWay) {
   const Folder folder;
-  LockStepCell cell(folder.write("arm.urdf", injected(GetParam().inject, GetParam().more)), kControllers);
+  LockStepCell cell(folder.write("arm.urdf", injected(GetParam().inject, GetParam().more)), kFollowAndStates);
   cell.give(kMove);
   cell.run(1.2);
   Json health = cell.result({{"request", "health"}});
@@ -104,22 +104,22 @@ TEST_P(FaultTable, EndsTheSameWay) {
 const std::string kFailed = "a hardware component failed";
 INSTANTIATE_TEST_SUITE_P(
     All, FaultTable,
-    testing::Values(Row{"read", "read_error@500", "", kFailed, "told to do this: read_error"},
-                    Row{"write", "write_error@500", "", kFailed, ""},
-                    Row{"deactivate", "deactivate@500", "", kFailed, "deactivate at cycle 500"},
-                    Row{"nan", "nan@500:b", "", "a measured joint position is no number",
-                        "arm/b/position was measured and is no number"},
-                    Row{"jump", "jump@500:a=0.6", "", "a measured joint position jumped",
-                        "arm/a/position changed by more"},
-                    Row{"freeze", "freeze@300", "<param name='following_error'>0.2</param>",
-                        "a joint does not follow its command", "arm/a/position is more than 0.2"}),
-    [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
+    testing::Values(InjectedFault{"read", "read_error@500", "", kFailed, "told to do this: read_error"},
+                    InjectedFault{"write", "write_error@500", "", kFailed, ""},
+                    InjectedFault{"deactivate", "deactivate@500", "", kFailed, "deactivate at cycle 500"},
+                    InjectedFault{"nan", "nan@500:b", "", "a measured joint position is no number",
+                                  "arm/b/position was measured and is no number"},
+                    InjectedFault{"jump", "jump@500:a=0.6", "", "a measured joint position jumped",
+                                  "arm/a/position changed by more"},
+                    InjectedFault{"freeze", "freeze@300", "<param name='following_error'>0.2</param>",
+                                  "a joint does not follow its command", "arm/a/position is more than 0.2"}),
+    [](const testing::TestParamInfo<InjectedFault>& row) { return row.param.name; });
 
 TEST(Faults, AThousandWaitingRequestsDoNotDelayAStopByACycle) {
   const Folder folder;
-  std::string controllers = kControllers;
+  std::string controllers = kFollowAndStates;
   controllers.replace(controllers.find("update_rate: 1000"), 17, "update_rate: 10");
-  LockStepCell cell(folder.write("arm.urdf", description("")), controllers);
+  LockStepCell cell(folder.write("arm.urdf", two_joints("")), controllers);
   cell.give(kMove);
   cell.run(0.8);
   const double at = cell.value_of("states", "arm/a/position");
@@ -134,7 +134,7 @@ TEST(Faults, AThousandWaitingRequestsDoNotDelayAStopByACycle) {
 
 TEST(Faults, ASmallStepIsNoJump) {
   const Folder folder;
-  LockStepCell cell(folder.write("arm.urdf", injected("jump@500:a=0.015")), kControllers);
+  LockStepCell cell(folder.write("arm.urdf", injected("jump@500:a=0.015")), kFollowAndStates);
   cell.give(kMove);
   cell.run(1);
   EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
@@ -142,7 +142,7 @@ TEST(Faults, ASmallStepIsNoJump) {
 
 TEST(Faults, ASlowReadIsCountedAndNothingElse) {
   const Folder folder;
-  LockStepCell cell(folder.write("arm.urdf", injected("slow@500=2")), kControllers);
+  LockStepCell cell(folder.write("arm.urdf", injected("slow@500=2")), kFollowAndStates);
   cell.give(kMove);
   cell.run(1);
   EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
@@ -153,7 +153,7 @@ TEST(Faults, WhatCannotBeInjectedIsRefusedWithWhatCan) {
   for (const char* wrong : {"nann@500", "nan@x", "nan@5:elbow", "jump@1:a=much", "slow@-1"}) {
     const Folder folder;
     try {
-      LockStepCell cell(folder.write("arm.urdf", injected(wrong)), kControllers);
+      LockStepCell cell(folder.write("arm.urdf", injected(wrong)), kFollowAndStates);
       FAIL() << wrong;
     } catch (const Error& e) {
       EXPECT_EQ(e.problems().at(0).code, "bad-value") << wrong;
@@ -170,13 +170,13 @@ class RealMock : public drivers::MockComponent {
 std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full_speed,
                                       cell::Observer& observer, bool lock_step = false,
                                       const std::string& driver = "real_mock",
-                                      const std::string& urdf = description(""), int rate = 1000) {
+                                      const std::string& urdf = two_joints(""), int rate = 1000) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
   std::string text = urdf;
   text.replace(text.find("mock_components/GenericSystem"), 29, driver);
-  std::string controllers = kControllers;
+  std::string controllers = kFollowAndStates;
   controllers.replace(controllers.find("1000"), 4, std::to_string(rate));
   cell::CellOptions options;
   options.real = real;
@@ -278,7 +278,7 @@ TEST(Arming, WhatAReloadMakesRealWaitsForAPerson) {
   const auto cell = real_cell(folder, true, true, nobody, false, "mock_components/GenericSystem");
   run(*cell, 0.05);
   EXPECT_TRUE(cell->arming().armed()) << "nothing is real yet";
-  std::string text = description("");
+  std::string text = two_joints("");
   text.replace(text.find("mock_components/GenericSystem"), 29, "real_mock");
   folder.write("arm.urdf", text);
   const Json answer = ask(*cell, {{"request", "hardware.reload"}, {"name", "drives"}});
@@ -314,7 +314,7 @@ TEST(Arming, TheFirstPassReachesATenthAtAnyRateOfTheLoop) {
   for (const int rate : {10, 30, 100, 500}) {
     const Folder folder;
     cell::Observer nobody;
-    const auto cell = real_cell(folder, true, false, nobody, false, "real_mock", description(""), rate);
+    const auto cell = real_cell(folder, true, false, nobody, false, "real_mock", two_joints(""), rate);
     control::ControlLoop& loop = cell->loop();
     const auto cycle = [&] {
       for (int tick = 0; tick < 500 / rate; ++tick) cell->tick(loop.cycle().time);
@@ -340,7 +340,7 @@ TEST(Arming, TheFirstPassReachesATenthAtAnyRateOfTheLoop) {
 TEST(Arming, TheFirstPassKeepsTheTcpOfALongArmSlow) {
   const Folder folder;
   cell::Observer nobody;
-  std::string urdf = description("");
+  std::string urdf = two_joints("");
   for (const std::string end : {"<child link='l2'/>"})
     urdf.replace(urdf.find(end), end.size(), end + "<origin xyz='1.5 0 0'/>");
   urdf.replace(urdf.find("<link name='l2'/>"), 17,
@@ -403,7 +403,7 @@ TEST(FaultRecord, IsWrittenWithEveryFaultAndPlaysAgain) {
     std::string all;
     void on_note(const std::string& text) override { all += text + "\n"; }
   } notes;
-  cell::CellFile file = cell::cell_from_description(urdf, {folder.write("c.yaml", kControllers)}, {});
+  cell::CellFile file = cell::cell_from_description(urdf, {folder.write("c.yaml", kFollowAndStates)}, {});
   file.folder = folder.path();
   cell::Cell cell(file, description::Catalogue({}), {}, notes);  // on the wall clock: the run goes on
   cell.loop().begin();

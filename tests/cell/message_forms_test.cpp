@@ -1,4 +1,4 @@
-#include "polyarm/cell/message_forms.hpp"
+#include "polyarm/ros_files/message_forms.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 namespace polyarm {
 namespace {
 
-using cell::message_json;
-using cell::read_message;
+using ros_files::message_json;
+using ros_files::read_message;
 using test::Json;
 
 constexpr const char* kTrajectory = "trajectory_msgs/JointTrajectory";
@@ -19,13 +19,13 @@ constexpr const char* kGoal = "control_msgs/FollowJointTrajectory";
 
 template <typename T>
 T read(const std::string& text, const std::string& type) {
-  return std::get<T>(read_message(text, "m.yaml", {type}));
+  return std::get<T>(ros_files::read_message(text, "m.yaml", {type}));
 }
 
 /// The sentence with which the message is refused.
 std::string refusal(const std::string& text, const std::string& type) {
   try {
-    read_message(text, "m.yaml", {type});
+    ros_files::read_message(text, "m.yaml", {type});
   } catch (const Error& e) {
     return e.what();
   }
@@ -202,7 +202,7 @@ TEST(MessageForms, WhatComesOutHasTheShapeOfRos) {
   odom.draft().values = {1.5, NAN, 0.25};
   odom.publish(2'000'000'003);
   ASSERT_TRUE(odom.fetch());
-  EXPECT_EQ(Json::parse(message_json(odom)), Json::parse(R"({
+  EXPECT_EQ(Json::parse(ros_files::message_json(odom)), Json::parse(R"({
     "header": {"stamp": {"sec": 2, "nanosec": 3}, "frame_id": "odom"}, "child_frame_id": "base_link",
     "pose": {"pose": {"position": {"x": 1.5}}, "covariance": [0, 0, 0, 0, 0, 0, 0, 0.25]},
     "twist": {"twist": {"angular": {"z": null}}}})"));
@@ -213,7 +213,7 @@ TEST(MessageForms, WhatComesOutHasTheShapeOfRos) {
   joints.draft().values = {1, 2, NAN, 4, INFINITY, 6};
   joints.publish(0);
   joints.fetch();
-  const Json state = Json::parse(message_json(joints));
+  const Json state = Json::parse(ros_files::message_json(joints));
   EXPECT_EQ(state["name"], Json({"a", "b.c"}));
   EXPECT_EQ(state["position"], Json({1.0, 4.0}));
   EXPECT_EQ(state["velocity"], Json({2.0, nullptr}));
@@ -223,7 +223,7 @@ TEST(MessageForms, WhatComesOutHasTheShapeOfRos) {
   dynamic.draft().values = {1, 2, 3};
   dynamic.publish(0);
   dynamic.fetch();
-  const Json groups = Json::parse(message_json(dynamic));
+  const Json groups = Json::parse(ros_files::message_json(dynamic));
   EXPECT_EQ(groups["joint_names"], Json({"a", "b"}));
   EXPECT_EQ(groups["interface_values"][0], Json({{"interface_names", {"p", "v"}}, {"values", {1.0, 3.0}}}));
 
@@ -231,8 +231,8 @@ TEST(MessageForms, WhatComesOutHasTheShapeOfRos) {
   values.draft().values = {1};
   values.publish(0);
   values.fetch();
-  EXPECT_EQ(Json::parse(message_json(values))["names"], Json({"a/p"}));
-  EXPECT_EQ(Json::parse(message_json(values))["values"], Json({1.0}));
+  EXPECT_EQ(Json::parse(ros_files::message_json(values))["names"], Json({"a/p"}));
+  EXPECT_EQ(Json::parse(ros_files::message_json(values))["values"], Json({1.0}));
 }
 
 TEST(MessageForms, TheStateOfATrajectoryControllerHasAListForEachQuantity) {
@@ -242,7 +242,7 @@ TEST(MessageForms, TheStateOfATrajectoryControllerHasAListForEachQuantity) {
   out.draft().values = {1, 2, 3, 4, 5, 6, 7};
   out.publish(0);
   out.fetch();
-  const Json state = Json::parse(message_json(out));
+  const Json state = Json::parse(ros_files::message_json(out));
   EXPECT_EQ(state["joint_names"], Json({"a.b", "c"}));
   EXPECT_EQ(state["reference"]["positions"], Json({1.0, 4.0}));
   EXPECT_EQ(state["error"]["positions"], Json({2.0, 5.0}));
@@ -302,9 +302,9 @@ TEST(MessageForms, MutatedMessagesAreReadOrRefusedWithASentence) {
   int taken = 0, refused = 0;
   for (int n = 0; n < 20'000; ++n) {
     const std::string text = mutated(seeds()[random() % seeds().size()], random);
-    const std::string type = cell::message_types()[random() % cell::message_types().size()];
+    const std::string type = ros_files::message_types()[random() % ros_files::message_types().size()];
     try {
-      read_message(text, "m", {type});
+      ros_files::read_message(text, "m", {type});
       ++taken;
     } catch (const Error& e) {
       ++refused;

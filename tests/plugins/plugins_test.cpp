@@ -6,10 +6,10 @@
 #include <cstdlib>
 
 #include "polyarm/cell/check.hpp"
-#include "polyarm/cell/hardware_names.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/hardware.hpp"
+#include "polyarm/ros_files/hardware_names.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -128,9 +128,9 @@ TEST(Plugins, UnknownNamesGetTheNearestAmongThoseOfPlugins) {
 
 TEST(Plugins, ANameInADescriptionIsThePluginsOrGetsTheNearest) {
   load("both");
-  EXPECT_EQ(cell::choose_hardware("things/Follower", "block").driver, "things/Follower");
-  EXPECT_EQ(cell::choose_hardware("things/Follower", "block").note, "");
-  EXPECT_SAYS(cell::choose_hardware("things/Folower", "block").note, "did you mean 'things/Follower'");
+  EXPECT_EQ(ros_files::choose_hardware("things/Follower", "block").driver, "things/Follower");
+  EXPECT_EQ(ros_files::choose_hardware("things/Follower", "block").note, "");
+  EXPECT_SAYS(ros_files::choose_hardware("things/Folower", "block").note, "did you mean 'things/Follower'");
 }
 
 TEST(Plugins, NamesWithASlashAreNeverPaths) {

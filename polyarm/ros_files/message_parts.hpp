@@ -1,0 +1,19 @@
+#pragma once
+/// What the readers of ROS messages share. Part of message_forms and trajectory_file.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/base/yaml.hpp"
+
+namespace polyarm::ros_files {
+
+/// Throws Error with every key of `yaml` that is not in `known`.
+void check_keys(const Yaml& yaml, const std::vector<std::string>& known);
+/// {sec, nanosec}, {secs, nsecs} or a number of seconds.
+double seconds_of(const Yaml& yaml, double fallback = 0);
+/// `stamp` of a header; nothing where it is 0, which means now. Throws Error("bad-message").
+std::optional<Nanoseconds> stamp_of(const Yaml& header);
+
+}  // namespace polyarm::ros_files
