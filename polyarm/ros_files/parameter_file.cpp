@@ -15,7 +15,7 @@ using controllers::Parameters;
 using Path = std::vector<std::string>;
 
 constexpr const char* kParameters = "ros__parameters";
-constexpr std::size_t kDeepestName = 64;
+constexpr std::size_t kDeepestParameter = 64;
 constexpr int kMostNodes = 100'000;
 
 bool misspelled_parameters(const std::string& key) {
@@ -61,7 +61,7 @@ class Reader {
 
  private:
   void count(const Location& where, std::size_t depth) {
-    if (depth > kDeepestName)
+    if (depth > kDeepestParameter)
       throw Error(Problem{"yaml-nesting", where, "names are nested more than 64 deep",
                           "an alias that contains itself does this too"});
     if (++visited_ > kMostNodes)
@@ -125,7 +125,7 @@ class Reader {
   // --- ROS 2 ---
 
   void node_names(const Yaml& node, const Path& path, const Path& keys) {
-    if (path.size() > kDeepestName) count(node.where(), path.size());
+    if (path.size() > kDeepestParameter) count(node.where(), path.size());
     if (!path.empty() && !speaks_ros2(node, keys.size())) return without_parameters(node, path, keys);
     std::optional<NodeParameters> stray;
     for (const Yaml::Entry& entry : pairs(node, keys.size())) {
@@ -250,13 +250,13 @@ class Reader {
   static std::string parent(const Path& path) { return join_name(Path(path.begin(), path.end() - 1)); }
 
   void tree(const Yaml& node, ParameterTree& root, const Path& path, const Path& keys) {
-    if (path.size() > kDeepestName) count(node.where(), path.size());
+    if (path.size() > kDeepestParameter) count(node.where(), path.size());
     if (!node.is_map()) return put(root, path, {path.empty() ? "" : path.back(), node.where(), node}, keys);
     for (const Yaml::Entry& entry : pairs(node, keys.size())) {
       const Path names = split_name(entry.key);
       const Path inner = entry.key.starts_with('/') ? names : path + names;
       const Path inner_keys = keys + Path{entry.key};
-      if (inner.empty() || inner.size() > kDeepestName) count(entry.where, inner.size());
+      if (inner.empty() || inner.size() > kDeepestParameter) count(entry.where, inner.size());
       note_joint_limits(entry, inner_keys, path);
       if (entry.value.is_map()) {
         place(root, inner, entry.where);
@@ -318,7 +318,7 @@ Error explained(const Error& error, const std::string& text, const std::string& 
 
 void put_literal(const ParameterSource& source, ParameterSet& set) {
   const Path path = split_name(source.ns);
-  if (path.empty() || path.size() > kDeepestName) return;
+  if (path.empty() || path.size() > kDeepestParameter) return;
   ParameterTree* at = &set.tree;
   for (const std::string& name : path) {
     at = &at->children[name];
