@@ -299,7 +299,7 @@ controllers::TrajectoryMessage message_of(const PlannedMotion& motion, const Req
   controllers::TrajectoryMessage out;
   for (const auto& timed : motion.timed)
     ros_files::append(out, request.rate > 0 ? ros_files::sampled(*timed, request.rate, names)
-                                       : ros_files::knots_of(*timed, request.tolerance, names));
+                                            : ros_files::knots_of(*timed, request.tolerance, names));
   return out;
 }
 

@@ -16,7 +16,6 @@
 namespace polyarm::ros2 {
 namespace {
 
-
 json send_to(Client& client, int number, const json& goal) {
   return client.call(kAction + "send_goal", kType + "_SendGoal", {{"goal_id", id(number)}, {"goal", goal}});
 }

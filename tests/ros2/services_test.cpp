@@ -17,7 +17,6 @@
 namespace polyarm::ros2 {
 namespace {
 
-
 TEST_F(Ros2Cell, ANodeTellsWhatItsTypesLookLike) {
   const auto ask = [&](const char* type, const std::string& hash) {
     return call("/arm_controller/get_type_description", "type_description_interfaces/srv/GetTypeDescription",
