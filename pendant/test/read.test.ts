@@ -17,7 +17,6 @@ describe('readStatus', () => {
     clients: 2,
     program: { file: 'a.script', state: 'running', line: 7, source: 'moveto p0', cycle: 2, paused: false, ended: false, tasks: 1, waits_for: '', problem: null },
     jogged: ['arm'],
-    bases: { arm: { p: [0, 0, 0], q: identity } },
   };
   it('tells who holds control from who reads it', () => {
     expect(readStatus(event, 3).youHold).toBe(true);

@@ -196,6 +196,7 @@ void Cell::build_controllers(Problems& problems) {
     controllers::DiffDriveController* wheels = base_controller_of(*robot, loop_->controllers());
     bases_.push_back(wheels ? std::make_unique<motion::BaseMotion>(*wheels, seconds(loop_->options().period))
                             : nullptr);
+    places_.emplace_back(*robot, loop_->table(), wheels);
   }
 }
 
@@ -354,6 +355,7 @@ void Cell::unload_controller(const std::string& name) {
   goal_events_.erase(name);
   if (leaving && base != bases_.end()) {
     if (moves_) moves_->forget(**base);
+    places_[static_cast<std::size_t>(base - bases_.begin())].forget_wheels();
     base->reset();
   }
   for (std::size_t i = 0; i < trajectory_controllers_.size(); ++i)
@@ -391,6 +393,7 @@ void Cell::tick(Nanoseconds now) {
   store_.set_now(now);
   loop_->outbox().fetch();
   loop_->supervisor().heartbeat(now);
+  for (MovingBase& base : places_) base.look();
   const control::Snapshot& snapshot = loop_->outbox().value();
   tell_loop_events();
   tell_overruns();

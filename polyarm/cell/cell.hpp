@@ -23,6 +23,7 @@
 #include "polyarm/cell/heartbeats.hpp"
 #include "polyarm/cell/jogging.hpp"
 #include "polyarm/cell/links.hpp"
+#include "polyarm/cell/moving_base.hpp"
 #include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/parts.hpp"
 #include "polyarm/cell/recorder.hpp"
@@ -238,7 +239,10 @@ class Cell {
 
   /// Ends the programs where they are (a person stopped the run).
   void stop_programs();
+  /// In the world, as if the robot's base stood where the cell's file puts it, as its points are.
   Pose tcp(std::size_t robot) const;
+  /// Where the robot's base is.
+  const MovingBase& base(std::size_t robot) const { return places_[robot]; }
 
  private:
   void start_hardware();
@@ -298,6 +302,7 @@ class Cell {
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
   std::vector<std::unique_ptr<motion::BaseMotion>> bases_;  ///< by robot; null: it has no wheels to drive
+  std::vector<MovingBase> places_;                          ///< of bases, by robot
   std::unique_ptr<ProgramMoves> moves_;                     ///< of the program
   std::set<std::string> told_warnings_;                     ///< of moves; a loop says them once
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;

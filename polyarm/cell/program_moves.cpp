@@ -13,8 +13,6 @@
 
 namespace polyarm::cell {
 
-using program::Progress;
-
 ProgramMoves::ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
                            const data::DataStore& store)
     : task_(std::move(task)), pace_(pace), store_(store) {
@@ -339,7 +337,7 @@ void ProgramMoves::forget_ended() {
 }
 
 /// The first of the moves not told about that did not end well; forgets those that did.
-std::optional<Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
+std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
   const motion::RobotMotion& motion = *arm.robot.motion;
   while (!arm.open.empty() && arm.open.front().id <= through &&
          motion.state_of(arm.open.front().id) == motion::MoveState::done)
@@ -352,21 +350,22 @@ std::optional<Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
       const Open told = open;
       arm.open.clear();
       if (wanted == motion::MoveState::discarded)
-        return Progress::ended({"discarded", told.where, "the move to " + told.name + " was discarded", {}});
+        return program::Progress::ended(
+            {"discarded", told.where, "the move to " + told.name + " was discarded", {}});
       Problem problem = motion.problem_of(told.id).value_or(
           Problem{"refused",
                   {},
                   "the controller refused the move to " + told.name + ": it would have begun with a jump",
                   {}});
       if (problem.where.file.empty()) problem.where = told.where;
-      return Progress::failed(std::move(problem));
+      return program::Progress::failed(std::move(problem));
     }
   return std::nullopt;
 }
 
-Progress ProgramMoves::poll(program::Handle handle) {
+program::Progress ProgramMoves::poll(program::Handle handle) {
   const auto found = asked_.find(handle);
-  if (found == asked_.end()) return Progress::done();
+  if (found == asked_.end()) return program::Progress::done();
   bool arrived = true;
   for (const Moves& moves : found->second) {
     Arm& arm = arms_[moves.arm];
@@ -377,9 +376,9 @@ Progress ProgramMoves::poll(program::Handle handle) {
       Problem why{"discarded", {}, "the move of the base was discarded", {}};
       if (state == State::failed && arm.robot.base->problem()) why = *arm.robot.base->problem();
       asked_.erase(found);
-      return state == State::done     ? Progress::done()
-             : state == State::failed ? Progress::failed(std::move(why))
-                                      : Progress::ended(std::move(why));
+      return state == State::done     ? program::Progress::done()
+             : state == State::failed ? program::Progress::failed(std::move(why))
+                                      : program::Progress::ended(std::move(why));
     }
     // A failure behind a move ends the wait for it too.
     if (auto bad = bad_end(arm, arm.robot.motion->last_id())) {
@@ -390,7 +389,7 @@ Progress ProgramMoves::poll(program::Handle handle) {
   }
   if (!arrived) return {};
   asked_.erase(found);
-  return Progress::done();
+  return program::Progress::done();
 }
 
 bool ProgramMoves::has_room(const std::string& robot) {

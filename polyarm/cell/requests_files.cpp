@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargest = 900'000, kMostFiles = 2000, kMostVersions = 100;
+constexpr std::size_t kLargestText = 900'000, kMostFiles = 2000, kMostVersions = 100;
 
 const std::vector<std::string>& endings() {
   static const std::vector<std::string> list = {".script", ".points", ".data",  ".yaml",  ".yml",
@@ -104,7 +104,7 @@ void keep_out_of_git(const fs::path& folder) {
 
 std::string bounded(const Json& arguments, const char* name) {
   std::string out = text_argument(arguments, name);
-  if (out.size() > kLargest)
+  if (out.size() > kLargestText)
     throw Error("too-large", fmt::format("the text has {} bytes", out.size()), "a file may have 900 kB");
   return out;
 }
@@ -142,7 +142,7 @@ Json listed(const fs::path& folder, const std::vector<fs::path>& running) {
       if (each->is_directory(error)) each.disable_recursion_pending();
       continue;
     }
-    if (!each->is_regular_file(error) || !has_ending(each->path()) || each->file_size(error) > kLargest)
+    if (!each->is_regular_file(error) || !has_ending(each->path()) || each->file_size(error) > kLargestText)
       continue;
     const std::string path = fs::relative(each->path(), folder, error).generic_string();
     out.push_back({{"name", path},
@@ -228,7 +228,7 @@ Poll files_read(Cell& cell, const Json& arguments) {
     const Json draft = draft_json(folder, path);
     const bool exists = fs::exists(file, error);
     if (!exists && draft.is_null()) throw Error("no-file", "there is no file '" + path + "' in the project");
-    if (exists && fs::file_size(file, error) > kLargest)
+    if (exists && fs::file_size(file, error) > kLargestText)
       throw Error("too-large", "'" + path + "' has more than 900 kB");
     const std::string text = exists ? read_file(file) : std::string{};
     return Json{{"name", path},

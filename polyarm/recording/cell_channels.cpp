@@ -54,6 +54,12 @@ std::string robot_topic(const cell::CellRobots& robots, const cell::CellRobot& r
   return robots.size() == 1 ? std::string("/") + topic : "/" + topic_part(robot.entry.name) + "/" + topic;
 }
 
+std::vector<bool> drives(const cell::Cell& cell) {
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) out.push_back(cell.base(i).moves());
+  return out;
+}
+
 }  // namespace
 
 template <class Message>
@@ -70,7 +76,7 @@ std::size_t CellChannels::add_json(std::string topic, const char* name, const ch
 }
 
 CellChannels::CellChannels(cell::Cell& cell, std::int64_t offset)
-    : cell_(cell), offset_(offset), state_(cell.robots(), cell.loop().table()) {
+    : cell_(cell), offset_(offset), state_(cell.robots(), cell.loop().table(), drives(cell)) {
   joints_ = add<ros::sensor_msgs::msg::JointState>("/joint_states", "every joint that is measured");
   add_commands();
   moving_ = add<ros::tf2_msgs::msg::TFMessage>(
@@ -92,14 +98,18 @@ void CellChannels::add_descriptions() {
     descriptions_.push_back(add<ros::std_msgs::msg::String>(robot_topic(robots, *robot, "robot_description"),
                                                             "the robot as URDF", true));
     tcps_.push_back(add<ros::geometry_msgs::msg::PoseStamped>(
-        robot_topic(robots, *robot, "tcp"), "the tool centre point in the world, measured"));
+        robot_topic(robots, *robot, "tcp"),
+        "the tool centre point in the world (of a base that drives: in its root link), measured"));
+    const std::size_t i = tcp_frames_.size();
+    tcp_frames_.emplace_back();
+    if (cell_.base(i).moves())
+      tcp_frames_.back() = {frame_of(*robot, robot->model.root, robots.size() > 1), robot->entry.base};
     auto& states = tcp_states_.emplace_back();
     for (const controllers::JointFacts& joint : robot->joints) {
       const auto index = cell_.loop().table().find_state(joint.name + "/position");
       states.push_back(index ? static_cast<int>(*index) : -1);
     }
   }
-  tcp_.header.frame_id = "world";
 }
 
 void CellChannels::add_commands() {
@@ -209,7 +219,9 @@ void CellChannels::tell_sample(const control::TappedCycle& cycle, std::span<cons
       const double at = value(states, tcp_states_[i][j]);
       q[j] = std::isfinite(at) ? at : 0;
     }
-    const Pose pose = cell_.robots()[i]->facts->chain.forward({q.data(), count});
+    const Pose pose =
+        inverse(tcp_frames_[i].pose) * cell_.robots()[i]->facts->chain.forward({q.data(), count});
+    tcp_.header.frame_id = tcp_frames_[i].name;
     tcp_.pose = {{pose.position.x, pose.position.y, pose.position.z},
                  {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}};
     say(tcps_[i], time, tcp_, sample_room_, tell);
@@ -299,6 +311,29 @@ void CellChannels::tell_parts(Nanoseconds time, bool all, const Tell& tell) {
   if (parts_.transforms.empty()) return;
   parts_at_ = time;
   say(moving_, time + offset_, parts_, event_room_, tell);
+}
+
+void CellChannels::tell_bases(Nanoseconds time, const Tell& tell) {
+  constexpr Nanoseconds kEvery = 20'000'000;
+  if (bases_at_ >= 0 && time - bases_at_ < kEvery) return;
+  const bool several = cell_.robots().size() > 1;
+  bases_.transforms.clear();
+  for (std::size_t i = 0; i < cell_.robots().size(); ++i) {
+    const cell::MovingBase& base = cell_.base(i);
+    const cell::CellRobot& robot = *cell_.robots()[i];
+    const std::string root = frame_of(robot, robot.model.root, several);
+    if (base.on_wheels()) {
+      const std::string odometry = (several ? robot.entry.name + "/" : "") + base.odometry_name();
+      bases_.transforms.push_back(transform("world", odometry, base.odometry_frame(cell_.snapshot())));
+      bases_.transforms.push_back(transform(odometry, root, base.odometry()));
+    } else if (base.moves()) {
+      bases_.transforms.push_back(transform("world", root, base.pose(cell_.snapshot())));
+    }
+  }
+  if (bases_.transforms.empty()) return;
+  for (auto& each : bases_.transforms) each.header.stamp = stamp_of(time + offset_);
+  bases_at_ = time;
+  say(moving_, time + offset_, bases_, event_room_, tell);
 }
 
 void CellChannels::tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,

@@ -48,6 +48,8 @@ class CellChannels {
   /// Where parts are that have moved since the last time, as frames part/NAME in the world; all of them where
   /// `all`. A part that is not in the world has none. At most 50 times a second.
   void tell_parts(Nanoseconds time, bool all, const Tell& tell);
+  /// Where bases are that drive, in the world by way of their odometry's frames; at most 50 times a second.
+  void tell_bases(Nanoseconds time, const Tell& tell);
   void tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
                 const Location& where, const Tell& tell);
   /// A task has come to a line.
@@ -88,6 +90,11 @@ class CellChannels {
   messages::sensor_msgs::msg::JointState commands_;
   std::vector<Commanded> commands_of_;
   messages::geometry_msgs::msg::PoseStamped tcp_;
+  struct TcpFrame {
+    std::string name = "world";
+    Pose pose;  ///< in the world, where it stands or as if it did
+  };
+  std::vector<TcpFrame> tcp_frames_;          ///< by robot: what its tool centre point is told in
   std::vector<std::vector<int>> tcp_states_;  ///< by robot: its joints' positions
   messages::control_msgs::msg::DynamicJointState dynamic_;
   std::vector<std::vector<std::size_t>> dynamic_states_;
@@ -95,6 +102,8 @@ class CellChannels {
   messages::tf2_msgs::msg::TFMessage parts_;
   std::vector<std::optional<Pose>> parts_told_;  ///< by part; nothing: not in the world
   Nanoseconds parts_at_ = -1;
+  messages::tf2_msgs::msg::TFMessage bases_;
+  Nanoseconds bases_at_ = -1;
   std::vector<std::byte> sample_room_, event_room_;
 };
 

@@ -103,6 +103,7 @@ class Session {
     if (all) told_all_ = now;
     channels_.tell_tags(now, all, events());
     channels_.tell_parts(now, all, events());
+    channels_.tell_bases(now, events());
     if (all) channels_.tell_health(now, events());
     if (lock_step_) pass();
   }

@@ -96,6 +96,7 @@ class LiveView::Work : public cell::Observer {
     }
     channels_.tell_tags(now, seldom, tell());
     channels_.tell_parts(now, seldom, tell());
+    channels_.tell_bases(now, tell());
     if (now - told_at_ < kEvery) return given_;
     told_at_ = now;
     const control::Snapshot& seen = cell_.snapshot();

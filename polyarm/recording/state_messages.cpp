@@ -17,14 +17,6 @@ msg::Transform to_message(const Pose& pose) {
           {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}};
 }
 
-msg::TransformStamped transform(const std::string& parent, const std::string& child, const Pose& pose) {
-  msg::TransformStamped out;
-  out.header.frame_id = parent;
-  out.child_frame_id = child;
-  out.transform = to_message(pose);
-  return out;
-}
-
 Pose moved(const description::Joint& joint, double q) {
   if (joint.type == description::JointType::prismatic) return {q * joint.axis, {}};
   return {{}, from_axis_angle(joint.axis, q)};
@@ -43,8 +35,22 @@ messages::builtin_interfaces::msg::Time stamp_of(std::int64_t nanoseconds) {
   return {static_cast<std::int32_t>(whole), static_cast<std::uint32_t>(part)};
 }
 
-StateMessages::StateMessages(const cell::CellRobots& robots, const hardware::InterfaceTable& table) {
-  for (const auto& robot : robots) add_robot(*robot, table, robots.size() > 1);
+msg::TransformStamped transform(const std::string& parent, const std::string& child, const Pose& pose) {
+  msg::TransformStamped out;
+  out.header.frame_id = parent;
+  out.child_frame_id = child;
+  out.transform = to_message(pose);
+  return out;
+}
+
+std::string frame_of(const cell::CellRobot& robot, int link, bool several) {
+  return (several ? robot.entry.name + "/" : "") + robot.model.links[static_cast<std::size_t>(link)].name;
+}
+
+StateMessages::StateMessages(const cell::CellRobots& robots, const hardware::InterfaceTable& table,
+                             const std::vector<bool>& drives) {
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    add_robot(*robots[i], table, robots.size() > 1, i < drives.size() && drives[i]);
   const auto any = [&](int Measured::*what) {
     return std::any_of(measured_.begin(), measured_.end(),
                        [what](const Measured& each) { return each.*what >= 0; });
@@ -55,16 +61,15 @@ StateMessages::StateMessages(const cell::CellRobots& robots, const hardware::Int
 }
 
 void StateMessages::add_robot(const cell::CellRobot& robot, const hardware::InterfaceTable& table,
-                              bool several) {
-  const std::vector<description::Link>& links = robot.model.links;
+                              bool several, bool drives) {
   const std::vector<description::Joint>& joints = robot.model.joints;
   const std::string prefix = several ? robot.entry.name + "/" : "";
-  const auto frame = [&](int link) { return prefix + links[static_cast<std::size_t>(link)].name; };
+  const auto frame = [&](int link) { return frame_of(robot, link, several); };
   const auto state = [&](const description::Joint& joint, const char* what) {
     const auto index = table.find_state(robot.entry.name + "/" + joint.name + "/" + what);
     return index ? static_cast<int>(*index) : -1;
   };
-  if (several || frame(robot.model.root) != "world")
+  if (!drives && (several || frame(robot.model.root) != "world"))
     fixed_.transforms.push_back(transform("world", frame(robot.model.root), robot.entry.base));
   for (const description::Joint& joint : joints) {
     const std::string parent = frame(joint.parent_link), child = frame(joint.child_link);

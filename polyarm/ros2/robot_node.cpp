@@ -1,5 +1,8 @@
 /// /robot_state_publisher: descriptions and frames; and /clock.
+#include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/plain_urdf.hpp"
@@ -14,12 +17,26 @@ namespace {
 
 constexpr Nanoseconds kFrames = 20'000'000;
 
+/// Which robots' root links have their place in the frame of an odometry, which their controller tells. Where
+/// that frame is, is the matter of who localizes.
+std::vector<bool> drives(const cell::Cell& cell) {
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    const description::RobotModel& model = cell.robots()[i]->model;
+    const std::string prefix = cell.robots().size() > 1 ? cell.robots()[i]->entry.name + "/" : "";
+    const std::string& base = cell.base(i).base_name();
+    out.push_back(std::any_of(model.links.begin(), model.links.end(),
+                              [&](const description::Link& link) { return prefix + link.name == base; }));
+  }
+  return out;
+}
+
 class RobotNode : public Part {
  public:
   explicit RobotNode(Bridge& bridge)
       : bridge_{bridge},
         node_{bridge.name("robot_state_publisher")},
-        state_{bridge.cell().robots(), bridge.cell().loop().table()} {
+        state_{bridge.cell().robots(), bridge.cell().loop().table(), drives(bridge.cell())} {
     tell_descriptions();
     const Qos often{true, false, 100}, latched{true, true, 1};
     const auto& transforms = messages::type_info<messages::tf2_msgs::msg::TFMessage>();

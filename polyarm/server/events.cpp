@@ -41,6 +41,14 @@ Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = t
           {"problem", status.problem ? Json(status.problem->text()) : Json()}};
 }
 
+/// To 0.1 mm and about 0.1 deg, so that what stands still has no news.
+Json rounded(const Pose& pose) {
+  Json out = pose_json(pose);
+  for (Json& each : out["p"]) each = std::round(each.get<double>() * 1e4) / 1e4 + 0.0;
+  for (Json& each : out["q"]) each = std::round(each.get<double>() * 1e3) / 1e3 + 0.0;
+  return out;
+}
+
 bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
   return a.pose == b.pose && a.in_world == b.in_world && a.held_by == b.held_by;
 }
@@ -53,7 +61,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
   const bool running = seen.state == control::RunState::running;
   Json bases = Json::object(), jogged = Json::array();
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    bases[cell.robots()[i]->entry.name] = pose_json(cell.robots()[i]->entry.base);
+    bases[cell.robots()[i]->entry.name] = rounded(cell.base(i).pose(seen));
     if (cell.jogging().engaged(i)) jogged.push_back(cell.robots()[i]->entry.name);
   }
   return {{"event", "status"},

@@ -54,6 +54,13 @@ StateFrames::StateFrames(cell::Cell& cell, std::uint16_t layout) : cell_(cell), 
     for (const char* axis : {"qx", "qy", "qz", "qw"}) add(robot->entry.name + "/tcp/" + axis, "");
     add(robot->entry.name + "/tcp/speed", "m/s");
   }
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    if (!cell.base(i).on_wheels() || cell.base(i).in_physics()) continue;
+    wheeled_.push_back(i);
+    const std::string base = cell.robots()[i]->entry.name + "/base/";
+    for (const char* axis : {"x", "y", "z"}) add(base + "position." + axis, "m");
+    for (const char* axis : {"x", "y", "z", "w"}) add(base + "orientation." + axis, "");
+  }
   add("loop/period_us", "us");
   add("loop/cost_us", "us");
   add("loop/late", "");
@@ -93,6 +100,10 @@ Text StateFrames::frame() {
     const Quaternion& q = tcp.rotation;
     for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w, speed_[i]})
       append(out, static_cast<float>(value));
+  }
+  for (const std::size_t i : wheeled_) {
+    const auto [p, q] = cell_.base(i).pose(seen);
+    for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) append(out, static_cast<float>(value));
   }
   before_time_ = now;
   const control::Health& health = cell_.loop().health();

@@ -11,9 +11,10 @@
 namespace polyarm::server {
 
 /// Fields: every state interface under its name; every command as `<joint>/command_<interface>`; of each
-/// robot
-/// `<robot>/tcp/{x, y, z, qx, qy, qz, qw, speed}` (world; m, m/s); of the loop `loop/period_us`,
-/// `loop/cost_us` (medians so far), `loop/late`. Cell thread.
+/// robot `<robot>/tcp/{x, y, z, qx, qy, qz, qw, speed}` (world, as if a base that drives stood where it
+/// began; m, m/s) and, where its base drives, `<robot>/base/{position.x … orientation.w}` (world, m), which
+/// in physics are state interfaces; of the loop `loop/period_us`, `loop/cost_us` (medians so far),
+/// `loop/late`. Cell thread.
 class StateFrames {
  public:
   /// The cell outlives this. `layout`: a number that tells layouts apart.
@@ -35,6 +36,7 @@ class StateFrames {
   std::uint16_t id_;
   std::uint32_t sequence_ = 0;
   std::vector<Field> fields_;
+  std::vector<std::size_t> wheeled_;  ///< robots whose base is known by its odometry alone
   std::vector<Pose> before_;
   double before_time_ = -1;
   std::vector<double> speed_;

@@ -9,6 +9,7 @@
 
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/check.hpp"
+#include "tests/support/jetbot_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {
@@ -18,39 +19,10 @@ using test::Folder;
 using test::Json;
 using test::LockStepCell;
 
-constexpr const char* kBaseControllers = R"(
-controller_manager:
-  ros__parameters:
-    update_rate: 100
-    base: {type: diff_drive_controller/DiffDriveController}
-base:
-  ros__parameters:
-    left_wheel_names: ["left_wheel_joint"]
-    right_wheel_names: ["right_wheel_joint"]
-    wheel_separation: 0.104
-    wheel_radius: 0.032
-    linear.x.max_velocity: 0.3
-    linear.x.min_velocity: -0.3
-    linear.x.max_acceleration: 0.5
-    linear.x.max_deceleration: -0.5
-    angular.z.max_velocity: 2.0
-    angular.z.min_velocity: -2.0
-    angular.z.max_acceleration: 6.0
-    angular.z.max_deceleration: -6.0
-    open_loop: true
-    position_feedback: false
-    cmd_vel_timeout: 0.5
-)";
-
 class BaseMotionTest : public ::testing::Test {
  protected:
   CellFile file(const std::string& program) {
-    folder.write("controllers.yaml", kBaseControllers);
-    folder.write("go.script", program);
-    folder.write("cell.yaml",
-                 "polyarm: cell/1\nrobots:\n  jetbot: {model: " + std::string(POLYARM_SOURCE_DIR) +
-                     "/examples/jetbot/urdf/jetbot.urdf.xacro, hardware: mock}\n"
-                     "controllers: controllers.yaml\nprogram: go\n");
+    test::write_jetbot_cell(folder, program);
     return read_cell_file(folder.path());
   }
   void start(const std::string& program) { cell = std::make_unique<LockStepCell>(file(program)); }

@@ -8,6 +8,7 @@
 #include "polyarm/recording/cell_channels.hpp"
 #include "polyarm/recording/cell_recorder.hpp"
 #include "tests/recording/demo.hpp"
+#include "tests/support/jetbot_cell.hpp"
 
 namespace polyarm::recording {
 namespace {
@@ -44,6 +45,46 @@ TEST(Recorder, AFileSaysWhatTheCellDid) {
   EXPECT_NE(decoded(*file.of("/robot_description")[0])["data"].get<std::string>().find("<robot"),
             std::string::npos);
   EXPECT_FALSE(decoded(*file.of("/loop")[0]).contains("cost_us")) << "it would differ from run to run";
+}
+
+TEST(Recorder, ABaseThatDrivesIsInTheWorldByWayOfItsOdometry) {
+  test::Folder folder;
+  test::write_jetbot_cell(folder, "drive 500mm\n", "jetbot_body.urdf.xacro", "xyz: [1, 2, 0]");
+  std::string bytes;
+  {
+    test::LockStepCell bench(cell::read_cell_file(folder.path()));
+    bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+    bench.cell().recorder()->start({folder.path() / "drive.mcap", 100});
+    bench.run(5);
+    bench.cell().recorder()->stop();
+    bytes = read_file(folder.path() / "drive.mcap");
+  }
+  const McapFile file = McapFile::read(bytes);
+  const Json fixed = decoded(*file.of("/tf_static").front());
+  for (const Json& each : fixed["transforms"])
+    EXPECT_NE(each["child_frame_id"], "base_footprint") << "a frame has one parent";
+  double x = 0;
+  int told = 0;
+  std::uint64_t latest = 0;
+  for (const McapMessage* message : file.of("/tf")) {
+    const Json frames = decoded(*message);
+    if (frames["transforms"].empty() || frames["transforms"][0]["header"]["frame_id"] != "world") continue;
+    ASSERT_EQ(frames["transforms"].size(), 2u);
+    const Json &odometry = frames["transforms"][0], &base = frames["transforms"][1];
+    EXPECT_EQ(odometry["child_frame_id"], "odom");
+    EXPECT_EQ(base["header"]["frame_id"], "odom");
+    EXPECT_EQ(base["child_frame_id"], "base_footprint");
+    EXPECT_NEAR(odometry["transform"]["translation"]["x"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(odometry["transform"]["translation"]["y"].get<double>(), 2, 1e-9);
+    x = base["transform"]["translation"]["x"];
+    if (++told > 1) {
+      EXPECT_EQ(message->time - latest, 20'000'000u);
+    }
+    latest = message->time;
+  }
+  EXPECT_NEAR(told, 250, 3);
+  EXPECT_NEAR(x, 0.5, 0.005);
+  EXPECT_EQ(decoded(*file.of("/tcp").back())["header"]["frame_id"], "base_footprint");
 }
 
 TEST(Recorder, ATagIsAStepOfTwoMessagesAndIsSaidAgainEachSecond) {

@@ -324,6 +324,10 @@ TEST(Ros2Jetbot, IsDrivenByTwistsWithAndWithoutStamp) {
     const json latest = frames->latest();
     return latest.is_object() && latest["transforms"][0]["header"]["frame_id"] == "odom";
   })) << frames->latest();
+  const auto fixed = client.listen("/tf_static", "tf2_msgs/TFMessage", {true, true, 1});
+  EXPECT_TRUE(wait([&] { return fixed->heard(); }));
+  for (const json& each : fixed->latest()["transforms"])
+    EXPECT_NE(each["header"]["frame_id"], "world") << "the base's place is the odometry's matter alone";
 }
 
 }  // namespace

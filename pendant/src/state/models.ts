@@ -2,7 +2,7 @@
 import { computed, effect, signal } from '@preact/signals';
 import type { Json } from '../wire/connection';
 import { readScene } from '../wire/read';
-import type { RobotInfo, RobotModel, SceneInfo } from '../wire/types';
+import type { Pose, RobotInfo, RobotModel, SceneInfo } from '../wire/types';
 import { Chain } from '../view3d/chain';
 import { cell, fetchJson, robot } from './cell';
 import { valueNow } from './live';
@@ -57,4 +57,12 @@ export function jointValues(robot: string): (joint: string) => number {
 
 export function jointNow(robot: RobotInfo, index: number): number {
   return valueNow(`${robot.joints[index]?.interface ?? ''}/position`);
+}
+
+/** Where a base that drives is, as the frames tell it; null for one that is fixed. Everything else told of its robot is so as if it stood at `RobotInfo.base`. */
+export function baseNow(robot: string): Pose | null {
+  const of = (what: string) => valueNow(`${robot}/base/${what}`);
+  const p: Pose['p'] = [of('position.x'), of('position.y'), of('position.z')];
+  const q: Pose['q'] = [of('orientation.x'), of('orientation.y'), of('orientation.z'), of('orientation.w')];
+  return [...p, ...q].every(Number.isFinite) ? { p, q } : null;
 }

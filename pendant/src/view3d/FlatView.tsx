@@ -3,7 +3,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
 import { cell, parts } from '../state/cell';
 import { beat } from '../state/live';
-import { chains, jointValues, scene } from '../state/models';
+import { baseNow, chains, jointValues, scene } from '../state/models';
 import { darkNow } from '../state/settings';
 import type { Pose, Vec3 } from '../wire/types';
 import { compose, kIdentity, rotate } from './chain';
@@ -81,7 +81,8 @@ function robots(): [Vec3, Vec3][] {
     const chain = chains.peek()[info.name];
     if (!chain) continue;
     const solved = chain.solve(jointValues(info.name));
-    const inWorld = (p: Vec3) => compose(info.base, { p, q: kIdentity }).p;
+    const base = baseNow(info.name) ?? info.base;
+    const inWorld = (p: Vec3) => compose(base, { p, q: kIdentity }).p;
     for (const [a, b] of chain.segments(solved)) out.push([inWorld(a), inWorld(b)]);
   }
   return out;

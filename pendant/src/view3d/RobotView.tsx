@@ -2,13 +2,13 @@
 import { effect, signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
-import { cell, parts, plans, status } from '../state/cell';
+import { cell, parts, plans, robot } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
-import { frames, jointValues, models, scene } from '../state/models';
+import { baseNow, frames, jointValues, models, scene } from '../state/models';
 import { chosenPoints, dryPaths, pointsIn3d, problemsIn3d } from '../state/preview';
 import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
-import type { Pose, Vec3 } from '../wire/types';
+import type { Vec3 } from '../wire/types';
 import { FlatView } from './FlatView';
 import type { CellPicture, Ghost, Handle, Layers } from './picture';
 import type { ViewName } from './stage';
@@ -86,15 +86,15 @@ function follow(picture: CellPicture): (() => void)[] {
     picture.updateMovers(valueNow);
     for (const each of cell.peek()?.robots ?? []) {
       const name = each.name;
-      const base = baseNow(name) ?? status.peek()?.bases[name];
       const tcp: Vec3 = [valueNow(`${name}/tcp/x`), valueNow(`${name}/tcp/y`), valueNow(`${name}/tcp/z`)];
-      picture.update(name, jointValues(name), tcp, base);
+      picture.update(name, jointValues(name), tcp, baseNow(name) ?? undefined);
     }
   };
   return [
     effect(() => picture.setTheme(darkNow.value)),
     effect(() => {
       picture.setRobots(cell.value?.robots ?? [], models.value);
+      picture.setShown(robot.value?.name ?? '');
       if (newestFrame()) update();
     }),
     effect(() => {
@@ -111,14 +111,6 @@ function follow(picture: CellPicture): (() => void)[] {
     effect(() => picture.setHandle(handle.value)),
     onFrame(update),
   ];
-}
-
-/** Where a base that stands on its wheels is, as the frames tell it; null for one that is fixed. */
-function baseNow(robot: string): Pose | null {
-  const of = (what: string) => valueNow(`${robot}/base/${what}`);
-  const p: Pose['p'] = [of('position.x'), of('position.y'), of('position.z')];
-  const q: Pose['q'] = [of('orientation.x'), of('orientation.y'), of('orientation.z'), of('orientation.w')];
-  return [...p, ...q].every(Number.isFinite) ? { p, q } : null;
 }
 
 function showPlans(picture: CellPicture): void {

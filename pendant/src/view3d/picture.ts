@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
 import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Vec3 } from '../wire/types';
 import type { DryPath, DryProblem, NamedPose } from '../state/preview';
+import { compose, inverse } from './chain';
 import { RobotFigure } from './figure';
 import { Overlay } from './overlay';
 import { axes, place, shape } from './shapes';
@@ -40,6 +41,8 @@ export class CellPicture {
   readonly stage: Stage;
   private readonly robots = new Map<string, RobotFigure>();
   private readonly ghosts = new Map<string, RobotFigure>();
+  /** Of each robot: the world as it was when its base stood at `base`. What its program and its points mean goes with the base. */
+  private readonly grounds = new Map<string, { group: THREE.Group; base: Pose }>();
   private readonly things = new THREE.Group();
   private readonly zones = new THREE.Group();
   private readonly frames = new THREE.Group();
@@ -56,7 +59,13 @@ export class CellPicture {
     roughness: 0.6,
   });
   private readonly redraw = () => this.stage.redraw();
+  /** Meshes come later than what they belong to: the view takes them in as long as nobody has turned it. */
+  private readonly come = () => {
+    if (this.framed && !this.stage.touched) this.fit(this.stage.view);
+    this.redraw();
+  };
   private handle: { controls: TransformControls; object: THREE.Object3D; told: Handle } | null = null;
+  private shown = '';
   private framed = false;
   private floor = 0;
   private dark = true;
@@ -77,11 +86,14 @@ export class CellPicture {
       const model = models[info.name];
       if (!model || this.robots.get(info.name)?.model === model) continue;
       this.remove(info.name);
-      const figure = new RobotFigure(model, this.redraw);
+      const figure = new RobotFigure(model, this.come);
       place(figure.root, info.base);
       figure.tcp.add(axes(0.06));
       this.robots.set(info.name, figure);
-      this.stage.scene.add(figure.root);
+      const group = new THREE.Group();
+      group.add(figure.root);
+      this.grounds.set(info.name, { group, base: info.base });
+      this.stage.scene.add(group);
       const trail = new Trail();
       this.trails.set(info.name, trail);
       this.stage.scene.add(trail.line);
@@ -93,9 +105,12 @@ export class CellPicture {
   }
 
   private remove(name: string): void {
-    for (const object of [this.robots.get(name)?.root, this.ghosts.get(name)?.root, this.trails.get(name)?.line])
-      object?.removeFromParent();
+    const ground = this.grounds.get(name)?.group;
+    for (const object of [this.overlay.group, this.frames]) if (object.parent === ground) this.stage.scene.add(object);
+    for (const object of [ground, this.trails.get(name)?.line]) object?.removeFromParent();
+    this.paths.delete(name);
     this.robots.delete(name);
+    this.grounds.delete(name);
     this.ghosts.delete(name);
     this.trails.delete(name);
   }
@@ -112,7 +127,7 @@ export class CellPicture {
     }
     this.floor = scene.floor ?? 0;
     this.stage.setFloor(this.floor, this.dark);
-    if (this.framed && !this.stage.touched) this.fit('free');
+    if (this.framed && !this.stage.touched) this.fit(this.stage.view);
     this.redraw();
   }
 
@@ -139,12 +154,20 @@ export class CellPicture {
     this.redraw();
   }
 
+  /** The robot whose points, frames and dry runs are laid into the picture, and whose TCP the handle drags. */
+  setShown(robot: string): void {
+    const ground = this.grounds.get(robot)?.group ?? this.stage.scene;
+    for (const object of [this.overlay.group, this.frames, this.handle?.object]) if (object) ground.add(object);
+    this.shown = robot;
+    this.redraw();
+  }
+
   private thing(thing: SceneThing): THREE.Object3D {
     const object = new THREE.Group();
     object.name = thing.name;
     place(object, thing);
     const zone = kZoneKinds.includes(thing.kind) && !thing.moving;
-    for (const visual of thing.visuals) object.add(shape(visual, this.redraw, true));
+    for (const visual of thing.visuals) object.add(shape(visual, this.come, true));
     (zone ? this.zones : this.things).add(object);
     return object;
   }
@@ -159,16 +182,23 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** Where everything is now; the TCP's trail grows by it. */
+  /** Where everything is now; the TCP's trail grows by it. The TCP is told as if the base stood where it began; `base`: where it is. */
   update(robot: string, values: (joint: string) => number, tcp: Vec3 | null, base?: Pose): void {
     const figure = this.robots.get(robot);
     if (!figure) return;
     let seen = figure.setJoints(values);
-    if (base && !stands(figure.root, base)) {
-      place(figure.root, base);
+    const ground = this.grounds.get(robot)!;
+    const moved = base && compose(base, inverse(ground.base));
+    if (moved && !stands(ground.group, moved)) {
+      const before = figure.root.getWorldPosition(new THREE.Vector3());
+      place(ground.group, moved);
+      if (this.framed && robot === this.shown) this.stage.follow(figure.root.getWorldPosition(new THREE.Vector3()).sub(before));
       seen = true;
     }
-    if (tcp && tcp.every(Number.isFinite)) seen = this.trails.get(robot)?.add(tcp) || seen;
+    if (tcp && tcp.every(Number.isFinite)) {
+      const at = moved ? compose(moved, { p: tcp, q: [0, 0, 0, 1] }).p : tcp;
+      seen = this.trails.get(robot)?.add(at) || seen;
+    }
     if (!this.framed) {
       this.framed = true;
       this.fit('free');
@@ -211,7 +241,7 @@ export class CellPicture {
       line.computeLineDistances();
       line.visible = this.layers.plan;
       this.paths.set(robot, line);
-      this.stage.scene.add(line);
+      (this.grounds.get(robot)?.group ?? this.stage.scene).add(line);
     }
     this.redraw();
   }
@@ -235,11 +265,11 @@ export class CellPicture {
     ghost.root.quaternion.copy(figure.root.quaternion);
     ghost.setJoints((name) => joints[name] ?? 0);
     ghost.root.visible = this.layers.plan;
-    this.stage.scene.add(ghost.root);
+    this.grounds.get(robot)?.group.add(ghost.root);
     this.redraw();
   }
 
-  /** A handle at a pose of the world that can be dragged along and about its axes; null takes it away. */
+  /** A handle at a pose as the shown robot's TCP has it that can be dragged along and about its axes; null takes it away. */
   setHandle(handle: Handle | null): void {
     if (!handle) {
       if (!this.handle) return;
@@ -264,7 +294,8 @@ export class CellPicture {
     const controls = new TransformControls(this.stage.camera, this.stage.renderer.domElement);
     controls.setSize(0.85);
     controls.attach(object);
-    this.stage.scene.add(object, controls.getHelper());
+    (this.grounds.get(this.shown)?.group ?? this.stage.scene).add(object);
+    this.stage.scene.add(controls.getHelper());
     const handle = { controls, object, told };
     controls.addEventListener('change', this.redraw);
     controls.addEventListener('dragging-changed', (event) => {

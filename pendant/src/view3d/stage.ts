@@ -145,6 +145,19 @@ export class Stage {
     this.redraw();
   }
 
+  /** From where it was looked at last. */
+  get view(): ViewName {
+    return this.looked?.view ?? 'free';
+  }
+
+  /** Goes along with what moves by so much. */
+  follow(by: THREE.Vector3): void {
+    for (const each of [this.controls.target, this.camera.position, this.sun.target.position, this.sun.position]) each.add(by);
+    this.looked?.box.translate(by);
+    this.controls.update();
+    this.redraw();
+  }
+
   private light(around: THREE.Sphere): void {
     const r = Math.max(around.radius, 0.3) * 1.3;
     this.sun.target.position.copy(around.center);

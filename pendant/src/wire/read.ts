@@ -46,7 +46,7 @@ export function readStatus(event: Json, client: number): Status {
     clients: num(event.clients, 1),
     program: readProgram(event.program),
     failure: text(event.failure),
-    bases: (event.bases ?? {}) as Status['bases'],
+    inactive: Array.isArray(event.inactive) ? (event.inactive as string[]) : [],
     jogged: Array.isArray(event.jogged) ? (event.jogged as string[]) : [],
   };
 }

@@ -48,7 +48,8 @@ export interface Status {
   clients: number;
   program: ProgramStatus | null;
   failure: string;
-  bases: Record<string, Pose>;
+  /** Hardware that is not active. */
+  inactive: string[];
   /** Robots that somebody moves by hand. */
   jogged: string[];
 }

@@ -1,7 +1,7 @@
 /** Going to joint values, a pose or a taught point: shown first, then gone to as long as the button is held. */
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { request as ask, robot, status } from '../../state/cell';
+import { request as ask, robot } from '../../state/cell';
 import { heldKey, pressFollow, release } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
@@ -143,7 +143,7 @@ function planTo(goal: Goal, line: boolean): { path: Vec3[]; joints: Record<strin
   const info = robot.peek()!;
   if (!arm) return { path: [], joints: null };
   const now = jointValues(info.name);
-  const base = status.peek()?.bases[info.name] ?? info.base;
+  const { base } = info;
   const inWorld = (at: Pose) => compose(base, at).p;
   const joints = 'joints' in goal ? goal.joints : arm.solveFor(compose(inverse(base), goal.pose), now);
   if (!joints) return { path: [], joints: null };
@@ -161,7 +161,7 @@ function planTo(goal: Goal, line: boolean): { path: Vec3[]; joints: Record<strin
 function requestOf(goal: Goal, joints: Record<string, number>, line: boolean): Json {
   const info = robot.peek()!;
   if (!line) return { joints: Object.fromEntries(info.joints.map((joint) => [joint.interface.slice(info.name.length + 1), joints[joint.name] ?? 0])) };
-  const base = status.peek()?.bases[info.name] ?? info.base;
+  const { base } = info;
   const pose = 'pose' in goal ? goal.pose : compose(base, chain.peek()!.solve((name) => joints[name] ?? 0).tcp);
   return { pose: { position: pose.p, orientation: pose.q }, frame: 'world' };
 }

@@ -9,11 +9,11 @@ import { inFrame, jointTitle, shownFrame, tcpPose } from './axes';
 
 /** What the keys do not show: the TCP while joints are moved, the joints while the TCP is. */
 export function Where() {
-  beat.value;
   return jogMode.value === 'joint' ? <Tcp /> : <Joints />;
 }
 
 function Tcp() {
+  beat.value;
   const frame = shownFrame();
   const at = inFrame(tcpPose(), frame.pose);
   const turned = rollPitchYaw(at.q);

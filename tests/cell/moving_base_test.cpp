@@ -1,0 +1,78 @@
+/// Where a base is that drives: by its odometry, from where the cell's file puts it.
+#include "polyarm/cell/moving_base.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "tests/support/jetbot_cell.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+using test::Folder;
+using test::LockStepCell;
+
+TEST(MovingBase, IsWhereItsWheelsHaveTakenItFromWhereTheCellPutsIt) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "drive 500mm\nturn 90deg\ndrive 200mm\n", "jetbot_body.urdf.xacro",
+                          "xyz: [1, 2, 0.1], rpy: [0, 0, 90deg]");
+  LockStepCell bench(read_cell_file(folder.path()));
+  const MovingBase& base = bench.cell().base(0);
+  ASSERT_TRUE(base.moves());
+  EXPECT_TRUE(base.on_wheels());
+  EXPECT_FALSE(base.in_physics());
+  EXPECT_EQ(base.odometry_name(), "odom");
+  EXPECT_EQ(base.base_name(), "base_link");
+  Pose at = base.pose(bench.cell().snapshot());
+  EXPECT_LT(norm(at.position - Vec3{1, 2, 0.1}), 1e-9) << "before it has driven";
+  while (!bench.cell().program()->ended() && bench.cell().now() < nanoseconds(60)) bench.tick();
+  ASSERT_TRUE(bench.cell().program()->ended());
+  bench.run(0.1);
+  at = base.pose(bench.cell().snapshot());
+  // Half a metre along y of the world, then to the left, along -x.
+  EXPECT_LT(norm(at.position - Vec3{0.8, 2.5, 0.1}), 0.01) << at.position.x << " " << at.position.y;
+  EXPECT_LT(angle_between(at.rotation, from_rpy(0, 0, std::numbers::pi)), 0.02);
+  const Pose by_frames = base.odometry_frame(bench.cell().snapshot()) * base.odometry();
+  EXPECT_LT(norm(by_frames.position - at.position), 1e-9) << "the odometry's frame leads to it, too";
+  // What its points mean goes with it.
+  EXPECT_LT(norm(bench.cell().robots()[0]->entry.base.position - Vec3{1, 2, 0.1}), 1e-12);
+}
+
+TEST(MovingBase, OdometryOfALinkThatIsFixedToTheRootPlacesTheRoot) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "turn 180deg\n", "jetbot_body.urdf.xacro");
+  LockStepCell bench(read_cell_file(folder.path()));
+  const MovingBase& base = bench.cell().base(0);
+  // The axle, base_link, lies 32 mm above base_footprint, which is the root.
+  EXPECT_NEAR(base.odometry_frame(bench.cell().snapshot()).position.z, 0.032, 1e-9);
+  while (!bench.cell().program()->ended() && bench.cell().now() < nanoseconds(60)) bench.tick();
+  EXPECT_NEAR(base.pose(bench.cell().snapshot()).position.z, 0, 1e-9);
+  EXPECT_NEAR(base.odometry().position.z, -0.032, 1e-9);
+}
+
+TEST(MovingBase, StaysWhereItIsWhenItsControllerIsUnloaded) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "drive 300mm\n");
+  LockStepCell bench(read_cell_file(folder.path()));
+  while (!bench.cell().program()->ended() && bench.cell().now() < nanoseconds(60)) bench.tick();
+  bench.run(0.1);
+  const Pose before = bench.cell().base(0).pose(bench.cell().snapshot());
+  EXPECT_NEAR(before.position.x, 0.3, 0.005);
+  bench.ask({{"request", "control.switch"}, {"deactivate", {"base"}}});
+  bench.run(0.1);
+  bench.cell().unload_controller("base");
+  bench.run(0.1);
+  EXPECT_EQ(bench.cell().base(0).pose(bench.cell().snapshot()), before);
+}
+
+TEST(MovingBase, OfAnArmIsFixed) {
+  LockStepCell bench(std::filesystem::path(POLYARM_SOURCE_DIR) / "examples/r6bot/r6bot.urdf", std::string());
+  EXPECT_FALSE(bench.cell().base(0).moves());
+  EXPECT_EQ(bench.cell().base(0).pose(bench.cell().snapshot()), bench.cell().robots()[0]->entry.base);
+}
+
+}  // namespace
+}  // namespace polyarm::cell
