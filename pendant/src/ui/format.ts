@@ -33,3 +33,20 @@ export function clockTime(seconds: number): string {
   const rest = (seconds % 60).toFixed(1).padStart(4, '0');
   return `${pad(seconds / 3600)}:${pad((seconds % 3600) / 60)}:${rest}`;
 }
+
+/** What a unit of the wire is shown in, and how many of that it is: mm for m, degrees for rad where those are chosen. */
+export function shownIn(unit: string): { unit: string; factor: number } {
+  const found = /^(rad|m)(\/s2?)?$/.exec(unit);
+  if (!found || (found[1] === 'rad' && !settings.degrees.value)) return { unit, factor: 1 };
+  const rate = (found[2] ?? '').replace('2', '²');
+  return found[1] === 'm' ? { unit: `mm${rate}`, factor: kMm } : { unit: `°${rate}`, factor: kDeg };
+}
+
+/** As few decimals as tell steps of so much apart. */
+export function decimalsOf(step: number): number {
+  for (let digits = 0; digits < 9; ++digits) {
+    const scaled = step * 10 ** digits;
+    if (Math.abs(scaled - Math.round(scaled)) < 1e-6 * Math.max(1, scaled)) return digits;
+  }
+  return 9;
+}

@@ -9,7 +9,7 @@ import { Button, Empty, Loading, Segmented } from '../../ui/controls';
 import { ChooseDialog } from './Choose';
 import { csv } from './history';
 import './plots.css';
-import { chosen, colourOf, history, isCommand, record, shown, titleOf, type Trace } from './traces';
+import { chosen, colourOf, history, isCommand, record, shown, sliceOf, titleOf, type Trace } from './traces';
 import type { Plot, View } from './draw';
 
 const seconds = kept<string>('plots.seconds', '15');
@@ -74,7 +74,7 @@ function shift(share: number): void {
 function exportCsv(): void {
   const { from, to } = view();
   const list = shown.peek();
-  const slice = history.slice(from, to, list.map((each) => each.name));
+  const slice = sliceOf(from, to, list);
   const url = URL.createObjectURL(new Blob([csv(slice, list.map(titleOf))], { type: 'text/csv' }));
   const link = document.createElement('a');
   link.href = url;
@@ -107,7 +107,7 @@ function Curves() {
 function Legend({ list, all }: { list: Trace[]; all: Trace[] }) {
   beat.value;
   const at = cursor.value ?? (still.value ? still.value.to : history.newest);
-  const slice = history.slice(at, at, list.map((each) => each.name));
+  const slice = sliceOf(at, at, list);
   const row = Math.max(0, slice.times.length - 1);
   return (
     <ul class="plots-legend">
@@ -135,7 +135,7 @@ function Curve({ unit, list, all }: { unit: string; list: Trace[]; all: Trace[] 
   const [box, setBox] = useState<HTMLDivElement | null>(null);
   const [ready, setReady] = useState(false);
   const dark = darkNow.value;
-  const key = list.map((each) => each.name).join('|') + all.length;
+  const key = `${unit} ${list.map((each) => each.name).join('|')}${all.length}`;
   useEffect(() => {
     if (!box) return;
     let plot: Plot | null = null;
@@ -155,7 +155,7 @@ function Curve({ unit, list, all }: { unit: string; list: Trace[]; all: Trace[] 
         const mark = `${now.from}/${now.to}/${history.newest > now.to ? '' : history.newest}`;
         if (mark === told || Number.isNaN(now.to)) return;
         told = mark;
-        plot?.show(history.slice(now.from, now.to, list.map((each) => each.name)), now);
+        plot?.show(sliceOf(now.from, now.to, list), now);
       }, kRedrawMs);
     });
     return () => {

@@ -3,11 +3,14 @@ import { computed } from '@preact/signals';
 import { robot, tags } from '../../state/cell';
 import { layout, onFrame } from '../../state/live';
 import { kept } from '../../state/settings';
-import { History } from './history';
+import { shownIn } from '../../ui/format';
+import { History, type Slice } from './history';
 
 export interface Trace {
   name: string;
+  /** That it is shown in, and how many of it one of the wire's is. */
   unit: string;
+  factor: number;
 }
 
 const kSeconds = 300;
@@ -27,8 +30,8 @@ const tagNames = computed(() =>
 );
 /** Everything there is: fields of frames, and tags that are numbers or yes and no. */
 export const traces = computed<Trace[]>(() => [
-  ...layout.value.fields.map(({ name, unit }) => ({ name, unit })),
-  ...tagNames.value.map((name) => ({ name: kTag + name, unit: '' })),
+  ...layout.value.fields.map(({ name, unit }) => ({ name, ...shownIn(unit) })),
+  ...tagNames.value.map((name) => ({ name: kTag + name, unit: '', factor: 1 })),
 ]);
 
 /** Those that are shown and exist; at first the first joint, measured and commanded. */
@@ -64,6 +67,12 @@ export function record(): void {
     const fields = layout.peek().fields.length;
     history.push(frame.time, (name, place) => (place < fields ? (frame.values[place] ?? NaN) : numberOf(now[name.slice(kTag.length)]?.value)));
   });
+}
+
+/** What was between two times, in the units that are shown. */
+export function sliceOf(from: number, to: number, list: Trace[]): Slice {
+  const { times, columns } = history.slice(from, to, list.map((each) => each.name));
+  return { times, columns: columns.map((column, i) => (list[i]!.factor === 1 ? column : column.map((value) => (value === null ? null : value * list[i]!.factor)))) };
 }
 
 export const titleOf = (trace: Trace) => (trace.unit ? `${trace.name} [${trace.unit}]` : trace.name);

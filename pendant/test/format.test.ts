@@ -1,0 +1,28 @@
+import { afterEach, describe, expect, it, vi } from 'vitest';
+vi.mock('../src/state/settings', () => ({ settings: { degrees: { value: true } } }));
+vi.mock('../src/i18n', () => ({ number: String }));
+import { settings } from '../src/state/settings';
+import { decimalsOf, shownIn } from '../src/ui/format';
+
+describe('units of curves', () => {
+  afterEach(() => (settings.degrees.value = true));
+  it('are those of the pages', () => {
+    expect(shownIn('m')).toEqual({ unit: 'mm', factor: 1000 });
+    expect(shownIn('m/s')).toEqual({ unit: 'mm/s', factor: 1000 });
+    expect(shownIn('rad/s2').unit).toBe('°/s²');
+    expect(shownIn('rad').factor).toBeCloseTo(180 / Math.PI);
+    expect(shownIn('Nm')).toEqual({ unit: 'Nm', factor: 1 });
+    expect(shownIn('')).toEqual({ unit: '', factor: 1 });
+  });
+  it('are radians where those are chosen', () => {
+    settings.degrees.value = false;
+    expect(shownIn('rad/s')).toEqual({ unit: 'rad/s', factor: 1 });
+    expect(shownIn('m').unit).toBe('mm');
+  });
+});
+
+describe('figures of an axis', () => {
+  it('have as many decimals as tell them apart', () => {
+    expect([1, 5, 0.5, 0.25, 0.1, 0.00025].map(decimalsOf)).toEqual([0, 0, 1, 2, 1, 5]);
+  });
+});
