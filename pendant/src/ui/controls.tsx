@@ -138,6 +138,15 @@ export function Toggle(props: { label: string; value: boolean; disabled?: boolea
   );
 }
 
+export function Search(props: { label: string; value: string; class?: string; onInput: (words: string) => void }) {
+  return (
+    <div class={`search ${props.class ?? ''}`}>
+      <Icon name="search" size={20} />
+      <input type="search" aria-label={props.label} placeholder={props.label} value={props.value} onInput={(e) => props.onInput(e.currentTarget.value)} />
+    </div>
+  );
+}
+
 interface FieldProps {
   label: string;
   value: string;

@@ -4,9 +4,8 @@ import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { cell, complain, fetchJson, mayMove } from '../../state/cell';
 import { open } from '../../ui/ask';
-import { Button, Empty, Field, Loading, Select } from '../../ui/controls';
+import { Button, Empty, Field, Loading, Search, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { Icon } from '../../ui/Icon';
 import { axesOf, type CatalogueEntry, fitting, kNoWish, makersOf, type Wish } from './robots';
 import { Picture, Working } from './Overview';
 import { restart, restarting } from './restart';
@@ -34,10 +33,7 @@ export function Catalogue({ onDone }: { onDone: () => void }) {
   return (
     <>
       <div class="cell-wish" role="search" aria-label={t('cell.search')}>
-        <div class="cell-search">
-          <Icon name="search" size={20} />
-          <input type="search" aria-label={t('cell.search')} placeholder={t('cell.search')} value={now.words} onInput={(e) => put({ words: e.currentTarget.value })} />
-        </div>
+        <Search class="cell-search" label={t('cell.search')} value={now.words} onInput={(words) => put({ words })} />
         <Select label={t('cell.maker')} value={now.maker} options={[{ id: '', name: t('cell.any') }, ...makersOf(list).map((id) => ({ id, name: makerName(id) }))]} onChange={(maker) => put({ maker })} />
         <Select label={t('cell.axes')} value={now.axes} options={[{ id: '', name: t('cell.any') }, ...axesOf(list).map((n) => ({ id: String(n), name: String(n) }))]} onChange={(axes) => put({ axes })} />
         <Field label={t('cell.reachLeast')} value={now.reach} unit="m" numeric problem={bad(now.reach)} onInput={(text) => put({ reach: text.replace(',', '.') })} />

@@ -61,7 +61,7 @@ export function Projects() {
         ) : list.length === 0 ? (
           <Empty icon="folder" text={t('cell.noProjects')} />
         ) : (
-          <ul class="cell-projects">
+          <ul class="entries">
             {list.map((each) => {
               const here = each.folder === cell.value?.folder;
               return (

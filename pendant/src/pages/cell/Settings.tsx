@@ -1,48 +1,18 @@
 /** How this screen looks and is called; nothing of it changes the cell. */
-import { languages, t } from '../../i18n';
-import { type Language, settings, type Theme } from '../../state/settings';
-import { Card, Field, Segmented, Select, Toggle } from '../../ui/controls';
+import { t } from '../../i18n';
+import { Looks, Screen } from '../../shell/ScreenSettings';
+import { settings } from '../../state/settings';
+import { Card, Toggle } from '../../ui/controls';
 
 export function SettingsTab() {
   return (
     <div class="cell-grid">
       <Card title={t('cell.screen')}>
-        <Field label={t('control.name')} value={settings.clientName.value} onChange={(name) => (settings.clientName.value = name.trim() || settings.clientName.value)} />
-        <Toggle label={t('menu.take')} value={settings.takeWhenFree.value} onChange={(on) => (settings.takeWhenFree.value = on)} />
+        <Screen />
         <Toggle label={t('cell.leftHanded')} value={settings.leftHanded.value} onChange={(on) => (settings.leftHanded.value = on)} />
       </Card>
       <Card title={t('cell.looks')}>
-        <Select
-          label={t('menu.language')}
-          value={settings.language.value}
-          options={[{ id: 'auto', name: t('menu.auto') }, ...languages]}
-          onChange={(id) => (settings.language.value = id as Language)}
-        />
-        <div class="labelled">
-          <span>{t('menu.theme')}</span>
-          <Segmented<Theme>
-            label={t('menu.theme')}
-            value={settings.theme.value}
-            options={[
-              { id: 'auto', name: t('menu.auto') },
-              { id: 'light', name: t('menu.light') },
-              { id: 'dark', name: t('menu.dark') },
-            ]}
-            onChange={(theme) => (settings.theme.value = theme)}
-          />
-        </div>
-        <div class="labelled">
-          <span>{t('menu.units')}</span>
-          <Segmented
-            label={t('menu.units')}
-            value={settings.degrees.value ? 'deg' : 'rad'}
-            options={[
-              { id: 'deg', name: t('menu.degrees') },
-              { id: 'rad', name: t('menu.radians') },
-            ]}
-            onChange={(unit) => (settings.degrees.value = unit === 'deg')}
-          />
-        </div>
+        <Looks />
       </Card>
     </div>
   );

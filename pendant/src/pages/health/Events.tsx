@@ -5,7 +5,7 @@ import { t, word } from '../../i18n';
 import { alarms, log } from '../../state/cell';
 import { kept } from '../../state/settings';
 import type { LogLine } from '../../wire/types';
-import { Button, Empty, Segmented } from '../../ui/controls';
+import { Button, Empty, Search, Segmented } from '../../ui/controls';
 import { clockTime } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 
@@ -84,10 +84,7 @@ export function LogList() {
   return (
     <>
       <div class="health-filter">
-        <div class="health-search">
-          <Icon name="search" size={20} />
-          <input type="search" aria-label={t('health.searchLog')} placeholder={t('health.searchLog')} value={words.value} onInput={(e) => (words.value = e.currentTarget.value)} />
-        </div>
+        <Search class="health-search" label={t('health.searchLog')} value={words.value} onInput={(text) => (words.value = text)} />
         <Segmented<Level>
           label={t('health.level')}
           value={level.value}

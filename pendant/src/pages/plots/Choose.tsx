@@ -2,9 +2,8 @@
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { cell } from '../../state/cell';
-import { Button, Empty } from '../../ui/controls';
+import { Button, Empty, Search } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { Icon } from '../../ui/Icon';
 import { chosen, kMostTraces, pairOf, shown, traces } from './traces';
 
 const kShownAtOnce = 80;
@@ -26,10 +25,7 @@ export function ChooseDialog({ onClose }: { onClose: () => void }) {
           ))}
         </div>
       </section>
-      <div class="plots-search">
-        <Icon name="search" size={20} />
-        <input type="search" aria-label={t('plots.search')} placeholder={t('plots.search')} value={words} onInput={(e) => setWords(e.currentTarget.value)} />
-      </div>
+      <Search label={t('plots.search')} value={words} onInput={setWords} />
       {full && <p class="note">{t('plots.full', { most: kMostTraces })}</p>}
       {found.length === 0 && <Empty icon="plots" text={t('plots.notFound')} />}
       <ul class="plots-all">

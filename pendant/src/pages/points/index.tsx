@@ -6,8 +6,7 @@ import { complain, mayMove, request } from '../../state/cell';
 import { followPoints, groupNames, loadPoints } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
-import { Button, Segmented, Select } from '../../ui/controls';
-import { Icon } from '../../ui/Icon';
+import { Button, Search, Segmented, Select } from '../../ui/controls';
 import { RobotView } from '../../view3d/RobotView';
 import { chosen, query, showGroup, shownGroup, shownKind } from './choice';
 import { Detail } from './Detail';
@@ -64,10 +63,7 @@ async function undo(): Promise<void> {
 function Bar() {
   return (
     <div class="points-bar">
-      <div class="points-search">
-        <Icon name="search" size={20} />
-        <input type="search" aria-label={t('points.search')} placeholder={t('points.search')} value={query.value} onInput={(e) => (query.value = e.currentTarget.value)} />
-      </div>
+      <Search class="points-search" label={t('points.search')} value={query.value} onInput={(text) => (query.value = text)} />
       <Segmented
         label={t('points.shown')}
         value={shownKind.value}

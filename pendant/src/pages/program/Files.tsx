@@ -37,7 +37,7 @@ export function FilesDialog({ onClose }: { onClose: () => void }) {
         ]}
         onChange={(id) => setAll(id === 'all')}
       />
-      <ul class="program-files">
+      <ul class="entries">
         {list.map((each) => (
           <li key={each.name}>
             <button

@@ -21,23 +21,8 @@ export interface Statement {
 const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'lock', 'test']);
 const kCloser = /^end[a-z]*$/;
 
-/** The part of a line before its comment, and the comment without its sign. Quotes and back-quotes hide a '#'. */
-export function splitComment(line: string): [string, string] {
-  let quote = '';
-  for (let i = 0; i < line.length; ++i) {
-    const c = line[i]!;
-    if (quote) {
-      if (c === '\\' && quote === '"') ++i;
-      else if (c === quote) quote = '';
-    } else if (c === '"' || c === '`') quote = c;
-    else if (c === '#') return [line.slice(0, i), line.slice(i + 1).trim()];
-  }
-  return [line, ''];
-}
-
-/** How many brackets the text leaves open, texts in quotes not looked at. */
-function openBrackets(text: string): number {
-  let open = 0;
+/** Where the text stands outside of quotes and back-quotes. */
+function* unquoted(text: string): Generator<number> {
   let quote = '';
   for (let i = 0; i < text.length; ++i) {
     const c = text[i]!;
@@ -45,9 +30,21 @@ function openBrackets(text: string): number {
       if (c === '\\' && quote === '"') ++i;
       else if (c === quote) quote = '';
     } else if (c === '"' || c === '`') quote = c;
-    else if ('([{'.includes(c)) ++open;
-    else if (')]}'.includes(c)) --open;
+    else yield i;
   }
+}
+const depth = (c: string) => ('([{'.includes(c) ? 1 : ')]}'.includes(c) ? -1 : 0);
+
+/** The part of a line before its comment, and the comment without its sign. Quotes hide a '#'. */
+export function splitComment(line: string): [string, string] {
+  for (const i of unquoted(line)) if (line[i] === '#') return [line.slice(0, i), line.slice(i + 1).trim()];
+  return [line, ''];
+}
+
+/** How many brackets the text leaves open, texts in quotes not looked at. */
+function openBrackets(text: string): number {
+  let open = 0;
+  for (const i of unquoted(text)) open += depth(text[i]!);
   return open;
 }
 
@@ -118,16 +115,10 @@ export interface Move {
 /** Where the text stands outside of brackets and quotes. */
 function* topLevel(text: string): Generator<number> {
   let open = 0;
-  let quote = '';
-  for (let i = 0; i < text.length; ++i) {
-    const c = text[i]!;
-    if (quote) {
-      if (c === '\\' && quote === '"') ++i;
-      else if (c === quote) quote = '';
-    } else if (c === '"' || c === '`') quote = c;
-    else if ('([{'.includes(c)) ++open;
-    else if (')]}'.includes(c)) --open;
-    else if (open === 0) yield i;
+  for (const i of unquoted(text)) {
+    const more = depth(text[i]!);
+    open += more;
+    if (more === 0 && open === 0) yield i;
   }
 }
 

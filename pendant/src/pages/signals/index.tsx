@@ -8,7 +8,7 @@ import { cellTime } from '../../state/live';
 import { kept } from '../../state/settings';
 import { followTags, forcedHere, links, setTag, tagInfos, type TagInfo, tagNow, tagsKnown } from '../../state/tags';
 import { open } from '../../ui/ask';
-import { Button, Card, Empty, Loading, Segmented } from '../../ui/controls';
+import { Button, Card, Empty, Loading, Search, Segmented } from '../../ui/controls';
 import { duration } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import './signals.css';
@@ -24,10 +24,7 @@ export default function Page() {
     <div class="signals-page">
       <WatchOnly />
       <div class="signals-bar">
-        <div class="signals-search">
-          <Icon name="search" size={20} />
-          <input type="search" aria-label={t('signals.search')} placeholder={t('signals.search')} value={query.value} onInput={(e) => (query.value = e.currentTarget.value)} />
-        </div>
+        <Search class="signals-search" label={t('signals.search')} value={query.value} onInput={(text) => (query.value = text)} />
         <Segmented<Which>
           label={t('signals.shown')}
           value={which.value}
