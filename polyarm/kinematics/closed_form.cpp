@@ -145,7 +145,7 @@ SixAxisForm form_of(const SixAxisClass& known, bool wary) {
   f.beside_6 = beside(f.h[5]);
   f.beside_1 = beside(f.h[0]);
   const double deviation = std::max(known.worst_gap / arm.size(), known.worst_angle);
-  f.least_sine = wary ? 1e-7 + 30 * deviation : 1e-10;
+  f.least_sine = wary ? 3e-5 + 30 * deviation : 1e-10;
   f.least_length = f.least_sine * arm.size();
   f.edge = known.exact() ? 0.0 : std::min(0.1, 1e-6 + (wary ? 100 : 4) * deviation);
   f.wary = wary && !known.exact();

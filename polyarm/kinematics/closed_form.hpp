@@ -98,11 +98,12 @@ struct BranchJob {
   const double* seed = nullptr;
   const LaneLimits* limits = nullptr;
   const double* near = nullptr;  ///< joint values that answers come near to by whole turns; set with limits
-  double beside_seed = 0;        ///< what is added to the seed's values for free angles
   /// Errors up to this are worked on, m and rad; 0: answers are only checked.
   double worth_polishing = 1e-3;
-  bool all_move = false;  ///< descent moves every axis of the arm, not only those of the form
-  int patience = 4;       ///< steps after which only small errors are worth more
+  bool all_move = false;       ///< descent moves every axis of the arm, not only those of the form
+  int patience = 4;            ///< steps after which only small errors are worth more
+  int most_steps = 30;         ///< of descent
+  double good_enough = 1e-11;  ///< errors smaller than this are not worked on, m and rad
 };
 
 /// What came out, axis after axis, for each branch. Angles are within a turn about zero, or of the turns

@@ -242,7 +242,7 @@ void InverseKinematics::Arm::find_fewer() {
                          n == 5 ? fmt::format("axis {}", still) : fmt::format("axes {}", still),
                          n == 5 ? "stands" : "stand", describe_known());
   }
-  if (formed() && n < 5) worth_polishing = 10;
+  if (formed()) worth_polishing = n < 5 ? 10 : 0.1;
 }
 
 /// Seven axes are six for each value of the one that is held; the one whose hold leaves a family whatever its

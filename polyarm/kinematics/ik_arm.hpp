@@ -34,6 +34,11 @@ struct Gathered {
   double nearest_size = 1e300;
   AxisValues seed{};
   bool beyond_limits = false;  ///< something exact was found outside of them
+  bool at_limit = false;       ///< what comes now has been put on limits
+  /// Branches that came close to the pose and are not exact.
+  std::array<AxisValues, 8> nearly;
+  std::size_t nearly_count = 0;
+  bool spread = false;  ///< where there is no more room, the one most like another goes
 
   const Candidate& best() const noexcept {
     std::size_t out = 0;
@@ -41,15 +46,23 @@ struct Gathered {
       if (all[k].distance2 < all[out].distance2) out = k;
     return all[out];
   }
+  void replace_most_alike(const Candidate& one) noexcept;
   void take(const Candidate& one) noexcept {
     if (count < all.size()) {
       all[count++] = one;
       return;
     }
     const auto further = [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; };
+    if (spread) return replace_most_alike(one);
     Candidate& furthest = *std::max_element(all.begin(), all.end(), further);
     if (one.distance2 < furthest.distance2) furthest = one;
   }
+};
+
+/// Joint states waiting for descent.
+struct WaitingStates {
+  Branches branches;
+  std::size_t count = 0;
 };
 
 struct InverseKinematics::Arm {
@@ -111,8 +124,19 @@ struct InverseKinematics::Arm {
              Gathered& out) const noexcept;
   void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,
+                   Gathered& out) const noexcept;
+  bool near_first_fold(const PoseTarget& target) const noexcept;
+  void along_families(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  void along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes, std::uint32_t branches_of_it,
+                    std::size_t before, Gathered& out) const noexcept;
+  void put_on_limits(const BranchJob& job, const AxisValues& state, std::size_t before,
+                     Gathered& out) const noexcept;
   void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void look_beside(const BranchJob& job, const AxisValues& at, bool solved, std::size_t since,
+                   Gathered& out) const noexcept;
+  bool same(const BranchJob& job, const AxisValues& a, const AxisValues& b, bool crowded) const noexcept;
   void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
   void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
 };

@@ -11,6 +11,9 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
+constexpr double kSameFamily = 0.3;     // rad: nearer than this may be
+constexpr std::size_t kCrowd = 16;      // solutions; where there are more, most are members of families
+constexpr double kNearly = 1e-3;        // m and rad
 
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
   double most = 0;
@@ -67,25 +70,25 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   Branches branches;
   job.form = &wary_form;
   solve_branches(job, branches);
-  sift(job, branches, before, out);
-  if (branches.free == 0) return;
+  if (branches.free == 0 && (known.exact() || !near_first_fold(job.target)))
+    return sift(job, branches, before, out);
+  // Of a family the member nearest to the seed stands for others that hardly differ: so it comes first.
   if (known.exact()) {
+    offer_alone(job, out.seed, out);
+    sift(job, branches, before, out);
     job.form = &strict_form;
     solve_branches(job, branches);
     return sift(job, branches, before, out);
   }
   job.patience = 14;
-  for (int quarter = 1; quarter < 4; ++quarter) {
-    job.beside_seed = quarter * kTurn / 4;
-    solve_branches(job, branches);
-    sift(job, branches, before, out);
-  }
-  job.beside_seed = 0;
+  around_seed(job, before, out);
+  sift(job, branches, before, out);
   job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
-  around_seed(job, before, out);
-  if (spare < 0) look_for_twins(job, before, out);
+  if (spare >= 0) return;
+  along_families(job, before, out);
+  look_for_twins(job, before, out);
 }
 
 /// All that the search along axis 4 ends in, and what descent finds around the seed.
@@ -95,9 +98,9 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   job.form = &strict_form;
   job.worth_polishing = 1;
   job.patience = 5;
+  around_seed(job, before, out);
   const std::size_t blocks = search_branches(job, found);
   for (std::size_t i = 0; i < blocks; ++i) sift(job, found[i], before, out);
-  around_seed(job, before, out);
   if (spare >= 0) return;
   if (general) return offer_roots(job, before, out);
   look_for_twins(job, before, out);
@@ -131,10 +134,12 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
 void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept {
   std::array<GeneralSix::State, GeneralSix::kMost> roots;
   std::array<AxisValues, GeneralSix::kMost> states;
+  job.worth_polishing = 1;
+  job.patience = 8;
+  if (algebraic()) around_seed(job, before, out);
   const std::size_t count = general->solve(job.target, roots);
   for (std::size_t k = 0; k < count; ++k) std::copy(roots[k].begin(), roots[k].end(), states[k].begin());
   offer(job, {states.data(), count}, before, out);
-  if (algebraic()) around_seed(job, before, out);
   look_for_twins(job, before, out);
 }
 
@@ -150,25 +155,27 @@ void InverseKinematics::Arm::around_seed(const BranchJob& job, std::size_t befor
   sift(job, branches, before, out);
 }
 
-/// Near a fold a solution has a twin on the other side of it, in the direction that hardly moves the tool.
-void InverseKinematics::Arm::look_for_twins(const BranchJob& job, std::size_t since,
-                                            Gathered& out) const noexcept {
-  constexpr double kNear = 0.02, kSteps[] = {3, 10, 40, 150};
-  Branches branches;
-  const std::size_t behind = out.count;
-  for (std::size_t c = since; c < behind; ++c) {
-    const AxisValues at = out.all[c].value;
-    AxisValues way{};
-    const double least = geometry.least_motion(at, way);
-    if (least > kNear) continue;
-    for (std::size_t k = 0; k < kBranches; ++k) {
-      const double step = std::clamp(kSteps[k / 2] * least, 1e-4, 0.4) * (k % 2 ? 1 : -1);
-      for (std::size_t i = 0; i < geometry.count; ++i) branches.value[i][k] = at[i] + step * way[i];
-    }
-    branches.free = 0;
-    polish_branches(job, branches);
-    sift(job, branches, since, out);
-  }
+/// Whether two solutions are one, or members of what is a family as far as tolerances go.
+bool InverseKinematics::Arm::same(const BranchJob& job, const AxisValues& a, const AxisValues& b,
+                                  bool crowded) const noexcept {
+  const double change = largest_change(a, b, geometry.count);
+  if (change < kSameSolution) return true;
+  if (change > kSameFamily) return false;
+  BranchJob between = job;
+  between.limits = nullptr;
+  between.worth_polishing = kNearly;
+  between.most_steps = crowded ? 3 : 0;
+  Branches middle;
+  for (std::size_t i = 0; i < geometry.count; ++i)
+    std::fill(middle.value[i], middle.value[i] + kBranches, 0.5 * (a[i] + b[i]));
+  polish_branches(between, middle);
+  if (middle.position_error2[0] > settings.position_tolerance * settings.position_tolerance ||
+      middle.orientation_error2[0] > settings.orientation_tolerance * settings.orientation_tolerance)
+    return false;
+  double moved = 0;
+  for (std::size_t i = 0; i < geometry.count; ++i)
+    moved = std::max(moved, std::abs(std::remainder(middle.value[i][0] - 0.5 * (a[i] + b[i]), kTurn)));
+  return moved < 0.1 * change;
 }
 
 /// Looks at what each branch offers. Candidates `since` that number are of the same question.
@@ -183,14 +190,20 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     one.orientation2 = branches.orientation_error2[k];
     one.exact = one.position2 <= position2 && one.orientation2 <= orientation2;
     const double size = one.position2 / (lanes.size * lanes.size) + one.orientation2;
-    if (!one.exact && !(size < 1.02 * out.nearest_size)) continue;
+    if (!one.exact && !(size < 1.02 * out.nearest_size) && !(size < kNearly * kNearly)) continue;
     const bool inside = (branches.inside >> k & 1u) != 0;
     out.beyond_limits |= one.exact && !inside;
-    if (!inside) continue;
     for (std::size_t i = 0; i < n; ++i) one.value[i] = branches.value[i][k];
+    if (!inside) {
+      if (one.exact && !out.at_limit) put_on_limits(job, one.value, since, out);
+      continue;
+    }
+    if (!one.exact && size < kNearly * kNearly && out.nearly_count < out.nearly.size())
+      out.nearly[out.nearly_count++] = one.value;
     one.distance2 = branches.distance2[k];
     one.singular = (branches.free >> k & 1u) != 0;
     if (!one.exact) {
+      if (!(size < 1.02 * out.nearest_size)) continue;
       // As good as the best so far: the one nearer to the seed.
       if (size > 0.98 * out.nearest_size && one.distance2 > out.nearest.distance2) continue;
       out.nearest = one;
@@ -198,8 +211,8 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
       continue;
     }
     bool known_already = false;
-    for (std::size_t j = since; j < out.count; ++j)
-      known_already |= largest_change(out.all[j].value, one.value, n) < kSameSolution;
+    for (std::size_t j = since; j < out.count && !known_already; ++j)
+      known_already = same(job, out.all[j].value, one.value, out.count > kCrowd);
     if (!known_already) out.take(one);
   }
 }
@@ -216,6 +229,7 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   job.limits = &limits;
   job.near = out.seed.data();
   job.worth_polishing = worth_polishing;
+  out.spread = spare < 0;
   if (formed() && spare < 0) solve_at(job, form, wary, out);
   if (formed() && spare >= 0) {
     AxisValues state;

@@ -12,8 +12,7 @@
 namespace POLYARM_LANES {
 
 inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
-inline constexpr int kMostPolish = 30;
-inline constexpr double kLargestTurn = 0.3;  // rad in one step of the polish
+inline constexpr double kLargestTurn = 0.3;   // rad in one step of the polish
 
 inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
 
@@ -156,9 +155,9 @@ POLYARM_INLINE Lane load(const double* from) {
 #endif
 
 /// Whether a branch is not exact, but near enough to become so.
-POLYARM_INLINE bool worth_more(Lane position, Lane orientation, double worth) {
+POLYARM_INLINE bool worth_more(Lane position, Lane orientation, double good_enough, double worth) {
   const Lane worst = most_of(position, orientation);
-  return bits_of(below(splat(kGoodEnough * kGoodEnough), worst) & below(worst, splat(worth * worth))) != 0;
+  return bits_of(below(splat(good_enough * good_enough), worst) & below(worst, splat(worth * worth))) != 0;
 }
 
 /// To the next whole number above; for |a| < 2^51.
@@ -216,7 +215,7 @@ POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const b
     store(position, out.position_error2);
     store(orientation, out.orientation_error2);
     if (i >= job.patience) worth = std::min(worth, 1e-4);
-    if (i == kMostPolish || !worth_more(position, orientation, worth)) break;
+    if (i == job.most_steps || !worth_more(position, orientation, job.good_enough, worth)) break;
     descend(*job.arm, moves, job.target, q);
   }
 }

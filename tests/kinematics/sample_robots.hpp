@@ -130,7 +130,8 @@ inline description::RobotModel robot_of_axes(const std::string& name, const std:
       model.actuated.push_back(static_cast<int>(i));
     }
     model.joints.push_back(joint);
-    model.links.push_back({last ? "tool0" : "link_" + std::to_string(i + 1), {}, {}, {}, static_cast<int>(i)});
+    model.links.push_back(
+        {last ? "tool0" : "link_" + std::to_string(i + 1), {}, {}, {}, static_cast<int>(i)});
   }
   return model;
 }

@@ -1,0 +1,260 @@
+// Arms that are not quite ideal, near poses at which the ideal arm has a family of answers: of the family the
+// true arm has a few members left, up to six or so, anywhere along it.
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/kinematics/ik_arm.hpp"
+
+namespace polyarm::kinematics {
+
+namespace {
+
+constexpr int kAround = 24;
+constexpr double kCell = kTurn / kAround;  ///< between values of a free axis
+constexpr double kNear = 1.2 * kCell;
+constexpr double kFollows = 0.1;  ///< rad
+constexpr int kRelaxing = 4;
+/// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
+constexpr double kParted = 12;
+constexpr double kWider = 30;        ///< the same where branches have come close and no further
+constexpr double kFold = 30;         ///< the same of a plane's distance
+constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
+constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
+
+/// Which of the form's axes are free in each branch, as bits: those that follow the seed wherever it is.
+using FreeAxes = std::array<std::uint32_t, kBranches>;
+
+void add(WaitingStates& waiting, const Branches& from, std::size_t k, std::size_t axes) {
+  for (std::size_t i = 0; i < axes; ++i) waiting.branches.value[i][waiting.count] = from.value[i][k];
+  ++waiting.count;
+}
+
+/// So many steps of descent, however large or small the error is.
+BranchJob whatever_the_error(BranchJob job, int steps) {
+  job.limits = nullptr;
+  job.worth_polishing = 1e3;
+  job.patience = steps;
+  job.good_enough = 0;
+  job.most_steps = steps;
+  return job;
+}
+
+double turned_apart(double a, double b) {
+  return std::abs(std::remainder(a - b, kTurn));
+}
+
+FreeAxes free_axes(BranchJob job, std::size_t axes) {
+  constexpr double kAside[] = {0.1, 0.8};
+  FreeAxes out;
+  out.fill(0x3fu);
+  AxisValues seed{};
+  for (const double aside : kAside) {
+    for (std::size_t i = 0; i < axes; ++i) seed[i] = job.seed[i] + aside;
+    job.seed = seed.data();
+    Branches found;
+    solve_branches(job, found);
+    for (std::size_t k = 0; k < kBranches; ++k)
+      for (int i = 0; i < 6; ++i) {
+        const int axis = job.to_arm[static_cast<std::size_t>(i)];
+        const bool follows =
+            (found.free >> k & 1u) != 0 && axis >= 0 &&
+            turned_apart(found.value[axis][k], seed[static_cast<std::size_t>(axis)]) < kFollows;
+        if (!follows) out[k] &= ~(1u << i);
+      }
+  }
+  return out;
+}
+
+}  // namespace
+
+/// Whether the wrist is about as far from axis 1 as the plane it moves in, so that both ways of axis 1 meet.
+/// That plane may be so close to the axis that what the true arm is off by is much of it.
+bool InverseKinematics::Arm::near_first_fold(const PoseTarget& target) const noexcept {
+  if (known.family != ArmFamily::wrist_2_parallel_3 && known.family != ArmFamily::parallel_234_5_meets_6)
+    return false;
+  Vec3 p = target.position + target.rotation * form.center_in_tool;
+  if (form.from_tool) p = transposed(target.rotation) * (form.center_in_tool - target.position);
+  p = p - form.first;
+  const Vec3 &h1 = form.h[0], &h2 = form.h[1];
+  const double along = dot(h1, h2), away = norm(cross(h1, p)) * std::sqrt(1 - along * along),
+               plane = std::abs(form.height - along * dot(h1, p));
+  return std::abs(away - plane) < kFold * (known.worst_gap + known.worst_angle * lanes.size);
+}
+
+/// Where solutions meet, joint values are known to half the digits, and what is on a limit may seem to be
+/// beyond it: the same with these axes on their limits, if the others can make up for it.
+void InverseKinematics::Arm::put_on_limits(const BranchJob& asked, const AxisValues& state,
+                                           std::size_t before, Gathered& out) const noexcept {
+  BranchJob job = asked;
+  Branches branches;
+  for (std::size_t i = 0; i < geometry.count; ++i) {
+    double value = state[i];
+    for (const double limit : {limits.lower[i], limits.upper[i]}) {
+      const double beyond = geometry.axes[i].slides ? value - limit : std::remainder(value - limit, kTurn);
+      if (!(std::abs(beyond) < kBeside) || (value >= limits.lower[i] && value <= limits.upper[i])) continue;
+      value = limit;
+      for (int& axis : job.to_arm)
+        if (axis == static_cast<int>(i)) axis = -1;
+    }
+    if (value < limits.lower[i] || value > limits.upper[i]) return;
+    for (std::size_t k = 0; k < kBranches; ++k) branches.value[i][k] = value;
+  }
+  job.all_move = false;
+  branches.free = 0;
+  polish_branches(job, branches);
+  out.at_limit = true;
+  sift(job, branches, before, out);
+  out.at_limit = false;
+}
+
+/// Of the two that are most alike the one further from the seed makes room.
+void Gathered::replace_most_alike(const Candidate& one) noexcept {
+  const auto apart = [](const Candidate& a, const Candidate& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 6; ++i) sum += (a.value[i] - b.value[i]) * (a.value[i] - b.value[i]);
+    return sum;
+  };
+  const auto at = [&](std::size_t k) -> const Candidate& { return k < count ? all[k] : one; };
+  double least = 1e300;
+  std::size_t goes = count;
+  for (std::size_t i = 0; i <= count; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double gap = apart(at(i), at(j));
+      if (!(gap < least)) continue;
+      least = gap;
+      goes = at(i).distance2 < at(j).distance2 ? j : i;
+    }
+  if (goes < count) all[goes] = one;
+}
+
+/// Descent from all that wait.
+void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& waiting, std::size_t before,
+                                         Gathered& out) const noexcept {
+  if (waiting.count == 0) return;
+  for (std::size_t k = waiting.count; k < kBranches; ++k)
+    for (std::size_t i = 0; i < geometry.count; ++i)
+      waiting.branches.value[i][k] = waiting.branches.value[i][0];
+  BranchJob job = asked;
+  job.good_enough = 1e-13;
+  waiting.branches.free = 0;
+  polish_branches(job, waiting.branches);
+  sift(job, waiting.branches, before, out);
+  waiting.count = 0;
+}
+
+/// Every kind of family that the ideal arm has here, with what is nearly singular for it counted in.
+void InverseKinematics::Arm::along_families(const BranchJob& asked, std::size_t before,
+                                            Gathered& out) const noexcept {
+  BranchJob job = asked;
+  SixAxisForm loose = wary;
+  loose.wary = false;
+  loose.edge = std::min(0.1, (out.nearly_count > 0 ? kWider : 1) * kParted *
+                                 std::max(known.worst_gap / lanes.size, known.worst_angle));
+  loose.edge_slope = std::sqrt(loose.edge / (1 - loose.edge));
+  loose.least_sine = std::max(loose.least_sine, 1.2 * std::sqrt(loose.edge));
+  job.form = &loose;
+  job.limits = nullptr;
+  job.worth_polishing = 0;
+  const FreeAxes free = free_axes(job, geometry.count);
+  for (std::size_t k = 0; k < kBranches; ++k) {
+    if (free[k] == 0 || std::find(free.begin(), free.begin() + k, free[k]) != free.begin() + k) continue;
+    std::uint32_t alike = 0;
+    for (std::size_t b = k; b < kBranches; ++b) alike |= free[b] == free[k] ? 1u << b : 0u;
+    along_family(job, asked, free[k], alike, before, out);
+  }
+}
+
+/// Free axes (up to two) are held at values all round while the others come as near to the pose as they can;
+/// where a step of all of them from there stays close, descent goes on to the end. `axes` of the form and
+/// `branches_of_it` are bits.
+void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes,
+                                          std::uint32_t branches_of_it, std::size_t before,
+                                          Gathered& out) const noexcept {
+  AxisValues seed{};
+  std::copy(job.seed, job.seed + geometry.count, seed.begin());
+  BranchJob stepping = whatever_the_error(job, 1), relaxing = whatever_the_error(job, kRelaxing);
+  std::array<std::size_t, 2> held{};
+  std::size_t dimensions = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    if ((axes >> i & 1u) == 0 || dimensions == held.size()) continue;
+    held[dimensions++] = static_cast<std::size_t>(job.to_arm[i]);
+    relaxing.to_arm[i] = -1;
+  }
+  WaitingStates waiting;
+  for (int cell = 0; cell < (dimensions == 2 ? kAround * kAround : kAround); ++cell) {
+    AxisValues at = seed;
+    at[held[0]] += cell % kAround * kCell;
+    if (dimensions == 2) at[held[1]] += cell / kAround * kCell;
+    job.seed = relaxing.seed = stepping.seed = at.data();
+    Branches branches;
+    solve_branches(job, branches);
+    branches.free = 0;
+    polish_branches(relaxing, branches);
+    const Branches relaxed = branches;
+    polish_branches(stepping, branches);
+    for (std::size_t b = 0; b < kBranches; ++b) {
+      bool near = (branches_of_it >> b & 1u) != 0;
+      for (std::size_t d = 0; d < dimensions; ++d)
+        near &= turned_apart(branches.value[held[d]][b], relaxed.value[held[d]][b]) < kNear;
+      if (!near) continue;
+      add(waiting, branches, b, geometry.count);
+      if (waiting.count == kBranches) descend_all(asked, waiting, before, out);
+    }
+  }
+  descend_all(asked, waiting, before, out);
+}
+
+/// Near a fold a solution has a twin on the other side of it; where folds meet it has more of them.
+void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
+                                            Gathered& out) const noexcept {
+  constexpr std::size_t kMostLookedAt = 24;
+  const std::size_t nearly = out.nearly_count;
+  for (std::size_t c = since; c < out.count && c < since + kMostLookedAt; ++c) {
+    const AxisValues at = out.all[c].value;
+    look_beside(asked, at, true, since, out);
+  }
+  for (std::size_t k = 0; k < nearly; ++k) look_beside(asked, out.nearly[k], false, since, out);
+}
+
+/// In the direction that hardly moves the tool: the axis that moves most that way is held at values on either
+/// side while the others come as near to the pose as they can; from where a step of all of them does not lead
+/// back to a solution (`solved`) at hand, descent goes on to the end.
+void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at, bool solved,
+                                         std::size_t since, Gathered& out) const noexcept {
+  constexpr double kFar = 0.02, kSteps[] = {3, 10, 40, 150}, kWide[] = {0.03, 0.08, 0.16, 0.35};
+  const std::size_t n = geometry.count;
+  AxisValues way{};
+  const double least = geometry.least_motion(at, way);
+  if (least > kFar) return;
+  std::size_t held = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::abs(way[i]) > std::abs(way[held])) held = i;
+  const BranchJob stepping = whatever_the_error(asked, 1);
+  BranchJob relaxing = whatever_the_error(asked, kRelaxing);
+  for (int& axis : relaxing.to_arm)
+    if (axis == static_cast<int>(held)) axis = -1;
+  relaxing.all_move = false;
+  WaitingStates waiting;
+  for (const bool wide : {false, true}) {
+    Branches branches;
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      const double size = wide ? kWide[k / 2] : std::clamp(kSteps[k / 2] * least, 1e-4, 0.4);
+      const double step = k % 2 ? size : -size;
+      for (std::size_t i = 0; i < n; ++i) branches.value[i][k] = at[i] + step * way[i];
+    }
+    branches.free = 0;
+    polish_branches(relaxing, branches);
+    const Branches relaxed = branches;
+    polish_branches(stepping, branches);
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      const double there = std::remainder(relaxed.value[held][k] - at[held], kTurn),
+                   next = std::remainder(branches.value[held][k] - at[held], kTurn);
+      if (std::abs(next / there) > 2 || (solved && next / there < kLeadsBack)) continue;
+      add(waiting, branches, k, n);
+      if (waiting.count == kBranches) descend_all(asked, waiting, since, out);
+    }
+  }
+  descend_all(asked, waiting, since, out);
+}
+
+}  // namespace polyarm::kinematics
