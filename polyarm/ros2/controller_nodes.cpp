@@ -51,12 +51,16 @@ class OutputTopic {
       publisher_ = bridge.wire().publisher(node, topic, *info_, {true, false, transform ? 100u : 10u});
   }
 
-  void look() { wanted_ = info_ && bridge_.wire().wanted(publisher_); }
+  /// Who comes to listen is told nothing of what was before: it may be old, or never have been filled.
+  void look() {
+    const bool before = std::exchange(wanted_, info_ && bridge_.wire().wanted(publisher_));
+    if (wanted_ && !before) seen_ = std::max(seen_, bridge_.cell().now());
+  }
   void serve(const controllers::Controller& controller) {
     Output* output = wanted_ ? controller.find_output(port_) : nullptr;
     if (!output || !bridge_.tells()) return;
     output->fetch();
-    if (output->value().time == seen_) return;
+    if (output->value().time <= seen_) return;
     seen_ = output->value().time;
     bridge_.wire().publish(publisher_,
                            type_ == "sensor_msgs/JointState" ? joint_states(*output) : any(*output));
@@ -66,6 +70,9 @@ class OutputTopic {
   std::vector<std::byte> any(const Output& output) const {
     Json message = Json::parse(ros_files::message_json(output));
     bridge_.to_ros(message);
+    // Interfaces of the only robot are named as its files name them.
+    if (type_ == "control_msgs/DynamicJointState")
+      for (Json& name : message["joint_names"]) name = bridge_.interface_name(name.get<std::string>());
     return messages::from_json(*info_, in_ros_shape(type_, std::move(message)));
   }
 

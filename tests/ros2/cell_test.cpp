@@ -133,6 +133,20 @@ TEST_F(Ros2Cell, SwitchesControllersAsTheToolsDo) {
   EXPECT_EQ(call("/forward/get_state", "lifecycle_msgs/srv/GetState")["current_state"]["label"], "active");
 }
 
+TEST_F(Ros2Cell, WhoBeginsToListenIsToldNothingOld) {
+  // Nobody has asked for these before: they are filled from now on.
+  const auto states = client_->listen("/dynamic_joint_states", "control_msgs/DynamicJointState");
+  ASSERT_TRUE(wait([&] { return states->heard(); }));
+  const json first = states->since(0).front();
+  EXPECT_EQ(first["joint_names"][0], "shoulder_pan_joint") << "as joint_states call it";
+  const std::int64_t age = std::time(nullptr) - first["header"]["stamp"]["sec"].get<std::int64_t>();
+  EXPECT_LE(std::abs(age), 1);
+  double most = 0;
+  for (const json& joint : first["interface_values"])
+    for (const json& value : joint["values"]) most = std::max(most, std::abs(value.get<double>()));
+  EXPECT_GT(most, 0.1) << "a UR5e does not stand at zero";
+}
+
 TEST_F(Ros2Cell, ListsHardwareAndInterfacesByTheNamesOfItsFiles) {
   const json components = call("/controller_manager/list_hardware_components",
                                "controller_manager_msgs/srv/ListHardwareComponents")["component"];
