@@ -14,6 +14,8 @@ namespace polyarm::ros2 {
 
 namespace {
 
+using hardware::LifecycleState;
+
 /// How often it is looked whether a state has changed.
 constexpr Nanoseconds kLookForChanges = 20'000'000;
 const std::string kTypes = "controller_manager_msgs/srv/";
@@ -208,7 +210,7 @@ class ManagerNode : public Part {
     Json active = Json::array();
     const auto names = std::make_shared<std::vector<std::string>>();
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list()) {
-      if (c.state == hardware::LifecycleState::active) active.push_back(c.name);
+      if (c.state == LifecycleState::active) active.push_back(c.name);
       names->push_back(c.name);
     }
     if (active.empty()) return unload_all(names, reply);
@@ -235,7 +237,7 @@ class ManagerNode : public Part {
   /// What is configured already stays so; what is active is not taken out of it.
   void configure(const std::string& name, const Reply& reply) {
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
-      if (c.name == name && c.state == hardware::LifecycleState::active) return reply({{"ok", false}});
+      if (c.name == name && c.state == LifecycleState::active) return reply({{"ok", false}});
     bridge_.ask({{"request", "control.state"}, {"name", name}, {"state", "inactive"}},
                 [this, name, reply](const Json& answer) {
                   const bool ok = answer.value("ok", false);
@@ -260,20 +262,36 @@ class ManagerNode : public Part {
     const Json off = either(asked, "deactivate_controllers", "stop_controllers");
     if (on.empty() && off.empty()) return reply({{"ok", true}, {"message", "nothing is to be changed"}});
     const int strictness = asked["strictness"];
-    const char* word = strictness == Request::BEST_EFFORT  ? "best_effort"
-                       : strictness == Request::AUTO       ? "auto"
-                       : strictness == Request::FORCE_AUTO ? "force"
-                                                           : "strict";
+    const char* word = strictness == 0                      ? unsaid_strictness()
+                       : strictness == Request::BEST_EFFORT ? "best_effort"
+                       : strictness == Request::AUTO        ? "auto"
+                       : strictness == Request::FORCE_AUTO  ? "force"
+                                                            : "strict";
     bridge_.ask({{"request", "control.switch"}, {"activate", on}, {"deactivate", off}, {"strictness", word}},
-                [reply](const Json& answer) {
-                  const Json result = answer.value("result", Json::object());
-                  const bool done = answer.value("ok", false) && result.value("ok", false);
-                  const std::string why =
-                      answer.value("ok", false)
-                          ? result.value("reason", std::string())
-                          : answer.value("error", Json::object()).value("what", std::string("refused"));
-                  reply({{"ok", done}, {"message", done ? "" : why}});
-                });
+                [this, on, reply](const Json& answer) { reply(switched(on, answer)); });
+  }
+
+  /// What is left out with best effort is told, too: who could be active and is not has not been switched.
+  Json switched(const Json& on, const Json& answer) const {
+    if (!answer.value("ok", false))
+      return {{"ok", false},
+              {"message", answer.value("error", Json::object()).value("what", std::string("refused"))}};
+    const Json result = answer.value("result", Json::object());
+    if (!result.value("ok", false))
+      return {{"ok", false}, {"message", result.value("reason", std::string())}};
+    std::string left_out;
+    for (const Json& why : result.value("left_out", Json::array()))
+      left_out += (left_out.empty() ? "" : "; ") + why.get<std::string>();
+    bool all = true;
+    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+      all =
+          all && (c.state != LifecycleState::inactive || std::find(on.begin(), on.end(), c.name) == on.end());
+    return {{"ok", all}, {"message", left_out.empty() ? "the controllers are switched" : left_out}};
+  }
+
+  /// Of a request that states none, as the distribution has it.
+  const char* unsaid_strictness() const {
+    return bridge_.wire().distribution() == messages::Distribution::kilted ? "strict" : "best_effort";
   }
 
   static Json json_of(const Yaml& yaml) {

@@ -200,6 +200,7 @@ class Wire::Work {
     return statistics_;
   }
   const Participant& participant() const { return participant_; }
+  messages::Distribution distribution() const { return distribution_; }
 
   realtime::BellRope rope;
 
@@ -517,6 +518,9 @@ WireStatistics Wire::statistics() const {
 }
 const Participant& Wire::participant() const {
   return work_->participant();
+}
+messages::Distribution Wire::distribution() const {
+  return work_->distribution();
 }
 
 }  // namespace polyarm::ros2

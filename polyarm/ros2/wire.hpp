@@ -80,6 +80,7 @@ class Wire {
 
   WireStatistics statistics() const;
   const Participant& participant() const;
+  messages::Distribution distribution() const;
 
  private:
   class Work;

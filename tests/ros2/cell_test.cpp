@@ -133,6 +133,23 @@ TEST_F(Ros2Cell, SwitchesControllersAsTheToolsDo) {
   EXPECT_EQ(call("/forward/get_state", "lifecycle_msgs/srv/GetState")["current_state"]["label"], "active");
 }
 
+TEST_F(Ros2Cell, ASwitchThatStatesNoStrictnessLeavesOutWhatCannotBeAndSaysSo) {
+  const auto change = [&](const json& on, const json& off) {
+    return call("/controller_manager/switch_controller", "controller_manager_msgs/srv/SwitchController",
+                {{"activate_controllers", on}, {"deactivate_controllers", off}});
+  };
+  const json taken = change({"forward"}, json::array());
+  EXPECT_FALSE(taken["ok"].get<bool>()) << "its joints are held by another";
+  EXPECT_NE(taken["message"].get<std::string>().find("arm_controller"), std::string::npos) << taken;
+  EXPECT_EQ(states()["forward"], "inactive");
+  const json twice = change({"arm_controller"}, {"forward"});
+  EXPECT_TRUE(twice["ok"].get<bool>()) << "both are so already: " << twice;
+  const json done = change({"forward", "nothing"}, {"arm_controller"});
+  EXPECT_TRUE(done["ok"].get<bool>()) << done;
+  EXPECT_EQ(states()["forward"], "active");
+  EXPECT_NE(change({"arm_controller"}, {"forward"})["message"], "") << "a switch that is done says so";
+}
+
 TEST_F(Ros2Cell, WhoBeginsToListenIsToldNothingOld) {
   // Nobody has asked for these before: they are filled from now on.
   const auto states = client_->listen("/dynamic_joint_states", "control_msgs/DynamicJointState");
