@@ -204,6 +204,8 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
       values.erase(time);
     }
     if (values.empty()) return done("");
+    for (const auto& [name, value] : values.items())
+      if (value.is_null()) return done("the parameter '" + name + "' has a type, and is not taken away");
     if (!bridge_.wire().wanted(events_)) return source_.set(values, done);
     listed([self = shared_from_this(), values, done](const Json& before) {
       self->source_.set(values, [self, values, before, done](const std::string& refusal) {

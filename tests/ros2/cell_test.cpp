@@ -198,6 +198,9 @@ TEST_F(Ros2Cell, HasParametersThatCanBeListedReadAndSet) {
   const json refused = set("joints", {{"type", 9}, {"string_array_value", {"a"}}});
   EXPECT_FALSE(refused["successful"].get<bool>());
   EXPECT_NE(refused["reason"], "");
+  const json taken_away = set("constraints.goal_time", {{"type", 0}});
+  EXPECT_FALSE(taken_away["successful"].get<bool>());
+  EXPECT_NE(taken_away["reason"].get<std::string>().find("not taken away"), std::string::npos) << taken_away;
   EXPECT_TRUE(call("/arm_controller/describe_parameters", types + "DescribeParameters",
                    {{"names", {"joints"}}})["descriptors"][0]["read_only"]
                   .get<bool>());
