@@ -114,7 +114,8 @@ class Cell {
   /// Begins the program `name` (a script or a script-information file; empty: the cell's own), read anew from
   /// its files. Throws Error while another one runs or robots move, and with what is wrong with it.
   void begin_program(const std::string& name, const Location& where);
-  /// The same, and it stands paused in front of `line` of its file, whatever ran before.
+  /// The same, and it stands paused in front of `line` of its file (0: of its first statement), whatever ran
+  /// before.
   program::StartReport prepare_program(const std::string& name, int line);
   /// Puts this program in the place of the one there is, which has not begun or has ended; the cell goes on
   /// when it ends. It begins when let_begin() says so. Throws Error where nothing can be moved.

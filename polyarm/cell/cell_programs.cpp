@@ -116,9 +116,11 @@ program::StartReport Cell::prepare_program(const std::string& name, int line) {
   std::unique_ptr<ProgramMoves> moves = std::move(moves_);
   try {
     begin_program(name, {});
-    program::StartReport report = program_->interpreter().start_at(line);
+    program::StartReport report;
+    if (line > 0) report = program_->interpreter().start_at(line);
     program_->interpreter().pause_here();
     program_->refresh();
+    if (line <= 0) report.where = program_->status().where;
     return report;
   } catch (const Error&) {  // the one before stays as it was, at its end
     program_ = std::move(before);

@@ -69,6 +69,7 @@ void DataFiles::post(const std::shared_ptr<Load>& load) {
   worker_.post([this, load] {
     try {
       load->files = folder_.load(load->name, load->where);
+      load->own = folder_.original(load->name, load->where);
     } catch (const Error& e) {
       load->error = e;
     }
@@ -92,14 +93,16 @@ std::filesystem::path DataFiles::load_now(const std::string& name, const Locatio
   Load load;
   load.name = name;
   load.files = folder_.load(name, where);
+  load.own = folder_.original(name, where);
   adopt(load);
   return load.files.script;
 }
 
-void DataFiles::bind(const data::ImportFile& file, const std::string& who) {
+void DataFiles::bind(const data::ImportFile& file, const data::DataSet& own, const std::string& who) {
   const std::string set = set_for(file, files_);
   Bound& bound = files_[set];
   bound.file = file;
+  if (!bound.origin) bound.origin = own;
   const bool live = folder_.is_live(stem_of(file));
   if ((live || !lock_step_) && (!bound.box || bound.box->path() != file.file())) {
     signals::MailboxOptions options;
@@ -110,8 +113,12 @@ void DataFiles::bind(const data::ImportFile& file, const std::string& who) {
 }
 
 void DataFiles::adopt(Load& load) {
-  bind(load.files.data, "load " + load.name);
-  for (const data::ImportFile& points : load.files.points) bind(points, "load " + load.name);
+  bind(load.files.data, load.own.data.values(), "load " + load.name);
+  for (const data::ImportFile& points : load.files.points) {
+    const auto same = [&](const data::ImportFile& each) { return name_of(each) == name_of(points); };
+    const auto own = std::find_if(load.own.points.begin(), load.own.points.end(), same);
+    bind(points, own == load.own.points.end() ? points.values() : own->values(), "load " + load.name);
+  }
 }
 
 std::vector<std::string> DataFiles::sets() const {
@@ -124,6 +131,17 @@ std::filesystem::path DataFiles::file_of(const std::string& set) const {
   const auto found = files_.find(set);
   if (found == files_.end()) throw Error("unknown-set", "there is no data set '" + set + "'");
   return found->second.file.file();
+}
+
+data::DataSet& DataFiles::origin(const std::string& set) {
+  const auto found = files_.find(set);
+  if (found == files_.end()) throw Error("unknown-set", "there is no data set '" + set + "'");
+  return *found->second.origin;
+}
+
+bool DataFiles::is_live(const std::string& set) const {
+  const auto found = files_.find(set);
+  return found != files_.end() && folder_.is_live(stem_of(found->second.file));
 }
 
 void DataFiles::put(const std::string& set, const std::string& name, const data::Value& value,
@@ -142,7 +160,10 @@ void DataFiles::remove(const std::string& set, const std::string& name) {
   exchange(written_);  // what waits to be written stays
   data::DataSet left;
   for (const std::string& each : store_.names())
-    if (each != name && store_.set_of(each) == set) left.set(each, *store_.find(each));
+    if (each != name && store_.set_of(each) == set) {
+      left.set(each, *store_.find(each));
+      left.set_group(each, store_.group_of(each));
+    }
   store_.load(set, left, "a person");
   Bound& bound = found->second;
   if (bound.file.values().find(name)) bound.file = data::without(bound.file, name);
@@ -192,6 +213,7 @@ void DataFiles::take_from(const std::string& set, signals::FileMailbox& box) {
     std::erase_if(event.values,
                   [&](const auto& value) { return refuses(box.path(), value.first, value.second); });
     if (event.kind == signals::MailboxEvent::Kind::changed) store_.take_outside(set, event.values, "outside");
+    for (const auto& [name, group] : event.groups) store_.set_group(name, group);
     for (Problem& problem : event.problems) {
       problem.severity = Severity::warning;
       warnings_.push_back(std::move(problem));

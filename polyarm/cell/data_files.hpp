@@ -41,6 +41,11 @@ class DataFiles {
   void remove(const std::string& set, const std::string& name);
   /// The name is in the group (an empty text: in none) in the store and in the file that the set is kept in.
   void set_group(const std::string& set, const std::string& name, const std::string& group);
+  /// The set as the user's own file had it when the run last took it from there: at its first sight, and what
+  /// requests have changed in it since. Throws Error("unknown-set").
+  data::DataSet& origin(const std::string& set);
+  /// Is the set bound to the user's own file?
+  bool is_live(const std::string& set) const;
   /// True when a data set is bound to its own file, which somebody outside may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 
@@ -60,7 +65,7 @@ class DataFiles {
 
  private:
   struct Load {
-    data::LoadedFiles files;
+    data::LoadedFiles files, own;  ///< the copies, and the user's own
     std::optional<Error> error;
     std::string name;
     Location where;
@@ -71,10 +76,11 @@ class DataFiles {
   /// One data file and how it is kept up to date.
   struct Bound {
     data::ImportFile file;                      ///< lock-step: as it is to be written
+    std::optional<data::DataSet> origin{};      ///< as the user's own file has it
     std::unique_ptr<signals::FileMailbox> box;  ///< else
   };
   void adopt(Load& load);
-  void bind(const data::ImportFile& file, const std::string& who);
+  void bind(const data::ImportFile& file, const data::DataSet& own, const std::string& who);
   void post(const std::shared_ptr<Load>& load);
   bool caught_up(const Load& load) const;
   bool refuses(const std::string& file, const std::string& name, const data::Value& value);

@@ -85,7 +85,57 @@ std::filesystem::path own_file(Cell& cell, const std::string& set) {
   return cell.file().folder / cell.files().file_of(set).filename();
 }
 
+namespace {
+bool same_entry(const data::Entry* a, const data::Entry* b) {
+  return a && b ? a->value == b->value && a->group == b->group : a == b;
+}
+
+/// Has the run the name in this set as `entry` has it?
+bool run_has(Cell& cell, const std::string& set, const data::Entry& entry) {
+  const data::Value* value = cell.store().find(entry.name);
+  return value && cell.store().set_of(entry.name) == set && *value == entry.value &&
+         cell.store().group_of(entry.name) == entry.group;
+}
+}  // namespace
+
+Outside outside_changes(Cell& cell, const std::string& set, const data::DataSet& now) {
+  Outside out;
+  const data::DataSet& origin = cell.files().origin(set);
+  for (const data::Entry& entry : now.entries()) {
+    const data::Entry* before = origin.find(entry.name);
+    if (!same_entry(before, &entry) && !run_has(cell, set, entry))
+      (before ? out.changed : out.added).push_back(entry.name);
+  }
+  for (const data::Entry& entry : origin.entries())
+    if (!now.find(entry.name) && cell.store().set_of(entry.name) == set) out.removed.push_back(entry.name);
+  return out;
+}
+
+void take_outside_changes(Cell& cell, const std::string& set, const data::DataSet& now) {
+  const Outside found = outside_changes(cell, set, now);
+  for (const std::string& name : found.removed) cell.files().remove(set, name);
+  for (const auto* names : {&found.changed, &found.added})
+    for (const std::string& name : *names) {
+      const data::Entry& entry = *now.find(name);
+      cell.files().put(set, name, entry.value, "outside");
+      cell.files().set_group(set, name, entry.group);
+    }
+  cell.files().origin(set) = now;
+}
+
 void adopt(Cell& cell, const std::string& set, const Edited& edited) {
+  // What the edit did is known from now on; what others have done to the file before it is not.
+  data::DataSet origin;
+  const data::DataSet& known = cell.files().origin(set);
+  const auto keep = [&origin](const data::Entry& entry) {
+    origin.set(entry.name, entry.value, entry.where);
+    origin.set_group(entry.name, entry.group);
+  };
+  for (const data::Entry& entry : known.entries())
+    if (!edited.before.find(entry.name) || edited.after.find(entry.name)) keep(entry);
+  for (const data::Entry& entry : edited.after.entries())
+    if (!same_entry(edited.before.find(entry.name), &entry)) keep(entry);
+  cell.files().origin(set) = std::move(origin);
   for (const data::Entry& entry : edited.before.entries())
     if (!edited.after.find(entry.name)) cell.files().remove(set, entry.name);
   for (const data::Entry& entry : edited.after.entries()) {

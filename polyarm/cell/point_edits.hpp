@@ -43,6 +43,15 @@ struct Edited {
   data::DataSet before, after;
   std::string what;  ///< was taken back
 };
+/// What somebody outside has changed in the user's own file of a set since the run took it from there, as far
+/// as the run has it otherwise: by name. `now`: that file's values.
+struct Outside {
+  std::vector<std::string> changed, added, removed;
+  bool any() const { return !changed.empty() || !added.empty() || !removed.empty(); }
+};
+Outside outside_changes(Cell& cell, const std::string& set, const data::DataSet& now);
+/// Takes all of that over.
+void take_outside_changes(Cell& cell, const std::string& set, const data::DataSet& now);
 /// Takes over into the running cell what has changed in a set's file.
 void adopt(Cell& cell, const std::string& set, const Edited& edited);
 /// Changes a set's file on the worker, then the running cell; `answer` makes the answer on the cell thread.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "polyarm/base/file.hpp"
@@ -277,9 +278,52 @@ Poll points_undo(Cell& cell, const Json& arguments) {
       });
 }
 
+/// The user's own files that the run has copies of, as they are now; what cannot be read is left out.
+std::map<std::string, data::DataSet> own_files(const std::map<std::string, fs::path>& paths) {
+  std::map<std::string, data::DataSet> out;
+  for (const auto& [set, path] : paths) {
+    Problems problems;
+    collect(problems, [&, &set = set, &path = path] { out[set] = ImportFile::load(path.string()).values(); });
+  }
+  return out;
+}
+
+std::map<std::string, fs::path> copied_sets(Cell& cell) {
+  std::map<std::string, fs::path> out;
+  for (const std::string& set : cell.files().sets())
+    if (!cell.files().is_live(set)) out[set] = own_file(cell, set);
+  return out;
+}
+
+Poll outside(Cell& cell, bool take) {
+  return later<std::map<std::string, data::DataSet>>(
+      cell, [paths = copied_sets(cell)] { return own_files(paths); },
+      [take](Cell& c, std::map<std::string, data::DataSet>& found) {
+        Json out = Json::array();
+        for (const auto& [set, now] : found) {
+          const Outside outside = outside_changes(c, set, now);
+          if (!outside.any()) continue;
+          out.push_back({{"file", file_name(c, set)},
+                         {"changed", outside.changed},
+                         {"added", outside.added},
+                         {"removed", outside.removed}});
+          if (take) take_outside_changes(c, set, now);
+        }
+        return Json{{"files", out}};
+      });
+}
+
+Poll points_outside(Cell& cell, const Json&) {
+  return outside(cell, false);
+}
+Poll points_take(Cell& cell, const Json&) {
+  return outside(cell, true);
+}
+
 }  // namespace
 
 const std::vector<RequestRow>& point_rows() {
+  constexpr const char* kOutside = "{files: [{file, changed, added, removed}]}";
   static const std::vector<RequestRow> table = {
       {{"points",
         {},
@@ -335,6 +379,13 @@ const std::vector<RequestRow>& point_rows() {
        points_rename},
       {{"points.delete", kName, "{name, undo}", "a point goes; points.undo brings it back", true},
        points_delete},
+      {{"points.outside",
+        {},
+        kOutside,
+        "what somebody has written into the user's data files since the run took its copies of them, by name",
+        false},
+       points_outside},
+      {{"points.take", {}, kOutside, "the run takes that over", true}, points_take},
       {{"points.history",
         {{"file", kText}},
         "[{number, when, what}]",

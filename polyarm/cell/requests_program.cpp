@@ -231,7 +231,7 @@ Poll program_break(Cell& cell, const Json& arguments) {
 }
 
 Poll program_from(Cell& cell, const Json& arguments) {
-  const double line = number_argument(arguments, "line", 1);
+  const double line = number_argument(arguments, "line", 0);
   const Task* const task = cell.program();
   if (task && cell.program_begun() && !task->ended() && !task->interpreter().paused())
     throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");
@@ -304,9 +304,9 @@ const std::vector<RequestRow>& program_rows() {
       {{"program.from",
         {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}},
         "{where, source, robot, tool, frame, last_point, sets, reads, variables, held, next}",
-        "a program that has ended or is paused begins anew at `line` (1), read from its file: told is what "
-        "it takes for "
-        "given; it waits for program.go unless `confirmed`",
+        "a program that has ended or is paused begins anew at `line` (its first), read from its file: told "
+        "is "
+        "what it takes for given; it waits for program.go unless `confirmed`",
         true},
        program_from},
       {{"program.stop",

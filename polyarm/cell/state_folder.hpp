@@ -19,6 +19,10 @@ class StateFolder {
 
   /// The data file called `name` as it is now, with its points; copied into the folder at first sight.
   data::LoadedFiles load(const std::string& name, const Location& where) const;
+  /// The same as the user has it now. Throws as load().
+  data::LoadedFiles original(const std::string& name, const Location& where) const {
+    return data::load_files(name, folder_, where);
+  }
   /// Replaces the copies of what `name` names by the files as the user has them now. Throws as load().
   void renew(const std::string& name, const Location& where) const;
   /// Where the set called `name` is read and written.

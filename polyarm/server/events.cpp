@@ -64,6 +64,11 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
     bases[cell.robots()[i]->entry.name] = rounded(cell.base(i).pose(seen));
     if (cell.jogging().engaged(i)) jogged.push_back(cell.robots()[i]->entry.name);
   }
+  Json inactive = Json::array();
+  const hardware::Hardware& hardware = cell.loop().hardware();
+  for (std::size_t i = 0; i < hardware.size(); ++i)
+    if (hardware.commands_of(i).second > 0 && hardware.state_of(i) != hardware::LifecycleState::active)
+      inactive.push_back(hardware.component_name(i));
   return {{"event", "status"},
           {"cell", cell.file().name},
           {"state", control::name(seen.state)},
@@ -83,6 +88,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
           {"plc", cell.plc() ? program_json(cell, *cell.plc()) : Json()},
           {"failure", cell.failure() ? Json(cell.failure()->problem.text()) : Json()},
           {"alarms", journal.last_alarm()},
+          {"inactive", inactive},
           {"bases", bases}};
 }
 

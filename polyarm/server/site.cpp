@@ -197,11 +197,18 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
 }
 
 HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {
-  meshes::RobotMeshes made = meshes::robot_meshes(shown.meshes.at(path), shown.mesh_cache);
-  HttpReply out = document(text_of(std::move(made.glb)), "model/gltf-binary");
+  Text glb;
+  if (const auto patched = shown.patched.find(path); patched != shown.patched.end()) {
+    glb = patched->second;
+  } else {
+    meshes::RobotMeshes made = meshes::robot_meshes(shown.meshes.at(path), shown.mesh_cache);
+    glb = text_of(std::move(made.glb));
+    if (!made.warnings.empty()) shown.patched[path] = glb;
+    const std::lock_guard lock(mutex_);
+    problems_.insert(problems_.end(), made.warnings.begin(), made.warnings.end());
+  }
+  HttpReply out = document(std::move(glb), "model/gltf-binary");
   out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}};
-  const std::lock_guard lock(mutex_);
-  problems_.insert(problems_.end(), made.warnings.begin(), made.warnings.end());
   return out;
 }
 

@@ -49,6 +49,8 @@ class PageSite : public Site {
     std::map<std::string, description::RobotModel> meshes;
     std::filesystem::path mesh_cache;
     std::filesystem::path folder;  ///< of the cell
+    /// Meshes of which not all could be read, by address: they are told of once. The worker's.
+    mutable std::map<std::string, Text> patched;
   };
   std::shared_ptr<const Documents> documents() const;
   HttpReply page(const HttpRequest& request) const;

@@ -223,7 +223,8 @@ class FileMailbox::Io {
         const auto at = last_post_.find(value.first);
         return at != last_post_.end() && at->second > known;
       });
-      if (event.kind != MailboxEvent::Kind::changed || !event.values.empty()) out.push_back(std::move(event));
+      const bool says = !event.values.empty() || !event.groups.empty();
+      if (says || event.kind != MailboxEvent::Kind::changed) out.push_back(std::move(event));
     }
     events_.clear();
     return out;
@@ -396,9 +397,11 @@ class FileMailbox::Io {
     const auto result =
         merge_.outside(values_of(file), read ? std::span(&*read, 1) : std::span<const std::uint64_t>{});
     needs_write_ = needs_write_ || result.write_back;
+    auto groups = regrouped(image_.values(), file.values());
     image_ = std::move(file);
     for (const auto& [name, value] : merge_.present()) image_.set(name, value);
-    if (!result.changes.empty()) report({MailboxEvent::Kind::changed, result.changes, {}});
+    if (!result.changes.empty() || !groups.empty())
+      report({MailboxEvent::Kind::changed, result.changes, {}, std::move(groups)});
     return merge_.current();
   }
 

@@ -36,6 +36,7 @@ struct MailboxEvent {
   } kind = Kind::changed;
   std::vector<std::pair<std::string, data::Value>> values;
   std::vector<Problem> problems;
+  std::vector<std::pair<std::string, std::string>> groups;  ///< that names have now; empty: none
 };
 
 struct MailboxOptions {

@@ -20,6 +20,16 @@ std::size_t differences(const Values& a, const Values& b) {
   return count + static_cast<std::size_t>(std::distance(x, a.end()) + std::distance(y, b.end()));
 }
 
+std::vector<std::pair<std::string, std::string>> regrouped(const data::DataSet& before,
+                                                           const data::DataSet& after) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const data::Entry& entry : after.entries()) {
+    const data::Entry* old = before.find(entry.name);
+    if (entry.group != (old ? old->group : "")) out.emplace_back(entry.name, entry.group);
+  }
+  return out;
+}
+
 MailboxMerge::MailboxMerge(Values start, std::size_t kept)
     : present_{std::move(start)}, kept_{std::max<std::size_t>(2, kept)} {
   remember(present_);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/data/data_set.hpp"
 #include "polyarm/data/value.hpp"
 
 namespace polyarm::signals {
@@ -20,6 +21,9 @@ using Values = std::map<std::string, data::Value>;
 
 /// How many names differ: other values, or only in one of the two.
 std::size_t differences(const Values& a, const Values& b);
+/// The names of `after` whose groups are not those that they have in `before`, and the groups.
+std::vector<std::pair<std::string, std::string>> regrouped(const data::DataSet& before,
+                                                           const data::DataSet& after);
 
 class MailboxMerge {
  public:

@@ -211,6 +211,21 @@ TEST_F(ProgramRequests, ABeginningInTheMiddleSaysWhatItTakesForGranted) {
   EXPECT_EQ(joint("joint_1"), before) << "the moves before it are not made";
 }
 
+TEST_F(ProgramRequests, WithoutALineItBeginsAtItsFirstStatement) {
+  folder.write("remarked.script", "# what it does\n\nlog \"begun\"\nwait 100ms\n");
+  const Json told = cell->ask({{"request", "program.from"}, {"program", "remarked.script"}});
+  ASSERT_TRUE(told["ok"].get<bool>()) << told;
+  EXPECT_EQ(told["result"]["where"]["line"], 3);
+  EXPECT_EQ(word(), "paused");
+  EXPECT_EQ(error_of(cell->ask({{"request", "program.from"}, {"program", "remarked.script"}, {"line", 1}})),
+            "no-start")
+      << "nothing begins in a remark";
+  ASSERT_TRUE(
+      cell->ask({{"request", "program.from"}, {"program", "remarked.script"}, {"confirmed", true}})["ok"]
+          .get<bool>());
+  until("finished");
+}
+
 TEST_F(ProgramRequests, EventsTellLinesAndLogsOnceEach) {
   const auto events = cell->give(Json{{"request", "events"}});
   ASSERT_TRUE(load("work_data")["ok"].get<bool>());

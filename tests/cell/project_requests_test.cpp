@@ -55,6 +55,35 @@ class ProjectTest : public ::testing::Test {
   std::unique_ptr<LockStepCell> cell;
 };
 
+TEST_F(ProjectTest, WhatSomebodyWritesIntoTheFileIsToldAndTakenWhenSomebodySaysSo) {
+  EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty());
+  result({{"request", "points.teach"}, {"name", "Own"}});
+  EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty()) << "what the cell itself wrote";
+  std::string text = read_file(folder.path() / "points.points");
+  text.replace(text.find("0.3, 0.1, 0.2"), 13, "0.3, 0.1, 0.4");
+  text.replace(text.find("Name: Count\nNum: 3\n"), 19,
+               "Name: New\nGroup: by hand\nPoint: 0.4, 0, 0.3, 0, 0, 0\n");
+  folder.write("points.points", text);
+  const Json told = result({{"request", "points.outside"}})["files"];
+  ASSERT_EQ(told.size(), 1u) << told;
+  EXPECT_EQ(told[0]["file"], "points.points");
+  EXPECT_EQ(told[0]["changed"], Json({"Bench"}));
+  EXPECT_EQ(told[0]["added"], Json({"New"}));
+  EXPECT_EQ(told[0]["removed"], Json({"Count"}));
+  EXPECT_NEAR(point("Bench")["pose"]["p"][2].get<double>(), 0.2, 1e-9) << "nothing is taken by itself";
+  result({{"request", "points.set"}, {"name", "Own"}, {"value", "pose(0.3, 0, 0.2, 0, 0, 0)"}});
+  EXPECT_EQ(result({{"request", "points.outside"}})["files"], told)
+      << "a change by the page hides none of it";
+  EXPECT_EQ(result({{"request", "points.take"}})["files"], told);
+  EXPECT_NEAR(point("Bench")["pose"]["p"][2].get<double>(), 0.4, 1e-9);
+  EXPECT_EQ(point("New")["group"], "by hand");
+  EXPECT_TRUE(point("Count").is_null());
+  EXPECT_FALSE(point("Own").is_null());
+  EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty());
+  folder.write("points.points", "this is no data file");
+  EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty()) << "a broken file is nobody's news";
+}
+
 TEST_F(ProjectTest, PointsAreListedWithTheirFileAndPlace) {
   const Json all = result({{"request", "points"}});
   EXPECT_EQ(all["file"], "points.points");
@@ -145,7 +174,9 @@ TEST_F(ProjectTest, PointsAreGroupedByALineOfTheirFile) {
   EXPECT_EQ(point("Bench")["group"], "");
   EXPECT_EQ(code({{"request", "points.undo"}}), "ok");
   EXPECT_EQ(point("Bench")["group"], "conveyor") << "what is undone is seen at once";
-  EXPECT_EQ(code({{"request", "points.undo"}, {"steps", 4}}), "ok");
+  result({{"request", "points.delete"}, {"name", "Grip"}});
+  EXPECT_EQ(point("Bench")["group"], "conveyor") << "what goes takes no other out of its group";
+  EXPECT_EQ(code({{"request", "points.undo"}, {"steps", 5}}), "ok");
   EXPECT_EQ(read_file(folder.path() / "points.points"), before);
   EXPECT_EQ(point("Home")["group"], "");
 }

@@ -87,6 +87,22 @@ TEST_F(Mailbox, TellsWhatWasChangedFromOutside) {
   EXPECT_EQ(value_of(events, "A"), Value("nothing"));
 }
 
+TEST_F(Mailbox, TellsWhichGroupsWereChangedFromOutside) {
+  rewrite("Name: A\nGroup: left\nBool: False\nName: B\nBool: False\n");
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.step();
+  rewrite("Name: A\nBool: False\nName: B\nGroup: right\nBool: False\n");
+  mailbox.step();
+  const auto events = mailbox.take_events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_TRUE(events[0].values.empty());
+  const std::vector<std::pair<std::string, std::string>> groups{{"A", ""}, {"B", "right"}};
+  EXPECT_EQ(events[0].groups, groups);
+  mailbox.post("A", true);
+  mailbox.step();
+  EXPECT_EQ(content(), "Name: A\nBool: True\nName: B\nGroup: right\nBool: False\n");
+}
+
 TEST_F(Mailbox, ARewriteThatHadNotSeenOurWriteKeepsBoth) {
   rewrite(kTwo);
   FileMailbox mailbox(ImportFile::load(path_), inline_options());

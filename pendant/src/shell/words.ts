@@ -38,6 +38,7 @@ function runningWord(): StateWord {
   const now = status.value!;
   const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({ text, tone, icon, why: '' });
   if (!now.simulated && !now.armed) return word(t('state.notArmed'), 'warn', 'lock');
+  if (now.inactive.length > 0) return { ...word(t('state.notReady'), 'warn', 'power'), why: t('state.inactive', { names: now.inactive.join(', ') }) };
   if (now.jogged.length > 0 && now.moving)
     return word(t('state.jogging'), 'busy', 'hand');
   const program = now.program;

@@ -32,6 +32,8 @@ export const shell = {
   'state.backing': 'Moving back',
   'state.fault': 'Fault',
   'state.notArmed': 'Not armed',
+  'state.notReady': 'Not ready',
+  'state.inactive': '{names}: not active (Health, Hardware)',
   'state.noCell': 'No cell runs',
   'state.none': 'Not connected',
 

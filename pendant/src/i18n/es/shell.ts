@@ -34,6 +34,8 @@ export const shell: Record<keyof typeof en, string> = {
   'state.backing': 'Retrocediendo',
   'state.fault': 'Fallo',
   'state.notArmed': 'No habilitado',
+  'state.notReady': 'No listo',
+  'state.inactive': '{names}: no activo (Diagnóstico, Equipos)',
   'state.noCell': 'Ninguna celda en marcha',
   'state.none': 'Sin conexión',
 

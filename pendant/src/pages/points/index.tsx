@@ -12,6 +12,7 @@ import { chosen, query, showGroup, shownGroup, shownKind } from './choice';
 import { Detail } from './Detail';
 import { FrameWizard } from './FrameWizard';
 import { List } from './List';
+import { Outside } from './Outside';
 import './points.css';
 import { Teach } from './Teach';
 import { ToolWizard } from './ToolWizard';
@@ -36,6 +37,7 @@ export default function Page() {
       <div class="points-left">
         <Teach />
         <Bar />
+        <Outside />
         <List />
       </div>
       <div class="points-right">

@@ -338,7 +338,7 @@ export function follow(): () => void {
 /** Saves what is not saved, and begins. */
 export async function start(): Promise<void> {
   if (dirty.value && !(await save())) return;
-  await attempt('program.from', { program: fileName.value, line: 1, confirmed: true });
+  await attempt('program.from', { program: fileName.value, confirmed: true });
 }
 
 /** Lines of this file that tasks stand at, as the text is now. */

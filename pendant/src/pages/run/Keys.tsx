@@ -9,7 +9,7 @@ function start(): void {
   const it = status.peek()?.program;
   if (!it) return;
   if (it.ready) void attempt('program.start');
-  else void attempt('program.from', { program: it.file, line: 1, confirmed: true });
+  else void attempt('program.from', { program: it.file, confirmed: true });
 }
 
 /** Start, or pause and go on, in one big key; step and end beside it. */
