@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 
@@ -42,22 +43,21 @@ def main():
         for line in cell.stdout:
             if link := re.search(r"pendant: http://localhost:(\d+)/\?token=(\S+)", line):
                 break
-        os.set_blocking(cell.stdout.fileno(), False)
+        said = []
+        rest = threading.Thread(target=lambda: said.extend(cell.stdout))
+        rest.start()
         ready = selectors.DefaultSelector()
         for _ in range(clients):
             ready.register(watcher(int(link[1]), link[2]), selectors.EVENT_READ)
             time.sleep(0.01)
-        said = ""
         while cell.poll() is None:
             for key, _ in ready.select(0.2) if clients else []:
                 if not key.fileobj.recv(1 << 18):
                     ready.unregister(key.fileobj)
             if not clients:
                 time.sleep(0.2)
-            said += cell.stdout.read() or ""
-        os.set_blocking(cell.stdout.fileno(), True)
-        said += cell.stdout.read() or ""
-        print(clients, "clients:", re.search(r"control loop\s+(.*)", said)[1])
+        rest.join()
+        print(clients, "clients:", re.search(r"control loop\s+(.*)", "".join(said))[1])
 
 
 main()
