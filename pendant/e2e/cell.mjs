@@ -1,6 +1,6 @@
 // A running cell to test against, and a second client that reads it over the same wire.
 import { spawn } from 'node:child_process';
-import { cpSync, mkdtempSync, rmSync } from 'node:fs';
+import { cpSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -21,10 +21,12 @@ export async function until(what, seconds = 60, name = what.toString()) {
 }
 
 export class Cell {
+  /** A copy of the example; an empty folder where none is named. */
   constructor(example, options = []) {
     this.home = mkdtempSync(join(tmpdir(), 'polyarm-pendant-'));
-    this.folder = join(this.home, example);
-    cpSync(join(root, 'examples', example), this.folder, { recursive: true, filter: (from) => !from.endsWith('/.state') });
+    this.folder = join(this.home, example ?? 'own');
+    mkdirSync(this.folder);
+    if (example) cpSync(join(root, 'examples', example), this.folder, { recursive: true, filter: (from) => !from.endsWith('/.state') });
     this.options = options;
     this.port = 0;
     this.output = '';

@@ -3,11 +3,12 @@ import { after, before, test as run } from 'node:test';
 import { launch, picture, screen } from './browser.mjs';
 import { Cell, until, Watcher } from './cell.mjs';
 
-/** `chain`: where a case has failed there is nothing for the next to begin with. */
-export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false } = {}) {
+/** `chain`: where a case has failed there is nothing for the next to begin with. `skip`: why none is run, or false. */
+export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false, skip = false } = {}) {
   const at = { cell: new Cell(example, options), chrome: null, page: null, watcher: null, commanded: 0 };
   let failed = false;
   before(async () => {
+    if (skip) return;
     change(at.cell.folder);
     at.chrome = await launch();
     at.commanded = Date.now();
@@ -31,7 +32,7 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
 
   /** A case; a picture of the page where it fails, and what the cell said last. */
   const test = (name, body, timeout = 300_000) =>
-    run(name, { timeout }, async (t) => {
+    run(name, { timeout, skip }, async (t) => {
       if (failed && chain) return t.skip('a case before has failed');
       try {
         await at.goOn();

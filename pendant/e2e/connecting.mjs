@@ -1,0 +1,80 @@
+// From the simulation to an arm on its wire and back: the driver is the real one, and behind its line are servos of our own.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { existsSync, readFileSync, readlinkSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after } from 'node:test';
+import { go, picture, state } from './browser.mjs';
+import { until } from './cell.mjs';
+import { suite } from './suite.mjs';
+
+const servos = process.env.POLYARM_SERVOS;
+let wire;
+const onAWire = (folder) => {
+  const line = join(folder, 'bus');
+  wire = spawn(servos, [line], { stdio: ['pipe', 'ignore', 'inherit'] });
+  for (let i = 0; i < 600 && !existsSync(line); ++i) Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 100);
+  const file = join(folder, 'cell.yaml');
+  const text = readFileSync(file, 'utf8').replace('hardware: mock', 'hardware: feetech').replace('/dev/ttyACM0', `${readlinkSync(line)}\n      answer_timeout_ms: 1000`);
+  writeFileSync(file, text.replace(/^send:\n.*\n/m, ''));
+  writeFileSync(join(folder, 'calibration.yaml'), 'polyarm: servo_calibration/1\nfamily: feetech\njoints:\n  wrist_roll: {id: 5, direction: -1}\n');
+};
+const { at, test, holdKey, atRest } = suite({ example: 'so101', change: onAWire, chain: true, skip: servos ? false : 'no servos: POLYARM_SERVOS names none' });
+after(() => wire?.stdin.end());
+
+let page;
+const button = (name, on = page) => on.getByRole('button', { name, exact: true });
+const bar = () => page.getByRole('contentinfo');
+const joint = () => at.watcher.value('arm/wrist_roll/position');
+const mode = (name) => page.getByRole('radiogroup', { name: 'Simulate or connect' }).getByText(name);
+
+test('what would be connected is shown, and comes up held and disarmed', async () => {
+  page = await at.open();
+  await button(/^In control/).waitFor();
+  await go(page, 'Cell');
+  await mode('Real robot').click();
+  const dialog = page.getByRole('dialog', { name: 'Connect to the real robot?' });
+  await dialog.getByText('feetech').first().waitFor();
+  await dialog.getByText('is there').waitFor();
+  await picture(page, 'connecting');
+  await button('Connect', dialog).click();
+  await bar().getByText('Real robot').waitFor();
+  await state(page).getByText('Held').waitFor();
+  await until(() => at.watcher.events.status?.simulated === false, 60, 'the real robot');
+  const { state: word, armed } = at.watcher.events.status;
+  assert.deepEqual([word, armed], ['held', false]);
+  await picture(page, 'connected');
+  const before = joint();
+  await go(page, 'Move');
+  const from = at.watcher.time;
+  await until(() => at.watcher.time > from + 0.5, 60, 'half a second');
+  assert.ok(Math.abs(joint() - before) < 1e-3, 'nothing moves');
+});
+
+test('a person compares the joints, arms, resumes and moves it', async () => {
+  await go(page, 'Cell');
+  await button('Compare and arm').click();
+  const dialog = page.getByRole('dialog', { name: 'Compare and arm' });
+  assert.equal(await dialog.getByRole('rowheader').count(), 6);
+  await picture(page, 'comparing');
+  await dialog.getByRole('button').last().click();
+  await until(() => at.watcher.events.status?.armed, 60, 'armed');
+  assert.equal(at.watcher.events.status.state, 'held', 'still held');
+  await button('Resume', bar()).click();
+  await until(() => at.watcher.events.status?.state === 'running', 60, 'running');
+  await go(page, 'Move');
+  await page.getByRole('radiogroup', { name: 'Move in' }).getByText('Joints').click();
+  const before = joint();
+  await holdKey(button('wrist roll plus'), () => Math.abs(joint() - before) > 0.05, 'the servo moving');
+  await page.mouse.up();
+  await atRest();
+});
+
+test('goes back to the simulation', async () => {
+  await go(page, 'Cell');
+  await mode('Simulation').click();
+  await page.getByRole('dialog').getByRole('button').last().click();
+  await until(() => at.watcher.events.status?.simulated, 60, 'the simulation');
+  await bar().getByText('Simulation').waitFor();
+  assert.deepEqual(page.problems, []);
+});
