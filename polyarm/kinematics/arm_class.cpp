@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "polyarm/kinematics/arm_length.hpp"
+
 namespace polyarm::kinematics {
 
 namespace {
@@ -55,7 +57,7 @@ double gap(std::initializer_list<const JointAxis*> axes) {
 class Look {
  public:
   Look(const ArmGeometry& arm, double tolerance)
-      : arm_(arm), angle_(tolerance), length_(tolerance * arm.size()) {}
+      : arm_(arm), angle_(tolerance), length_(tolerance * length_between_axes(arm)) {}
 
   bool meet(int a, int b) const { return gap({&axis(a), &axis(b)}) <= length_; }
   bool meet(int a, int b, int c) const { return gap({&axis(a), &axis(b), &axis(c)}) <= length_; }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/kinematics/arm_length.hpp"
 #include "polyarm/kinematics/planar_form.hpp"
 #include "polyarm/kinematics/random.hpp"
 
@@ -59,6 +60,12 @@ std::string InverseKinematics::Arm::describe_known() const {
   return out;
 }
 
+/// As settled before: `axes` are those of the form.
+void InverseKinematics::Arm::restore(const SixAxisClass& found, std::array<int, 6> axes) {
+  if (found.from_tool) std::reverse(axes.begin(), axes.end());
+  settle(found, axes);
+}
+
 /// `six` are axes of the arm, -1 one that it has not.
 void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6> six) {
   known = found;
@@ -103,6 +110,10 @@ void InverseKinematics::Arm::find_form() {
   if (!formed()) report += "; solved by iteration";
 }
 
+namespace {
+constexpr int kOwnStates = 6;
+}
+
 void InverseKinematics::Arm::find_six() {
   const SixAxisClass found = classify(geometry);
   if (found.family == ArmFamily::none) {
@@ -114,7 +125,16 @@ void InverseKinematics::Arm::find_six() {
   } else {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
-    if (searched(found.family)) find_general();
+    if (searched(found.family)) return find_general();
+    if (found.exact() || found_of_own_states(kOwnStates) == kOwnStates) return;
+    // What axes miss may be little beside the arm and much beside the lengths that its solution hangs on.
+    const std::string nearly = report;
+    find_general();
+    weak = !general;
+    if (weak) return;
+    known = {};
+    quick.form.family = ArmFamily::none;
+    report = "six axes of any kind, by the roots of a polynomial of degree 16: too far from " + nearly;
   }
 }
 
@@ -146,6 +166,32 @@ int found_again(const ArmGeometry& arm, const GeneralSix& six, int needed) {
 }
 
 }  // namespace
+
+/// Of a few states within limits, how many are among the answers to their poses.
+int InverseKinematics::Arm::found_of_own_states(int states) const noexcept {
+  Random random(8);
+  int out = 0;
+  std::array<double, Chain::kMaxJoints> q{}, seed{};
+  for (int i = 0; i < states; ++i) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      q[j] = random_value(*described, j, random);
+      seed[j] = random_value(*described, j, random);
+    }
+    Gathered found;
+    gather(described->forward({q.data(), joints}), {seed.data(), joints}, false, found);
+    bool there = false;
+    for (std::size_t k = 0; k < found.count; ++k) {
+      double worst = 0;
+      for (std::size_t a = 0; a < geometry.count; ++a) {
+        const double d = found.all[k].value[a] - q[geometry.axes[a].joint];
+        worst = std::max(worst, std::abs(geometry.axes[a].slides ? d : std::remainder(d, kTurn)));
+      }
+      there |= worst < 1e-3;
+    }
+    out += there;
+  }
+  return out;
+}
 
 void InverseKinematics::Arm::find_general() {
   int most = 2;
@@ -200,6 +246,37 @@ Completed completed(const ArmGeometry& arm, std::size_t at, std::initializer_lis
 
 }  // namespace
 
+namespace {
+
+/// Other places for a sixth axis, where three neighbours meet or are parallel once it is there: beside an
+/// axis and parallel to it, so that the elbow of both is square; radial, so that it lifts; in front of all.
+void add_elsewhere(const ArmGeometry& arm, std::array<Completed, 24>& attempts, std::size_t& count) {
+  const double size = length_between_axes(arm);
+  const auto add = [&](std::size_t place, const Vec3& direction, const Vec3& point) {
+    if (count < attempts.size() && norm(direction) > 1e-3)
+      attempts[count++] = completed(arm, place, {direction}, point);
+  };
+  const auto meeting = [&](std::size_t i) {
+    const JointAxis &a = arm.axes[i], &b = arm.axes[i + 1];
+    return norm(cross(a.direction, b.direction)) < 0.02 ? b.point : nearest_point(a, b);
+  };
+  for (const std::size_t i : {std::size_t{1}, std::size_t{0}, std::size_t{2}, std::size_t{3}}) {
+    const JointAxis& axis = arm.axes[i];
+    const Vec3 aim = i + 2 < arm.count ? meeting(i + 1) : arm.axes[i + 1].point;
+    const Vec3 way = aim - axis.point, v = way - dot(way, axis.direction) * axis.direction;
+    if (norm(v) < 1e-3 * size) continue;
+    const Vec3 aside = cross(axis.direction, v);
+    add(i + 1, axis.direction, aim - 0.5 * v + 0.5 * aside);
+    add(i + 1, v, aim + aside);
+    add(i + 1, arm.axes[i + 1].direction, aim - 0.5 * v + 0.5 * aside);
+  }
+  const Vec3 aim = meeting(arm.count - 2), &h = arm.axes[0].direction;
+  const Vec3 flat = std::abs(h.z) < 0.8 ? normalized(cross(h, {0, 0, 1})) : normalized(cross(h, {0, 1, 0}));
+  add(0, flat, aim + 4 * size * cross(h, flat));
+}
+
+}  // namespace
+
 /// Three to five axes are six of which some stand still: axes at the tool that meet the last, or one in a
 /// wrist whose other two meet. The true arm decides which of the six axes' answers are its own.
 void InverseKinematics::Arm::find_fewer() {
@@ -211,7 +288,7 @@ void InverseKinematics::Arm::find_fewer() {
   const Vec3 foot = last.point + dot(h, geometry.tool_position - last.point) * h;
   const Vec3 any = std::abs(h.z) < 0.8 ? cross(h, {0, 0, 1}) : cross(h, {0, 1, 0});
   const Vec3 square = cross(four.direction, h), along = cross(h, square), beside = cross(h, any);
-  std::array<Completed, 4> attempts;
+  std::array<Completed, 24> attempts;
   std::size_t count = 0;
   if (n == 5) {
     const bool slanted = norm(square) >= 0.1;
@@ -221,6 +298,7 @@ void InverseKinematics::Arm::find_fewer() {
       attempts[count++] = completed(geometry, 3, {square}, nearest_point(four, last));
       attempts[count++] = completed(geometry, 3, {along}, nearest_point(four, last));
     }
+    add_elsewhere(geometry, attempts, count);
   } else if (n == 4) {
     attempts[count++] = completed(geometry, 4, {any, beside}, foot);
   } else {
@@ -228,10 +306,26 @@ void InverseKinematics::Arm::find_fewer() {
   }
   int best = effort(ArmFamily::none);
   for (std::size_t k = 0; k < count; ++k) {
+    if (best == 0) break;
     const SixAxisClass found = classify(attempts[k].six);
     if (effort(found.family) >= best) continue;
+    if (n == 5) {
+      // Added axes may stand where the six are always singular.
+      const SixAxisClass before = known;
+      const std::array<int, 6> before_axes = to_arm;
+      worth_polishing = 0.1;
+      settle(found, attempts[k].to_arm);
+      if (!searched(found.family) && found_of_own_states(kOwnStates) < kOwnStates) {
+        if (before.family == ArmFamily::none)
+          known = {};
+        else
+          restore(before, before_axes);
+        continue;
+      }
+    } else {
+      settle(found, attempts[k].to_arm);
+    }
     best = effort(found.family);
-    settle(found, attempts[k].to_arm);
     std::string still;
     for (std::size_t i = 0; i < 6; ++i)
       if (attempts[k].to_arm[i] < 0) still += fmt::format("{}{}", still.empty() ? "" : " and ", i + 1);

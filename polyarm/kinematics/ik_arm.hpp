@@ -83,6 +83,8 @@ struct InverseKinematics::Arm {
   /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
   QuickJob quick;
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
+  /// A closed form that does not find all of a few states again: the true arm is too far from the ideal one.
+  bool weak = false;
   int spare = -1;  ///< the axis that is held at one value after another; -1: none
   std::size_t joints = 0;
   LaneLimits limits;
@@ -97,9 +99,11 @@ struct InverseKinematics::Arm {
   NumericSettings numeric_settings() const;
   void add_numeric();
   void settle(const SixAxisClass& found, std::array<int, 6> six);
+  void restore(const SixAxisClass& found, std::array<int, 6> axes);
   void find_form();
   void find_six();
   void find_general();
+  int found_of_own_states(int states) const noexcept;
   void find_sliding();
   void find_fewer();
   void find_seven();

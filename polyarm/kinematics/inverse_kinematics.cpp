@@ -332,7 +332,8 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   } else {
     arm->report = "no closed form: " + why_not;
   }
-  const bool closed = arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic();
+  const bool closed =
+      arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic() && !arm->weak;
   if (!closed || arm->settings.parts_of_poses) arm->add_numeric();
   arm_ = std::move(arm);
 }
@@ -358,7 +359,7 @@ ArmFamily InverseKinematics::family() const noexcept {
   return arm_->known.family;
 }
 bool InverseKinematics::complete() const noexcept {
-  return way() == IkWay::closed_form || way() == IkWay::algebra;
+  return (way() == IkWay::closed_form && !arm_->weak) || way() == IkWay::algebra;
 }
 const std::string& InverseKinematics::report() const noexcept {
   return arm_->report;

@@ -95,7 +95,7 @@ TEST(ArmClass, SeesEachFamilyFromTheBaseAndFromTheTool) {
   Random random(4);
   for (const ArmFamily family : kFamilies)
     for (int i = 0; i < 50; ++i) {
-      const auto axes = test::random_axes(family, random);
+      const auto axes = test::random_axes(family, random, 0.06);
       const SixAxisClass seen = classify(geometry(test::random_arm(axes, random)));
       EXPECT_EQ(seen.family, family) << describe(seen.family) << " for " << describe(family);
       EXPECT_FALSE(seen.from_tool);

@@ -32,8 +32,10 @@ inline Vec3 random_direction(kinematics::Random& random) {
   }
 }
 
-/// Six axes of a family, lengths about half a metre, no two neighbours nearly parallel unless they are.
-inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics::Random& random) {
+/// Six axes of a family, lengths about half a metre, no two neighbours nearly parallel unless they are; of no
+/// other family, were axes off by `clearly` (as classify()'s tolerance).
+inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics::Random& random,
+                                        double clearly = 0.03) {
   using kinematics::ArmFamily;
   std::vector<AxisRow> a(6);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -85,13 +87,13 @@ inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics
   // Aligning may have brought together what should be apart.
   for (std::size_t i = 0; i + 1 < 6; ++i)
     if (!steep(i, i + 1) && norm(cross(a[i].direction, a[i + 1].direction)) > 1e-9)
-      return random_axes(family, random);
+      return random_axes(family, random, clearly);
   kinematics::ArmGeometry arm;
   arm.count = 6;
   for (std::size_t i = 0; i < 6; ++i) arm.axes[i] = {a[i].direction, a[i].point};
   arm.tool_position = a[5].point;
-  const auto seen = kinematics::classify(arm, 0.03);
-  if (seen.family != family || seen.from_tool) return random_axes(family, random);
+  const auto seen = kinematics::classify(arm, clearly);
+  if (seen.family != family || seen.from_tool) return random_axes(family, random, clearly);
   return a;
 }
 
