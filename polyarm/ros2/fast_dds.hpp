@@ -70,6 +70,8 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
  protected:
   virtual void know(const rtps::GUID_t& endpoint, bool there, std::string user_data) = 0;
   virtual void forget(const rtps::GUID_t& participant) = 0;
+  /// A participant is new: our endpoints are told to it when this returns.
+  virtual void meet(rtps::RTPSParticipant& own, const rtps::GUID_t& participant) = 0;
 
  private:
   template <class Octets>
@@ -88,10 +90,11 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
     ignored = false;
     know(info.guid, reason != rtps::WriterDiscoveryStatus::REMOVED_WRITER, text(info.user_data.data_vec()));
   }
-  void on_participant_discovery(rtps::RTPSParticipant*, rtps::ParticipantDiscoveryStatus reason,
+  void on_participant_discovery(rtps::RTPSParticipant* own, rtps::ParticipantDiscoveryStatus reason,
                                 const rtps::ParticipantBuiltinTopicData& info, bool& ignored) override {
     ignored = false;
     using Status = rtps::ParticipantDiscoveryStatus;
+    if (reason == Status::DISCOVERED_PARTICIPANT && own) meet(*own, info.guid);
     if (reason == Status::REMOVED_PARTICIPANT || reason == Status::DROPPED_PARTICIPANT) forget(info.guid);
   }
 #else
@@ -103,8 +106,9 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
     know(info.info.guid(), info.status != rtps::WriterDiscoveryInfo::REMOVED_WRITER,
          text(info.info.m_qos.m_userData.data_vec()));
   }
-  void onParticipantDiscovery(rtps::RTPSParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
+  void onParticipantDiscovery(rtps::RTPSParticipant* own, rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = rtps::ParticipantDiscoveryInfo;
+    if (info.status == Info::DISCOVERED_PARTICIPANT && own) meet(*own, info.info.m_guid);
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT)
       forget(info.info.m_guid);
   }

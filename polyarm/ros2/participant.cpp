@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -34,6 +35,9 @@ rtps::GUID_t guid_of(const Guid& guid) {
 std::vector<rtps::octet> octets_of(const std::string& text) {
   return {text.begin(), text.end()};
 }
+
+/// So long who hears of this participant for the first time has to note it.
+constexpr auto kIntroduction = std::chrono::milliseconds(20);
 
 [[noreturn]] void refuse(const std::string& what, const std::string& advice = {}) {
   throw Error("no-dds", what, advice);
@@ -321,6 +325,14 @@ class Participant::Work : public DiscoveryListener {
       remotes_[guid_of(guid)] = std::move(user_data);
     else
       remotes_.erase(guid_of(guid));
+  }
+
+  /// Cyclone takes no notice of what comes from a participant that it has not heard of yet, and would be told
+  /// of our endpoints a second later: it hears of us first. On the thread of the discovery.
+  void meet(rtps::RTPSParticipant& own, const rtps::GUID_t& participant) override {
+    if (vendor_of(guid_of(participant)) != Vendor::cyclone) return;
+    own.announceRTPSParticipantState();
+    std::this_thread::sleep_for(kIntroduction);
   }
 
   /// Of one that has left, or has not been heard of for too long, the endpoints are not told one by one.
