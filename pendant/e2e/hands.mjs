@@ -124,6 +124,23 @@ test('puts points into a group, which the file keeps, and folds and filters it',
   await page.getByRole('combobox', { name: 'Group' }).selectOption('all groups');
 });
 
+test('says what somebody writes into the points file beside the page, and takes it over', async () => {
+  const file = join(cell.folder, 'PAPpoints.points');
+  const before = points();
+  writeFileSync(file, `${before.replace(/^(Name: PrePick\n)Group: .*\n/m, '$1Group: by hand\n')}Name: Own\nGroup: by hand\nPoint: 0.25, 0.1, 0.3, 3.14159, 0, 0\n`);
+  const banner = main().getByText('PAPpoints.points: changed outside of this page').locator('..');
+  await banner.getByText('Changed: PrePick. New: Own.').waitFor();
+  await picture(page, 'outside');
+  await button('Take over').click();
+  await said('PAPpoints.points: taken over');
+  const group = page.getByRole('group', { name: 'Points' }).getByRole('region', { name: 'by hand' });
+  for (const name of ['Own', 'PrePick']) await group.getByRole('button', { name: new RegExp(`^${name} `) }).waitFor();
+  await banner.waitFor({ state: 'detached' });
+  writeFileSync(file, before);
+  await button('Take over').click();
+  await group.waitFor({ state: 'detached' });
+});
+
 test('shifts points together, and takes it back', async () => {
   const before = points();
   await page.getByRole('checkbox', { name: 'Choose all of feeder side' }).check();
@@ -151,6 +168,31 @@ test('shows how the cycles of the loop lie, and what the cell is made of', async
     const sum = health[what].buckets.reduce((all, each) => all + each.count, 0);
     assert.ok(sum > 1000 && sum <= health.cycles + 1, `${what}: ${sum} of ${health.cycles}`);
   }
+});
+
+test('switches the device off and on, and says what is missing meanwhile', async () => {
+  const tab = (name) => main().getByRole('radiogroup').first().getByText(name).click();
+  const yes = () => page.getByRole('dialog').getByRole('button', { name: 'Do it' }).click();
+  await tab('Hardware');
+  await button('Deactivate').click();
+  await yes();
+  await state(page).getByText('Not ready').waitFor();
+  await state(page).getByText(/^mujoco: not active/).waitFor();
+  await picture(page, 'not-ready');
+  await button('Activate').click();
+  await yes();
+  await state(page).getByText('Ready', { exact: true }).waitFor();
+  await tab('Controllers');
+  await button('Switch controllers').click();
+  const dialog = page.getByRole('dialog', { name: 'Switch controllers' });
+  for (const name of ['joint_trajectory_controller', 'io']) await dialog.getByText(name, { exact: true }).click();
+  await dialog.getByText(/^Will start: .*joint_trajectory_controller/).waitFor();
+  await yes();
+  await until(async () => (await main().getByText('Active', { exact: true }).count()) === 3, 60, 'three active controllers');
+  await go(page, 'Run');
+  await button('Start').click();
+  await until(async () => (await at.goOn(), at.watcher.speed() > 0.05), 90, 'the program moving the robot again');
+  await endProgram();
 });
 
 test('serves Foxglove’s protocol on the same port, beside the page', async () => {
