@@ -55,6 +55,7 @@ test('a person compares the joints, arms, resumes and moves it', async () => {
   await go(page, 'Cell');
   await button('Compare and arm').click();
   const dialog = page.getByRole('dialog', { name: 'Compare and arm' });
+  await dialog.getByRole('rowheader').nth(5).waitFor();
   assert.equal(await dialog.getByRole('rowheader').count(), 6);
   await picture(page, 'comparing');
   await dialog.getByRole('button').last().click();
