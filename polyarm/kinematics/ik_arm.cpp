@@ -118,18 +118,18 @@ void InverseKinematics::Arm::find_six() {
   const SixAxisClass found = classify(geometry);
   if (found.family == ArmFamily::none) {
     report = why_no_family(geometry);
-    find_general();
+    find_general(true);
     report = std::string(general ? "six axes of any kind, by the roots of a polynomial of degree 16"
                                  : "no closed form") +
              ": " + report;
   } else {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
-    if (searched(found.family)) return find_general();
+    if (searched(found.family)) return find_general(false);
     if (found.exact() || found_of_own_states(kOwnStates) == kOwnStates) return;
     // What axes miss may be little beside the arm and much beside the lengths that its solution hangs on.
     const std::string nearly = report;
-    find_general();
+    find_general(true);
     weak = !general;
     if (weak) return;
     known = {};
@@ -193,15 +193,20 @@ int InverseKinematics::Arm::found_of_own_states(int states) const noexcept {
   return out;
 }
 
-void InverseKinematics::Arm::find_general() {
-  int most = 2;
+void InverseKinematics::Arm::find_general(bool both_ends) {
+  constexpr int kLeast = 3;
+  int most = kLeast - 1;
   for (const bool from_tool : {false, true}) {
-    auto six = std::make_unique<GeneralSix>(geometry, from_tool);
-    const int again = found_again(geometry, *six, most + 1);
-    if (again <= most) continue;
-    most = again;
-    general = std::move(six);
-    if (again == kStates) break;
+    auto six = std::make_unique<const GeneralSix>(geometry, from_tool);
+    const int again = found_again(geometry, *six, both_ends ? kLeast : most + 1);
+    if (again > most) {
+      most = again;
+      std::swap(general, six);
+    } else if (again < kLeast) {
+      continue;
+    }
+    if (both_ends) general_too = std::move(six);
+    if (again == kStates && !both_ends) break;
   }
 }
 

@@ -73,6 +73,9 @@ struct InverseKinematics::Arm {
   std::optional<Chain> described;             ///< always there once constructed
   std::optional<NumericIk> numeric;           ///< where no closed form has the last word
   std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
+  /// The same from the arm's other end, where that suits it, too: what rounding takes from one elimination,
+  /// one state in a thousand, it seldom takes from both.
+  std::unique_ptr<const GeneralSix> general_too;
   std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
   std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
   std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
@@ -102,7 +105,8 @@ struct InverseKinematics::Arm {
   void restore(const SixAxisClass& found, std::array<int, 6> axes);
   void find_form();
   void find_six();
-  void find_general();
+  /// @param both_ends the algebra is all there is: from both ends, where it suits both.
+  void find_general(bool both_ends);
   int found_of_own_states(int states) const noexcept;
   void find_sliding();
   void find_fewer();

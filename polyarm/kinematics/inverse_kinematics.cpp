@@ -133,12 +133,17 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
 /// All roots of the polynomial of degree 16.
 void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept {
   std::array<GeneralSix::State, GeneralSix::kMost> roots;
-  std::array<AxisValues, GeneralSix::kMost> states;
+  std::array<AxisValues, 2 * GeneralSix::kMost> states;
   job.worth_polishing = 1;
   job.patience = 8;
   if (algebraic()) around_seed(job, before, out);
-  const std::size_t count = general->solve(job.target, roots);
-  for (std::size_t k = 0; k < count; ++k) std::copy(roots[k].begin(), roots[k].end(), states[k].begin());
+  std::size_t count = 0;
+  for (const GeneralSix* six : {general.get(), general_too.get()}) {
+    if (!six) continue;
+    const std::size_t more = six->solve(job.target, roots);
+    for (std::size_t k = 0; k < more; ++k, ++count)
+      std::copy(roots[k].begin(), roots[k].end(), states[count].begin());
+  }
   offer(job, {states.data(), count}, before, out);
   look_for_twins(job, before, out);
 }

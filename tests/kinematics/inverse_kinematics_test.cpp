@@ -334,8 +334,8 @@ TEST(InverseKinematics, FewAxesGiveTheLeastErrorWherePosesAreBeyondThem) {
 TEST(InverseKinematics, FindsEveryConfigurationOfSixAxesOfAnyKind) {
   Random random(34);
   Tally tally;
-  int known = 0, lost = 0;
-  for (int i = 0; i < 40; ++i) {
+  int arms = 0, known = 0, lost = 0;
+  for (int i = 0; i < 200; ++i) {
     auto axes = test::random_axes(ArmFamily::none, random);
     if (i % 4 == 1) axes[2].direction = axes[1].direction;  // two parallel axes and no more
     if (i % 4 == 2) axes[3].point = axes[2].point;          // two in the middle that meet
@@ -343,7 +343,8 @@ TEST(InverseKinematics, FindsEveryConfigurationOfSixAxesOfAnyKind) {
     const auto model = test::random_arm(axes, random);
     const Chain chain = test::chain_of(model);
     const InverseKinematics arm(chain);
-    ASSERT_EQ(arm.way(), IkWay::algebra) << arm.report();
+    if (arm.way() != IkWay::algebra) continue;  // by chance nearly of another class
+    ++arms;
     EXPECT_NE(arm.report().find("degree 16"), std::string::npos);
     for (int k = 0; k < 60; ++k)
       ask(chain, arm, test::random_state(chain, random), test::random_state(chain, random), "any six", tally);
@@ -362,9 +363,10 @@ TEST(InverseKinematics, FindsEveryConfigurationOfSixAxesOfAnyKind) {
       lost += !there;
     }
   }
-  EXPECT_LE(tally.missed, tally.asked / 1000) << "of " << tally.asked;
+  EXPECT_GT(arms, 190);
+  EXPECT_EQ(tally.missed, 0) << "of " << tally.asked;
   expect_clean(tally);
-  EXPECT_GT(known, 1000);
+  EXPECT_GT(known, 5000);
   EXPECT_EQ(lost, 0) << "of " << known;
 }
 
