@@ -70,7 +70,14 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
     }
   };
 
-  const atRest = () => until(() => at.watcher.speed() < 0.002, 20, 'standing');
+  /** For a fifth of a second: what a key that was just pressed begins may not be seen yet. */
+  const atRest = async () => {
+    let since = null;
+    await until(() => {
+      since = at.watcher.speed() < 0.002 ? (since ?? at.watcher.time) : null;
+      return since !== null && at.watcher.time > since + 0.2;
+    }, 20, 'standing');
+  };
   /** Ends the program of the cell, by the page. */
   const endProgram = async () => {
     await at.page.getByRole('navigation', { name: 'Pages' }).getByRole('link', { name: 'Run' }).click();
