@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "polyarm/messages/json.hpp"
@@ -18,6 +19,10 @@ using Cancel = messages::action_msgs::srv::CancelGoal::Response;
 /// Results are kept for those who ask later; ROS 2 keeps them for ten seconds, here it is longer.
 constexpr Nanoseconds kKept = 60'000'000'000;
 constexpr std::size_t kMostKept = 100;
+/// A client takes a goal's status only when it has the answer that the goal is accepted, which may come later
+/// than the status (the first reply to a reader of Cyclone waits); without it `ros2 action send_goal` would
+/// not cancel when it is interrupted.
+constexpr Nanoseconds kStatusAgain = 300'000'000;
 constexpr Nanoseconds kTellAgain = 5'000'000'000;
 /// Of control_msgs/FollowJointTrajectory.
 constexpr int kInvalidGoal = -1;
@@ -86,16 +91,23 @@ class Server : public std::enable_shared_from_this<Server> {
     tell_status();
   }
 
+  void serve() {
+    forget_old();
+    if (!accepted_ || bridge_.cell().now() - *accepted_ < kStatusAgain) return;
+    accepted_.reset();
+    tell_status();
+  }
+  void close() { closed_ = true; }
+
+ private:
+  using GoalPointer = std::shared_ptr<Goal>;
+
   void forget_old() {
     const Nanoseconds now = bridge_.cell().now();
     std::erase_if(goals_, [&](const auto& goal) { return goal->over() && now - goal->ended > kKept; });
     for (auto at = goals_.begin(); goals_.size() > kMostKept && at != goals_.end();)
       at = (*at)->over() ? goals_.erase(at) : std::next(at);
   }
-  void close() { closed_ = true; }
-
- private:
-  using GoalPointer = std::shared_ptr<Goal>;
 
   GoalPointer find(const Json& id) const {
     for (const GoalPointer& goal : goals_)
@@ -177,6 +189,7 @@ class Server : public std::enable_shared_from_this<Server> {
     goals_.push_back(goal);
     reply({{"accepted", true}, {"stamp", goal->stamp}});
     tell_status();
+    accepted_ = bridge_.cell().now();
   }
 
   void end(const GoalPointer& goal, int status, Json result) {
@@ -243,7 +256,8 @@ class Server : public std::enable_shared_from_this<Server> {
   std::chrono::steady_clock::time_point told_feedback_;
   Wire::Id feedback_ = 0, status_ = 0;
   std::deque<GoalPointer> goals_;
-  int asking_ = 0;  ///< goals that the cell has not answered yet
+  std::optional<Nanoseconds> accepted_;  ///< the last goal, while its status is to be told again
+  int asking_ = 0;                       ///< goals that the cell has not answered yet
   std::string refusal_;
   Nanoseconds refused_ = 0;
   bool closed_ = false;
@@ -255,7 +269,7 @@ class ActionServer : public Part {
     server_->begin();
   }
   ~ActionServer() override { server_->close(); }
-  void serve() override { server_->forget_old(); }
+  void serve() override { server_->serve(); }
 
  private:
   std::shared_ptr<Server> server_;

@@ -29,6 +29,16 @@ bool change(Client& client, const std::vector<std::string>& on, const std::vecto
       .get<bool>();
 }
 
+/// A client knows of its goal only when it has the answer: what it heard of its status before is lost to it.
+TEST_F(Ros2Cell, TheStatusOfAGoalIsToldAgainToWhoHasItsAnswer) {
+  const auto status = client_->listen(kAction + "status", "action_msgs/GoalStatusArray", {true, true, 1});
+  ASSERT_EQ(send_to(*client_, 1, goal_to(0.5, 30))["accepted"], true);
+  ASSERT_TRUE(wait([&] { return status->heard() && !status->latest()["status_list"].empty(); }));
+  const std::size_t before = status->count();
+  ASSERT_TRUE(wait([&] { return status->count() > before; })) << "while the goal goes on";
+  EXPECT_EQ(status->latest()["status_list"][0]["status"], 2);
+}
+
 TEST_F(Ros2Cell, AGoalForAControllerThatIsNotActiveIsRefusedAndNotDoneLater) {
   const auto joints = client_->listen("/joint_states", "sensor_msgs/JointState");
   const auto log = client_->listen("/rosout", "rcl_interfaces/Log", {true, true, 1000});
