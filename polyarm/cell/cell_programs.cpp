@@ -116,6 +116,7 @@ program::StartReport Cell::prepare_program(const std::string& name, int line) {
   std::unique_ptr<ProgramMoves> moves = std::move(moves_);
   try {
     begin_program(name, {});
+    if (before) program_->interpreter().set_breakpoints(before->interpreter().breakpoints());
     program::StartReport report;
     if (line > 0) report = program_->interpreter().start_at(line);
     program_->interpreter().pause_here();

@@ -51,6 +51,16 @@ void Interpreter::resume_for(StepKind kind) {
   resume();
 }
 
+namespace {
+
+/// A file by its path as it was read, or by the end of that, as people are shown it.
+bool is_called(const std::string& file, const std::string& name) {
+  if (!file.ends_with(name)) return false;
+  return file.size() == name.size() || (!name.empty() && file[file.size() - name.size() - 1] == '/');
+}
+
+}  // namespace
+
 std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& places) {
   breakpoints_.clear();
   std::vector<Location> out;
@@ -58,7 +68,8 @@ std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& 
     std::optional<Place> best;
     for (const Step& step : code_.steps) {
       const Place line = source(step).line;
-      const bool fits = step.begins && program_.at(line).file == wanted.file && line.line >= wanted.line;
+      const bool fits =
+          step.begins && is_called(program_.at(line).file, wanted.file) && line.line >= wanted.line;
       if (fits && (!best || before(line, *best))) best = line;
     }
     if (!best) continue;

@@ -78,6 +78,31 @@ TEST_F(ProgramControl, ShowsTasksCallsVariablesAndWhatMovesUse) {
   EXPECT_EQ(task["variables"][0], (Json{{"name", "x"}, {"value", "3"}}));
 }
 
+/// The page and people name the file as it is shown, not with the whole path that it was read by.
+TEST_F(ProgramControl, ABreakpointIsInTheFileThatIsShown) {
+  const std::string file = ask("program")["file"];
+  const std::string shown = std::filesystem::path(file).filename().string();
+  ASSERT_NE(shown, file);
+  const Json set = ask("program.break", {{"at", shown + ":4"}, {"clear", true}})["breakpoints"];
+  ASSERT_EQ(set.size(), 1u);
+  EXPECT_EQ(set[0]["line"], 4);
+  EXPECT_EQ(ask("program.break", {{"at", shown.substr(1) + ":4"}, {"clear", true}})["breakpoints"].size(),
+            0u);
+}
+
+TEST_F(ProgramControl, BreakpointsOfAProgramThatHasEndedHoldForItsNextStart) {
+  run_to(14);
+  ask("program.stop");
+  ask("program.break", {{"at", "13"}});
+  ask("program.from", {{"line", 10}, {"confirmed", true}});
+  run_to(13);
+  run->run(1);
+  EXPECT_EQ(line(), 13);
+  const Json told = ask("program");
+  EXPECT_TRUE(told["paused"].get<bool>());
+  EXPECT_EQ(told["breakpoints"].size(), 1u);
+}
+
 TEST_F(ProgramControl, PausesStepsAndGoesOn) {
   run_to(14);
   EXPECT_EQ(ask("program.pause")["paused"], true);
