@@ -16,6 +16,7 @@
 #include <fstream>
 #include <string>
 
+#include "bench/ik_words.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
@@ -24,24 +25,6 @@ namespace {
 
 using namespace polyarm;
 using namespace polyarm::kinematics;
-
-const char* words(IkWay way) {
-  switch (way) {
-    case IkWay::closed_form:
-      return "closed form";
-    case IkWay::search:
-      return "search";
-    case IkWay::algebra:
-      return "algebra";
-    case IkWay::spare_axis:
-      return "spare axis";
-    case IkWay::descent:
-      return "iteration";
-    case IkWay::none:
-      break;
-  }
-  return "none";
-}
 
 std::string processor() {
   std::ifstream in("/proc/cpuinfo");

@@ -24,6 +24,7 @@
 #include <map>
 #include <string>
 
+#include "bench/ik_words.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
@@ -37,24 +38,6 @@ using namespace polyarm::kinematics;
 
 enum class Kind { random, grid, near, numeric };
 using State = std::array<double, Chain::kMaxJoints>;
-
-const char* words(IkWay way) {
-  switch (way) {
-    case IkWay::closed_form:
-      return "closed form";
-    case IkWay::search:
-      return "search";
-    case IkWay::algebra:
-      return "algebra";
-    case IkWay::spare_axis:
-      return "spare axis";
-    case IkWay::descent:
-      return "iteration";
-    case IkWay::none:
-      break;
-  }
-  return "none";
-}
 
 constexpr double kFamily = 1e-6;  // of the smallest singular value
 
