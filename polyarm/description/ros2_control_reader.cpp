@@ -243,10 +243,18 @@ TransmissionEnd Ros2ControlReader::transmission_end(const Element& e, bool role_
   out.name = attribute(e, "name", tag + "_1");
   out.role = role_needed ? attribute(e, "role", tag + "1") : optional_attribute(e, "role");
   check_attributes(e, {"name", "role", "read_only"});
-  check_children(e, {"mechanical_reduction", "offset"});
+  check_children(e, {"mechanical_reduction", "offset", "mechanicalReduction"});
   out.read_only = boolean(e, "read_only").value_or(false);
-  if (const Element* r = e.FirstChildElement("mechanical_reduction"))
-    out.reduction = number_inside(*r).value_or(1);
+  const Element* reduction = e.FirstChildElement("mechanical_reduction");
+  if (const Element* old = e.FirstChildElement("mechanicalReduction")) {
+    warning(
+        *old, "old-tag",
+        "<mechanicalReduction> is how ROS 1 writes <mechanical_reduction>; ros2_control passes it over, here "
+        "it counts",
+        "write <mechanical_reduction>");
+    if (!reduction) reduction = old;
+  }
+  if (reduction) out.reduction = number_inside(*reduction).value_or(1);
   if (out.reduction == 0)
     error(e, "bad-value", "the mechanical_reduction of '" + out.name + "' is 0",
           "write the turns of the actuator for one turn of the joint; 1 leaves it as it is");

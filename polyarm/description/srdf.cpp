@@ -166,8 +166,12 @@ class SrdfReader : private XmlReader {
     out.group = attribute(e, "group", "hand");
     out.parent_group = optional_attribute(e, "parent_group");
     out.parent_link = link(e, "parent_link");
-    if (!out.parent_group.empty() && !known_group(e, out.parent_group)) return;
-    if (!known_group(e, out.group) || out.parent_link < 0) return;
+    for (const std::string& group : {out.group, out.parent_group})
+      if (!group.empty() && !drafts_.contains(group))
+        return warning(e, "unknown-group",
+                       "the end effector '" + out.name + "' is passed over: there is no group '" + group + "'" +
+                           did_you_mean(group, names_of_groups_));
+    if (out.group.empty() || out.parent_link < 0) return;
     std::erase_if(model_.end_effectors, [&](const EndEffectorInfo& other) { return other.name == out.name; });
     model_.end_effectors.push_back(std::move(out));
   }
