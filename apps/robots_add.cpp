@@ -48,10 +48,11 @@ void check(const description::RobotModel& model, Problems& problems) {
 
 int run_robots_add(int argc, char** argv) {
   CLI::App app("Adds a description of your own to the catalogue", "polyarm robots add");
-  std::string file, name, folder;
+  std::string file, name, folder, tip;
   bool replace = false;
   app.add_option("file", file, "URDF, xacro or robot file")->required()->check(CLI::ExistingFile);
   app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
+  app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
   app.add_option("--folder", folder,
                  "where to (by default ~/.config/polyarm/robots, which is always looked at)");
   app.add_flag("--replace", replace, "over a robot of that name");
@@ -60,6 +61,7 @@ int run_robots_add(int argc, char** argv) {
   if (const auto code = parse(app, argc, argv)) return *code;
   Problems problems;
   description::RobotModel model = description::load_robot(file, description::Catalogue({}), problems);
+  description::set_tip(model, tip);
   check(model, problems);
   for (const Problem& problem : problems.list())
     if (problem.severity == Severity::warning) fmt::print(stderr, "{}\n", problem.text());

@@ -69,10 +69,10 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
-  yaml.check_keys(
-      {"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-       "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges", "payload"},
-      problems);
+  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
+                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
+                   "payload", "tip"},
+                  problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
   robot.ranges = read_ranges(yaml["joint_ranges"], problems);
@@ -85,6 +85,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
+  collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
   read_thread(yaml["thread"], robot, problems);
   read_on_fault(yaml["on_fault"], robot, problems);
   collect(problems, [&] {

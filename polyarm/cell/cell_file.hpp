@@ -37,6 +37,7 @@ struct RobotEntry {
   Pose base;                      ///< T_world_base
   std::string hardware = "mock";  ///< driver name, or "declared": what the description's <ros2_control> says
   std::string tool = "none";      ///< built-in tool, or path of a tool file
+  std::string tip;                ///< the link that carries the tool; empty: RobotModel::tool_link's choice
   std::map<std::string, std::string> parameters;  ///< of the hardware
   Nanoseconds budget = 0;                         ///< of a read or write of its hardware in the loop; 0: any
   double rate = 0;                       ///< Hz at which its hardware and its controllers run; 0: the loop's

@@ -189,6 +189,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
                                                               catalogue, problems, entry.arguments)
                                     : description::read_urdf(entry.text, entry.model, problems);
+  description::set_tip(robot->model, entry.tip, entry.where);
   narrow_ranges(entry.ranges, robot->model, problems);
   std::vector<motion::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());

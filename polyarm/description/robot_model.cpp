@@ -58,23 +58,4 @@ std::vector<double> RobotModel::displayed(std::span<const double> q) const {
   return out;
 }
 
-int RobotModel::tool_link() const {
-  for (const char* wanted : {"tool0", "flange"})
-    if (const int link = find_link(wanted); link >= 0) return link;
-  int best = root;
-  std::size_t best_depth = 0;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    std::size_t depth = 0;
-    for (int joint = links[i].parent_joint; joint >= 0;
-         joint = links[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].parent_link)]
-                     .parent_joint)
-      depth += joints[static_cast<std::size_t>(joint)].moves() ? 1000 : 1;
-    if (depth > best_depth) {
-      best_depth = depth;
-      best = static_cast<int>(i);
-    }
-  }
-  return best;
-}
-
 }  // namespace polyarm::description

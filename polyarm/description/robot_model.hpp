@@ -190,6 +190,7 @@ struct RobotModel {
   std::vector<Link> links;    ///< links[root] is the base
   std::vector<Joint> joints;  ///< parents before children
   int root = 0;
+  int tip = -1;  ///< the link that somebody said a tool is bolted on (`tool_link`)
   /// Named joint states in the order of `actuated`; "home" where known.
   std::map<std::string, std::vector<double>> named_states;
   /// Indices of the joints that have a value of their own (not fixed, not mimic), parents before children.
@@ -210,9 +211,14 @@ struct RobotModel {
   std::vector<std::string> joint_names() const;
   /// What the maker's controller shows for a joint state, rad or m; empty where that is not known.
   std::vector<double> displayed(std::span<const double> q) const;
-  /// The link where a tool is bolted on, z out of it: `tool0`, else `flange`, else the last link of the
-  /// longest chain.
+  /// The link where a tool is bolted on, z out of it: `tip`, else `tool0`, else `flange`, else where the
+  /// SRDF's end effector hangs, else a name that ends so, else the last link of the longest chain: of an arm
+  /// with a gripper, whose fingers are not the arm's, the point that it holds at, where a link is called so,
+  /// or its palm.
   int tool_link() const;
 };
+
+/// Says by its name which link carries the tool (`tip`); an empty name changes nothing. Error: unknown-link.
+void set_tip(RobotModel& model, const std::string& link, const Location& where = {});
 
 }  // namespace polyarm::description

@@ -347,6 +347,7 @@ class UrdfReader : private XmlReader {
       if (const char* text = e.Attribute(name)) *value = text;
     p.payload_kg = number(&e, "payload");
     p.reach_m = number(&e, "reach");
+    if (e.Attribute("tip")) model_.tip = index_of(e, "tip");
     if (const char* source = e.Attribute("controller_axes")) {
       p.controller_axes = source;
       model_.controller_axes.resize(model_.actuated.size());

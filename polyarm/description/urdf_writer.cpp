@@ -228,6 +228,7 @@ class UrdfWriter {
       if (!text.empty()) attributes.emplace_back(name, text);
     if (p.payload_kg) attributes.emplace_back("payload", format_number(*p.payload_kg));
     if (p.reach_m) attributes.emplace_back("reach", format_number(*p.reach_m));
+    if (model.tip >= 0) attributes.emplace_back("tip", model.links[static_cast<std::size_t>(model.tip)].name);
     if (!model.controller_axes.empty()) attributes.emplace_back("controller_axes", p.controller_axes);
     open("polyarm", attributes);
     for (std::size_t i = 0; i < model.controller_axes.size(); ++i) write_controller_axis(model, i);

@@ -114,8 +114,11 @@ Chain::Drive Chain::drive_of(const RobotModel& model, int joint) {
 
 void Chain::read_joints(const RobotModel& model) {
   if (model.actuated.size() > kMaxJoints)
-    refuse("the robot '" + model.name + "' has " + std::to_string(model.actuated.size()) +
-           " joints; a chain has at most " + std::to_string(kMaxJoints));
+    throw Error("too-many-joints",
+                "the robot '" + model.name + "' has " + std::to_string(model.actuated.size()) +
+                    " joints that move by themselves; inverse kinematics and motion take at most " +
+                    std::to_string(kMaxJoints),
+                "describe the arm in a file of its own, or make joints that are not used fixed");
   for (const int i : model.actuated) {
     const Joint& joint =
         model.joints[static_cast<std::size_t>(index_in(model.joints.size(), i, "an actuated joint"))];

@@ -1,6 +1,7 @@
 /// What a cell takes from its description beside joints: transmissions, states of its SRDF, a reload.
 #include <gtest/gtest.h>
 
+#include "polyarm/cell/robots.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -44,6 +45,26 @@ double command(LockStepCell& cell, double a, double b) {
                {"message", "data: [" + std::to_string(a) + ", " + std::to_string(b) + "]"}});
   cell.run(0.5);
   return cell.value_of("states", "arm/a/position");
+}
+
+TEST(Description, TheToolHangsOnTheLinkThatTheCellNames) {
+  const Folder folder;
+  folder.write("arm.urdf", description(""));
+  Problems problems;
+  std::vector<std::string> notes;
+  const auto robots_with = [&](const std::string& tip) {
+    const auto file =
+        folder.write("cell.yaml", "polyarm: cell/1\nrobots: {arm: {model: arm.urdf, tip: " + tip + "}}\n");
+    return cell::resolve_robots(cell::read_cell_file(file), description::Catalogue({}), false, problems,
+                                notes);
+  };
+  const cell::CellRobots robots = robots_with("l1");
+  ASSERT_FALSE(problems.has_errors());
+  EXPECT_TRUE(robots.front()->facts->chain.moves_tcp(0));
+  EXPECT_FALSE(robots.front()->facts->chain.moves_tcp(1)) << "b moves l2 alone";
+  robots_with("l11");
+  ASSERT_TRUE(problems.has_errors());
+  EXPECT_NE(problems.list().back().text().find("did you mean 'l1'"), std::string::npos);
 }
 
 TEST(Description, JointsArePlayedThroughTheirTransmissions) {

@@ -62,6 +62,18 @@ TEST(Kinematics, IkAndFkUndoEachOther) {
   EXPECT_NEAR(pose["rpy"][2].get<double>(), 0.2, 1e-5);
 }
 
+TEST(Kinematics, OfTheLinkThatIsSaid) {
+  const auto height = [](std::vector<std::string> line) {
+    line.insert(line.begin(), {"fk", "universal_robots/ur5e", "--json"});
+    return nlohmann::json::parse(run_command(line).output)["xyz"][2].get<double>();
+  };
+  EXPECT_GT(std::abs(height({}) - height({"--tip", "forearm_link"})), 0.01);
+  EXPECT_EQ(height({}), height({"--tip", "tool0"}));
+  const Finished slip = run_command({"describe", "universal_robots/ur5e", "--tip", "forarm_link"});
+  EXPECT_NE(slip.exit_code, 0);
+  EXPECT_NE(slip.output.find("did you mean 'forearm_link'"), std::string::npos) << slip.output;
+}
+
 TEST(Kinematics, IkSaysWhyNot) {
   const Finished ik = run_command({"ik", "universal_robots/ur3", "--xyz", "5", "3", "2"});
   EXPECT_EQ(ik.exit_code, 1);
