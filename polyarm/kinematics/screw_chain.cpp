@@ -60,6 +60,16 @@ void write(double* to, const Vec3& v) {
   to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
+/// Which components are not nothing (bits).
+unsigned components(const double* v) {
+  return (v[0] != 0 ? 1u : 0u) | (v[1] != 0 ? 2u : 0u) | (v[2] != 0 ? 4u : 0u);
+}
+
+/// Which of the reference axes a column is.
+Turn axis_of(const double* column) {
+  return column[0] == 1 ? Turn::x : column[1] == 1 ? Turn::y : column[2] == 1 ? Turn::z : Turn::any;
+}
+
 ScrewBlock block_of(std::span<const ScrewStep> steps) {
   ScrewBlock out;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -114,7 +124,7 @@ ScrewChain::ScrewChain(std::span<const ScrewAxis> axes, std::size_t joints, cons
   Vec3 at = base;
   std::vector<int> uses(joints, 0);
   for (const ScrewAxis& axis : axes) {
-    ScrewStep step{axis.slides ? Turn::none : Turn::any, axis.joint, axis.ratio, {}, {}};
+    ScrewStep step{axis.slides ? Turn::none : Turn::any, 0, axis.joint, axis.ratio, {}, {}};
     Vec3 h = normalized(without_noise(back * axis.direction));
     if (!axis.slides) step.turn = turn_about(h);
     if (step.turn != Turn::any && h.x + h.y + h.z < 0 && !axis.slides) h = -h, step.ratio = -axis.ratio;
@@ -123,6 +133,7 @@ ScrewChain::ScrewChain(std::span<const ScrewAxis> axes, std::size_t joints, cons
     if (!axis.slides) point = point - dot(point - at, axis.direction) * axis.direction;
     write(step.h, h);
     write(step.p, without_noise(back * (point - at)));
+    step.along = components(step.p);
     at = point;
     kept->step.push_back(step);
     ++uses.at(axis.joint);
@@ -138,6 +149,8 @@ ScrewChain::ScrewChain(std::span<const ScrewAxis> axes, std::size_t joints, cons
   write(model_.base, base);
   std::copy_n(columns_of(normalized(back * T_world_tcp.rotation)).begin(), 9, model_.tool);
   write(model_.tool_offset, without_noise(back * (T_world_tcp.position - at)));
+  model_.tool_along = components(model_.tool_offset);
+  for (std::size_t c = 0; c < 3; ++c) model_.tool_axis[c] = axis_of(model_.tool + 3 * c);
   model_.distinct = std::all_of(uses.begin(), uses.end(), [](int n) { return n <= 1; });
   model_.packed = model_.distinct && steps.size() == joints;
   for (std::size_t k = 0; k < steps.size(); ++k) model_.packed = model_.packed && steps[k].joint == k;

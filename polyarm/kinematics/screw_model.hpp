@@ -17,6 +17,7 @@ enum class Turn { x, y, z, any, none };
 /// One moving joint. Vectors are in the reference axes, where all joint values are zero.
 struct ScrewStep {
   Turn turn = Turn::none;
+  unsigned along = 0;  ///< which components of p are not nothing (bits)
   std::size_t joint = 0;
   double ratio = 1;         ///< its value is ratio * q[joint]
   double h[3] = {0, 0, 0};  ///< unit vector along the axis
@@ -41,8 +42,10 @@ struct ScrewModel {
   double base[3] = {};         ///< in the world; positions of a sweep are counted from here
   double tool[9] = {};         ///< columns of the TCP's rotation in the reference axes, at zero
   double tool_offset[3] = {};  ///< from the last axis's point to the TCP, in the reference axes, at zero
-  bool distinct = false;       ///< no joint moves two steps
-  bool packed = false;         ///< and step k is of joint k, for all joints
+  Turn tool_axis[3] = {Turn::any, Turn::any, Turn::any};  ///< which reference axis each of its columns is
+  unsigned tool_along = 0;  ///< which components of tool_offset are not nothing (bits)
+  bool distinct = false;    ///< no joint moves two steps
+  bool packed = false;      ///< and step k is of joint k, for all joints
 };
 
 /// Joint states as the batch reads them: value of joint j in state s at q[j * joint_stride + s *
