@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/descent_lanes.hpp"
@@ -40,6 +41,22 @@ Bend bend_of(double cosine, double sine) {
 double length_of(const Chain& chain) {
   const double reach = chain.reach();
   return std::isfinite(reach) && reach > 1e-6 ? reach / 2 : 0.5;
+}
+
+DescentArm::Single side_by_side(const DescentArm& arm) {
+  DescentArm::Single out;
+  if (arm.axes.empty() || arm.axes.size() > std::size(out.turns) || arm.axes.size() != arm.joints) return out;
+  out.possible = true;
+  for (std::size_t i = 0; i < arm.axes.size(); ++i) {
+    const DescentArm::Axis& axis = arm.axes[i];
+    out.possible = out.possible && axis.joint == i && axis.ratio == 1;
+    out.slides = out.slides || axis.slides;
+    out.turns[i] = axis.slides ? 0 : 1;
+    out.offset[i] = axis.offset;
+    out.lower[i] = arm.lower[i];
+    out.upper[i] = arm.upper[i];
+  }
+  return out;
 }
 
 }  // namespace
@@ -101,6 +118,7 @@ DescentArm::DescentArm(const Chain& chain) : length{length_of(chain)} {
     axes.push_back(out);
   }
   if (axes.empty()) last_turn = tool_turn;
+  single = side_by_side(*this);
 }
 
 }  // namespace polyarm::kinematics

@@ -13,6 +13,7 @@ struct DescentKernels {
   void (*ends)(const DescentArm&, Descents&);
   void (*near)(const FeatureTable&, const float*, const float*, NearPoints&);
   void (*places)(const EndSeen&, Descents&, EndPlaces&);
+  bool (*single)(const DescentArm&, const DescentRules&, const double* target, SingleDescent&);
 };
 
 namespace lanes_portable {

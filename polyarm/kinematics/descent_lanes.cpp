@@ -36,6 +36,16 @@ int descend(InstructionSet set, const DescentArm& arm, const DescentRules& rules
   return (task ? kernels.task : kernels.whole)(arm, rules, task, all);
 }
 
+bool descend_alone(const DescentArm& arm, const DescentRules& rules, const double* target,
+                   SingleDescent& one) noexcept {
+  return arm.single.possible && kKernels.single(arm, rules, target, one);
+}
+
+bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const double* target,
+                   SingleDescent& one) noexcept {
+  return arm.single.possible && kernels_for(set).single(arm, rules, target, one);
+}
+
 void find_ends(const DescentArm& arm, Descents& all) noexcept {
   kKernels.ends(arm, all);
 }

@@ -41,6 +41,14 @@ struct DescentArm {
   std::array<double, Chain::kMaxJoints> unit;              ///< rad or m of one unit
   std::array<double, Chain::kMaxJoints> lower, upper;      ///< +-1e9: none, or further than a whole turn
   double length = 1;                                       ///< m
+  /// The same with the joints side by side, for descend_alone(); what is left of eight is zero.
+  struct alignas(64) Single {
+    bool possible = false;  ///< at most eight axes, each with a joint of its own that it follows one to one
+    bool slides = false;    ///< one of them
+    double turns[8] = {};   ///< 1, or 0 where it slides
+    double offset[8] = {}, lower[8] = {}, upper[8] = {};
+  };
+  Single single;
 
   explicit DescentArm(const Chain& chain);
 };
@@ -89,6 +97,19 @@ int descend(const DescentArm& arm, const DescentRules& rules, const DescentTask*
 /// tests.
 int descend(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const DescentTask* task,
             Descents& all) noexcept;
+/// One descent alone, of a seed near a solution: joint values within limits and, afterwards, errors as
+/// Descents has them. Joints that the arm does not have are zero.
+struct alignas(64) SingleDescent {
+  double x[kDescents] = {};
+  double position2 = 1e300, orientation2 = 1e300;
+};
+/// A few steps towards the whole pose `target` (as Descents::target), until it is within the tolerances of
+/// `rules`. False where they do not lead there quickly, or DescentArm::single is not possible: `one` is then
+/// as it was, and descend() is the way.
+bool descend_alone(const DescentArm& arm, const DescentRules& rules, const double* target,
+                   SingleDescent& one) noexcept;
+bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const double* target,
+                   SingleDescent& one) noexcept;
 /// Where the eight arms end, into Descents::target.
 void find_ends(const DescentArm& arm, Descents& all) noexcept;
 /// How a table of ends sees them: without the turn of a first joint about its own axis.

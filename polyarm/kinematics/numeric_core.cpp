@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kRounding = 1e-11;  // of errors, in lengths and rad: nearer is not asked for
 constexpr int kPolish = 4;
+constexpr int kStepsAlone = 6;  // two, mostly
 
 double squared(double v) {
   return v * v;
@@ -66,9 +67,11 @@ bool NumericCore::read(const Pose& target, const IkTask* task, std::span<const d
     const double value = seed[arm.chain_joint[k]];
     // Whole turns are put back at the end; so far out, sines would lose digits.
     const double period = chain.period(arm.chain_joint[k]);
-    const double near = period > 0 && std::abs(value) < 1e9 && arm.upper[k] > 1e8 && arm.lower[k] < -1e8
-                            ? std::remainder(value, period)
-                            : value;
+    const double far = std::abs(value);
+    const double near =
+        2 * far > period && period > 0 && far < 1e9 && arm.upper[k] > 1e8 && arm.lower[k] < -1e8
+            ? value - period * std::nearbyint(value / period)
+            : value;
     if (!std::isfinite(near)) return false;
     out.seed[k] = std::clamp(near / arm.unit[k], std::max(arm.lower[k], -1e5), std::min(arm.upper[k], 1e5));
   }
@@ -154,7 +157,26 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
   return good(out);
 }
 
+bool NumericCore::follow_alone(const NumericQuestion& question, const double* from, double position2,
+                               double orientation2, int steps, NumericPlace& out) const noexcept {
+  if (question.task || !arm.single.possible) return false;
+  DescentRules here = rules;
+  here.walls = question.walls;
+  here.position2 = position2;
+  here.orientation2 = orientation2;
+  here.steps = std::min(steps, kStepsAlone);
+  SingleDescent one;
+  std::copy_n(from, arm.joints, one.x);
+  if (!descend_alone(arm, here, question.target.data(), one)) return false;
+  std::copy_n(one.x, arm.joints, out.x.begin());
+  out.position2 = one.position2;
+  out.orientation2 = one.orientation2;
+  return true;
+}
+
 bool NumericCore::follow(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept {
+  if (follow_alone(question, question.seed.data(), rules.position2, rules.orientation2, steps, out))
+    return true;
   Descents all;
   set_targets(question, all);
   set_states(question.seed.data(), all);
@@ -169,6 +191,7 @@ bool NumericCore::follow(const NumericQuestion& question, int steps, NumericPlac
 
 void NumericCore::polish(const NumericQuestion& question, NumericPlace& at) const noexcept {
   if (at.size2() < squared(kRounding)) return;
+  if (follow_alone(question, at.x.data(), squared(kRounding), squared(kRounding), kPolish, at)) return;
   Descents all;
   set_targets(question, all);
   set_states(at.x.data(), all);

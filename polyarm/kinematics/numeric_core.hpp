@@ -46,6 +46,9 @@ struct NumericCore {
   /// From the seed and the table's states until one descent converges or `steps` are done; `out` is that one,
   /// else the nearest.
   bool race(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept;
+  /// By descend_alone(), to these tolerances; false where that is no way.
+  bool follow_alone(const NumericQuestion& question, const double* from, double position2,
+                    double orientation2, int steps, NumericPlace& out) const noexcept;
   /// From the seed alone.
   bool follow(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept;
   /// Runs `searches` descents and calls `see(place)` with where each came to.

@@ -78,8 +78,9 @@ class NumericIk {
   IkOutcome solve(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   IkOutcome solve(const Pose& target, const IkTask& task, std::span<const double> seed,
                   IkSolution& out) const noexcept;
-  /// The solution that one descent from `seed` leads to, and no other: a servo tick. Within tolerance it ends,
-  /// polish or not. Where it does not lead there, how far it came.
+  /// The solution that one descent from `seed` leads to, and no other: a servo tick; mostly two steps of
+  /// third order, of one arm alone. Within tolerance it ends, polish or not. Where it does not lead there,
+  /// how far it came.
   IkOutcome track(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   IkOutcome track(const Pose& target, const IkTask& task, std::span<const double> seed,
                   IkSolution& out) const noexcept;

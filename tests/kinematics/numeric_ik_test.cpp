@@ -373,6 +373,7 @@ TEST(NumericIk, DoesNothingThatTheControlCycleMayNot) {
   Random random(39);
   const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
   const Pose target = chain.forward(q);
+  const auto beside = test::nearby_state(chain, q, 0.01, random);
   Pose far = target;
   far.position.x += 3;
   const std::vector<Pose> targets(20, target);
@@ -384,6 +385,7 @@ TEST(NumericIk, DoesNothingThatTheControlCycleMayNot) {
     ik.solve(far, seed, one);
     ik.solve(target, IkTask::free_spin(), seed, one);
     ik.track(target, q, one);
+    ik.track(target, beside, one);
     ik.solve_all(target, seed, all);
     ik.solve_batch(targets, {}, found);
     going.solve(target, seed, one);
@@ -423,6 +425,80 @@ TEST(NumericIk, DescentsAreTheSameWithEverySetOfInstructions) {
       }
     }
   }
+}
+
+/// A question whose seed is beside a state that has its pose.
+NumericQuestion question_beside(const NumericCore& core, std::span<const double> q, double far,
+                                Random& random) {
+  NumericQuestion out;
+  const auto seed = test::nearby_state(core.chain, q, far, random);
+  EXPECT_TRUE(core.read(core.chain.forward(q), nullptr, seed, out));
+  return out;
+}
+
+TEST(NumericIk, OneDescentAloneLeadsToThePoseWithEverySetOfInstructions) {
+  int arms = 0;
+  for (const auto& model : all_kinds()) {
+    SCOPED_TRACE(model.name);
+    const Chain chain = test::chain_of(model);
+    const NumericCore core(chain, {});
+    if (!core.arm.single.possible) continue;
+    ++arms;
+    Random random(41);
+    DescentRules rules = core.rules;
+    rules.steps = 6;
+    int led = 0;
+    for (int i = 0; i < 500; ++i) {
+      const auto q = test::random_state(chain, random);
+      const NumericQuestion question = question_beside(core, q, 0.01, random);
+      SingleDescent here;
+      std::copy_n(question.seed.begin(), core.arm.joints, here.x);
+      const SingleDescent start = here;
+      const bool there = descend_alone(fastest_instructions(), core.arm, rules, question.target.data(), here);
+      led += there;
+      for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2}) {
+        SingleDescent other = start;
+        EXPECT_EQ(descend_alone(supported(set), core.arm, rules, question.target.data(), other), there);
+        for (std::size_t k = 0; k < core.arm.joints; ++k) EXPECT_NEAR(here.x[k], other.x[k], 1e-6);
+      }
+      if (!there) {
+        EXPECT_EQ(here.x[0], start.x[0]);
+        continue;
+      }
+      NumericPlace at{.position2 = here.position2, .orientation2 = here.orientation2};
+      std::copy_n(here.x, core.arm.joints, at.x.begin());
+      IkSolution found;
+      core.write(at, q, found);
+      expect_there(chain, chain.forward(q), found);
+    }
+    EXPECT_GT(led, 475);
+  }
+  EXPECT_EQ(arms, 4) << "turning and sliding, of four to seven axes; not with followers, nor of twelve";
+}
+
+TEST(NumericIk, WhatAStepAloneLeavesIsOfThirdOrder) {
+  const Chain chain = test::chain_of(test::ur3());
+  const NumericCore core(chain, {});
+  DescentRules rules = core.rules;
+  rules.steps = 1;
+  std::vector<double> ratios;
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    double left[2] = {};
+    for (const std::size_t half : {0, 1}) {
+      Random random(i);
+      const auto q = test::random_state(chain, random);
+      const NumericQuestion question = question_beside(core, q, half ? 0.005 : 0.01, random);
+      SingleDescent one;
+      std::copy_n(question.seed.begin(), 6, one.x);
+      rules.position2 = rules.orientation2 = 1e-6;
+      if (descend_alone(core.arm, rules, question.target.data(), one))
+        left[half] = std::sqrt(one.position2 + one.orientation2);
+    }
+    if (left[0] > 0 && left[1] > 0) ratios.push_back(left[0] / left[1]);
+  }
+  ASSERT_GT(ratios.size(), 300U);
+  std::nth_element(ratios.begin(), ratios.begin() + 150, ratios.end());
+  EXPECT_NEAR(ratios[150], 8, 1);
 }
 
 }  // namespace

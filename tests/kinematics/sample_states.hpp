@@ -1,5 +1,7 @@
 #pragma once
 /// Chains of sample robots, states drawn within their limits, and the instructions there may be.
+#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
@@ -21,6 +23,15 @@ inline std::vector<double> random_state(const kinematics::Chain& chain, kinemati
   std::vector<double> q;
   for (std::size_t j = 0; j < chain.joints(); ++j) q.push_back(random_value(chain, j, random));
   return q;
+}
+
+/// Each joint at most `far` (rad or m) from `q`, within limits.
+inline std::vector<double> nearby_state(const kinematics::Chain& chain, std::span<const double> q, double far,
+                                        kinematics::Random& random) {
+  std::vector<double> out;
+  for (std::size_t j = 0; j < chain.joints(); ++j)
+    out.push_back(std::clamp(q[j] + far * (2 * random.unit() - 1), chain.lower()[j], chain.upper()[j]));
+  return out;
 }
 
 }  // namespace polyarm::test
