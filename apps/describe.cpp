@@ -160,19 +160,17 @@ void print(const RobotModel& model) {
 
 int run_describe(int argc, char** argv) {
   CLI::App app("Says what a robot is", "polyarm describe");
-  std::string robot, tip;
+  AskedRobot robot;
   bool json_wanted = false, urdf = false;
-  app.add_option("robot", robot, "catalogue name (universal_robots/ur3), or a URDF or robot file")
-      ->required();
-  app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
+  robot.add_to(app)->required();
   app.add_flag("--json", json_wanted, "everything as one JSON object");
   app.add_flag("--urdf", urdf, "the robot as URDF, which reads back equal");
   app.footer(examples({"polyarm describe universal_robots/ur3", "polyarm describe my_robot.urdf --json",
+                       "polyarm describe ur.urdf.xacro name:=ur ur_type:=ur5e",
                        "polyarm describe abb/irb_120 --urdf > irb_120.urdf"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   Problems warnings;
-  RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
-  description::set_tip(model, tip);
+  const RobotModel model = robot.load(warnings, open_catalogue());
   for (const Problem& problem : warnings.list()) fmt::print(stderr, "{}\n", problem.text());
   if (urdf)
     fmt::print("{}", description::write_urdf(model));

@@ -16,13 +16,13 @@ using nlohmann::json;
 
 /// What both verbs ask for.
 struct Common {
-  std::string robot, tip, tool = "none";
+  AskedRobot robot;
+  std::string tool = "none";
   std::vector<double> tcp;
   bool as_json = false;
 
   void add_to(CLI::App& app) {
-    app.add_option("robot", robot, "catalogue name, or a URDF file")->required();
-    app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
+    robot.add_to(app)->required();
     app.add_option("--tool", tool,
                    "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
     app.add_option("--tcp", tcp, "TCP in tool0 instead: x y z, or x y z roll pitch yaw (m, rad)")
@@ -46,8 +46,7 @@ struct Loaded {
 Loaded load(const Common& common) {
   Problems warnings;
   Loaded out;
-  out.model = description::load_robot(common.robot, open_catalogue(), warnings);
-  description::set_tip(out.model, common.tip);
+  out.model = common.robot.load(warnings, open_catalogue());
   out.chain =
       std::make_unique<kinematics::Chain>(out.model, out.model.tool_link(), Pose{}, common.tcp_pose());
   const auto home = out.model.named_states.find("home");

@@ -43,4 +43,29 @@ description::Catalogue open_catalogue() {
   return description::Catalogue(description::default_catalogue_folders());
 }
 
+std::map<std::string, std::string> named_values(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> out;
+  for (const std::string& word : words) {
+    const auto at = word.find(":=");
+    if (at == std::string::npos || at == 0)
+      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE",
+                  "arguments of a description come as NAME:=VALUE");
+    out[word.substr(0, at)] = word.substr(at + 2);
+  }
+  return out;
+}
+
+CLI::Option* AskedRobot::add_to(CLI::App& app, const std::string& what) {
+  CLI::Option* robot = app.add_option("robot", name, what);
+  app.add_option("arguments", arguments, "NAME:=VALUE of a description in xacro");
+  app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
+  return robot;
+}
+
+description::RobotModel AskedRobot::load(Problems& warnings, const description::Catalogue& catalogue) const {
+  description::RobotModel model = description::load_robot(name, catalogue, warnings, named_values(arguments));
+  description::set_tip(model, tip);
+  return model;
+}
+
 }  // namespace polyarm::apps

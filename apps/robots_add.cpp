@@ -48,25 +48,25 @@ void check(const description::RobotModel& model, Problems& problems) {
 
 int run_robots_add(int argc, char** argv) {
   CLI::App app("Adds a description of your own to the catalogue", "polyarm robots add");
-  std::string file, name, folder, tip;
+  AskedRobot robot;
+  std::string name, folder;
   bool replace = false;
-  app.add_option("file", file, "URDF, xacro or robot file")->required()->check(CLI::ExistingFile);
+  robot.add_to(app, "URDF, xacro or robot file")->required()->check(CLI::ExistingFile);
   app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
-  app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
   app.add_option("--folder", folder,
                  "where to (by default ~/.config/polyarm/robots, which is always looked at)");
   app.add_flag("--replace", replace, "over a robot of that name");
-  app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one", "polyarm robots add arm.urdf.xacro",
+  app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one",
+                       "polyarm robots add ur.urdf.xacro name:=ur ur_type:=ur5e --name acme/cell_ur",
                        "polyarm robots add arm.urdf --folder my_cell/robots"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   Problems problems;
-  description::RobotModel model = description::load_robot(file, description::Catalogue({}), problems);
-  description::set_tip(model, tip);
+  description::RobotModel model = robot.load(problems, description::Catalogue({}));
   check(model, problems);
   for (const Problem& problem : problems.list())
     if (problem.severity == Severity::warning) fmt::print(stderr, "{}\n", problem.text());
   problems.throw_if_errors();
-  description::complete_for_catalogue(model, file);
+  description::complete_for_catalogue(model, robot.name);
   if (name.empty()) name = default_name(model);
   const std::filesystem::path where =
       folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);

@@ -97,15 +97,15 @@ void write(const fs::path& file, const std::string& text) {
 
 int run_robots_picture(int argc, char** argv) {
   CLI::App app("Draws a robot as SVG", "polyarm robots picture");
-  std::string robot;
+  AskedRobot robot;
   std::vector<double> joints;
-  app.add_option("robot", robot, "catalogue name, or a URDF or robot file")->required();
+  robot.add_to(app)->required();
   app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);
   app.footer(examples({"polyarm robots picture kuka/kr_16_2 > kr16.svg",
                        "polyarm robots picture my_arm.urdf --joints 0 -1 1 0 0 0 > arm.svg"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   Problems warnings;
-  const RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
+  const RobotModel model = robot.load(warnings, open_catalogue());
   if (joints.empty()) joints = home_of(model);
   if (joints.size() != model.actuated.size())
     throw Error("bad-value",

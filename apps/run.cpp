@@ -145,18 +145,6 @@ bool runs_here(const std::string& path) {
   return file.extension() == ".launch" || path.ends_with(".launch.xml");
 }
 
-std::map<std::string, std::string> named_values(const std::vector<std::string>& words) {
-  std::map<std::string, std::string> out;
-  for (const std::string& word : words) {
-    const auto at = word.find(":=");
-    if (at == std::string::npos || at == 0)
-      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE",
-                  "arguments of a description come as NAME:=VALUE");
-    out[word.substr(0, at)] = word.substr(at + 2);
-  }
-  return out;
-}
-
 /// The first stops on the path, the second at once; with the third the process ends where it is.
 void on_signal(int number) {
   if (cell::stops_requested() >= 2) {

@@ -48,9 +48,9 @@ struct Subject {
   motion::Workspace allowed;
 };
 
-Subject alone(const std::string& robot, const std::string& tool) {
+Subject alone(const AskedRobot& robot, const std::string& tool) {
   Problems warnings;
-  const description::RobotModel model = description::load_robot(robot, open_catalogue(), warnings);
+  const description::RobotModel model = robot.load(warnings, open_catalogue());
   Subject out;
   out.name = model.name;
   out.chain.emplace(model, model.tool_link(), Pose{}, description::find_tool(tool, ".").tcp);
@@ -82,10 +82,11 @@ Subject in_cell(const std::string& folder, const std::string& name) {
 
 int run_workspace(int argc, char** argv) {
   CLI::App app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
-  std::string robot, folder, tool = "none", orientation = "down", image, data;
+  AskedRobot robot;
+  std::string folder, tool = "none", orientation = "down", image, data;
   std::vector<double> rpy;
   WorkspaceQuestion question;
-  app.add_option("robot", robot, "catalogue name, or a URDF or robot file; with --cell one of its robots");
+  robot.add_to(app, "catalogue name, or a URDF, xacro or robot file; with --cell one of its robots");
   app.add_option("--cell", folder, "a cell: its robot where it stands, with its tool, limits and workspace")
       ->check(CLI::ExistingPath);
   app.add_option("--plane", question.plane, "xz (the default), xy or yz")
@@ -105,12 +106,14 @@ int run_workspace(int argc, char** argv) {
        "polyarm workspace kuka/lbr_iiwa_7_r800 --orientation any --resolution 60 --image iiwa.png"}));
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!image.empty()) image_of(image, {}, question, {});
-  if (robot.empty() && folder.empty())
+  if (robot.name.empty() && folder.empty())
     throw Error("no-robot", "no robot is named", "say universal_robots/ur5e, or --cell and a folder");
-  if (!folder.empty() && app.count("--tool") > 0)
-    throw Error("bad-value", "--tool and --cell: the cell says which tool its robot has",
-                "leave one of them out");
-  const Subject subject = folder.empty() ? alone(robot, tool) : in_cell(folder, robot);
+  for (const char* option : {"--tool", "--tip"})
+    if (!folder.empty() && app.count(option) > 0)
+      throw Error("bad-value",
+                  std::string(option) + " and --cell: the cell says which tool its robot has, and where",
+                  "leave one of them out");
+  const Subject subject = folder.empty() ? alone(robot, tool) : in_cell(folder, robot.name);
   const kinematics::Chain& chain = *subject.chain;
   const std::vector<double>& home = subject.home;
   question.allowed = subject.allowed;

@@ -26,11 +26,7 @@ int run_xacro(int argc, char** argv) {
              "ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.\n");
   if (const auto code = parse(app, argc, argv)) return *code;
   description::XacroOptions options;
-  for (const std::string& word : arguments) {
-    const auto at = word.find(":=");
-    if (at == std::string::npos) throw Error("bad-value", "'" + word + "' is not NAME:=VALUE");
-    options.arguments[word.substr(0, at)] = word.substr(at + 2);
-  }
+  options.arguments = named_values(arguments);
   for (const std::string& word : packages) {
     const auto at = word.find('=');
     if (at == std::string::npos) throw Error("bad-value", "--package " + word + " is not NAME=FOLDER");

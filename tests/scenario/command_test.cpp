@@ -74,6 +74,27 @@ TEST(Kinematics, OfTheLinkThatIsSaid) {
   EXPECT_NE(slip.output.find("did you mean 'forearm_link'"), std::string::npos) << slip.output;
 }
 
+TEST(Describe, ADescriptionInXacroIsToldItsArguments) {
+  const ExampleCopy copy("pick_and_place");
+  const std::string file = copy.file("arm.urdf.xacro");
+  write_file_atomically(file, R"xml(<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="prefix" default="a_"/>
+<link name="$(arg prefix)base"/><link name="$(arg prefix)tool0"/>
+<joint name="$(arg prefix)j" type="revolute">
+<parent link="$(arg prefix)base"/><child link="$(arg prefix)tool0"/>
+<origin xyz="0.1 0.2 0.3"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>)xml");
+  const Finished described = run_command({"describe", file, "name:=mine", "prefix:=b_", "--json"});
+  ASSERT_EQ(described.exit_code, 0) << described.output;
+  const auto robot = nlohmann::json::parse(described.output);
+  EXPECT_EQ(robot["name"], "mine");
+  EXPECT_EQ(robot["tool_link"], "b_tool0");
+  const Finished fk = run_command({"fk", file, "name:=mine", "--joints", "0"});
+  EXPECT_EQ(fk.exit_code, 0) << fk.output;
+  const Finished wrong = run_command({"describe", file, "name=mine"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.output.find("NAME:=VALUE"), std::string::npos) << wrong.output;
+}
+
 TEST(Kinematics, IkSaysWhyNot) {
   const Finished ik = run_command({"ik", "universal_robots/ur3", "--xyz", "5", "3", "2"});
   EXPECT_EQ(ik.exit_code, 1);
