@@ -111,7 +111,7 @@ void InverseKinematics::Arm::find_form() {
 }
 
 namespace {
-constexpr int kOwnStates = 6;
+constexpr int kOwnStates = 6, kStatesOfNearly = 60;
 }
 
 void InverseKinematics::Arm::find_six() {
@@ -320,7 +320,9 @@ void InverseKinematics::Arm::find_fewer() {
       const std::array<int, 6> before_axes = to_arm;
       worth_polishing = 0.1;
       settle(found, attempts[k].to_arm);
-      if (!searched(found.family) && found_of_own_states(kOwnStates) < kOwnStates) {
+      // Where the six axes fit only nearly, only some of the states may have their answer near enough.
+      const int states = found.exact() ? kOwnStates : kStatesOfNearly;
+      if (!searched(found.family) && found_of_own_states(states) < states) {
         if (before.family == ArmFamily::none)
           known = {};
         else
