@@ -12,8 +12,8 @@ struct SearchSamples {
   alignas(64) double s[kSearchSamples], c[kSearchSamples];
 };
 extern const SearchSamples kSearchAllRound;
-/// As many samples in the cells that are marked (of those all round), and nowhere else.
-void search_closer(const bool* marked, SearchSamples& out) noexcept;
+/// As many samples in the cells `of` these that are marked, and nowhere else.
+void search_closer(const SearchSamples& of, const bool* marked, SearchSamples& out) noexcept;
 
 struct BranchKernels {
   void (*solve)(const BranchJob&, Branches&);

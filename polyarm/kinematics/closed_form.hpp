@@ -104,6 +104,8 @@ struct BranchJob {
   int patience = 4;            ///< steps after which only small errors are worth more
   int most_steps = 30;         ///< of descent
   double good_enough = 1e-11;  ///< errors smaller than this are not worked on, m and rad
+  /// Errors up to this are those of an ideal arm's answers on the true one, m and rad; 0: not asked for.
+  double ideal = 0;
 };
 
 /// What came out, axis after axis, for each branch. Angles are within a turn about zero, or of the turns
@@ -115,6 +117,9 @@ struct Branches {
   alignas(64) double distance2[kBranches];           ///< weighted, from BranchJob::near
   std::uint32_t inside = ~0u;                        ///< branches within limits (bits)
   std::uint32_t free = 0;                            ///< branches in which an angle was free (bits)
+  /// Branches with BranchJob::ideal errors at first which descent took far, or not to the end (bits): there
+  /// may be other solutions near, or none.
+  std::uint32_t strayed = 0;
 };
 
 /// In which of its turns a joint is wanted: within limits, and of those turns nearest to a given value. A

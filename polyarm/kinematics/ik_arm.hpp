@@ -65,6 +65,13 @@ struct WaitingStates {
   std::size_t count = 0;
 };
 
+/// The same form; what is so near to a border that solutions are parted there counts as singular.
+inline SixAxisForm telling_of(SixAxisForm form) noexcept {
+  form.wary = true;
+  form.near_edge = 4 * form.edge;
+  return form;
+}
+
 struct InverseKinematics::Arm {
   IkSettings settings;
   std::string report;
@@ -83,6 +90,8 @@ struct InverseKinematics::Arm {
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
   SixAxisForm wary;
+  /// Of an arm that is not quite ideal: borders are told, as near as solutions are parted there.
+  SixAxisForm first;
   /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
   QuickJob quick;
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
@@ -134,7 +143,8 @@ struct InverseKinematics::Arm {
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,
                    Gathered& out) const noexcept;
-  bool near_first_fold(const PoseTarget& target) const noexcept;
+  void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+                          Gathered& out) const noexcept;
   void along_families(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes, std::uint32_t branches_of_it,
                     std::size_t before, Gathered& out) const noexcept;

@@ -67,28 +67,17 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   }
   if (algebraic()) return offer_roots(job, before, out);
   if (searched(known.family)) return search_at(job, strict_form, before, out);
+  if (!known.exact()) return solve_nearly_ideal(job, strict_form, wary_form, out);
   Branches branches;
   job.form = &wary_form;
   solve_branches(job, branches);
-  if (branches.free == 0 && (known.exact() || !near_first_fold(job.target)))
-    return sift(job, branches, before, out);
+  if (branches.free == 0) return sift(job, branches, before, out);
   // Of a family the member nearest to the seed stands for others that hardly differ: so it comes first.
-  if (known.exact()) {
-    offer_alone(job, out.seed, out);
-    sift(job, branches, before, out);
-    job.form = &strict_form;
-    solve_branches(job, branches);
-    return sift(job, branches, before, out);
-  }
-  job.patience = 14;
-  around_seed(job, before, out);
+  offer_alone(job, out.seed, out);
   sift(job, branches, before, out);
   job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
-  if (spare >= 0) return;
-  along_families(job, before, out);
-  look_for_twins(job, before, out);
 }
 
 /// All that the search along axis 4 ends in, and what descent finds around the seed.

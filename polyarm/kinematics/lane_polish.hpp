@@ -115,18 +115,23 @@ POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTar
     }
   }
   solve_definite(a, b);
-  Lane moved{};
+  Lane moved{}, step[kMost], most{};
   for (std::size_t k = 0; k < n; ++k) {
     if (!moves[k]) continue;
     Lane d{};
     for (int i = 0; i < 6; ++i) d += column[k][i] * b[i];
     if (k == watched) moved = d;
+    step[k] = d;
+    if (!arm.slides[k]) most = most_of(most, magnitude(d));
+  }
+  const Lane part = select(below(splat(kLargestTurn), most), kLargestTurn * inverse(most), splat(1.0));
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!moves[k]) continue;
+    const Lane d = part * step[k];
     if (arm.slides[k]) {
       q[k].s += d;
       continue;
     }
-    d = select(below(splat(kLargestTurn), d), splat(kLargestTurn), d);
-    d = select(below(d, splat(-kLargestTurn)), splat(-kLargestTurn), d);
     const Lane d2 = d * d;
     const LaneAngle by{d * (1.0 - d2 * (1.0 / 6) * (1.0 - d2 * (1.0 / 20))),
                        1.0 - d2 * 0.5 * (1.0 - d2 * (1.0 / 12))};
@@ -207,17 +212,36 @@ POLYARM_INLINE LaneAngle angle_at(const LaneArm& arm, std::size_t axis, double v
   return {splat(__builtin_sin(value)), splat(__builtin_cos(value))};
 }
 
+/// Which of the angles are far from where they began.
+POLYARM_INLINE LaneMask far_from(const LaneArm& arm, const LaneAngle* begin, const LaneAngle* q) {
+  constexpr double kCosineOfFar = 0.99875;  // 0.05 rad
+  LaneMask out{};
+  for (std::size_t i = 0; i < arm.count; ++i)
+    if (!arm.slides[i]) out |= below(begin[i].s * q[i].s + begin[i].c * q[i].c, splat(kCosineOfFar));
+  return out;
+}
+
 POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const bool* moves, Branches& out) {
   Lane position, orientation;
   double worth = job.worth_polishing;
+  LaneAngle begin[kMost];
+  LaneMask ideal{};
   for (int i = 0;; ++i) {
     measure(*job.arm, q, job.target, position, orientation);
+    if (i == 0 && job.ideal > 0) {
+      ideal = below(most_of(position, orientation), splat(job.ideal * job.ideal));
+      std::copy(q, q + job.arm->count, begin);
+    }
     store(position, out.position_error2);
     store(orientation, out.orientation_error2);
     if (i >= job.patience) worth = std::min(worth, 1e-4);
     if (i == job.most_steps || !worth_more(position, orientation, job.good_enough, worth)) break;
     descend(*job.arm, moves, job.target, q);
   }
+  out.strayed = 0;
+  if (bits_of(ideal) == 0) return;
+  const LaneMask unfinished = below(splat(1e-18), most_of(position, orientation));
+  out.strayed = bits_of(ideal & (unfinished | far_from(*job.arm, begin, q)));
 }
 
 }  // namespace POLYARM_LANES

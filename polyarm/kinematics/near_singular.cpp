@@ -17,7 +17,7 @@ constexpr int kRelaxing = 4;
 /// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
 constexpr double kParted = 12;
 constexpr double kWider = 30;        ///< the same where branches have come close and no further
-constexpr double kFold = 30;         ///< the same of a plane's distance
+constexpr double kIdeal = 300;       ///< up to so many are errors of the ideal arm's answers
 constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
 constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
 
@@ -67,18 +67,33 @@ FreeAxes free_axes(BranchJob job, std::size_t axes) {
 
 }  // namespace
 
-/// Whether the wrist is about as far from axis 1 as the plane it moves in, so that both ways of axis 1 meet.
-/// That plane may be so close to the axis that what the true arm is off by is much of it.
-bool InverseKinematics::Arm::near_first_fold(const PoseTarget& target) const noexcept {
-  if (known.family != ArmFamily::wrist_2_parallel_3 && known.family != ArmFamily::parallel_234_5_meets_6)
-    return false;
-  Vec3 p = target.position + target.rotation * form.center_in_tool;
-  if (form.from_tool) p = transposed(target.rotation) * (form.center_in_tool - target.position);
-  p = p - form.first;
-  const Vec3 &h1 = form.h[0], &h2 = form.h[1];
-  const double along = dot(h1, h2), away = norm(cross(h1, p)) * std::sqrt(1 - along * along),
-               plane = std::abs(form.height - along * dot(h1, p));
-  return std::abs(away - plane) < kFold * (known.worst_gap + known.worst_angle * lanes.size);
+/// Where descent takes the ideal arm's answers but a little way on the true one, these are its answers. Else
+/// folds and families are near, of which the true arm has others.
+void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form,
+                                                const SixAxisForm& wary_form, Gathered& out) const noexcept {
+  const std::size_t before = out.count;
+  Branches branches;
+  SixAxisForm telling;
+  if (spare >= 0) telling = telling_of(strict_form);
+  job.form = spare >= 0 ? &telling : &first;
+  job.ideal = kIdeal * (known.worst_gap + known.worst_angle * std::max(1.0, lanes.size));
+  solve_branches(job, branches);
+  job.ideal = 0;
+  if (branches.free == 0 && branches.strayed == 0) return sift(job, branches, before, out);
+  job.patience = 14;
+  around_seed(job, before, out);
+  job.form = &strict_form;
+  if (branches.free != 0)
+    solve_branches(job, branches);
+  else
+    polish_branches(job, branches);
+  sift(job, branches, before, out);
+  job.form = &wary_form;
+  solve_branches(job, branches);
+  sift(job, branches, before, out);
+  if (spare >= 0) return;
+  along_families(job, before, out);
+  look_for_twins(job, before, out);
 }
 
 /// Where solutions meet, joint values are known to half the digits, and what is on a limit may seem to be
@@ -221,7 +236,8 @@ void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t 
 /// back to a solution (`solved`) at hand, descent goes on to the end.
 void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at, bool solved,
                                          std::size_t since, Gathered& out) const noexcept {
-  constexpr double kFar = 0.02, kSteps[] = {3, 10, 40, 150}, kWide[] = {0.03, 0.08, 0.16, 0.35};
+  constexpr double kFar = 0.02, kFlat = 0.002, kSteps[] = {3, 10, 40, 150};
+  constexpr double kWide[] = {0.03, 0.08, 0.16, 0.35}, kWidest[] = {0.6, 1, 1.5, 2.2};
   const std::size_t n = geometry.count;
   AxisValues way{};
   const double least = geometry.least_motion(at, way);
@@ -235,10 +251,12 @@ void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValue
     if (axis == static_cast<int>(held)) axis = -1;
   relaxing.all_move = false;
   WaitingStates waiting;
-  for (const bool wide : {false, true}) {
+  for (int width = 0; width < (least < kFlat ? 3 : 2); ++width) {
     Branches branches;
     for (std::size_t k = 0; k < kBranches; ++k) {
-      const double size = wide ? kWide[k / 2] : std::clamp(kSteps[k / 2] * least, 1e-4, 0.4);
+      const double size = width == 2   ? kWidest[k / 2]
+                          : width == 1 ? kWide[k / 2]
+                                       : std::clamp(kSteps[k / 2] * least, 1e-4, 0.4);
       const double step = k % 2 ? size : -size;
       for (std::size_t i = 0; i < n; ++i) branches.value[i][k] = at[i] + step * way[i];
     }
