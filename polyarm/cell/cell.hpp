@@ -69,6 +69,7 @@ struct CellOptions {
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
   std::optional<TestEntry> test;         ///< stands beside the program, which begins when it says so
+  std::vector<Location> breakpoints;     ///< as those of a cell before it were
   std::filesystem::path state_folder;    ///< where data files are kept; empty: .state/data of the cell
   program::ReadPrograms read;            ///< scripts that have been read already
 };
@@ -126,6 +127,11 @@ class Cell {
   bool program_runs() const;
   /// Ends the program where it is: its moves end on their paths. What it does on stop is still done.
   void end_program();
+  /// Where programs pause: in the one there is, and in others of the cell's folder once they are begun.
+  std::vector<Location> breakpoints() const;
+  /// Each moves down to the next statement. Throws Error where there is no such program, or no statement.
+  void add_breakpoint(const Location& place);
+  void drop_breakpoint(const Location& place);
   /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
   /// there is nothing to go on from, or the program has changed.
   program::StartReport continue_program();
@@ -252,6 +258,7 @@ class Cell {
   void offer_named_states();
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
+  void place_breakpoints();
   void start_program(program::Program program);
   void end_moves();
   void send_start_messages();
@@ -345,6 +352,7 @@ class Cell {
   bool finished_ = false;
   std::unique_ptr<Recorder> recording_;
   std::optional<RestartWish> restart_;
+  std::vector<Location> breakpoints_;  ///< of files in the cell's folder by their name in it
 };
 
 }  // namespace polyarm::cell

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/build.hpp"
@@ -9,7 +12,34 @@
 
 namespace polyarm::cell {
 
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file of the folder by its name in there; another as it is.
+std::string name_in(const fs::path& folder, const std::string& file) {
+  std::error_code error;
+  const std::string name = fs::proximate(file, folder, error).generic_string();
+  return error || name.empty() || name.starts_with("..") ? file : name;
+}
+
+bool is_script_of(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const fs::path path(name);
+  return !path.is_absolute() && !name.starts_with("..") && path.extension() == ".script" &&
+         fs::is_regular_file(folder / path, error);
+}
+
+bool same_place(const Location& a, const Location& b) {
+  return a.file == b.file && a.line == b.line;
+}
+
+}  // namespace
+
 void Cell::build_programs(Problems& problems) {
+  for (const Location& each : options_.breakpoints)
+    if (const std::string name = name_in(file_.folder, each.file); is_script_of(file_.folder, name))
+      breakpoints_.push_back({name, each.line, 0});
   ProgramHost::Context context;
   context.store = &store_;
   context.files = files_.get();
@@ -73,6 +103,7 @@ void Cell::start_program(program::Program program) {
     safe_points_ =
         std::make_unique<SafePoints>(file_.folder / ".state" / "program.json", *worker_, options_.lock_step);
   if (safe_points_) safe_points_->set_held(held_parts_->names(snapshot()));
+  place_breakpoints();
 }
 
 void Cell::put_program(program::Program program) {
@@ -82,6 +113,52 @@ void Cell::put_program(program::Program program) {
   options_.waits = true;
   start_program(std::move(program));
   begun_ = false;
+}
+
+std::vector<Location> Cell::breakpoints() const {
+  std::vector<Location> out = breakpoints_;
+  for (Location& each : out)
+    if (!fs::path(each.file).is_absolute()) each.file = (file_.folder / each.file).string();
+  return out;
+}
+
+void Cell::add_breakpoint(const Location& place) {
+  Location wanted{name_in(file_.folder, place.file), place.line, 0};
+  if (program_ && program_->interpreter().has_file(wanted.file)) {
+    const std::vector<Location> found = program_->interpreter().set_breakpoints({wanted});
+    place_breakpoints();
+    if (found.empty())
+      throw Error("bad-argument", "no statement begins at or after line " + std::to_string(place.line) +
+                                      " of " + place.file + ": nothing would pause there");
+    wanted = {name_in(file_.folder, found.front().file), found.front().line, 0};
+  } else if (plc_ && plc_->interpreter().has_file(wanted.file)) {
+    throw Error("bad-argument", place.file + " is the PLC's script, which does not pause");
+  } else if (!is_script_of(file_.folder, wanted.file)) {
+    throw Error("unknown-file",
+                "no program has a file '" + place.file + "', and the cell's folder has no such script",
+                "name a script of the cell, as the list of files does");
+  }
+  const auto same = [&](const Location& each) { return same_place(each, wanted); };
+  if (std::none_of(breakpoints_.begin(), breakpoints_.end(), same)) breakpoints_.push_back(wanted);
+  place_breakpoints();
+}
+
+void Cell::drop_breakpoint(const Location& place) {
+  const Location wanted{name_in(file_.folder, place.file), place.line, 0};
+  std::erase_if(breakpoints_, [&](const Location& each) { return same_place(each, wanted); });
+  place_breakpoints();
+}
+
+/// In the program there is; where its text has changed they move down again.
+void Cell::place_breakpoints() {
+  if (!program_) return;
+  program::Interpreter& interpreter = program_->interpreter();
+  std::vector<Location> now;
+  for (const Location& each : breakpoints_)
+    if (!interpreter.has_file(each.file)) now.push_back(each);
+  for (const Location& each : interpreter.set_breakpoints(breakpoints_))
+    now.push_back({name_in(file_.folder, each.file), each.line, 0});
+  breakpoints_ = std::move(now);
 }
 
 bool Cell::program_runs() const {
@@ -116,7 +193,6 @@ program::StartReport Cell::prepare_program(const std::string& name, int line) {
   std::unique_ptr<ProgramMoves> moves = std::move(moves_);
   try {
     begin_program(name, {});
-    if (before) program_->interpreter().set_breakpoints(before->interpreter().breakpoints());
     program::StartReport report;
     if (line > 0) report = program_->interpreter().start_at(line);
     program_->interpreter().pause_here();

@@ -21,6 +21,12 @@ Json shown_place(const Location& where) {
   return {{"file", where.file}, {"line", where.line}};
 }
 
+Json shown_places(const std::vector<Location>& places) {
+  Json out = Json::array();
+  for (const Location& each : places) out.push_back(shown_place(each));
+  return out;
+}
+
 const char* waits_for(program::WaitKind kind) {
   static constexpr const char* kNames[] = {"",     "time",   "condition", "move",  "person",
                                            "load", "motion", "room",      "until", "meet",
@@ -70,7 +76,7 @@ Json surroundings(Cell& cell) {
           {"source", ""},
           {"sentence", ""},
           {"passes", 0},
-          {"breakpoints", Json::array()},
+          {"breakpoints", shown_places(cell.breakpoints())},
           {"tasks", Json::array()},
           {"question", Json()},
           {"problem", Json()}};
@@ -90,10 +96,9 @@ Json program_json(Cell& cell) {
   if (!cell.program()) return out;
   const Task& task = program_of(cell);
   const program::Interpreter& interpreter = task.interpreter();
-  Json tasks = Json::array(), breakpoints = Json::array();
+  Json tasks = Json::array();
   for (const program::TaskStatus& status : interpreter.status())
     tasks.push_back(task_json(interpreter, status));
-  for (const Location& place : interpreter.breakpoints()) breakpoints.push_back(shown_place(place));
   const program::TaskStatus& status = task.status();
   const bool asks = cell.program_begun() && status.waiting.kind == program::WaitKind::user;
   out.update({{"file", interpreter.program().file},
@@ -103,7 +108,6 @@ Json program_json(Cell& cell) {
               {"source", status.source},
               {"sentence", task.sentence()},
               {"passes", status.passes},
-              {"breakpoints", breakpoints},
               {"tasks", tasks},
               {"question", asks ? Json(status.waiting.text) : Json()},
               {"problem", status.problem ? json_of(*status.problem) : Json()}});
@@ -211,23 +215,26 @@ Poll program_step(Cell& cell, const Json& arguments) {
   return until_paused(arguments);
 }
 
+/// LINE of the program there is, or FILE:LINE.
+Location breakpoint_at(Cell& cell, const std::string& text) {
+  const auto colon = text.rfind(':');
+  const std::string number = colon == std::string::npos ? text : text.substr(colon + 1);
+  const auto line = parse_number(number);
+  if (!line || *line < 1 || *line > 1e6 || *line != std::floor(*line))
+    throw Error("bad-argument", "'" + text + "' is no line", "write LINE or FILE:LINE");
+  const std::string file =
+      colon == std::string::npos ? program_of(cell).interpreter().program().file : text.substr(0, colon);
+  return {file, static_cast<int>(*line), 0};
+}
+
 Poll program_break(Cell& cell, const Json& arguments) {
-  Task& task = program_of(cell);
-  std::vector<Location> places = task.interpreter().breakpoints();
-  if (flag_argument(arguments, "clear")) places.clear();
-  for (const std::string& text : list_argument(arguments, "at")) {
-    const auto colon = text.rfind(':');
-    const std::string number = colon == std::string::npos ? text : text.substr(colon + 1);
-    const auto line = parse_number(number);
-    if (!line || *line < 1 || *line != std::floor(*line))
-      throw Error("bad-argument", "'" + text + "' is no line", "write LINE or FILE:LINE");
-    const std::string file =
-        colon == std::string::npos ? task.interpreter().program().file : text.substr(0, colon);
-    places.push_back({file, static_cast<int>(*line), 0});
-  }
-  Json out = Json::array();
-  for (const Location& place : task.interpreter().set_breakpoints(places)) out.push_back(shown_place(place));
-  return at_once({{"breakpoints", out}});
+  std::vector<Location> added, dropped;
+  for (const std::string& text : list_argument(arguments, "at")) added.push_back(breakpoint_at(cell, text));
+  for (const std::string& text : list_argument(arguments, "off")) dropped.push_back(breakpoint_at(cell, text));
+  if (flag_argument(arguments, "clear")) dropped = cell.breakpoints();
+  for (const Location& each : dropped) cell.drop_breakpoint(each);
+  for (const Location& each : added) cell.add_breakpoint(each);
+  return at_once({{"breakpoints", shown_places(cell.breakpoints())}});
 }
 
 Poll program_from(Cell& cell, const Json& arguments) {
@@ -295,10 +302,12 @@ const std::vector<RequestRow>& program_rows() {
         true},
        program_step},
       {{"program.break",
-        {{"at", kNames}, {"clear", kFlag}},
+        {{"at", kNames}, {"off", kNames}, {"clear", kFlag}},
         "{breakpoints: [{file, line}]}",
-        "pause in front of these lines, LINE or FILE:LINE, besides those there are; with `clear` of those no "
-        "more",
+        "pause in front of the lines `at`, LINE or FILE:LINE, besides those there are, and no more at those "
+        "of "
+        "`off`, or with `clear` at none before; a script of the cell that is not begun yet keeps its own for "
+        "its start",
         false},
        program_break},
       {{"program.from",

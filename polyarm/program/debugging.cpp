@@ -72,11 +72,20 @@ std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& 
           step.begins && is_called(program_.at(line).file, wanted.file) && line.line >= wanted.line;
       if (fits && (!best || before(line, *best))) best = line;
     }
-    if (!best) continue;
+    const auto same = [&](const Place& place) {
+      return place.file == best->file && place.line == best->line;
+    };
+    if (!best || std::any_of(breakpoints_.begin(), breakpoints_.end(), same)) continue;
     breakpoints_.push_back(*best);
     out.push_back(program_.at(*best));
   }
   return out;
+}
+
+bool Interpreter::has_file(const std::string& name) const {
+  return is_called(program_.file, name) ||
+         std::any_of(program_.included.begin(), program_.included.end(),
+                     [&](const auto& each) { return is_called(each.file, name); });
 }
 
 std::vector<Location> Interpreter::breakpoints() const {

@@ -73,7 +73,9 @@ std::vector<TaskStatus> Interpreter::status() const {
   return out;
 }
 
+/// The task that stands paused; one that has failed; else the first that goes on.
 const Interpreter::Task& Interpreter::shown_task() const {
+  if (const Task* const paused = paused_ && !outcome_ ? task_of(paused_) : nullptr) return *paused;
   const Task* shown = tasks_.front().get();
   for (const auto& task : tasks_) {
     const bool first = task->shown && shown->over() && !task->over() && shown->state != TaskState::failed;

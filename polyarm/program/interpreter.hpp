@@ -92,8 +92,11 @@ class Interpreter {
   /// one that needs what the block around it has made.
   StartReport start_at(int line);
   /// Pauses in front of these lines; each moves down to the next statement. Returns where they are then.
+  /// Those of files that it does not have, or behind their last statement, are left out.
   std::vector<Location> set_breakpoints(const std::vector<Location>& places);
   std::vector<Location> breakpoints() const;
+  /// Has it read a file of this name, or the end of one?
+  bool has_file(const std::string& name) const;
   /// Pauses in front of the next statement; motion that is queued goes on.
   void pause() { pause_asked_ = true; }
   /// Before the first step: paused where it begins.

@@ -86,8 +86,53 @@ TEST_F(ProgramControl, ABreakpointIsInTheFileThatIsShown) {
   const Json set = ask("program.break", {{"at", shown + ":4"}, {"clear", true}})["breakpoints"];
   ASSERT_EQ(set.size(), 1u);
   EXPECT_EQ(set[0]["line"], 4);
-  EXPECT_EQ(ask("program.break", {{"at", shown.substr(1) + ":4"}, {"clear", true}})["breakpoints"].size(),
-            0u);
+}
+
+TEST_F(ProgramControl, ABreakpointNowhereIsRefusedInWords) {
+  const auto refused = [&](const std::string& at) {
+    return run->ask({{"request", "program.break"}, {"at", at}})["error"];
+  };
+  EXPECT_EQ(refused("ob.script:4")["code"], "unknown-file");
+  EXPECT_NE(refused("ob.script:4")["what"].get<std::string>().find("'ob.script'"), std::string::npos);
+  EXPECT_EQ(refused("work.data:1")["code"], "unknown-file");
+  EXPECT_EQ(refused("../job.script:4")["code"], "unknown-file");
+  EXPECT_EQ(refused("job.script:99")["code"], "bad-argument");
+  ask("program.break", {{"at", "4"}});
+  EXPECT_EQ(refused("19")["code"], "bad-argument");
+  EXPECT_EQ(ask("program")["breakpoints"].size(), 1u) << "those there are stay";
+}
+
+TEST_F(ProgramControl, ALineHasOneBreakpointWhichIsTakenOffByItself) {
+  EXPECT_EQ(ask("program.break", {{"at", Json::array({"1", "job.script:2", "3"})}})["breakpoints"].size(), 2u)
+      << "a function's head is no statement";
+  const Json left = ask("program.break", {{"off", "job.script:3"}})["breakpoints"];
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(left[0]["line"], 1);
+}
+
+/// Where they are set before the program is begun for the first time, and in a cell that is built anew.
+TEST_F(ProgramControl, BreakpointsOfAnotherProgramWaitForItsStart) {
+  folder.write("other.script", "load work\n\n# a remark\nset Placed = 7\nset Placed = 8\n");
+  EXPECT_EQ(ask("program.break", {{"at", Json::array({"other.script:3", "13"})}})["breakpoints"].size(), 2u);
+  run_to(13);
+  ask("program.stop");
+  ask("program.from", {{"program", "other.script"}, {"confirmed", true}});
+  run_to(4);
+  run->run(1);
+  EXPECT_EQ(line(), 4);
+  EXPECT_EQ(ask("program")["breakpoints"].size(), 2u) << "those of the one before hold for its next start";
+
+  const std::vector<Location> kept = cell().breakpoints();
+  run->end();
+  cell::CellOptions options;
+  options.lock_step = true;
+  options.breakpoints = kept;
+  options.breakpoints.push_back({"/somewhere/else/job.script", 3, 0});
+  cell::Observer nobody;
+  cell::Cell anew(cell::read_cell_file(folder.path()), description::Catalogue({}), options, nobody);
+  EXPECT_EQ(anew.breakpoints().size(), 2u);
+  ASSERT_EQ(anew.program()->interpreter().breakpoints().size(), 1u);
+  EXPECT_EQ(anew.program()->interpreter().breakpoints().front().line, 13);
 }
 
 TEST_F(ProgramControl, BreakpointsOfAProgramThatHasEndedHoldForItsNextStart) {

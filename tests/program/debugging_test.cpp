@@ -46,6 +46,27 @@ TEST(Debugging, ABreakpointMovesDownToTheNextStatement) {
   EXPECT_TRUE(interpreter.set_breakpoints({{"test.script", 11, 0}}).empty());
 }
 
+TEST(Debugging, TheTaskThatStandsPausedIsTheOneThatIsShown) {
+  FakeHost host;
+  Interpreter interpreter(parsed("task one\n"
+                                 "  wait 5s\n"
+                                 "end\n"
+                                 "task two\n"
+                                 "  wait 10ms\n"
+                                 "  log(2)\n"
+                                 "end\n"),
+                          host);
+  interpreter.set_breakpoints({{"test.script", 6, 0}});
+  run(interpreter, host, host.time + 100'000'000);
+  ASSERT_TRUE(interpreter.paused());
+  EXPECT_EQ(line_of(interpreter), 6);
+  EXPECT_EQ(interpreter.position().line, 6);
+  EXPECT_TRUE(interpreter.overview().paused);
+  interpreter.resume();
+  run(interpreter, host, host.time + 100'000'000);
+  EXPECT_EQ(line_of(interpreter), 2);
+}
+
 TEST(Debugging, DoesNothingWhilePaused) {
   FakeHost host;
   Interpreter interpreter(parsed(kCalls), host);
