@@ -2,7 +2,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 vi.mock('../src/state/settings', () => ({ settings: { degrees: { value: true } } }));
 vi.mock('../src/i18n', () => ({ number: String }));
 import { settings } from '../src/state/settings';
-import { decimalsOf, shownIn } from '../src/ui/format';
+import { decimalsOf, shortened, shownIn } from '../src/ui/format';
 
 describe('units of curves', () => {
   afterEach(() => (settings.degrees.value = true));
@@ -25,4 +25,13 @@ describe('figures of an axis', () => {
   it('have as many decimals as tell them apart', () => {
     expect([1, 5, 0.5, 0.25, 0.1, 0.00025].map(decimalsOf)).toEqual([0, 0, 1, 2, 1, 5]);
   });
+});
+
+describe('values of a program', () => {
+  it('are read with six digits at most', () => {
+    expect(shortened('[xyz(0.6799999999999999, 0.29, -0.041) rpy(3.141592653589793, 0, 0)]')).toBe('[xyz(0.68, 0.29, -0.041) rpy(3.14159, 0, 0)]');
+    expect(shortened('1e-17')).toBe('1e-17');
+    expect(shortened('12')).toBe('12');
+  });
+  it('are texts as they are', () => expect(shortened('["1.23456789", x_1.23456789]')).toBe('["1.23456789", x_1.23456789]'));
 });

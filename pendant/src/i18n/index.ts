@@ -30,6 +30,12 @@ export function word(prefix: string, value: string): string {
   return key in en ? t(key) : value;
 }
 
+/** A day and time (s since 1970) as the language writes it, where the browser's is the same as its owner does. */
+export function moment(seconds: number): string {
+  const own = navigator.language?.toLowerCase().startsWith(language.value);
+  return new Date(1000 * seconds).toLocaleString(own ? navigator.language : language.value, { dateStyle: 'medium', timeStyle: 'short' });
+}
+
 /** A number as the language writes it. */
 export function number(value: number, digits: number): string {
   if (!Number.isFinite(value)) return '–';

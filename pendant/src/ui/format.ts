@@ -42,6 +42,11 @@ export function shownIn(unit: string): { unit: string; factor: number } {
   return found[1] === 'm' ? { unit: `mm${rate}`, factor: kMm } : { unit: `°${rate}`, factor: kDeg };
 }
 
+/** A value of a program with no more digits than are read: 0.68 for 0.6799999999999999. Texts stay as they are. */
+export function shortened(value: string): string {
+  return value.replace(/"(?:[^"\\]|\\.)*"|(?<![\w.])-?\d+\.\d{5,}(?:e[-+]?\d+)?/g, (found) => (found.startsWith('"') ? found : String(Number(Number(found).toPrecision(6)))));
+}
+
 /** As few decimals as tell steps of so much apart. */
 export function decimalsOf(step: number): number {
   for (let digits = 0; digits < 9; ++digits) {

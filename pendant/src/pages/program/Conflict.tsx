@@ -1,6 +1,6 @@
 /** What a person has to know about the file: it changed meanwhile, a draft was found, it runs with an older text. */
 import { useMemo, useState } from 'preact/hooks';
-import { t } from '../../i18n';
+import { moment, t } from '../../i18n';
 import { ask, open } from '../../ui/ask';
 import { Button, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -25,7 +25,7 @@ export function ConflictNotice() {
 export function DraftNotice() {
   const found = doc.foundDraft.value;
   if (!found || !doc.dirty.value || doc.theirs.value) return null;
-  const when = new Date(1000 * found.saved_s).toLocaleString(document.documentElement.lang);
+  const when = moment(found.saved_s);
   return (
     <div class="banner" role="status">
       <Icon name="edit" />

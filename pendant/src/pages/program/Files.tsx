@@ -1,6 +1,6 @@
 /** Which file: open, new, save as, rename, delete; and its earlier versions. */
 import { useEffect, useMemo, useState } from 'preact/hooks';
-import { t } from '../../i18n';
+import { moment, t } from '../../i18n';
 import { attempt, complain, mayMove, request } from '../../state/cell';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty, Field, Loading, Segmented } from '../../ui/controls';
@@ -50,7 +50,7 @@ export function FilesDialog({ onClose }: { onClose: () => void }) {
               <span>
                 <strong>{each.name}</strong>
                 <small>
-                  {[t(kindKey(each.kind)), new Date(1000 * each.modified_s).toLocaleString(document.documentElement.lang)].join(' · ')}
+                  {[t(kindKey(each.kind)), moment(each.modified_s)].join(' · ')}
                 </small>
               </span>
               {each.name === doc.mainFile.value && <span class="chip">{t('program.main')}</span>}
@@ -184,7 +184,7 @@ export function VersionsDialog({ onClose }: { onClose: () => void }) {
           <ul>
             {list.map((each) => (
               <li key={each.number}>
-                <Button label={each.when} pressed={chosen?.version.number === each.number} title={each.what} onClick={() => void look(each)} />
+                <Button label={t('program.versionUntil', { when: each.when })} pressed={chosen?.version.number === each.number} title={each.what} onClick={() => void look(each)} />
               </li>
             ))}
           </ul>
@@ -192,7 +192,7 @@ export function VersionsDialog({ onClose }: { onClose: () => void }) {
             (same ? (
               <p>{t('program.sameText')}</p>
             ) : (
-              <SideBySide hunks={hunks} titles={[chosen.version.when, t('program.now')]} />
+              <SideBySide hunks={hunks} titles={[t('program.versionUntil', { when: chosen.version.when }), t('program.now')]} />
             ))}
         </div>
       )}

@@ -7,13 +7,14 @@ import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
 import { Button, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { duration } from '../../ui/format';
+import { duration, shortened } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
+import { RobotView } from '../../view3d/RobotView';
 import { BreakpointButton } from './CodeView';
 import * as doc from './documents';
 import { dry, dryRun, forgetDry } from './dry';
 
-const shown = kept<'problems' | 'variables'>('program.panel', 'problems');
+const shown = kept<'problems' | 'variables' | 'view'>('program.panel', 'problems');
 
 export function RunPanel() {
   return (
@@ -26,10 +27,11 @@ export function RunPanel() {
         options={[
           { id: 'problems', name: t('program.problems') },
           { id: 'variables', name: t('program.variables') },
+          { id: 'view', name: t('program.view') },
         ]}
         onChange={(id) => (shown.value = id)}
       />
-      <div class="program-panel">{shown.value === 'problems' ? <Problems /> : <Tasks />}</div>
+      <div class={`program-panel shows-${shown.value}`}>{shown.value === 'problems' ? <Problems /> : shown.value === 'variables' ? <Tasks /> : <RobotView />}</div>
     </aside>
   );
 }
@@ -173,7 +175,7 @@ function Values({ title, values }: { title: string; values: { name: string; valu
       <dd>
         {values.map((each) => (
           <code key={each.name}>
-            {each.name} = {each.value}
+            {each.name} = {shortened(each.value)}
           </code>
         ))}
       </dd>
@@ -237,13 +239,14 @@ function DryAnswer({ stale }: { stale: boolean }) {
     <div class={`program-dry ${stale ? 'stale' : good ? 'good' : 'bad'}`} role="status">
       <Icon name={good ? 'check' : 'alarm'} />
       <span class="grow">
-        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : t('program.dryBad')}</strong>
+        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : result.moves === 0 ? t('program.dryNothing') : t('program.dryBad')}</strong>
         <small>
           {t('program.dryMoves', { moves: result.moves })}
           {result.seconds !== null && result.seconds !== undefined && ` · ${t('program.dryTime', { time: `${number(result.seconds, 1)} s` })}`}
           {result.reached && ` · ${t('program.dryReached', { line: result.reached.line })}`}
         </small>
       </span>
+      {result.paths.length > 0 && <Button label={t('program.dryShow')} icon="cube" bare tone="quiet" onClick={() => (shown.value = 'view')} />}
       <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={forgetDry} />
     </div>
   );
@@ -269,7 +272,8 @@ interface TaskNow {
 
 function Tasks() {
   useProgram();
-  const tasks = (program.value?.tasks as TaskNow[] | undefined) ?? [];
+  const all = (program.value?.tasks as TaskNow[] | undefined) ?? [];
+  const tasks = [...all].sort((a, b) => Number(doc.goesOn(b)) - Number(doc.goesOn(a)));
   if (tasks.length === 0) return <p class="program-note">{t('program.noTasks')}</p>;
   return (
     <>
@@ -301,7 +305,7 @@ function Tasks() {
                   <tr key={each.name}>
                     <th scope="row">{each.name}</th>
                     <td>
-                      <code>{each.value}</code>
+                      <code>{shortened(each.value)}</code>
                     </td>
                   </tr>
                 ))}

@@ -76,13 +76,17 @@ const markGutter = (hooks: EditorHooks) =>
     },
     lineMarkerChange: (update) =>
       update.startState.field(breaks) !== update.state.field(breaks) || update.startState.field(live) !== update.state.field(live),
-    domEventHandlers: {
-      mousedown(view, block) {
-        hooks.onBreakpoint(view.state.doc.lineAt(block.from).number);
-        return true;
-      },
-    },
+    renderEmptyElements: true,
+    domEventHandlers: { mousedown: (view, block) => toggled(hooks, view, block.from) },
   });
+
+function toggled(hooks: EditorHooks, view: EditorView, at: number): true {
+  hooks.onBreakpoint(view.state.doc.lineAt(at).number);
+  return true;
+}
+
+/** A number is as good as the mark beside it: both together are a target for a finger. */
+const numbers = (hooks: EditorHooks) => lineNumbers({ domEventHandlers: { mousedown: (view, block) => toggled(hooks, view, block.from) } });
 
 // --- completion
 
@@ -120,9 +124,10 @@ const look = EditorView.theme({
   '&.cm-focused': { outline: 'none' },
   '.cm-selectionBackground, &.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground': { backgroundColor: 'var(--accent-soft)' },
   '.cm-gutters': { backgroundColor: 'var(--raised)', color: 'var(--muted)', borderRight: '1px solid var(--line)' },
-  '.cm-lineNumbers .cm-gutterElement': { padding: '0 8px 0 4px', minWidth: '34px' },
+  '.cm-lineNumbers .cm-gutterElement': { padding: '0 8px 0 4px', minWidth: '34px', cursor: 'pointer' },
   '.cm-marks': { width: '26px', cursor: 'pointer' },
   '.cm-marks .cm-gutterElement': { display: 'grid', placeItems: 'center' },
+  '.cm-marks .cm-gutterElement:empty:hover::before': { content: '""', width: '12px', height: '12px', borderRadius: '50%', border: '2px solid var(--bad)' },
   '.cm-activeLine': { backgroundColor: 'color-mix(in srgb, var(--accent-soft) 35%, transparent)' },
   '.cm-activeLineGutter': { backgroundColor: 'transparent', color: 'var(--text)' },
   '.cm-live, .cm-live.cm-activeLine': { backgroundColor: 'var(--code-live)' },
@@ -155,7 +160,7 @@ export class ProgramEditor {
   private state(text: string): EditorState {
     const hooks = this.hooks;
     const extensions: Extension[] = [
-      live, breaks, markGutter(hooks), lineNumbers(), lintGutter(), history(), drawSelection(), indentOnInput(), bracketMatching(),
+      live, breaks, markGutter(hooks), numbers(hooks), lintGutter(), history(), drawSelection(), indentOnInput(), bracketMatching(),
       closeBrackets(), highlightActiveLine(), highlightSelectionMatches(), search({ top: true }), indentUnit.of('  '),
       mode(hooks.language), indents, colours, look, EditorState.phrases.of(hooks.phrases), this.readOnly.of([]),
       autocompletion({ override: [completions(hooks)], icons: false }),

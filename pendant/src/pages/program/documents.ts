@@ -77,7 +77,7 @@ export const sameFile = (a: string, b: string) => a !== '' && b !== '' && (a ===
 export const running = computed<ProgramStatus | null>(() => {
   const now = status.value?.program;
   if (!now || !sameFile(now.file, fileName.value)) return null;
-  return now.state === 'running' || now.state === 'waiting' ? now : null;
+  return !now.ready && (now.state === 'running' || now.state === 'waiting') ? now : null;
 });
 /** Does any program go on now? */
 export const anyRunning = computed(() => {
@@ -341,10 +341,15 @@ export async function start(): Promise<void> {
   await attempt('program.from', { program: fileName.value, confirmed: true });
 }
 
+/** Has a task not ended yet? */
+export const goesOn = (task: { state: string }) => task.state === 'running' || task.state === 'waiting';
+
 /** Lines of this file that tasks stand at, as the text is now. */
 export const liveLines = computed<number[]>(() => {
-  const tasks = (program.value?.tasks as { where: { file: string; line: number }; source: string; state: string }[] | undefined) ?? [];
+  const all = (program.value?.tasks as { where: { file: string; line: number }; source: string; state: string; paused: boolean }[] | undefined) ?? [];
   if (!anyRunning.value) return [];
+  // The one that stands paused first: it is what the text is moved to.
+  const tasks = all.filter(goesOn).sort((a, b) => Number(b.paused) - Number(a.paused));
   const lines = text.value.split('\n');
   const out = new Set<number>();
   for (const task of tasks) {
@@ -377,14 +382,9 @@ export const breakpoints = computed<number[]>(() => {
   return all.filter((each) => sameFile(each.file, fileName.value)).map((each) => each.line);
 });
 export async function toggleBreakpoint(line: number): Promise<void> {
-  const mine = breakpoints.value;
-  const next = mine.includes(line) ? mine.filter((each) => each !== line) : [...mine, line];
-  const others = ((program.value?.breakpoints as { file: string; line: number }[] | undefined) ?? []).filter(
-    (each) => !sameFile(each.file, fileName.value),
-  );
-  const at = [...others.map((each) => `${each.file}:${each.line}`), ...next.map((each) => `${fileName.value}:${each}`)];
+  const place = [`${fileName.value}:${line}`];
   try {
-    const answer = await request<{ breakpoints: unknown[] }>('program.break', { at, clear: true });
+    const answer = await request<{ breakpoints: unknown[] }>('program.break', breakpoints.value.includes(line) ? { off: place } : { at: place });
     program.value = { ...(program.peek() ?? {}), breakpoints: answer.breakpoints };
   } catch (error) {
     complain(error);

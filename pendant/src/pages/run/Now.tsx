@@ -60,6 +60,7 @@ interface TaskLine {
 }
 
 function waits(task: TaskLine): string {
+  if (task.paused) return t('program.paused');
   const key = `wait.${task.waits_for}`;
   return task.waits_for ? t('run.waitsFor', { what: t(key as Key) ?? task.waits_for }) : '';
 }
@@ -67,15 +68,18 @@ function waits(task: TaskLine): string {
 /** What the task waits for; with several tasks, a line for each. */
 function Tasks() {
   const tasks = ((program.value as Json | null)?.tasks ?? []) as TaskLine[];
+  const going = tasks.filter((task) => task.state === 'running' || task.state === 'waiting');
   if (tasks.length < 2) return <p class="note">{tasks[0] ? waits(tasks[0]) : ' '}</p>;
   return (
     <ul class="run-tasks" aria-label={t('run.tasks')}>
-      {tasks.map((task) => (
+      {going.map((task) => (
         <li key={task.name}>
           <b>{task.name}</b>
-          <span class="line">{t('run.line', { line: task.where?.line ?? 0 })}</span>
           <code>{task.source}</code>
-          <small>{waits(task)}</small>
+          <small>
+            {t('run.line', { line: task.where?.line ?? 0 })}
+            {waits(task) && ` · ${waits(task)}`}
+          </small>
         </li>
       ))}
     </ul>

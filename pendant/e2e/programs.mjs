@@ -1,0 +1,147 @@
+// Programs while they are made and tried: breakpoints by a click, tasks with their variables, earlier texts, the dry run.
+import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { go, picture, state } from './browser.mjs';
+import { until } from './cell.mjs';
+import { suite } from './suite.mjs';
+
+const kJob = `load work
+# to and fro, and a second task that counts
+task mover
+  while Go
+    movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg), speed 50%
+    let third = 1 / 3
+    movej joints(20deg, -90deg, 0deg, 0deg, 0deg, 0deg), speed 50%
+  end
+end
+task counter
+  while Go
+    set Count = Count + 1
+    wait 500ms
+  end
+end
+`;
+const kReach = `movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)
+movej joints(30deg, -90deg, 0deg, 0deg, 0deg, 0deg)
+movel pose(3000mm, 0mm, 500mm, 180deg, 0deg, 0deg)
+`;
+const { at, test } = suite({
+  example: 'r6bot',
+  change: (folder) => {
+    writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: r6bot.urdf, hardware: mock}\nprogram: job\n');
+    writeFileSync(join(folder, 'work.data'), 'Name: Count\nNum: 0\nName: Go\nBool: True\n');
+    writeFileSync(join(folder, 'job.script'), kJob);
+    writeFileSync(join(folder, 'reach.script'), kReach);
+  },
+});
+let page;
+const button = (name) => page.getByRole('button', { name, exact: true });
+const side = () => page.getByRole('complementary', { name: 'Run and watch' });
+const editor = () => page.getByRole('textbox', { name: 'Text of the program' });
+const below = (name) => page.getByRole('radiogroup', { name: 'Below' }).getByText(name, { exact: true }).click();
+const said = (text) => page.getByRole('region', { name: 'Messages' }).getByText(text).first().waitFor();
+const now = () => at.watcher.events.status.program;
+const pausedAt = (line) => until(async () => (await at.goOn(), now().paused && now().line === line), 90, `a pause at line ${line}`);
+/** Presses the number of the line with this text. */
+const pressNumber = async (text) => {
+  const [words, whole] = [await editor().getByText(text).boundingBox(), await editor().boundingBox()];
+  await page.mouse.click(whole.x - 40, words.y + words.height / 2);
+};
+const openFile = async (name) => {
+  await button(/^Program .*open another$/).click();
+  await page.getByRole('dialog').getByRole('button', { name: new RegExp(`^${name}`) }).click();
+};
+
+test('pauses at a line whose number is pressed, and again at the next start', async () => {
+  page = await at.open();
+  await page.getByRole('button', { name: /^In control/ }).waitFor();
+  await go(page, 'Program');
+  await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
+  await pressNumber('let third');
+  await pausedAt(6);
+  await side().getByText('job.script, line 6').waitFor();
+  await button('Run from line 1').waitFor();
+  await editor().getByText('let third').click();
+  await page.getByRole('button', { name: 'Breakpoint at line 6', pressed: true }).waitFor();
+  await picture(page, 'breakpoint');
+  await button('Go on').click();
+  await until(async () => (await at.goOn(), !now().paused), 60, 'going on');
+  await pausedAt(6);
+  await button('End program').click();
+  await button('Start').click();
+  await pausedAt(6);
+});
+
+test('shows the tasks with their variables, the one that is paused as the program’s line, and steps it', async () => {
+  await below('Variables');
+  const mover = side().getByRole('region', { name: 'Task mover' });
+  await button('Step').click();
+  await pausedAt(7);
+  await mover.getByRole('row', { name: 'third 0.333333' }).waitFor();
+  await side().getByRole('region', { name: 'Task counter' }).getByText('Waiting').waitFor();
+  const names = await side().getByRole('heading').allTextContents();
+  assert.equal(names.at(-1), 'main', `what has ended comes last: ${names}`);
+  await picture(page, 'tasks');
+});
+
+test('keeps breakpoints of a program that is not begun for its start, over a new scene, and takes them off', async () => {
+  await button('End program').click();
+  await until(async () => (await at.goOn(), now().ended), 60, 'the end');
+  await openFile('reach.script');
+  await pressNumber('30deg');
+  await editor().getByText('30deg').click();
+  const mark = (pressed) => page.getByRole('button', { name: 'Breakpoint at line 2', pressed });
+  await mark(true).waitFor();
+  await go(page, 'Cell');
+  await button('Reset the scene').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Reset the scene' }).click();
+  await said('The scene is as at the start');
+  await go(page, 'Program');
+  await editor().getByText('30deg').click();
+  await mark(true).waitFor();
+  await side().getByText('No program has been started.').waitFor();
+  assert.equal(await page.getByText(/^This program is running/).count(), 0, 'nothing runs');
+  await button('Start').click();
+  await pausedAt(2);
+  await mark(true).click();
+  await mark(false).waitFor();
+  await button('End program').click();
+  await button('Start').waitFor();
+  await assert.rejects(at.watcher.request('program.break', { at: ['nowhere.script:1'] }), /no program has a file 'nowhere.script'/);
+});
+
+test('lists what a dry run finds by line, and shows it in 3D', async () => {
+  await below('Problems');
+  await button('Dry run').click();
+  await side().getByText('Dry run: not every move can be made').waitFor();
+  await side().getByRole('button', { name: /^Line 3 · Error/ }).click();
+  await button('Breakpoint at line 3').waitFor();
+  await button('Show it in 3D').click();
+  await side().getByRole('region', { name: 'Robot view' }).getByRole('button', { name: 'Views' }).waitFor();
+  await picture(page, 'dry');
+});
+
+test('keeps every text that was saved, shows it beside that of now, and puts it back', async () => {
+  for (const text of ['# first\n', '# second\n']) {
+    await editor().click();
+    await page.keyboard.press('Control+Home');
+    await page.keyboard.insertText(text);
+    await button('Save').click();
+    await page.getByText('Saved', { exact: true }).waitFor();
+  }
+  await button('Versions').click();
+  const dialog = page.getByRole('dialog', { name: 'Versions of reach.script' });
+  const versions = dialog.getByRole('list').getByRole('button', { name: /^until / });
+  await versions.nth(1).click();
+  await page.getByRole('group', { name: /· Now$/ }).getByText('# first').waitFor();
+  await picture(page, 'versions');
+  await dialog.getByRole('button', { name: 'Take this version' }).click();
+  await dialog.waitFor({ state: 'detached' });
+  await editor().getByText('# first').waitFor({ state: 'detached' });
+  await button('Save').click();
+  await page.getByText('Saved', { exact: true }).waitFor();
+  assert.equal(readFileSync(join(at.cell.folder, 'reach.script'), 'utf8'), kReach);
+  await state(page).getByText('Ready', { exact: true }).waitFor();
+  assert.deepEqual(page.problems, []);
+});
