@@ -15,6 +15,9 @@
 // those alone whose way begins so (closed form, search, spare axis, iteration; "=closed form, not" for those
 // that are not quite ideal).
 //
+// POLYARM_ROBOTS=FOLDER asks the robots of a folder instead (polyarm robots add FILE --folder FOLDER).
+// Joints that do not move the tool (a gripper's, another arm's) are left out of what is compared.
+//
 // What it cannot show: solutions that no state drawn is one of; tests/kinematics asks descents for those.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,6 +81,7 @@ double error_of(const Chain& chain, std::span<const double> q, const Pose& targe
 double difference(const Chain& chain, const double* a, const State& b, double most_asked) {
   double most = 0;
   for (std::size_t j = 0; j < chain.joints() && most <= most_asked; ++j) {
+    if (!chain.moves_tcp(j)) continue;
     const double period = chain.period(j);
     double d = std::abs(a[j] - b[j]);
     if (period > 0) d -= period * static_cast<double>(static_cast<long>(d / period + 0.5));
@@ -174,7 +178,9 @@ int main(int argc, char** argv) {
     fmt::print("usage: ik_correctness random|grid|near|numeric POSES [PART OF A NAME | =WAY] [FIRST]\n");
     return 2;
   }
-  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  const char* own = std::getenv("POLYARM_ROBOTS");
+  const description::Catalogue catalogue(
+      {own ? std::string(own) : std::string(POLYARM_SOURCE_DIR "/robots")});
   std::map<std::string, Tally> by_way;
   for (const std::string& robot : catalogue.names()) {
     if (!part.starts_with('=') && robot.find(part) == std::string::npos) continue;
