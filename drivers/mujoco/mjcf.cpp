@@ -98,12 +98,14 @@ class Writer {
            its_friction_counts ? " priority=\"1\"" : "");
   }
 
+  /// MuJoCo raises each to boundinertia, but refuses what it finds zero before that (1e-14 kg m²).
   void inertial(const description::Inertial& i) {
+    constexpr double kNotZero = 1e-12;  // kg m²
     const auto& [xx, xy, xz, yy, yz, zz] = i.inertia;
     line(
         "<inertial pos=\"{}\" mass=\"{:.17g}\" fullinertia=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} "
         "{:.17g}\"/>",
-        text(i.center), i.mass, xx, yy, zz, xy, xz, yz);
+        text(i.center), i.mass, xx + kNotZero, yy + kNotZero, zz + kNotZero, xy, xz, yz);
   }
 
   // --- robots

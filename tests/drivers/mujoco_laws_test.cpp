@@ -1,8 +1,8 @@
 #ifdef POLYARM_MUJOCO
 
-#include "drivers/mujoco/component.hpp"
-
 #include <algorithm>
+
+#include "drivers/mujoco/component.hpp"
 #include "tests/drivers/rig.hpp"
 
 namespace polyarm::test {
@@ -169,6 +169,18 @@ TEST(MujocoJoints, AMimicJointFollowsItsSource) {
   ASSERT_EQ(rig.world().finding_count, 0) << rig.findings();
   rig.move({{"arm/left/position", 0.95}}, 0.5);
   EXPECT_NE(rig.findings().find("arm/right touches part cube"), std::string::npos) << rig.findings();
+}
+
+TEST(MujocoLinks, OfHardlyAnyInertiaAreTaken) {
+  Stage stage;
+  stage.model = mirrored({0, 0, 1});
+  for (const double small : {1e-9, 1e-15, 1e-20}) {  // kg m²; a rod as thin as a sheet's drawing makes it
+    stage.model.links[1].inertial->inertia = {small, 0, 0, 1e-7 + small, 0, 1e-7 + small};
+    ASSERT_TRUE(description::plausible(*stage.model.links[1].inertial));
+    Rig rig = physics(stage);
+    rig.run(0.1);
+    EXPECT_NEAR(rig.state("arm/left/position"), 0, 1e-3) << small;
+  }
 }
 
 TEST(MujocoJoints, AMimicJointCarriesItsOwnWeight) {
