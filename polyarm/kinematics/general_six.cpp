@@ -14,6 +14,7 @@ using Matrix6x9 = Eigen::Matrix<double, 6, 9>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix16 = Eigen::Matrix<double, 16, 16>;
+using Matrix14x27 = Eigen::Matrix<double, 14, 27>;
 using Matrix24x16 = Eigen::Matrix<double, 24, 16>;
 
 constexpr double kThird = 2 * std::numbers::pi / 3;
@@ -36,6 +37,12 @@ std::array<double, 14> features_of(const Vec3& p, const Vec3& l) noexcept {
           pl,  across.x, across.y, across.z, mirrored.x, mirrored.y, mirrored.z};
 }
 
+/// Not inlined: all that it is called with is constant, and would become a hundred thousand lines.
+[[gnu::noinline]] void add(double part, const std::array<double, 14>& what, double* to) noexcept {
+  if (part == 0) return;
+  for (std::size_t f = 0; f < what.size(); ++f) to[f] += part * what[f];
+}
+
 double angle_between_about(const Vec3& from, const Vec3& to, const Vec3& h) noexcept {
   const Vec3 a = cross(h, from), b = cross(h, to);
   return std::atan2(dot(h, cross(a, b)), dot(a, b));
@@ -55,7 +62,7 @@ struct GeneralSix::Elimination {
   Eigen::Matrix<double, 14, 1> constant;
 };
 
-GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool) : from_tool_(from_tool) {
+GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool, bool prepared) : from_tool_(from_tool) {
   const ArmGeometry arm = from_tool ? reversed(given) : given;
   scale_ = 1 / std::max(arm.size(), 1e-9);
   // Points of neighbouring axes that are near to each other keep the numbers small.
@@ -71,29 +78,43 @@ GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool) : from_tool_(fr
   last_in_tool_ = from_tool_rotation_ * (points[5] - arm.tool_position);
   const Vec3 any = std::abs(h_[5].z) < 0.8 ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
   beside_6_ = normalized(cross(h_[5], any));
+  for (std::size_t k = 0; k < 3; ++k) {
+    first_back_[k] = rotation_about(h_[0], -static_cast<double>(k) * kThird);
+    second_back_[k] = rotation_about(h_[1], -static_cast<double>(k) * kThird);
+  }
+  see_middle();
+  if (prepared) prepare();
+}
+
+/// Polynomials from values at three of each angle: all features of one coefficient side by side.
+void GeneralSix::see_middle() noexcept {
+  Rotation third[3], fourth[3], fifth[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = static_cast<double>(k) * kThird;
+    third[k] = rotation_about(h_[2], angle);
+    fourth[k] = rotation_about(h_[3], kOffset4 + angle);
+    fifth[k] = rotation_about(h_[4], kOffset5 + angle);
+  }
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 3; ++b)
       for (std::size_t c = 0; c < 3; ++c) {
-        const Features at =
-            left_at(static_cast<double>(a) * kThird, kOffset4 + static_cast<double>(b) * kThird,
-                    kOffset5 + static_cast<double>(c) * kThird);
-        for (std::size_t f = 0; f < kFeatures; ++f)
-          for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 9; ++j)
-              left_[f][i][j] += kToTrig[i][a] * kToHalf[j / 3][b] * kToHalf[j % 3][c] * at[f];
+        const Features at = left_with(third[a], fourth[b], fifth[c]);
+        for (std::size_t k = 0; k < 27; ++k)
+          add(kToTrig[k / 9][a] * kToHalf[k / 3 % 3][b] * kToHalf[k % 3][c], at, left_.data() + 14 * k);
       }
-  leave_out_spurious();
 }
 
 /// Where the half-angle tangent of angle 3 is i, the equations know of four combinations of the powers only,
 /// those of the plane that axis 3 turns: what these leave free is the same for every pose.
-void GeneralSix::leave_out_spurious() noexcept {
+void GeneralSix::prepare() noexcept {
+  if (ready_) return;
+  ready_ = true;
   using Complex = std::complex<double>;
+  const Eigen::Map<const Matrix14x27> left(left_.data());
   Eigen::Matrix<Complex, kFeatures, 9> plane;
   for (int f = 0; f < plane.rows(); ++f)
     for (int j = 0; j < 9; ++j) {
-      const auto& at = left_[static_cast<std::size_t>(f)];
-      plane(f, j) = {at[2][static_cast<std::size_t>(j)], at[1][static_cast<std::size_t>(j)]};
+      plane(f, j) = {left(f, 18 + j), left(f, 9 + j)};
     }
   const Eigen::ColPivHouseholderQR<Eigen::Matrix<Complex, 9, kFeatures>> rows(plane.adjoint());
   const Eigen::Matrix<Complex, 9, 9> span = rows.householderQ();
@@ -116,14 +137,16 @@ void GeneralSix::leave_out_spurious() noexcept {
 
 /// The way from axis 3 to axis 6, and the direction of that, seen from axis 3 where it stands at zero.
 GeneralSix::Features GeneralSix::left_at(double third, double fourth, double fifth) const noexcept {
-  const Rotation r3 = rotation_about(h_[2], third), r4 = rotation_about(h_[3], fourth),
-                 r5 = rotation_about(h_[4], fifth);
+  return left_with(rotation_about(h_[2], third), rotation_about(h_[3], fourth), rotation_about(h_[4], fifth));
+}
+GeneralSix::Features GeneralSix::left_with(const Rotation& r3, const Rotation& r4,
+                                           const Rotation& r5) const noexcept {
   return features_of(r3 * (p_[2] + r4 * (p_[3] + r5 * p_[4])), r3 * (r4 * (r5 * h_[5])));
 }
 
 /// The same from the other side.
-GeneralSix::Features GeneralSix::right_at(const Ends& ends, double first, double second) const noexcept {
-  const Rotation r1 = rotation_about(h_[0], -first), r2 = rotation_about(h_[1], -second);
+GeneralSix::Features GeneralSix::right_with(const Ends& ends, const Rotation& r1,
+                                            const Rotation& r2) const noexcept {
   return features_of(r2 * (r1 * ends.place - p_[0]) - p_[1], r2 * (r1 * ends.axis));
 }
 
@@ -144,19 +167,13 @@ void GeneralSix::see_target(const Ends& ends, Elimination& e) const noexcept {
   Eigen::Matrix<double, 14, 9> right = Eigen::Matrix<double, 14, 9>::Zero();
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 3; ++b) {
-      const Features at = right_at(ends, static_cast<double>(a) * kThird, static_cast<double>(b) * kThird);
-      for (int f = 0; f < 14; ++f)
-        for (int j = 0; j < 9; ++j)
-          right(f, j) += kToTrig[j / 3][a] * kToTrig[j % 3][b] * at[static_cast<std::size_t>(f)];
+      const Features at = right_with(ends, first_back_[a], second_back_[b]);
+      for (std::size_t j = 0; j < 9; ++j)
+        add(kToTrig[j / 3][a] * kToTrig[j % 3][b], at, right.data() + 14 * j);
     }
   e.constant = right.col(0);
   e.right.compute(right.rightCols<8>());
-  Eigen::Matrix<double, 14, 27> left;
-  for (int f = 0; f < 14; ++f)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 9; ++j)
-        left(f, 9 * i + j) =
-            left_[static_cast<std::size_t>(f)][static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  Matrix14x27 left = Eigen::Map<const Matrix14x27>(left_.data());
   for (const int j : {0, 2, 6, 8}) left.col(j) -= e.constant;
   left.applyOnTheLeft(e.right.householderQ().adjoint());
   const Eigen::Matrix<double, 6, 27> free = left.bottomRows<6>();
@@ -164,6 +181,12 @@ void GeneralSix::see_target(const Ends& ends, Elimination& e) const noexcept {
   e.sine = free.middleCols<9>(9);
   e.cosine = free.rightCols<9>();
 }
+
+struct GeneralSix::Start {
+  Matrix6x9 even, odd;
+  Eigen::PartialPivLU<Matrix12> square;
+  double turn = 0;
+};
 
 namespace {
 
@@ -177,30 +200,35 @@ Matrix12 doubled(const Matrix6x9& six) noexcept {
 
 }  // namespace
 
-/// Angles 3 of all solutions, by the half-angle's tangent of what is beyond `turn`. False where that is a bad
-/// place to start from.
-bool GeneralSix::find_thirds(const Elimination& e, double turn, std::array<double, kMost>& thirds,
-                             std::size_t& count) const noexcept {
+/// What stands before the highest power of the half-angle's tangent of what angle 3 is beyond `turn`, and
+/// before the others. Returns the least pivot of the former in parts of the largest.
+double GeneralSix::start_at(const Elimination& e, double turn, Start& out) noexcept {
   const double s = std::sin(turn), c = std::cos(turn);
-  const Matrix6x9 even = c * e.cosine + s * e.sine, odd = c * e.sine - s * e.cosine;
-  const Eigen::PartialPivLU<Matrix12> square(doubled(e.one - even));
-  const Vector12 pivots = square.matrixLU().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) return false;
+  out.even = c * e.cosine + s * e.sine;
+  out.odd = c * e.sine - s * e.cosine;
+  out.square.compute(doubled(e.one - out.even));
+  out.turn = turn;
+  const Vector12 pivots = out.square.matrixLU().diagonal().cwiseAbs();
+  return pivots.minCoeff() / pivots.maxCoeff();
+}
+
+/// From one start; false where the roots do not come.
+bool GeneralSix::find_thirds(const Elimination& e, const Start& start, Thirds& out) const noexcept {
   Eigen::Matrix<double, 12, 24> rest;
-  rest << doubled(e.one + even), doubled(2 * odd);
+  rest << doubled(e.one + start.even), doubled(2 * start.odd);
   const Eigen::Map<const Matrix24x16> wanted(wanted_.data());
   Matrix24x16 image;
   image.topRows<12>() = wanted.bottomRows<12>();
-  image.bottomRows<12>().noalias() = -square.solve(rest * wanted);
+  image.bottomRows<12>().noalias() = -start.square.solve(rest * wanted);
   const Matrix16 companion = wanted.transpose() * image;
   const Eigen::EigenSolver<Matrix16> roots(companion, false);
   if (roots.info() != Eigen::Success) return false;
-  count = 0;
+  out.count = 0;
   for (int k = 0; k < 16; ++k) {
     const double x = roots.eigenvalues()[k].real(), y = roots.eigenvalues()[k].imag();
     const double off = 2 * std::abs(y) / (1 + x * x - y * y > 0.1 ? 1 + x * x - y * y : 0.1);
     if (y < 0 || !(off < kNearlyReal)) continue;
-    thirds[count++] = turn + 2 * std::atan(x);
+    out.value[out.count++] = start.turn + 2 * std::atan(x);
   }
   return true;
 }
@@ -247,22 +275,67 @@ double GeneralSix::finish(const Elimination& e, const Ends& ends, State& q) cons
   return q[0] + q[1] + q[5];
 }
 
+namespace {
+
+constexpr double kTurns[] = {0.4137, 1.9, -1.2, 3.3};  // to start from, one after the other
+constexpr double kLeastPivot = 1e-9;                   // of the largest
+/// Less is rounding: the equations of an arbitrary pose are never independent, nor are those of any other.
+constexpr double kNoPivot = 1e-14;
+
+}  // namespace
+
+/// Angles 3 of all solutions. `prepare` is called before what it prepares is needed. False where a pivot is
+/// below `give_up`.
+template <typename Prepare>
+bool GeneralSix::find_all_thirds(const Elimination& e, double give_up, const Prepare& prepare,
+                                 Thirds& out) const noexcept {
+  Start start;
+  out.count = 0;
+  for (const double turn : kTurns) {
+    const double pivot = start_at(e, turn, start);
+    if (pivot < give_up) return false;
+    if (!(pivot > kLeastPivot)) continue;
+    prepare();
+    if (find_thirds(e, start, out)) break;
+  }
+  return true;
+}
+
 std::size_t GeneralSix::solve(const PoseTarget& target, std::span<State, kMost> out) const noexcept {
-  constexpr double kTurns[] = {0.4137, 1.9, -1.2, 3.3};
   const Ends ends = ends_of(target);
   Elimination e;
   see_target(ends, e);
-  std::array<double, kMost> thirds;
-  std::size_t found = 0, count = 0;
-  for (const double turn : kTurns)
-    if (find_thirds(e, turn, thirds, found)) break;
-  for (std::size_t k = 0; k < found; ++k) {
+  Thirds thirds;
+  std::size_t count = 0;
+  const auto ready = [] {};
+  find_all_thirds(e, 0, ready, thirds);
+  for (std::size_t k = 0; k < thirds.count; ++k) {
     State& q = out[count];
-    if (!complete(e, ends, thirds[k], q)) continue;
+    if (!complete(e, ends, thirds.value[k], q)) continue;
     if (from_tool_) std::reverse(q.begin(), q.end());
     ++count;
   }
   return count;
+}
+
+GeneralSix::Finds GeneralSix::finds(const State& q, const PoseTarget& target, double tolerance) noexcept {
+  const auto off = [](double a, double b) { return std::abs(std::remainder(a - b, 2 * std::numbers::pi)); };
+  const Ends ends = ends_of(target);
+  Elimination e;
+  see_target(ends, e);
+  Thirds thirds;
+  const auto make_ready = [this] { prepare(); };
+  if (!find_all_thirds(e, kNoPivot, make_ready, thirds)) return Finds::nothing_ever;
+  const double third = from_tool_ ? q[3] : q[2];
+  for (std::size_t k = 0; k < thirds.count; ++k) {
+    State other;
+    if (!(off(thirds.value[k], third) < tolerance) || !complete(e, ends, thirds.value[k], other)) continue;
+    if (from_tool_) std::reverse(other.begin(), other.end());
+    double worst = 0;
+    for (std::size_t i = 0; i < q.size(); ++i) worst = std::max(worst, off(other[i], q[i]));
+    if (worst < tolerance) return Finds::it;
+  }
+  return Finds::not_this;
 }
 
 }  // namespace polyarm::kinematics

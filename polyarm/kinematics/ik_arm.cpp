@@ -144,24 +144,18 @@ namespace {
 constexpr int kStates = 4;
 
 /// Of a few states, how many the algebra finds again: arms whose axes are special to each other may suit it
-/// from one end only. Stops where `needed` cannot be had any more.
-int found_again(const ArmGeometry& arm, const GeneralSix& six, int needed) {
+/// from one end only. Stops where `needed` cannot be had any more, or there are `enough`.
+int found_again(const ArmGeometry& arm, GeneralSix& six, int needed, int enough) {
   Random random(7);
   int out = 0;
-  std::array<GeneralSix::State, GeneralSix::kMost> found;
-  for (int i = 0; i < kStates && out + kStates - i >= needed; ++i) {
+  for (int i = 0; i < kStates && out + kStates - i >= needed && out < enough; ++i) {
     GeneralSix::State q;
     for (double& value : q) value = random.between(-3, 3);
     PoseTarget target;
     arm.forward(q, target.rotation, target.position);
-    const std::size_t count = six.solve(target, found);
-    const auto same = [&](const GeneralSix::State& other) {
-      double worst = 0;
-      for (std::size_t k = 0; k < 6; ++k)
-        worst = std::max(worst, std::abs(std::remainder(other[k] - q[k], kTurn)));
-      return worst < 1e-3;
-    };
-    out += std::any_of(found.begin(), found.begin() + count, same);
+    const GeneralSix::Finds found = six.finds(q, target, 1e-3);
+    if (found == GeneralSix::Finds::nothing_ever) return out;
+    out += found == GeneralSix::Finds::it;
   }
   return out;
 }
@@ -198,15 +192,17 @@ void InverseKinematics::Arm::find_general(bool both_ends) {
   constexpr int kLeast = 3;
   int most = kLeast - 1;
   for (const bool from_tool : {false, true}) {
-    auto six = std::make_unique<const GeneralSix>(geometry, from_tool);
-    const int again = found_again(geometry, *six, both_ends ? kLeast : most + 1);
+    auto six = std::make_unique<GeneralSix>(geometry, from_tool, false);
+    // Of the last end only matters whether it is good enough, and whether it is better.
+    const int enough = !from_tool || most == kLeast ? kStates : kLeast;
+    const int again = found_again(geometry, *six, both_ends ? kLeast : most + 1, enough);
+    if (again < kLeast) continue;
+    std::unique_ptr<const GeneralSix> other = std::move(six);
     if (again > most) {
       most = again;
-      std::swap(general, six);
-    } else if (again < kLeast) {
-      continue;
+      std::swap(general, other);
     }
-    if (both_ends) general_too = std::move(six);
+    if (both_ends) general_too = std::move(other);
     if (again == kStates && !both_ends) break;
   }
 }
@@ -356,6 +352,7 @@ void InverseKinematics::Arm::find_seven() {
   for (const std::size_t k : kOrder) {
     SixAxisClass common = classify(locked(geometry, k, kValues[0]));
     for (const double value : kValues) {
+      if (value == kValues[0] || common.family == ArmFamily::none) continue;
       const SixAxisClass other = classify(locked(geometry, k, value));
       if (other.family != common.family || other.from_tool != common.from_tool)
         common.family = ArmFamily::none;

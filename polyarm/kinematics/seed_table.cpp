@@ -1,6 +1,7 @@
 #include "polyarm/kinematics/seed_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -17,7 +18,7 @@ constexpr double kPlaceWeight = 1.5;  // of lengths against directions
 constexpr std::size_t kRounds = 12;   // of sixteen states each from the table; then random ones
 constexpr double kWidth = 2 * kPi;    // of joints without limits; lengths of sliding ones
 
-double generalized_golden(std::size_t dimensions) {
+double find_golden(std::size_t dimensions) {
   double root = 2;
   for (int i = 0; i < 40; ++i) {
     const double next = std::pow(1 + root, 1.0 / static_cast<double>(dimensions + 1));
@@ -25,6 +26,16 @@ double generalized_golden(std::size_t dimensions) {
     root = next;
   }
   return root;
+}
+
+double generalized_golden(std::size_t dimensions) {
+  // Of few dimensions kept: finding it takes a tenth of the table's time.
+  static const std::array<double, 9> kFew = [] {
+    std::array<double, 9> out{};
+    for (std::size_t d = 1; d < out.size(); ++d) out[d] = find_golden(d);
+    return out;
+  }();
+  return dimensions < kFew.size() ? kFew[dimensions] : find_golden(dimensions);
 }
 
 /// The point of axis `last` nearest to the axis before it, where that is not parallel.
@@ -134,21 +145,25 @@ void SeedTable::fill(std::size_t size) {
   for (std::size_t k = 0; k < m; ++k) dimensions += !free(k);
   // Each joint's numbers are an additive sequence, which fills the space evenly (the R-sequence: powers of
   // the root of x^(d+1) = x + 1; Roberts 2018).
-  std::vector<double> step(m, 0.0), unit(m, 0.5);
+  std::array<double, Chain::kMaxJoints> step{}, unit;
+  unit.fill(0.5);
   const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
   double power = 1;
   for (std::size_t k = 0; k < m; ++k)
     if (!free(k)) step[k] = power /= root;
+  std::array<Range, Chain::kMaxJoints> wide{};
+  for (std::size_t k = 0; k < m; ++k)
+    if (!free(k)) wide[k] = range(k);
   for (std::size_t row = 0; row < size; row += kDescents) {
-    for (std::size_t k = 0; k < m; ++k) {
-      const Range wide = free(k) ? Range{} : range(k);
-      double at = unit[k];
-      for (std::size_t lane = 0; lane < kDescents; ++lane) {
-        at += step[k];
+    // Joint beside joint: each joint's next number waits for the one before.
+    for (std::size_t lane = 0; lane < kDescents; ++lane) {
+      double* const state = states_.data() + (row + lane) * m;
+      for (std::size_t k = 0; k < m; ++k) {
+        double at = unit[k] + step[k];
         at -= at >= 1 ? 1.0 : 0.0;
-        all.x[k][lane] = states_[(row + lane) * m + k] = wide.low + at * wide.width;
+        unit[k] = at;
+        all.x[k][lane] = state[k] = wide[k].low + at * wide[k].width;
       }
-      unit[k] = at;
     }
     find_ends(arm_, all);
     enter(all, row);
