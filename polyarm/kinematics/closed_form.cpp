@@ -236,6 +236,53 @@ JointWindow window_of(double lower, double upper, double weight) noexcept {
   return {lower + kHalf + kMargin, upper - kHalf - kMargin, 1e-9, lower, upper, weight, std::sqrt(weight)};
 }
 
+namespace {
+
+/// Components that are rounding of the zero that was meant are left out.
+Vec3 without_noise(Vec3 v) {
+  constexpr double kNothing = 5e-15;  // m, and of directions
+  for (double* c : {&v.x, &v.y, &v.z})
+    if (std::abs(*c) < kNothing) *c = 0;
+  return v;
+}
+
+/// Fills in the shorter way, if all axes lie along those of `frame` (to the world).
+bool go_square(const ArmGeometry& arm, const Rotation& frame, LaneArm& out) {
+  const Rotation back = transposed(frame);
+  Vec3 at;
+  for (std::size_t i = 0; i < arm.count; ++i) {
+    const JointAxis& axis = arm.axes[i];
+    const Vec3 h = without_noise(back * axis.direction);
+    if (axis.slides || (h.x != 0) + (h.y != 0) + (h.z != 0) != 1) return false;
+    // Any point of the axis will do: the one level with the point before leaves a zero.
+    const Vec3 point = axis.point - dot(axis.point - at, axis.direction) * axis.direction;
+    const Vec3 step = without_noise(back * (point - at));
+    out.along[i] = {static_cast<std::uint8_t>(h.x != 0   ? 0
+                                              : h.y != 0 ? 1
+                                                         : 2),
+                    h.x + h.y + h.z < 0, step != Vec3{}, step};
+    at = point;
+  }
+  out.frame = frame;
+  out.tool_x = without_noise(back * arm.tool_rotation.x);
+  out.tool_y = without_noise(back * arm.tool_rotation.y);
+  out.tool_step = without_noise(back * (arm.tool_position - at));
+  return true;
+}
+
+/// The world's axes, or those that axis 1 and the first that is square to it give.
+void find_square(const ArmGeometry& arm, LaneArm& out) {
+  out.square = out.level = go_square(arm, {}, out);
+  for (std::size_t i = 1; i < arm.count && !out.square; ++i) {
+    const Vec3 &z = arm.axes[0].direction, &h = arm.axes[i].direction;
+    if (std::abs(dot(z, h)) > 1e-9) continue;
+    const Vec3 x = normalized(h - dot(z, h) * z);
+    out.square = go_square(arm, {x, cross(z, x), z}, out);
+  }
+}
+
+}  // namespace
+
 LaneArm lane_arm(const ArmGeometry& arm) {
   LaneArm out;
   for (std::size_t i = 0; i < arm.count; ++i) out.slides[i] = arm.axes[i].slides;
@@ -251,6 +298,7 @@ LaneArm lane_arm(const ArmGeometry& arm) {
     frame = next;
     at = point;
   }
+  find_square(arm, out);
   return out;
 }
 

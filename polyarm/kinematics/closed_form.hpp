@@ -72,6 +72,14 @@ struct SixAxisForm {
 /// ideal arm is from the true one, counts as singular.
 SixAxisForm form_of(const SixAxisClass& known, bool wary = false);
 
+/// One axis of an arm whose axes all lie along those of one frame.
+struct SquareStep {
+  std::uint8_t about = 2;  ///< x, y or z of that frame
+  bool against = false;    ///< it points the other way
+  bool aside = false;      ///< `step` is not nothing
+  Vec3 step;               ///< from the point of the axis before (at first: the world's origin), there
+};
+
 /// The true arm for sweeps over all branches: each axis is z of a frame of its own.
 struct LaneArm {
   std::size_t count = 0;
@@ -79,6 +87,11 @@ struct LaneArm {
   std::array<Vec3, ArmGeometry::kMostAxes + 1> step;
   std::array<bool, ArmGeometry::kMostAxes> slides{};
   double size = 1;
+  /// A shorter way, where all axes turn and, but for rounding, lie along those of one frame.
+  bool square = false, level = false;  ///< level: that frame is the world's
+  Rotation frame;                      ///< from there to the world
+  std::array<SquareStep, ArmGeometry::kMostAxes> along;
+  Vec3 tool_x, tool_y, tool_step;  ///< the tool's axes and place at zero, there
 };
 LaneArm lane_arm(const ArmGeometry& arm);
 
@@ -145,22 +158,37 @@ struct PlanarCircle {
 struct TurnedVector {
   Vec3 still, ahead, across;
 };
+/// Where axis 5 is square to axis 6 and to the hub, to the last digit, the three are as Euler's angles, and
+/// the other bend is the same with the turn and angle 6 half a turn on. Axis 5 at zero is then x of the hub's
+/// frame.
+struct SquareBend {
+  bool usable = false;
+  double hub_s = 0, hub_c = 1;  ///< of a wrist: of the angle from the plane's x to the hub; else to axis 5
+  double side_5 = 1;            ///< of a wrist: whether axis 5 points along axis 2 (1) or against it (-1)
+  double six_s = 0, six_c = 1;  ///< of the bend at which axis 6 is along the hub
+  double six_angle = 0;         ///< and that angle, turns
+  double least_sine2 = 0;       ///< less is nearly singular
+};
+
 /// Constants of an arm whose axes 2 and 3 are parallel (planar_form.hpp); made by planar_form().
 struct PlanarForm {
   bool usable = false;
-  bool wrist = false;       ///< axes 4 to 6 meet; else axis 4 is parallel to 2 and 3, and 5 and 6 meet
-  Rotation into_base;       ///< from the world's axes to those of a frame whose z is axis 1
-  double rise = 0;          ///< axis 2 there, of which y is nothing: its x
-  double rise_along = 0;    ///< and its z
-  double height = 0;        ///< of the wrist's point along axis 2
-  Rotation into_plane;      ///< from there, axis 1 at zero, to a frame whose z is axis 2
-  Vec3 p12, p23, p34, p45;  ///< in that frame, between points of the axes
+  bool wrist = false;     ///< axes 4 to 6 meet; else axis 4 is parallel to 2 and 3, and 5 and 6 meet
+  Rotation into_base;     ///< from the world's axes to those of a frame whose z is axis 1
+  double rise = 0;        ///< axis 2 there, of which y is nothing: its x
+  double rise_along = 0;  ///< and its z
+  double height = 0;      ///< of the wrist's point along axis 2
+  /// Between points of the axes, in a frame whose z is axis 2 and whose x is square to axes 1 and 2.
+  Vec3 p12, p23, p34, p45;
   double side_3 = 1, side_4 = 1;
   PlanarCircle elbow, bend;  ///< of axes 3 and 5
   double elbow_half = 0;     ///< Reach::half, in radii of the elbow
   Rotation into_hub;         ///< from the plane's frame to one whose z is the axis that the bend is seen from
   TurnedVector six, beside, across;  ///< axis 6 and what is square to it, turned about axis 5, in that frame
   double least_length2 = 0, least_sine2 = 0, near_edge = 0;
+  bool upright = false;  ///< axis 2 is square to axis 1
+  Vec3 beside_in_tool;   ///< square to axis 6, as the tool sees it: where angle 6 is counted from
+  SquareBend square;
 };
 
 /// What quick answers need: of an arm of six turning axes whose closed form is exact (takes_quick()).

@@ -16,13 +16,42 @@ inline constexpr double kLargestTurn = 0.3;   // rad in one step of the polish
 
 inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
 
+POLYARM_INLINE void turn_pair(const LaneAngle& a, Lane& u, Lane& v) {
+  const Lane was = u;
+  u = fnma(a.s, v, a.c * was);
+  v = fma(a.s, was, a.c * v);
+}
+
+/// Two of the tool's axes and its origin, by the shorter way (LaneArm::square).
+POLYARM_INLINE void place_square(const LaneArm& arm, const LaneAngle* q, LaneVec& x, LaneVec& y, LaneVec& p) {
+  x = splat(arm.tool_x), y = splat(arm.tool_y), p = splat(arm.tool_step);
+  for (std::size_t i = arm.count; i-- > 0;) {
+    const SquareStep& step = arm.along[i];
+    LaneAngle a = q[i];
+    if (step.against) a.s = -a.s;
+    if (step.about == 0)
+      turn_pair(a, x.y, x.z), turn_pair(a, y.y, y.z), turn_pair(a, p.y, p.z);
+    else if (step.about == 1)
+      turn_pair(a, x.z, x.x), turn_pair(a, y.z, y.x), turn_pair(a, p.z, p.x);
+    else
+      turn_pair(a, x.x, x.y), turn_pair(a, y.x, y.y), turn_pair(a, p.x, p.y);
+    if (step.aside) p = p + step.step;
+  }
+  if (arm.level) return;
+  x = arm.frame * x, y = arm.frame * y, p = arm.frame * p;
+}
+
 /// Squares of what is between the target and where these angles lead. Goes from the tool to the base with
 /// three vectors: two of the tool's axes and its origin.
 template <class Target>
 POLYARM_INLINE void measure(const LaneArm& arm, const LaneAngle* q, const Target& target, Lane& position,
                             Lane& orientation) {
-  const std::size_t n = arm.count;
-  LaneVec x = splat(arm.turn[n].x), y = splat(arm.turn[n].y), p = splat(arm.step[n]);
+  const std::size_t n = arm.square ? 0 : arm.count;
+  LaneVec x, y, p;
+  if (arm.square)
+    place_square(arm, q, x, y, p);
+  else
+    x = splat(arm.turn[n].x), y = splat(arm.turn[n].y), p = splat(arm.step[n]);
   for (std::size_t i = n; i-- > 0;) {
     const LaneAngle a = q[i];
     if (arm.slides[i]) {
