@@ -190,6 +190,7 @@ SixAxisForm form_of(const SixAxisClass& known, bool wary) {
       f.shoulder = shoulder_of(arm, f.least_length);
       take_points(f, arm);
       f.to_56 = center - point(4);
+      f.edge = 0;  // samples on either side part solutions well enough
       break;
     default:
       break;

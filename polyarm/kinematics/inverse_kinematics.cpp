@@ -11,6 +11,7 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
+constexpr double kSharper = 1e-4;       // rad: nearer than this it may be the same, more exactly
 constexpr double kSameFamily = 0.3;     // rad: nearer than this may be
 constexpr std::size_t kCrowd = 16;      // solutions; where there are more, most are members of families
 constexpr double kNearly = 1e-3;        // m and rad
@@ -83,7 +84,8 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
 /// All that the search along axis 4 ends in, and what descent finds around the seed.
 void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
                                        Gathered& out) const noexcept {
-  std::array<Branches, kSearchBlocks> found;
+  // Once more as many where the search looks closer in places.
+  std::array<Branches, 2 * kSearchBlocks> found;
   job.form = &strict_form;
   job.worth_polishing = 1;
   job.patience = 5;
@@ -205,8 +207,14 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
       continue;
     }
     bool known_already = false;
-    for (std::size_t j = since; j < out.count && !known_already; ++j)
-      known_already = same(job, out.all[j].value, one.value, out.count > kCrowd);
+    for (std::size_t j = since; j < out.count && !known_already; ++j) {
+      Candidate& other = out.all[j];
+      known_already = same(job, other.value, one.value, out.count > kCrowd);
+      // Descent to where solutions meet may have ended early: the one with more digits stays.
+      if (known_already && largest_change(other.value, one.value, n) < kSharper &&
+          one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2))
+        other = one;
+    }
     if (!known_already) out.take(one);
   }
 }

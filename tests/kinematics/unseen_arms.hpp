@@ -51,6 +51,22 @@ inline void split_before(description::RobotModel& model, int j, const Pose& ther
   joint.origin = inverse(there) * joint.origin;
 }
 
+/// An arm on a slide more: a joint before joint `j` that slides along `direction`.
+inline void slide_before(description::RobotModel& model, int j, const Vec3& direction) {
+  split_before(model, j, {});
+  description::Joint& joint = model.joints.back();
+  joint.type = description::JointType::prismatic;
+  joint.axis = direction;
+  joint.limits.lower = -0.4, joint.limits.upper = 0.5;
+  model.actuated.push_back(static_cast<int>(model.joints.size()) - 1);
+}
+
+/// Joint `j` follows joint `other`, as linkages and belts make it.
+inline void follow(description::RobotModel& model, int j, int other, double multiplier, double offset) {
+  model.joints[static_cast<std::size_t>(j)].mimic = {other, multiplier, offset};
+  std::erase(model.actuated, j);
+}
+
 /// Joint `j` where it stands at `value`, for good.
 inline void hold(description::RobotModel& model, int j, double value) {
   description::Joint& joint = model.joints[static_cast<std::size_t>(j)];

@@ -179,5 +179,62 @@ TEST(UnseenArms, RailsAndSlidingJointsAreSolved) {
   expect_none_missed(all);
 }
 
+TEST(UnseenArms, ArmsOnTwoSlidesAreSolvedWhateverTheyHaveOfTheirJoints) {
+  Random random(66);
+  UnseenByWay all;
+  with_catalogue(5, [&](const std::string& robot, description::RobotModel model) {
+    const int tip = model.tool_link();
+    auto joints = test::moving_joints(model, tip);
+    const Vec3 one = test::random_direction(random), two = cross(one, test::random_direction(random));
+    const bool square = random.unit() < 0.5;
+    test::slide_before(model, joints[0], square ? Vec3{1, 0, 0} : one);
+    test::slide_before(model, joints[0], square ? Vec3{0, 1, 0} : normalized(two));
+    // Five to eight axes are left.
+    const std::size_t left = static_cast<std::size_t>(random.between(3, 7));
+    while (joints.size() > left) {
+      const auto k = static_cast<std::ptrdiff_t>(random.between(0, static_cast<double>(joints.size())));
+      test::hold(model, joints[static_cast<std::size_t>(k)], random.between(-1, 1));
+      joints.erase(joints.begin() + k);
+    }
+    const Chain chain(model, tip);
+    if (smallest_singular_value(chain, test::random_state(chain, random)) < 1e-5) return;
+    const InverseKinematics arm(chain);
+    compare(fmt::format("{} of {} joints on two slides", robot, joints.size()), chain, arm,
+            test::poses_per_arm(10), 10, random, all[arm.way()]);
+  });
+  expect_none_missed(all);
+}
+
+TEST(UnseenArms, JointsThatFollowOthersAreSolved) {
+  Random random(67);
+  UnseenByWay linked, geared;
+  with_catalogue(3, [&](const std::string& robot, description::RobotModel model) {
+    const int tip = model.tool_link();
+    const auto joints = test::moving_joints(model, tip);
+    if (joints.size() < 5) return;
+    const auto any = [&] {
+      return static_cast<std::size_t>(random.between(0, static_cast<double>(joints.size())));
+    };
+    const std::size_t k = any();
+    std::size_t other = any();
+    while (other == k) other = any();
+    // Parallelograms and gears, in front of the joint that is followed and behind it.
+    const double kind = random.unit(), multiplier = kind < 0.4 ? -1 : kind < 0.5 ? 1 : random.between(-2, 2);
+    test::follow(model, joints[k], joints[other], multiplier, random.between(-1, 1));
+    const Chain chain(model, tip);
+    if (smallest_singular_value(chain, test::random_state(chain, random)) < 1e-5) return;
+    const InverseKinematics arm(chain);
+    compare(fmt::format("{} whose joint {} follows joint {}", robot, k + 1, other + 1), chain, arm,
+            test::poses_per_arm(10), 10, random, (kind < 0.5 ? linked : geared)[arm.way()]);
+  });
+  expect_none_missed(linked);
+  // A geared joint of several turns is another arm after each of them, and descent does not try them all.
+  for (auto& [way, one] : geared) {
+    EXPECT_LE(one.unsolved, one.asked / 10) << words(way);
+    one.unsolved = 0;
+  }
+  expect_none_missed(geared);
+}
+
 }  // namespace
 }  // namespace polyarm::kinematics
