@@ -188,7 +188,8 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   problem.advice = !waits ? "see the recorded cycles of this run"
                    : snapshot.cause == Cause::limits
                        ? "polyarm control recover and resume; it may then be moved inwards only"
-                       : "polyarm hardware list and polyarm hardware recover";
+                       : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
+                         "controllers, resume";
   if (!waits) return fail(now, std::move(problem));
   observer_.on_problem(now, problem);
   recorder_.begin(begin_record(*this, problem), now);

@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { attempt, complain, mayMove, request } from '../../state/cell';
-import { type Component, type Controller, controllers, hardware, loadHealth } from '../../state/health';
+import { type Component, type Controller, controllers, hardware, health, loadHealth } from '../../state/health';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -16,6 +16,23 @@ function StateChip({ state }: { state: string }) {
 
 async function change(name: string, args: Record<string, unknown>): Promise<void> {
   await attempt(name, args);
+  await loadHealth();
+}
+
+/** What fell with the component does not begin by itself: a person is asked. */
+async function recover(name: string): Promise<void> {
+  try {
+    const { fallen } = await request<{ fallen?: string[] }>('hardware.recover', { name });
+    if (fallen?.length)
+      ask({
+        title: t('health.startQ'),
+        text: t('health.startText', { name, names: fallen.join(', ') }),
+        action: t('health.start'),
+        onYes: () => void change('control.switch', { activate: fallen, deactivate: [] }),
+      });
+  } catch (error) {
+    complain(error);
+  }
   await loadHealth();
 }
 
@@ -36,7 +53,8 @@ export function Hardware() {
 
 function ComponentCard({ component }: { component: Component }) {
   const { name, state } = component;
-  const failed = state !== 'active' && state !== 'inactive' && state !== 'unconfigured';
+  const fallen = health.value?.fallen.find((each) => each.component === name);
+  const failed = !!fallen || (state !== 'active' && state !== 'inactive' && state !== 'unconfigured');
   const to = (next: string) => ask({
     title: t('health.toQ', { name, state: word('health.s', next) }),
     text: next === 'active' ? t('health.toActive') : t('health.toLess'),
@@ -45,11 +63,12 @@ function ComponentCard({ component }: { component: Component }) {
   });
   const users = [...new Set(component.commands.map((each) => each.claimed_by).filter(Boolean))];
   return (
-    <li class={`health-item ${tone(state)}`}>
+    <li class={`health-item ${failed ? 'bad' : tone(state)}`}>
       <header>
         <h3>{name}</h3>
         <StateChip state={state} />
       </header>
+      {fallen && <p class="health-bad">{t('health.failed', { cause: fallen.cause })}</p>}
       <p class="note">
         {[component.type, component.plugin, component.rate ? `${number(component.rate, 0)} Hz` : ''].filter(Boolean).join(' · ')}
         {component.missed > 0 && ` · ${t('health.missed')}: ${component.missed}`}
@@ -59,9 +78,9 @@ function ComponentCard({ component }: { component: Component }) {
         {users.length > 0 && ` · ${t('health.usedBy', { names: users.join(', ') })}`}
       </p>
       <div class="row">
-        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => void change('hardware.recover', { name })} />}
+        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => void recover(name)} />}
         {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayMove.value} onClick={() => to('active')} />}
-        {state === 'active' && <Button label={t('health.deactivate')} icon="power" disabled={!mayMove.value} onClick={() => to('inactive')} />}
+        {state === 'active' && !failed && <Button label={t('health.deactivate')} icon="power" disabled={!mayMove.value} onClick={() => to('inactive')} />}
       </div>
     </li>
   );

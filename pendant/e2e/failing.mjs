@@ -1,0 +1,47 @@
+// A hardware component that fails: what is said of it, and the way back by the page alone.
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { go, picture, state } from './browser.mjs';
+import { until } from './cell.mjs';
+import { suite } from './suite.mjs';
+
+const { at, test } = suite({
+  example: 'r6bot',
+  change: (folder) => {
+    writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: r6bot.urdf, hardware: mock, parameters: {inject: read_error@20000}}\nprogram: job\n');
+    writeFileSync(join(folder, 'job.script'), 'while true\n  wait 1s\nend\n');
+  },
+});
+let page;
+const main = () => page.getByRole('main');
+const tab = (name) => main().getByRole('radiogroup').first().getByText(name).click();
+
+test('a component that fails is said to have, where and why, with what to do', async () => {
+  page = await at.open();
+  await page.getByRole('button', { name: /^In control/ }).waitFor();
+  await until(async () => (await at.goOn(), at.watcher.events.status?.state === 'fault'), 150, 'the fault');
+  await state(page).getByText('a hardware component failed').waitFor();
+  await go(page, 'Health');
+  await tab(/^Alarms/);
+  await main().getByRole('heading', { name: /^a hardware component failed \(R6Bot/ }).waitFor();
+  await main().getByText(/bring the hardware back/).waitFor();
+  await picture(page, 'failed');
+});
+
+test('it is recovered, its controllers start after a question, and the cell goes on', async () => {
+  await tab('Hardware');
+  await main().getByText('Failed: a hardware component failed').waitFor();
+  assert.equal(await main().getByRole('button', { name: 'Activate' }).count(), 0);
+  await main().getByRole('button', { name: 'Recover' }).click();
+  const question = page.getByRole('dialog', { name: 'Start its controllers again?' });
+  await question.getByText(/R6Bot is back\. .*joint_trajectory_controller/).waitFor();
+  await question.getByRole('button', { name: 'Start' }).click();
+  await main().getByText(/^Failed: /).waitFor({ state: 'detached' });
+  await at.bar().getByRole('button', { name: 'Recover' }).click();
+  await at.bar().getByRole('button', { name: 'Resume' }).click();
+  await state(page).getByText(/^(Ready|Program)/).waitFor();
+  await tab('Controllers');
+  await until(async () => (await main().getByText('Active', { exact: true }).count()) >= 2, 60, 'two active controllers');
+  assert.deepEqual(page.problems, []);
+});
