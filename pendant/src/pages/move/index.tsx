@@ -4,6 +4,7 @@ import { cell, mayMove, robot, robotName } from '../../state/cell';
 import { open } from '../../ui/ask';
 import { Button, Empty, Segmented } from '../../ui/controls';
 import { WatchOnly } from '../../shell/Control';
+import { WaitingWizard } from '../points/teaching';
 import { RobotView } from '../../view3d/RobotView';
 import { Conditions } from './Conditions';
 import { DragBar } from './DragBar';
@@ -19,7 +20,10 @@ export default function MovePage() {
   if (!robot.value) return <Empty icon="move" text={t('page.loading')} />;
   return (
     <div class="move">
-      <WatchOnly />
+      <div class="move-banners">
+        <WatchOnly />
+        <WaitingWizard />
+      </div>
       <div class="move-picture">
         <RobotView />
         <div class="move-tools">

@@ -11,6 +11,8 @@ import { Icon } from '../../ui/Icon';
 import type { Pose, Vec3 } from '../../wire/types';
 import { freeName } from '../program/edits';
 import { PoseTable } from './Detail';
+import './points.css';
+import { kNoTouches, MoveButton, touches, waiting } from './teaching';
 
 interface Answer {
   pose: Pose;
@@ -21,7 +23,7 @@ interface Answer {
 const kSteps = ['points.fOrigin', 'points.fOnX', 'points.fInPlane'] as const;
 
 export function FrameWizard({ onClose }: { onClose: () => void }) {
-  const [touched, setTouched] = useState<(Vec3 | null)[]>([null, null, null]);
+  const touched = touches.value;
   const [name, setName] = useState(() => freeName('Frame', frameNames.value));
   const [answer, setAnswer] = useState<Answer | null>(null);
   const [problem, setProblem] = useState('');
@@ -35,19 +37,26 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
     request<Answer>('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(error.message));
   }, [touched]);
   const touch = (i: number) =>
-    request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => setTouched(touched.map((old, k) => (k === i ? here.tcp.p : old))), complain);
+    request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {
     onClose();
-    if (await changePoints('points.frame', args)) toast({ kind: 'ok', text: t('points.fSaved', { name }) });
+    if (!(await changePoints('points.frame', args))) return;
+    [touches.value, waiting.value] = [kNoTouches, null];
+    toast({ kind: 'ok', text: t('points.fSaved', { name }) });
   };
   return (
     <Dialog
       title={t('points.frame')}
       onClose={onClose}
       side
-      actions={<Button label={t('points.fSave')} icon="save" tone="primary" disabled={!answer || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />}
+      actions={
+        <>
+          <MoveButton kind="frame" />
+          <Button label={t('points.fSave')} icon="save" tone="primary" disabled={!answer || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
+        </>
+      }
     >
       <p>{t('points.fText')}</p>
       <ol class="points-wizard">

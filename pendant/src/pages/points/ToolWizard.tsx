@@ -8,9 +8,10 @@ import { Button, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { mm } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
-import type { Pose, Vec3 } from '../../wire/types';
+import type { Vec3 } from '../../wire/types';
 import { freeName } from '../program/edits';
 import { at } from './FrameWizard';
+import { MoveButton, toolPoses, waiting } from './teaching';
 
 interface Answer {
   tcp: Vec3;
@@ -24,7 +25,7 @@ const kLeast = 4;
 const kGood = 0.001;
 
 export function ToolWizard({ onClose }: { onClose: () => void }) {
-  const [poses, setPoses] = useState<Pose[]>([]);
+  const poses = toolPoses.value;
   const [name, setName] = useState(() => freeName('Tool', values.value.map((each) => each.name)));
   const [answer, setAnswer] = useState<Answer | null>(null);
   const [problem, setProblem] = useState('');
@@ -34,12 +35,14 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
     if (poses.length < kLeast) return;
     request<Answer>('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(error.message));
   }, [poses]);
-  const touch = () => request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => setPoses([...poses, here.flange]), complain);
+  const touch = () => request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {
     onClose();
-    if (await changePoints('points.tool', { name, poses })) toast({ kind: 'ok', text: t('points.tSaved', { name }) });
+    if (!(await changePoints('points.tool', { name, poses }))) return;
+    [toolPoses.value, waiting.value] = [[], null];
+    toast({ kind: 'ok', text: t('points.tSaved', { name }) });
   };
   const rows = Math.max(kLeast, poses.length + 1);
   return (
@@ -49,6 +52,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
       side
       actions={
         <>
+          <MoveButton kind="tool" />
           <Button label={t('points.take', { what: t('points.tPose', { number: poses.length + 1 }) })} icon="pin" tone={poses.length < kLeast ? 'primary' : 'plain'} onClick={() => void touch()} />
           <Button label={t('points.tSave')} icon="save" tone="primary" disabled={!answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
         </>
@@ -67,7 +71,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
                   {poses[i] ? (left === undefined ? at(poses[i]!.p) : t('points.tLeft', { mm: mm(left, 2) })) : t('points.notYet')}
                 </small>
               </span>
-              {poses[i] && <Button label={t('points.tDrop', { number: i + 1 })} icon="trash" bare onClick={() => setPoses(poses.filter((_, k) => k !== i))} />}
+              {poses[i] && <Button label={t('points.tDrop', { number: i + 1 })} icon="trash" bare onClick={() => (toolPoses.value = poses.filter((_, k) => k !== i))} />}
             </li>
           );
         })}
