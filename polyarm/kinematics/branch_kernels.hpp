@@ -2,6 +2,7 @@
 /// The kernels of closed_form.hpp, compiled once for each set of instructions (branches_*.cpp). Used inside
 /// this room only.
 #include "polyarm/kinematics/closed_form.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
 
 namespace polyarm::kinematics {
 
@@ -20,7 +21,9 @@ struct BranchKernels {
   void (*polish)(const BranchJob&, Branches&);
   bool (*quick)(const QuickJob&, const LaneArm&, const Pose&, const double*, QuickAnswers&);
   std::size_t (*search)(const BranchJob&, Branches*, std::size_t);
-  void (*nearest)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers*);
+  void (*nearest)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers&);
+  void (*batch)(const QuickJob&, const LaneArm&, std::span<const Pose>, std::span<const double>, IkSolution*,
+                std::uint8_t*);
 };
 
 namespace lanes_portable {

@@ -317,18 +317,19 @@ bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, 
 }
 
 void solve_together(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
-                    const double* seed, std::span<QuickAnswers, kTogether / kBranches> out) noexcept {
-  kKernels.nearest(job, arm, targets, seed, out.data());
+                    std::span<const double> seed, std::span<IkSolution> out,
+                    std::span<std::uint8_t> good) noexcept {
+  kKernels.batch(job, arm, targets, seed, out.data(), good.data());
 }
 
 void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
                  QuickAnswers& out) noexcept {
-  kKernels.nearest(job, arm, targets, seed, &out);
+  kKernels.nearest(job, arm, targets, seed, out);
 }
 
 void solve_eight(InstructionSet set, const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
                  const double* seed, QuickAnswers& out) noexcept {
-  kernels_for(set).nearest(job, arm, targets, seed, &out);
+  kernels_for(set).nearest(job, arm, targets, seed, out);
 }
 
 std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexcept {

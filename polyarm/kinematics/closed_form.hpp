@@ -11,6 +11,8 @@
 
 namespace polyarm::kinematics {
 
+struct IkSolution;
+
 inline constexpr std::size_t kBranches = 8;
 
 /// A pose as the solvers take it, in the world.
@@ -186,6 +188,7 @@ struct PlanarForm {
   Rotation into_hub;         ///< from the plane's frame to one whose z is the axis that the bend is seen from
   TurnedVector six, beside, across;  ///< axis 6 and what is square to it, turned about axis 5, in that frame
   double least_length2 = 0, least_sine2 = 0, near_edge = 0;
+  bool level = false;    ///< axis 1 is along the world's z
   bool upright = false;  ///< axis 2 is square to axis 1
   Vec3 beside_in_tool;   ///< square to axis 6, as the tool sees it: where angle 6 is counted from
   SquareBend square;
@@ -219,11 +222,12 @@ struct QuickAnswers {
 /// then solve_branches()'s to give.
 bool solve_quickly(const QuickJob& job, const LaneArm& arm, const Pose& target, const double* seed,
                    QuickAnswers& out) noexcept;
-/// Of each of up to sixteen poses the branch nearest to the seed, by the same arithmetic; the first eight in
-/// out[0]. Poses whose bit in `good` is not set have to be solved on their own, one by one.
-inline constexpr std::size_t kTogether = 16;
+/// Of each pose the branch nearest to the seed (a joint state of the chain), by the same arithmetic. Poses
+/// whose bit in `good` (eight to a byte, the first the lowest) is not set have to be solved on their own, one
+/// by one: what `out` has of them is nothing.
 void solve_together(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets,
-                    const double* seed, std::span<QuickAnswers, kTogether / kBranches> out) noexcept;
+                    std::span<const double> seed, std::span<IkSolution> out,
+                    std::span<std::uint8_t> good) noexcept;
 /// Of up to eight.
 void solve_eight(const QuickJob& job, const LaneArm& arm, std::span<const Pose> targets, const double* seed,
                  QuickAnswers& out) noexcept;

@@ -462,20 +462,18 @@ std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::s
                                            std::span<IkOutcome> outcomes) const noexcept {
   std::size_t solved = 0;
   const bool quick = arm_->takes_quick(seed);
-  std::array<QuickAnswers, kTogether / kBranches> found;
-  for (QuickAnswers& eight : found) eight.good = 0;
-  for (std::size_t first = 0; first < targets.size(); first += kTogether) {
-    const std::size_t n = std::min(kTogether, targets.size() - first);
-    if (quick) solve_together(arm_->quick, arm_->lanes, targets.subspan(first, n), seed.data(), found);
+  std::array<std::uint8_t, 32> good{};
+  constexpr std::size_t kAtOnce = good.size() * kBranches;
+  for (std::size_t first = 0; first < targets.size(); first += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, targets.size() - first);
+    if (quick)
+      solve_together(arm_->quick, arm_->lanes, targets.subspan(first, n), seed, out.subspan(first, n), good);
     for (std::size_t k = 0; k < n; ++k) {
-      const QuickAnswers& eight = found[k / kBranches];
-      if (eight.good >> k % kBranches & 1u) {
-        arm_->write_quick(eight, k % kBranches, seed, out[first + k]);
-        outcomes[first + k] = IkOutcome::solved;
-      } else {
-        outcomes[first + k] = solve(targets[first + k], seed, out[first + k]);
-      }
-      solved += outcomes[first + k] == IkOutcome::solved;
+      IkOutcome& outcome = outcomes[first + k];
+      outcome = IkOutcome::solved;
+      if ((good[k / kBranches] >> k % kBranches & 1u) == 0)
+        outcome = solve(targets[first + k], seed, out[first + k]);
+      solved += outcome == IkOutcome::solved;
     }
   }
   return solved;

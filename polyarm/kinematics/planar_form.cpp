@@ -69,6 +69,7 @@ bool planar_form(const SixAxisForm& form, PlanarForm& out) noexcept {
   const Vec3 &h1 = form.h[0], &h2 = form.h[1];
   out.wrist = wrist;
   out.into_base = into_frame(h1, h2);
+  out.level = nothing(h1.x) && nothing(h1.y);
   const Vec3 second = out.into_base * h2;
   out.rise = second.x;
   out.rise_along = second.z;

@@ -5,10 +5,17 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "polyarm/description/catalogue.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
 #include "polyarm/kinematics/planar_form.hpp"
 #include "tests/kinematics/sample_families.hpp"
+#include "tests/kinematics/sample_states.hpp"
 
 namespace polyarm::kinematics {
 namespace {
@@ -155,6 +162,57 @@ TEST(ClosedForm, EightAtATimeFindTheSameWithEverySetOfInstructions) {
     }
   }
   EXPECT_GT(solved, 800);
+}
+
+/// `count` joints that come first in a joint state and that the tool does not hang on.
+description::RobotModel with_fingers(description::RobotModel model, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int link = static_cast<int>(model.links.size()), joint = static_cast<int>(model.joints.size());
+    description::Joint finger = model.joints[static_cast<std::size_t>(model.actuated[0])];
+    finger.name = "finger_" + std::to_string(i);
+    finger.parent_link = 0;
+    finger.child_link = link;
+    model.links.push_back({finger.name, {}, {}, {}, joint});
+    model.joints.push_back(finger);
+    model.actuated.insert(model.actuated.begin() + static_cast<std::ptrdiff_t>(i), joint);
+  }
+  return model;
+}
+
+TEST(ClosedForm, ABatchLeavesJointsThatDoNotMoveTheToolWhereTheSeedHasThem) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  constexpr std::size_t kPoses = 300;  // more than go in one piece, and the last eight are not full
+  for (const std::size_t fingers : {0u, 1u, 2u, 3u, 7u}) {
+    const auto model = with_fingers(catalogue.load("universal_robots/ur5e"), fingers);
+    const Chain chain(model, model.tool_link());
+    ASSERT_EQ(chain.joints(), 6 + fingers);
+    const InverseKinematics arm(chain);
+    Random random(17);
+    const auto seed = test::random_state(chain, random);
+    std::vector<Pose> targets;
+    for (std::size_t i = 0; i < kPoses; ++i)
+      targets.push_back(chain.forward(test::random_state(chain, random)));
+    std::vector<IkSolution> out(kPoses + 1);
+    std::vector<IkOutcome> outcomes(kPoses + 1, IkOutcome::limits);
+    out[kPoses].q.fill(-77);
+    out[kPoses].distance = -77;
+    EXPECT_EQ(arm.solve_batch(targets, seed, std::span(out).first(kPoses), std::span(outcomes).first(kPoses)),
+              kPoses);
+    for (std::size_t i = 0; i < kPoses; ++i) {
+      IkSolution one;
+      ASSERT_EQ(arm.solve(targets[i], seed, one), outcomes[i]);
+      for (std::size_t j = 0; j < chain.joints(); ++j)
+        EXPECT_NEAR(out[i].q[j], chain.moves_tcp(j) ? one.q[j] : seed[j], 1e-12) << fingers << " " << i;
+      EXPECT_NEAR(out[i].distance, one.distance, 1e-11);
+      EXPECT_LT(out[i].position_error, 1e-9);
+      EXPECT_LT(out[i].orientation_error, 1e-9);
+      EXPECT_TRUE(out[i].exact);
+      EXPECT_EQ(out[i].singular, one.singular);
+    }
+    EXPECT_EQ(std::ranges::count(out[kPoses].q, -77.0), std::ssize(out[kPoses].q)) << "beyond the end";
+    EXPECT_EQ(out[kPoses].distance, -77);
+    EXPECT_EQ(outcomes[kPoses], IkOutcome::limits);
+  }
 }
 
 }  // namespace
