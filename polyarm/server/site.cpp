@@ -178,7 +178,7 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
     return post(
         [folder] {
           HttpReply out = document(text_of(zip_of(folder)), "application/zip");
-          out.headers.emplace_back("Content-Disposition", "attachment; filename=\"project.zip\"");
+          out.headers.emplace_back("Content-Disposition", "attachment");
           return out;
         },
         reply);

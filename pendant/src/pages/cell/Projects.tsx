@@ -18,7 +18,20 @@ interface Project {
   recent: boolean;
 }
 
-const goodName = (name: string) => /^[\w][\w-]*$/.test(name);
+/** Copies have one title: their names tell them apart. */
+const titleOf = (project: Project, all: Project[]) =>
+  project.title && all.some((each) => each !== project && each.title === project.title) ? `${project.title} (${project.name})` : project.title || project.name;
+
+const goodName = (name: string) => /^[\w][\w-]{0,59}$/.test(name);
+
+/** A name for what a file holds: `cell (1).zip` is `cell`, or `cell2` where there is one of that name. */
+function nameFor(file: string, taken: string[]): string {
+  const plain = file.replace(/\.zip$/i, '').replace(/\s*\(\d+\)$/, '').replace(/[^\w-]+/g, '_').replace(/^[-_]+/, '').slice(0, 50) || 'project';
+  for (let i = 1; ; ++i) {
+    const name = i === 1 ? plain : `${plain}${i}`;
+    if (!taken.includes(name)) return name;
+  }
+}
 
 export function Projects() {
   const [list, setList] = useState<Project[] | null>(null);
@@ -33,7 +46,7 @@ export function Projects() {
   useEffect(() => void load(), []);
   const openOne = (project: Project) =>
     ask({
-      title: t('cell.openQ', { name: project.title || project.name }),
+      title: t('cell.openQ', { name: titleOf(project, list ?? []) }),
       text: t('cell.openText'),
       action: t('cell.open'),
       onYes: () => void restart(t('cell.opening', { name: project.name }), t('cell.opened', { name: project.name }), 'cell.open', { folder: project.folder }).then(load),
@@ -46,7 +59,7 @@ export function Projects() {
             <Icon name="download" size={22} />
             <span>{t('cell.backUp')}</span>
           </a>
-          <Restore onDone={load} />
+          <Restore taken={(list ?? []).map((each) => each.name)} onDone={load} />
         </div>
         <div class="row">
           <Button label={t('cell.saveAs')} icon="copy" disabled={!mayMove.value} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
@@ -69,7 +82,7 @@ export function Projects() {
                   <button type="button" aria-current={here ? 'true' : undefined} class={here ? 'here' : ''} disabled={here || !mayMove.value || restarting.value !== ''} onClick={() => openOne(each)}>
                     <Icon name="folder" />
                     <span>
-                      <strong>{each.title || each.name}</strong>
+                      <strong>{titleOf(each, list)}</strong>
                       <small>{[each.robots.join(', '), each.folder].filter(Boolean).join(' · ')}</small>
                     </span>
                     {here && <span class="chip good">{t('cell.isOpen')}</span>}
@@ -84,11 +97,30 @@ export function Projects() {
   );
 }
 
-function Restore({ onDone }: { onDone: () => void }) {
+/** `taken`: names of the projects there are. */
+function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
   const input = useRef<HTMLInputElement>(null);
-  const take = async (file: File | undefined) => {
-    if (!file) return;
-    const name = file.name.replace(/\.zip$/i, '').replace(/[^\w-]+/g, '_');
+  const choose = (from: HTMLInputElement) => {
+    const file = from.files?.[0];
+    from.value = ''; // the same file may be chosen again
+    if (file) open((close) => <RestoreDialog file={file} taken={taken} onClose={close} onDone={onDone} />);
+  };
+  return (
+    <>
+      <input ref={input} type="file" accept=".zip,application/zip" hidden aria-label={t('cell.restore')} onChange={(e) => choose(e.currentTarget)} />
+      <Button label={t('cell.restore')} icon="upload" disabled={!mayMove.value} onClick={() => input.current?.click()} />
+    </>
+  );
+}
+
+/** Under which name a backup becomes a project: that of its file, where no project has it. */
+function RestoreDialog({ file, taken, onClose, onDone }: { file: File; taken: string[]; onClose: () => void; onDone: () => void }) {
+  const [name, setName] = useState(() => nameFor(file.name, taken));
+  const problem = name !== '' && !goodName(name) ? t('cell.badName') : taken.includes(name) ? t('cell.nameTaken') : '';
+  const bad = name === '' || problem !== '' || !mayMove.value;
+  const go = async () => {
+    if (bad) return;
+    onClose();
     try {
       const answer = await fetch(`/api/project.zip?name=${encodeURIComponent(name)}`, { method: 'PUT', body: file, credentials: 'same-origin' });
       if (!answer.ok) throw new Error((await answer.text()).slice(0, 300) || answer.statusText);
@@ -100,10 +132,19 @@ function Restore({ onDone }: { onDone: () => void }) {
     }
   };
   return (
-    <>
-      <input ref={input} type="file" accept=".zip,application/zip" hidden aria-label={t('cell.restore')} onChange={(e) => void take(e.currentTarget.files?.[0])} />
-      <Button label={t('cell.restore')} icon="upload" disabled={!mayMove.value} onClick={() => input.current?.click()} />
-    </>
+    <Dialog
+      title={t('cell.restore')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('cell.restoreDo')} tone="primary" icon="upload" disabled={bad} onClick={() => void go()} />
+        </>
+      }
+    >
+      <p>{t('cell.restoreText', { file: file.name })}</p>
+      <Field label={t('program.name')} value={name} problem={problem} onInput={setName} onEnter={() => void go()} />
+    </Dialog>
   );
 }
 
