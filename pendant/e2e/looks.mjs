@@ -39,6 +39,25 @@ const squeezed = (on) =>
       .map((each) => each.textContent),
   );
 
+/** Keys and words that are cut off at a side: by the screen, or by what they stand in where that cannot be scrolled to them. */
+const cut = (on) =>
+  on.evaluate(() => {
+    const out = [];
+    const told = (each) => each.getAttribute('aria-label') ?? each.textContent;
+    for (const each of document.querySelectorAll('.segmented, .move-panel > *, .signals-table button')) {
+      const box = each.getBoundingClientRect();
+      const around = each.parentElement.closest('.move-panel, .signals-body, main').getBoundingClientRect();
+      if (box.width > 0 && (box.left < around.left - 1 || box.right > around.right + 1)) out.push(`${told(each)} stands out`);
+    }
+    const stop = document.querySelector('.stop-button');
+    const within = stop.getBoundingClientRect();
+    for (const each of stop.querySelectorAll('strong, small')) {
+      const box = each.getBoundingClientRect();
+      if (box.top < within.top || box.bottom > within.bottom) out.push(`${each.textContent} is higher than its key`);
+    }
+    return out;
+  });
+
 for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
   for (const [size, [width, height]] of Object.entries(kScreens))
     test(`looks well in ${locale} on a ${size}, dark and light`, async () => {
@@ -60,6 +79,7 @@ for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
           const stop = await page.getByRole('button', { name: language === 'en' ? /^Stop / : /^Parar / }).boundingBox();
           if (stop.y + stop.height > height || stop.x + stop.width > width || stop.height < 44) found.push(`${where}: Stop is out of reach`);
           found.push(...(await small(page)).map((each) => `${where}: small: ${each}`));
+          found.push(...(await cut(page)).map((each) => `${where}: cut off: ${each}`));
           found.push(...(await squeezed(page)).map((each) => `${where}: squeezed: ${each}`));
         }
         await page.getByRole('button', { name: language === 'en' ? 'Settings' : 'Ajustes' }).click();

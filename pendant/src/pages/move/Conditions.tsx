@@ -33,7 +33,7 @@ function condition(): Condition {
   if (told && told.what !== 'speed') {
     const key = `move.held.${told.what}` as Key;
     const words = t(key);
-    return { tone: told.what === 'singular' ? 'bad' : 'warn', text: told.reason ? `${words} (${told.reason})` : words };
+    return { tone: told.what === 'singular' ? 'bad' : 'warn', text: told.reason && told.what !== 'singular' ? `${words} (${told.reason})` : words };
   }
   return nearby();
 }

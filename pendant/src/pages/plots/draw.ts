@@ -1,6 +1,7 @@
 /** One plot by uPlot; its own chunk. */
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
+import { number } from '../../i18n';
 import { decimalsOf } from '../../ui/format';
 import type { Slice } from './history';
 
@@ -40,8 +41,8 @@ export class Plot {
         },
         scales: { x: { time: false }, y: { range: (_, min, max) => padded(min, max) } },
         axes: [
-          { ...axis, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(3))} s`) },
-          { ...axis, size: 70, values: (_, ticks, __, ___, step) => ticks.map((tick) => tick.toFixed(decimalsOf(step))), label: unit || undefined, labelSize: unit ? 18 : 0, labelFont: '13px system-ui, sans-serif' },
+          { ...axis, values: (_, ticks, __, ___, step) => ticks.map((tick) => `${number(tick, decimalsOf(step))} s`) },
+          { ...axis, size: 70, values: (_, ticks, __, ___, step) => ticks.map((tick) => number(tick, decimalsOf(step))), label: unit || undefined, labelSize: unit ? 18 : 0, labelFont: '13px system-ui, sans-serif' },
         ],
         series: [
           {},
