@@ -1,12 +1,13 @@
 /** One line that says what holds the robot back, or soon will: what the cell says while it moves, else what is near. */
 import { computed } from '@preact/signals';
-import { type Key, t } from '../../i18n';
+import { t } from '../../i18n';
 import { mayMove, robot } from '../../state/cell';
-import { heldBack, heldKey, jogMode } from '../../state/jog';
+import { heldBack, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
 import { Icon } from '../../ui/Icon';
 import { jointTitle, nearLimit, roomTo } from './axes';
+import { heldWords } from './held';
 import { programMoves } from './JogKeys';
 
 /** Below the first the TCP is slowed down, below the second it hardly moves (of Chain.smallestGain). */
@@ -29,12 +30,8 @@ interface Condition {
 
 function condition(): Condition {
   if (mayMove.value && programMoves()) return { tone: 'warn', text: t('move.blocked') };
-  const told = heldKey.value !== '' ? heldBack.value : null;
-  if (told && told.what !== 'speed') {
-    const key = `move.held.${told.what}` as Key;
-    const words = t(key);
-    return { tone: told.what === 'singular' ? 'bad' : 'warn', text: told.reason && told.what !== 'singular' ? `${words} (${told.reason})` : words };
-  }
+  const held = heldWords();
+  if (held) return { tone: heldBack.value?.what === 'singular' ? 'bad' : 'warn', text: held };
   return nearby();
 }
 

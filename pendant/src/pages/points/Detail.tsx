@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { able } from '../../state/abilities';
 import { mayMove, request, robot } from '../../state/cell';
-import { heldBack, heldKey, pressGoTo, release } from '../../state/jog';
+import { heldKey, pressGoTo, release } from '../../state/jog';
 import { changePoints, type DataValue, goodName, groupNames, isPlace, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { ask, open } from '../../ui/ask';
@@ -15,6 +15,7 @@ import { rollPitchYaw } from '../../view3d/chain';
 import { preview } from '../../view3d/RobotView';
 import type { Json } from '../../wire/connection';
 import type { Pose, Vec3 } from '../../wire/types';
+import { heldWords } from '../move/held';
 import { HoldButton } from '../move/JogKeys';
 import { chosen, chosenValues } from './choice';
 import { Shift } from './Shift';
@@ -53,6 +54,7 @@ function GoThere({ value }: { value: DataValue }) {
   const args = goal && robot.value ? { robot: robot.value.name, kind: way, ...goal } : null;
   const key = JSON.stringify(args);
   const moving = heldKey.value === 'goto';
+  const held = heldWords();
   useEffect(() => {
     setDry(null);
     preview.value = null;
@@ -101,7 +103,7 @@ function GoThere({ value }: { value: DataValue }) {
       <p class="note" role="status">
         {dry && !dry.ok && <span class="points-bad">{dry.reason}</span>}
         {dry?.ok && dry.seconds !== undefined && `${t('goto.preview')} (${t('goto.seconds', { seconds: number(dry.seconds, 1) })})`}
-        {heldBack.value && <span class="points-bad">{heldBack.value.reason || heldBack.value.what}</span>}
+        {held && <span class="points-bad">{held}</span>}
       </p>
     </div>
   );
