@@ -17,6 +17,8 @@ export const run = {
   'run.partsOf': '{done} of {all}',
   'run.tcpSpeed': 'TCP speed',
   'run.tasks': 'Tasks',
+  'run.noPass': 'It ended without a pass: “{loop}” (line {line}) did not hold',
+  'run.noPassText': 'Values and parts are as the run before has left them. Reset the scene to begin as at first, or set what the loop waits for on the Signals page.',
   'run.problem': 'Why it ended',
   'run.text': 'Program text',
 

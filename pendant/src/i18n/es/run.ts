@@ -19,6 +19,8 @@ export const run: Record<keyof typeof en, string> = {
   'run.partsOf': '{done} de {all}',
   'run.tcpSpeed': 'Velocidad del TCP',
   'run.tasks': 'Tareas',
+  'run.noPass': 'Terminó sin ninguna pasada: «{loop}» (línea {line}) no se cumplía',
+  'run.noPassText': 'Los valores y las piezas están como los dejó la ejecución anterior. Restablezca la escena para empezar como al principio, o fije en Señales lo que el bucle necesita.',
   'run.problem': 'Por qué terminó',
   'run.text': 'Texto del programa',
 

@@ -2,13 +2,11 @@
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { cell, complain, mayMove, request, status } from '../../state/cell';
-import { loadScene } from '../../state/models';
-import { ask } from '../../ui/ask';
 import { Button, Card, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { RobotInfo } from '../../wire/types';
 import { Mode } from './Mode';
-import { restart, restarting } from './restart';
+import { askReset, restarting } from './restart';
 
 interface Found {
   severity: string;
@@ -43,7 +41,7 @@ export function Overview({ onRobots }: { onRobots: () => void }) {
             label={t('cell.reset')}
             icon="undo"
             disabled={!mayMove.value || restarting.value !== ''}
-            onClick={() => ask({ title: t('cell.resetQ'), text: t('cell.resetText'), action: t('cell.reset'), onYes: () => void reset() })}
+            onClick={askReset}
           />
           <Check />
         </div>
@@ -64,11 +62,6 @@ export function Working() {
       {restarting.value}
     </div>
   );
-}
-
-async function reset(): Promise<void> {
-  await restart(t('cell.resetting'), t('cell.wasReset'), 'cell.reset', {});
-  await loadScene();
 }
 
 function Check() {

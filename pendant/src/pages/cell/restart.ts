@@ -1,8 +1,11 @@
 /** Requests after which the cell begins anew: the connection stays, the cell is away for a moment. */
 import { signal } from '@preact/signals';
+import { t } from '../../i18n';
 import { complain, request } from '../../state/cell';
 import { layout } from '../../state/live';
+import { loadScene } from '../../state/models';
 import { toast } from '../../state/toasts';
+import { ask } from '../../ui/ask';
 
 /** What is being done, in words; '' nothing. */
 export const restarting = signal('');
@@ -37,4 +40,13 @@ function newLayout(before: number): Promise<void> {
       resolve();
     }, 50);
   });
+}
+
+/** Puts parts, data and program back to their beginning, after a question. */
+export function askReset(): void {
+  const reset = async () => {
+    await restart(t('cell.resetting'), t('cell.wasReset'), 'cell.reset', {});
+    await loadScene();
+  };
+  ask({ title: t('cell.resetQ'), text: t('cell.resetText'), action: t('cell.reset'), onYes: () => void reset() });
 }

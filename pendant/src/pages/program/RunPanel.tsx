@@ -10,6 +10,7 @@ import { Dialog } from '../../ui/Dialog';
 import { duration, shortened } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import { RobotView } from '../../view3d/RobotView';
+import { NoPass } from '../run/NoPass';
 import { BreakpointButton } from './CodeView';
 import * as doc from './documents';
 import { dry, dryRun, forgetDry } from './dry';
@@ -20,6 +21,7 @@ export function RunPanel() {
   return (
     <aside class="program-side" aria-label={t('program.runAndLook')}>
       <Where />
+      <NoPass />
       <Buttons />
       <Segmented
         label={t('program.panel')}

@@ -1,6 +1,7 @@
 import { type Key, t, word } from '../../i18n';
 import { program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
+import { NoPass } from './NoPass';
 
 /** A program's name without its folder. */
 export function shortName(file: string): string {
@@ -46,6 +47,7 @@ export function Now() {
           <b>{t('run.problem')}:</b> {it.problem}
         </p>
       )}
+      <NoPass />
     </div>
   );
 }
