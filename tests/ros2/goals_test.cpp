@@ -50,6 +50,7 @@ TEST_F(Ros2Cell, AGoalForAControllerThatIsNotActiveIsRefusedAndNotDoneLater) {
         return true;
     return false;
   })) << "the reason is told";
+  ASSERT_TRUE(wait([&] { return joints->heard(); }));
   const json before = joints->latest()["position"];
   ASSERT_TRUE(change(*client_, {"arm_controller"}, {}));
   const std::size_t count = joints->count();
