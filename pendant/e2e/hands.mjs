@@ -100,6 +100,21 @@ test('follows the handle at the TCP while it is dragged, and rests when it is le
   await button('Drag TCP').click();
 });
 
+test('says what holds a motion back as long as its key is held, and not on another page', async () => {
+  await page.getByRole('radiogroup', { name: 'Move in' }).getByText('Base').click();
+  const words = main().getByText(/^Held back by (a singularity|a joint limit|the workspace)/);
+  await holdKey(button('X plus'), () => words.isVisible(), 'what holds it back');
+  await page.mouse.up();
+  await atRest();
+  await words.waitFor({ state: 'detached' });
+  await go(page, 'Points');
+  await page.getByRole('group', { name: 'Points' }).getByRole('button', { name: /^PrePick / }).click();
+  const told = main().getByRole('status').filter({ hasText: 'The view shows the way' });
+  await told.getByText(/\(about \d+\.\d s\)/).waitFor();
+  assert.match(await told.innerText(), /\(about \d+\.\d s\)$/);
+  await page.getByRole('group', { name: 'Points' }).getByRole('checkbox', { name: 'Choose PrePick', exact: true }).uncheck();
+});
+
 test('puts points into a group, which the file keeps, and folds and filters it', async () => {
   await go(page, 'Points');
   const list = page.getByRole('group', { name: 'Points' });
@@ -170,9 +185,38 @@ test('shows how the cycles of the loop lie, and what the cell is made of', async
   }
 });
 
+test('says why a program that is started ends at once, and begins anew from the scene', async () => {
+  await endProgram();
+  const set = async (name) => {
+    await page.getByRole('button', { name: `Open ${name}`, exact: true }).click();
+    const dialog = page.getByRole('dialog', { name });
+    await dialog.getByText('Off', { exact: true }).last().click();
+    await dialog.getByRole('button', { name: 'Set once' }).click();
+    await dialog.getByRole('button', { name: 'Close' }).click();
+  };
+  await go(page, 'Signals');
+  await set('Repeat');
+  await go(page, 'Run');
+  await button('Start').click();
+  const why = main().getByText('It ended without a pass: “while Repeat” (line 4) did not hold');
+  await until(async () => (await at.goOn(), why.isVisible()), 60, 'the reason');
+  await picture(page, 'no-pass');
+  await go(page, 'Program');
+  await why.waitFor();
+  await button('Reset the scene').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Reset the scene' }).click();
+  await said('The scene is as at the start');
+  await why.waitFor({ state: 'detached' });
+  await go(page, 'Run');
+  await button('Start').click();
+  await until(async () => (await at.goOn(), at.watcher.events.status?.program?.ended === false && at.watcher.speed() > 0.05), 90, 'the program moving the robot');
+  await endProgram();
+});
+
 test('switches the device off and on, and says what is missing meanwhile', async () => {
   const tab = (name) => main().getByRole('radiogroup').first().getByText(name).click();
   const yes = () => page.getByRole('dialog').getByRole('button', { name: 'Do it' }).click();
+  await go(page, 'Health');
   await tab('Hardware');
   await button('Deactivate').click();
   await yes();

@@ -43,9 +43,17 @@ const below = (name) => page.getByRole('radiogroup', { name: 'Below' }).getByTex
 const said = (text) => page.getByRole('region', { name: 'Messages' }).getByText(text).first().waitFor();
 const now = () => at.watcher.events.status.program;
 const pausedAt = (line) => until(async () => (await at.goOn(), now().paused && now().line === line), 90, `a pause at line ${line}`);
-/** Presses the number of the line with this text. */
+/** Presses the number of the line with this text, once it stays where it is. */
 const pressNumber = async (text) => {
-  const [words, whole] = [await editor().getByText(text).boundingBox(), await editor().boundingBox()];
+  let before = null;
+  const whole = await until(async () => {
+    const now = JSON.stringify(await editor().getByText(text).boundingBox());
+    const stays = now === before;
+    before = now;
+    if (!stays) await page.waitForTimeout(250);
+    return stays && (await editor().boundingBox());
+  }, 30, 'a page that stands still');
+  const words = JSON.parse(before);
   await page.mouse.click(whole.x - 40, words.y + words.height / 2);
 };
 const openFile = async (name) => {
@@ -69,13 +77,13 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await until(async () => (await at.goOn(), !now().paused), 60, 'going on');
   await pausedAt(6);
   await button('End program').click();
+  await until(() => now().ended, 30, 'the end of the program');
   // A start while a robot still comes to rest is refused in words: it is pressed again.
   await until(async () => {
-    if (!now().ended) return true;
     await atRest();
-    await button('Start').click();
+    await button('Start').click({ timeout: 2000 }).catch(() => undefined);
     await page.waitForTimeout(500);
-    return false;
+    return !now().ended;
   }, 60, 'the next start');
   await pausedAt(6);
 });
@@ -143,7 +151,8 @@ test('keeps every text that was saved, shows it beside that of now, and puts it 
   const dialog = page.getByRole('dialog', { name: 'Versions of reach.script' });
   const versions = dialog.getByRole('list').getByRole('button', { name: /^until / });
   await versions.nth(1).click();
-  await page.getByRole('group', { name: /· Now$/ }).getByText('# first').waitFor();
+  const differences = page.getByRole('group', { name: /· Now$/ });
+  await until(async () => (await differences.getByText('# first').count()) === 1, 60, 'the oldest text, which has it on one side alone');
   await picture(page, 'versions');
   await dialog.getByRole('button', { name: 'Take this version' }).click();
   await dialog.waitFor({ state: 'detached' });

@@ -248,7 +248,7 @@ TransmissionEnd Ros2ControlReader::transmission_end(const Element& e, bool role_
   const Element* reduction = e.FirstChildElement("mechanical_reduction");
   if (const Element* old = e.FirstChildElement("mechanicalReduction")) {
     warning(
-        *old, "old-tag",
+        *old, "superseded",
         "<mechanicalReduction> is how ROS 1 writes <mechanical_reduction>; ros2_control passes it over, here "
         "it counts",
         "write <mechanical_reduction>");

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <array>
-#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +12,18 @@ namespace polyarm::description {
 
 namespace {
 
-bool names_one_of(const std::string& name, std::initializer_list<std::string_view> words) {
+using Words = std::span<const std::string_view>;
+
+constexpr std::string_view kFingers[] = {"finger", "jaw", "claw", "knuckle", "thumb"};
+constexpr std::string_view kFingersJoints[] = {"grip", "finger", "jaw", "claw", "knuckle", "thumb"};
+constexpr std::string_view kTurnsOfAWrist[] = {"roll", "pitch", "yaw", "wrist", "rotat"};
+constexpr std::string_view kNoEnds[] = {"finger", "thumb", "knuckle", "camera", "optical", "sensor", "imu"};
+/// What the point between fingers is called, the surest names first.
+constexpr std::string_view kPoints[] = {"tcp"};
+constexpr std::string_view kFrames[] = {"grasp", "gripper_frame", "tool_frame", "tool_link", "tool_center"};
+constexpr std::string_view kEnds[] = {"ee_gripper", "end_effector", "ee_link", "eef"};
+
+bool names_one_of(const std::string& name, Words words) {
   const std::string low = lower(name);
   return std::any_of(words.begin(), words.end(),
                      [&](std::string_view word) { return low.find(word) != std::string::npos; });
@@ -93,10 +104,9 @@ class ArmEnd {
   }
 
   bool called_finger(const Joint& joint) const {
-    if (names_one_of(joint.name, {"roll", "pitch", "yaw", "wrist", "rotat"})) return false;
-    return names_one_of(joint.name, {"grip", "finger", "jaw", "claw", "knuckle", "thumb"}) ||
-           names_one_of(model_.links[at(joint.child_link)].name,
-                        {"finger", "jaw", "claw", "knuckle", "thumb"});
+    if (names_one_of(joint.name, kTurnsOfAWrist)) return false;
+    return names_one_of(joint.name, kFingersJoints) ||
+           names_one_of(model_.links[at(joint.child_link)].name, kFingers);
   }
 
   /// The links that nothing moves against `link`, itself first, and how many fixed joints away they are.
@@ -112,10 +122,7 @@ class ArmEnd {
   int deepest(int body) const {
     std::array<int, 2> best{body, -1};
     for (const auto& [link, depth] : rigid_with(body))
-      if (depth > best[1] &&
-          !names_one_of(model_.links[at(link)].name,
-                        {"finger", "thumb", "knuckle", "camera", "optical", "sensor", "imu"}))
-        best = {link, depth};
+      if (depth > best[1] && !names_one_of(model_.links[at(link)].name, kNoEnds)) best = {link, depth};
     return best[0];
   }
 
@@ -123,10 +130,7 @@ class ArmEnd {
   /// fingers hang.
   int point_held(int body) const {
     const std::vector<std::array<int, 2>> links = rigid_with(body);
-    for (const std::initializer_list<std::string_view> words :
-         {std::initializer_list<std::string_view>{"tcp"},
-          {"grasp", "gripper_frame", "tool_frame", "tool_link", "tool_center"},
-          {"ee_gripper", "end_effector", "ee_link", "eef"}}) {
+    for (const Words words : {Words(kPoints), Words(kFrames), Words(kEnds)}) {
       std::array<int, 2> best{-1, -1};
       for (const auto& [link, depth] : links)
         if (names_one_of(model_.links[at(link)].name, words) && depth > best[1]) best = {link, depth};

@@ -346,6 +346,11 @@ std::vector<Odd> odd_blocks() {
        12, "no-effect", "type=\"system\""},
       {"MimicAsAParameter", block("<joint name=\"two\"><param name=\"mimic\">one</param></joint>\n"), 11,
        "superseded", "<mimic joint=\"one\"/>"},
+      {"ReductionAsRos1SpellsIt",
+       block("<joint name=\"one\"/>\n<transmission name=\"t\"><plugin>p</plugin><joint name=\"one\" "
+             "role=\"joint1\">"
+             "\n<mechanicalReduction>50</mechanicalReduction></joint></transmission>\n"),
+       13, "superseded", "<mechanical_reduction>"},
       {"ParameterGivenTwice",
        block("<joint name=\"one\"><param name=\"k\">1</param>\n<param name=\"k\">2</param></joint>\n"), 12,
        "duplicate-name", "the last one counts"},

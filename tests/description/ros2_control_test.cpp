@@ -66,6 +66,24 @@ TEST(Ros2Control, EveryAttributeIsRead) {
   EXPECT_EQ(model.hardware[1].type, "sensor");
 }
 
+TEST(Ros2Control, AReductionInRos1sSpellingCountsUnlessThereIsOneInItsOwn) {
+  const auto reduction = [](const std::string& inside) {
+    return read(
+               "<ros2_control name='h' type='system'><hardware><plugin>p</plugin></hardware><joint name='j'/>"
+               "<transmission name='t'><plugin>p</plugin><joint name='j' role='joint1'>" +
+               inside + "</joint></transmission></ros2_control>")
+        .hardware[0]
+        .transmissions[0]
+        .joints[0]
+        .reduction;
+  };
+  EXPECT_EQ(reduction("<mechanicalReduction>50</mechanicalReduction>"), 50);
+  EXPECT_EQ(
+      reduction(
+          "<mechanicalReduction>50</mechanicalReduction><mechanical_reduction>20</mechanical_reduction>"),
+      20);
+}
+
 TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
   EXPECT_EQ(refusal("<joint name='j'/>"), "none");
   EXPECT_EQ(refusal("<joint name='jj'/>"), "unknown-joint");
