@@ -1,6 +1,6 @@
 // Whether inverse kinematics finds what it should, of every robot of the catalogue:
 //
-//   build/release/bench/ik_correctness KIND POSES [PART OF A NAME | =WAY] [FIRST]
+//   build/release/bench/ik_correctness KIND POSES [PART OF A NAME | =WAY | ==WAY] [FIRST]
 //
 // KIND says which joint states are drawn, POSES of each robot, within limits:
 //   random   anywhere, with a random seed
@@ -13,7 +13,8 @@
 // forward kinematics, within limits, nearest to the seed first. Each miss is printed as a case to repeat
 // (`FIRST`: from which state on), each robot with misses in a line; the last lines are sums by way. =WAY:
 // those alone whose way begins so (closed form, search, spare axis, iteration; "=closed form, not" for those
-// that are not quite ideal).
+// that are not quite ideal), ==WAY those whose way is that. POLYARM_SHARE=1/2 asks the second robot of each
+// two (0/2 the first), so that long runs use all cores.
 //
 // POLYARM_ROBOTS=FOLDER asks the robots of a folder instead (polyarm robots add FILE --folder FOLDER).
 // Joints that do not move the tool (a gripper's, another arm's) are left out of what is compared.
@@ -25,6 +26,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
@@ -175,13 +177,20 @@ int main(int argc, char** argv) {
   const std::map<std::string, Kind> kinds{
       {"random", Kind::random}, {"grid", Kind::grid}, {"near", Kind::near}, {"numeric", Kind::numeric}};
   if (!kinds.contains(word) || poses <= 0) {
-    fmt::print("usage: ik_correctness random|grid|near|numeric POSES [PART OF A NAME | =WAY] [FIRST]\n");
+    fmt::print(
+        "usage: ik_correctness random|grid|near|numeric POSES [PART OF A NAME | =WAY | ==WAY] [FIRST]\n");
     return 2;
   }
   const char* own = std::getenv("POLYARM_ROBOTS");
   const description::Catalogue catalogue(
       {own ? std::string(own) : std::string(POLYARM_SOURCE_DIR "/robots")});
   std::map<std::string, Tally> by_way;
+  unsigned share = 0, shares = 1, turn = 0;
+  const char* asked = std::getenv("POLYARM_SHARE");
+  if (asked && (std::sscanf(asked, "%u/%u", &share, &shares) != 2 || share >= shares)) {
+    fmt::print("POLYARM_SHARE is to be K/N with K below N, not '{}'\n", asked);
+    return 2;
+  }
   for (const std::string& robot : catalogue.names()) {
     if (!part.starts_with('=') && robot.find(part) == std::string::npos) continue;
     const auto model = catalogue.load(robot);
@@ -189,7 +198,10 @@ int main(int argc, char** argv) {
     const InverseKinematics arm(chain);
     std::string way = words(arm.way());
     if (arm.report().find("true within") != std::string::npos) way += ", not quite ideal";
-    if (part.starts_with('=') && !way.starts_with(part.substr(1))) continue;
+    if (part.starts_with("==") ? way != part.substr(2)
+                               : part.starts_with('=') && !way.starts_with(part.substr(1)))
+      continue;
+    if (turn++ % shares != share) continue;
     if (kinds.at(word) == Kind::numeric) way = fmt::format("{} joints", chain.joints());
     const auto begin = std::chrono::steady_clock::now();
     Tally tally = ask(robot, chain, arm, kinds.at(word), first, poses);
