@@ -15,7 +15,7 @@ namespace {
 struct Arguments {
   ClientOptions client;
   std::vector<std::string> activate, deactivate, parameters;
-  std::string strictness = "strict", name, type, file, state;
+  std::string strictness, name, type, file, state;
   std::string percent;
   std::vector<std::string> places;
   std::string how;
@@ -93,10 +93,8 @@ int act(const CLI::App& app, const Arguments& a) {
   Client client(a.client.cell);
   Json request{{"request", "control." + action}};
   if (action == "switch")
-    request.update({{"activate", a.activate},
-                    {"deactivate", a.deactivate},
-                    {"strictness", a.strictness},
-                    {"dry", a.dry}});
+    request.update({{"activate", a.activate}, {"deactivate", a.deactivate}, {"dry", a.dry}});
+  if (!a.strictness.empty()) request["strictness"] = a.strictness;
   if (!a.percent.empty()) request["percent"] = percent_of(a.percent);
   if (a.category != 0) request["category"] = a.category;
   if (a.seconds != 0) request["time"] = a.seconds;

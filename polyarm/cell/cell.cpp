@@ -35,22 +35,21 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
 
-  ros_files::ManagerParameters manager;
   collect(problems, [&] {
     Problems later;  // told again where the controllers are made
-    manager = read_cell_controllers(file_, later).manager;
+    manager_ = read_cell_controllers(file_, later).manager;
   });
   const double rate = rate_of(file_, problems);
   control::LoopOptions loop;
   loop.period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
-  loop.limits = manager.enforce_command_limits;
+  loop.limits = manager_.enforce_command_limits;
   loop.measure_parts = !options_.lock_step;
   loop.overrun = file_.loop.overrun;
   loop.overrun_after = file_.loop.overrun_after;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
   loop_ = std::make_unique<control::ControlLoop>(loop);
   loop_->supervisor().watch_cell = !options_.lock_step;
-  add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager, problems);
+  add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager_, problems);
   problems.throw_if_errors();
   start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);

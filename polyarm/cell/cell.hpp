@@ -153,6 +153,8 @@ class Cell {
   DataFiles& files() { return *files_; }
   Answers& answers() { return answers_; }
   const CellFile& file() const { return file_; }
+  /// What the controllers' files say of their manager.
+  const ros_files::ManagerParameters& manager() const { return manager_; }
   const description::Catalogue& catalogue() const { return catalogue_; }
   const control::Snapshot& snapshot() const { return loop_->outbox().value(); }
   bool lock_step() const { return options_.lock_step; }
@@ -286,6 +288,7 @@ class Cell {
   void fail(Nanoseconds now, Problem problem);
 
   CellFile file_;
+  ros_files::ManagerParameters manager_;
   CellOptions options_;
   Observers observers_;
   EventLog observer_{observers_};

@@ -108,8 +108,8 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
   LoopEntry out;
   if (!yaml.defined()) return out;
   yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after"}, problems);
-  out.priority = whole(yaml, "priority", 0, 0, 99, problems);
-  out.cpu = whole(yaml, "cpu", -1, -1, 1023, problems);
+  if (yaml.has("priority")) out.priority = whole(yaml, "priority", 0, 0, 99, problems);
+  if (yaml.has("cpu")) out.cpu = whole(yaml, "cpu", -1, -1, 1023, problems);
   out.overrun_after = static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems));
   collect(problems, [&] {
     if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();

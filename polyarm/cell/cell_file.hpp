@@ -63,8 +63,8 @@ struct MotionEntry {
 
 /// How the control loop runs on the wall clock. What the machine refuses is told and does without.
 struct LoopEntry {
-  int priority = 0;                 ///< SCHED_FIFO priority of the control thread; 0: ordinary
-  int cpu = -1;                     ///< processor of the control thread; -1: any
+  std::optional<int> priority;      ///< SCHED_FIFO priority of the control thread; 0: ordinary
+  std::optional<int> cpu;           ///< processor of the control thread; -1: any
   std::optional<bool> lock_memory;  ///< by default with a priority
   control::Overrun overrun = control::Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row

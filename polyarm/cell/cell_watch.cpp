@@ -56,7 +56,7 @@ bool is_worth_telling(std::uint64_t count) {
 void Cell::tell_overruns() {
   const auto tell = [this](const std::string& name, const realtime::Overrun& overrun, const char* advice) {
     const std::uint64_t count = ++overruns_[{name, overrun.callback}];
-    if (!is_worth_telling(count)) return;
+    if (!manager_.overruns_print_warnings || !is_worth_telling(count)) return;
     observer_.on_note(fmt::format("{}: {} took {:.3f} ms in cycle {}, its budget is {:.3f} ms{} ({})", name,
                                   overrun.callback, static_cast<double>(overrun.took) * 1e-6, overrun.cycle,
                                   static_cast<double>(overrun.budget) * 1e-6,
@@ -185,11 +185,12 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   }
   Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
   const bool waits = waits_for_others();
-  problem.advice = !waits ? "see the recorded cycles of this run"
-                   : snapshot.cause == Cause::limits
-                       ? "polyarm control recover and resume; it may then be moved inwards only"
-                       : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
-                         "controllers, resume";
+  problem.advice =
+      !waits ? "see the recorded cycles of this run"
+      : snapshot.cause == Cause::limits
+          ? "polyarm control recover and resume; it may then be moved inwards only"
+          : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
+            "controllers, resume";
   if (!waits) return fail(now, std::move(problem));
   observer_.on_problem(now, problem);
   recorder_.begin(begin_record(*this, problem), now);

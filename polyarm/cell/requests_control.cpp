@@ -132,8 +132,9 @@ Poll control_chains(Cell& cell, const Json&) {
 }
 
 Poll control_switch(Cell& cell, const Json& arguments) {
+  const std::string unsaid = cell.manager().strictness.empty() ? "strict" : cell.manager().strictness;
   control::SwitchRequest wanted{list_argument(arguments, "activate"), list_argument(arguments, "deactivate"),
-                                strictness_of(text_argument(arguments, "strictness", "strict"))};
+                                strictness_of(text_argument(arguments, "strictness", unsaid))};
   if (wanted.activate.empty() && wanted.deactivate.empty())
     throw Error("bad-argument", "nothing is to be activated and nothing deactivated");
   if (flag_argument(arguments, "dry")) return at_once(json_of(cell.loop().controllers().plan(wanted)));
@@ -220,8 +221,8 @@ const std::vector<RequestRow>& controller_rows() {
         {{"activate", kNames}, {"deactivate", kNames}, {"strictness", kText}, {"dry", kFlag}},
         "{ok, reason, advice, start, stop, left_out, chained, unchained}",
         "start and stop controllers in one step between two cycles; `strictness` is strict, best_effort, "
-        "auto "
-        "or force; with `dry` it is only said what would happen, or why not",
+        "auto or force (default: as the controllers' file says, else strict); with `dry` it is only said "
+        "what would happen, or why not",
         true},
        control_switch},
       {{"control.load",

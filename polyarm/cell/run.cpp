@@ -255,9 +255,15 @@ class Runner {
 
   realtime::ThreadOptions thread_options() const {
     const LoopEntry& stated = cell_.file().loop;
-    return {options_.priority > 0 ? options_.priority : stated.priority,
-            options_.cpu >= 0 ? options_.cpu : stated.cpu,
-            stated.lock_memory.value_or(options_.priority + stated.priority > 0)};
+    const ros_files::ManagerParameters& manager = cell_.manager();
+    const int cpu = manager.cpu_affinity.empty() ? -1 : static_cast<int>(manager.cpu_affinity.front());
+    realtime::ThreadOptions out;
+    out.priority = options_.priority > 0
+                       ? options_.priority
+                       : stated.priority.value_or(static_cast<int>(manager.thread_priority));
+    out.cpu = options_.cpu >= 0 ? options_.cpu : stated.cpu.value_or(cpu);
+    out.lock_memory = stated.lock_memory.value_or(manager.lock_memory.value_or(out.priority > 0));
+    return out;
   }
 
   /// What the machine did not permit the control thread: at once, and once.

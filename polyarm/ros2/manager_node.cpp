@@ -262,11 +262,11 @@ class ManagerNode : public Part {
     const Json off = either(asked, "deactivate_controllers", "stop_controllers");
     if (on.empty() && off.empty()) return reply({{"ok", true}, {"message", "nothing is to be changed"}});
     const int strictness = asked["strictness"];
-    const char* word = strictness == 0                      ? unsaid_strictness()
-                       : strictness == Request::BEST_EFFORT ? "best_effort"
-                       : strictness == Request::AUTO        ? "auto"
-                       : strictness == Request::FORCE_AUTO  ? "force"
-                                                            : "strict";
+    const std::string word = strictness == 0                      ? unsaid_strictness()
+                             : strictness == Request::BEST_EFFORT ? "best_effort"
+                             : strictness == Request::AUTO        ? "auto"
+                             : strictness == Request::FORCE_AUTO  ? "force"
+                                                                  : "strict";
     bridge_.ask({{"request", "control.switch"}, {"activate", on}, {"deactivate", off}, {"strictness", word}},
                 [this, on, reply](const Json& answer) { reply(switched(on, answer)); });
   }
@@ -289,8 +289,10 @@ class ManagerNode : public Part {
     return {{"ok", all}, {"message", left_out.empty() ? "the controllers are switched" : left_out}};
   }
 
-  /// Of a request that states none, as the distribution has it.
-  const char* unsaid_strictness() const {
+  /// Of a request that states none: as the controllers' file says, else as the distribution has it.
+  std::string unsaid_strictness() const {
+    const std::string& stated = bridge_.cell().manager().strictness;
+    if (!stated.empty()) return stated;
     return bridge_.wire().distribution() == messages::Distribution::kilted ? "strict" : "best_effort";
   }
 

@@ -17,7 +17,7 @@ struct Whole {
   double least, most;
 };
 using Target = std::variant<bool M::*, double M::*, std::string M::*, std::vector<std::string> M::*,
-                            std::vector<double> M::*, Whole>;
+                            std::vector<double> M::*, std::optional<bool> M::*, Whole>;
 
 struct Field {
   const char* key;
@@ -27,22 +27,31 @@ struct Field {
 const Field kFields[] = {
     {"update_rate", Whole{&M::update_rate, 1, 10000}},
     {"enforce_command_limits", &M::enforce_command_limits},
-    {"handle_exceptions", &M::handle_exceptions},
     {"hardware_components_initial_state.unconfigured", &M::unconfigured},
     {"hardware_components_initial_state.inactive", &M::inactive},
-    {"hardware_components_initial_state.shutdown_on_initial_state_failure",
-     &M::shutdown_on_initial_state_failure},
     {"defaults.switch_controller.strictness", &M::strictness},
-    {"defaults.allow_controller_activation_with_inactive_hardware",
-     &M::allow_controller_activation_with_inactive_hardware},
-    {"defaults.deactivate_controllers_on_hardware_self_deactivate",
-     &M::deactivate_controllers_on_hardware_self_deactivate},
     {"overruns.print_warnings", &M::overruns_print_warnings},
-    {"overruns.manage", &M::overruns_manage},
     {"thread_priority", Whole{&M::thread_priority, 1, 99}},
     {"cpu_affinity", &M::cpu_affinity},
-    {"hardware_synchronization.expect_blocking_read_write", &M::expect_blocking_read_write},
-    {"hardware_synchronization.minimum_cycle_time", &M::minimum_cycle_time},
+    {"lock_memory", &M::lock_memory},
+};
+
+/// A switch that stands where it stands here.
+struct Settled {
+  const char* key;
+  bool here;
+  const char* why;
+};
+constexpr Settled kSettled[] = {
+    {"handle_exceptions", true, "a controller that throws is stopped, and the process goes on"},
+    {"hardware_components_initial_state.shutdown_on_initial_state_failure", true,
+     "a cell whose hardware does not reach its first state does not start"},
+    {"defaults.allow_controller_activation_with_inactive_hardware", false,
+     "a controller starts when the hardware that it commands is active"},
+    {"defaults.deactivate_controllers_on_hardware_self_deactivate", true,
+     "the controllers of hardware that takes itself off stop"},
+    {"overruns.manage", true, "after a late cycle the next one comes at its own time again"},
+    {"hardware_synchronization.expect_blocking_read_write", false, "the control loop keeps the time"},
 };
 
 struct WithoutEffect {
@@ -51,7 +60,7 @@ struct WithoutEffect {
 };
 constexpr WithoutEffect kWithoutEffect[] = {
     {"diagnostics.*", "health figures are always kept and need no thresholds"},
-    {"lock_memory", "the control thread's memory is prepared before it starts"},
+    {"hardware_synchronization.minimum_cycle_time", "the control loop keeps the time"},
     {"use_sim_time", "a cell has one clock"},
     {"qos_overrides.*", "there are no topics in between"},
     {"start_type_description_service", "there is no such service"},
@@ -60,7 +69,8 @@ constexpr WithoutEffect kWithoutEffect[] = {
 std::vector<std::string> known_keys() {
   std::vector<std::string> out;
   for (const Field& field : kFields) out.push_back(field.key);
-  for (const char* key : {"lock_memory", "use_sim_time"}) out.push_back(key);
+  for (const Settled& row : kSettled) out.push_back(row.key);
+  out.push_back("use_sim_time");
   return out;
 }
 
@@ -76,11 +86,29 @@ const Field* field_of(std::string_view key) {
   return nullptr;
 }
 
+const Settled* settled(std::string_view key) {
+  for (const Settled& row : kSettled)
+    if (key == row.key) return &row;
+  return nullptr;
+}
+
+void compare(const Settled& row, const ParameterReader::Entry& entry, ParameterReader& reader,
+             Problems& problems) {
+  bool asked = row.here;
+  reader.read(row.key, entry, asked);
+  if (asked != row.here)
+    problems.warning("no-effect", entry.where,
+                     "'" + std::string(row.key) + (asked ? ": true'" : ": false'") + " changes nothing here",
+                     row.why);
+}
+
 void set(const Field& field, const ParameterReader::Entry& entry, ParameterReader& reader, M& out) {
   std::visit(
       [&](const auto& target) {
         if constexpr (std::is_same_v<std::decay_t<decltype(target)>, Whole>)
           reader.whole(field.key, entry, target.least, target.most, out.*target.member);
+        else if constexpr (std::is_same_v<std::decay_t<decltype(target)>, std::optional<bool> M::*>)
+          reader.read(field.key, entry, (out.*target).emplace());
         else
           reader.read(field.key, entry, out.*target);
       },
@@ -94,7 +122,7 @@ void check_strictness(const ParameterReader::Entry& entry, M& out, Problems& pro
   problems.error("bad-value", entry.where,
                  "'" + out.strictness + "' is no strictness" + did_you_mean(out.strictness, kKnown),
                  "write one of " + join(kKnown, ", "));
-  out.strictness = "strict";
+  out.strictness.clear();
 }
 
 void unknown(const std::string& key, const Location& where, Problems& problems) {
@@ -181,6 +209,8 @@ ManagerParameters read_manager(const controllers::Parameters& parameters,
   for (const auto& [key, entry] : parameters.entries) {
     if (const Field* field = field_of(key))
       set(*field, entry, reader, out);
+    else if (const Settled* row = settled(key))
+      compare(*row, entry, reader, problems);
     else if (const WithoutEffect* row = without_effect(key))
       unused.push_back({key, entry.where, row->why});
     else if (is_own(key) && !is_controller(key.substr(0, key.find('.'))))
@@ -191,7 +221,7 @@ ManagerParameters read_manager(const controllers::Parameters& parameters,
 }
 
 bool is_manager_key(std::string_view key) {
-  return field_of(key) || without_effect(key);
+  return field_of(key) || settled(key) || without_effect(key);
 }
 
 }  // namespace polyarm::ros_files

@@ -1,6 +1,7 @@
 #pragma once
 /// The parameters of a controller manager, by the names and with the defaults of ROS 2.
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,24 +22,20 @@ struct ManagerParameters {
   std::string ns;          ///< "/" or "/left"
   double update_rate = 0;  ///< Hz, a whole number; 0: not stated (ROS takes 100)
   bool enforce_command_limits = true;
-  bool handle_exceptions = true;
   std::vector<std::string> unconfigured;  ///< components that stay so at the start
   std::vector<std::string> inactive;      ///< components that are configured and not activated at the start
-  bool shutdown_on_initial_state_failure = false;
-  std::string strictness = "strict";  ///< of a switch that states none: best_effort, strict, auto, force_auto
-  bool allow_controller_activation_with_inactive_hardware = false;
-  bool deactivate_controllers_on_hardware_self_deactivate = true;
+  std::string
+      strictness;  ///< of a switch that states none: best_effort, strict, auto, force_auto; empty: not stated
   bool overruns_print_warnings = true;
-  bool overruns_manage = true;
-  double thread_priority = 50;       ///< 1 to 99
+  double thread_priority = 0;  ///< 1 to 99; 0: not stated (ROS takes 50 where the kernel is of real time)
   std::vector<double> cpu_affinity;  ///< cores; empty: any
-  bool expect_blocking_read_write = false;
-  double minimum_cycle_time = 1e-4;  ///< seconds
+  std::optional<bool> lock_memory;   ///< stated, or not
 };
 
 /// Reads the keys of the manager itself, those of its controllers (`NAME.type` …) aside: `is_controller` says
-/// whether NAME is one. A wrong type is an error; a key that nobody knows is a warning with the nearest known
-/// one if `is_own` says that it was written for the manager and not for every node.
+/// whether NAME is one. A wrong type is an error; what is asked for and never done here is a warning that
+/// says what is done; a key that nobody knows is a warning with the nearest known one if `is_own` says that
+/// it was written for the manager and not for every node.
 ManagerParameters read_manager(const controllers::Parameters& parameters,
                                const std::function<bool(const std::string& name)>& is_controller,
                                const std::function<bool(const std::string& key)>& is_own,

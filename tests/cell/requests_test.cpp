@@ -1,58 +1,23 @@
-#include "polyarm/cell/requests.hpp"
-
-#include <gtest/gtest.h>
-
 #include <random>
 #include <set>
 
-#include "tests/support/lock_step_cell.hpp"
+#include "tests/cell/requests_cell.hpp"
 
 namespace polyarm {
 namespace {
 
+using test::error_of;
 using test::FailingMock;
 using test::Json;
+using test::kSharedJoint;
 using test::LockStepCell;
-
-constexpr const char* kControllers = R"(
-controller_manager:
-  ros__parameters:
-    update_rate: 1000
-    follow: {type: joint_trajectory_controller/JointTrajectoryController}
-    tail: {type: forward_command_controller/ForwardCommandController}
-    tail_too: {type: forward_command_controller/ForwardCommandController}
-    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
-follow:
-  ros__parameters:
-    joints: [joint_1, joint_2]
-    command_interfaces: [position]
-    state_interfaces: [position, velocity]
-tail:
-  ros__parameters:
-    joints: [joint_5, joint_6]
-    interface_name: position
-tail_too:
-  ros__parameters:
-    joints: [joint_6]
-    interface_name: position
-)";
-
-std::string error_of(const Json& answer) {
-  return answer.contains("error") ? answer["error"].value("code", "") : "none";
-}
-std::string what_of(const Json& answer) {
-  return answer.contains("error") ? answer["error"].value("what", "") : answer.dump();
-}
+using test::RequestsTest;
+using test::what_of;
 
 Json trajectory(double to, double seconds) {
   return {{"joint_names", {"joint_1", "joint_2"}},
           {"points", {{{"positions", {to, -to}}, {"time_from_start", seconds}}}}};
 }
-
-class RequestsTest : public ::testing::Test {
- protected:
-  LockStepCell cell{kControllers};
-};
 
 TEST_F(RequestsTest, EveryRowHasASentenceAndAnswersSomething) {
   std::set<std::string> names;
@@ -91,7 +56,7 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
 }
 
 TEST(StreamedCommands, ThatStopComingAreToldOnceAndSeen) {
-  std::string controllers = kControllers;
+  std::string controllers = kSharedJoint;
   controllers.replace(controllers.find("    interface_name: position"), 28,
                       "    interface_name: position\n    command_timeout: 0.2");
   LockStepCell cell{controllers};
@@ -186,175 +151,9 @@ TEST_F(RequestsTest, RandomRequestsAreAnsweredAndBreakNothing) {
   EXPECT_TRUE(cell.ask({{"request", "control.list"}})["ok"].get<bool>());
 }
 
-TEST_F(RequestsTest, ListsControllersWithStateClaimsAndRate) {
-  bool found = false;
-  for (const Json& c : cell.result({{"request", "control.list"}}))
-    if (c["name"] == "follow") {
-      found = true;
-      EXPECT_EQ(c["type"], "joint_trajectory_controller/JointTrajectoryController");
-      EXPECT_EQ(c["state"], "active");
-      EXPECT_EQ(c["claimed"], Json({"arm/joint_1/position", "arm/joint_2/position"}));
-      EXPECT_EQ(c["rate"], 1000);
-    }
-  EXPECT_TRUE(found);
-  EXPECT_EQ(cell.state_of("tail"), "active");
-  EXPECT_EQ(cell.state_of("tail_too"), "inactive");  // joint_6 has one master
-}
-
-TEST_F(RequestsTest, ASwitchTakesEffectBetweenTwoCycles) {
-  const auto answers =
-      cell.give(Json{{"request", "control.switch"}, {"activate", "tail_too"}, {"deactivate", "tail"}});
-  EXPECT_TRUE(answers->empty()) << "the loop has not taken it yet";
-  for (int i = 0; i < 5; ++i) cell.tick();
-  ASSERT_EQ(answers->size(), 1u);
-  EXPECT_EQ(answers->front()["result"]["start"], Json({"tail_too"}));
-  EXPECT_EQ(answers->front()["result"]["stop"], Json({"tail"}));
-  EXPECT_EQ(cell.state_of("tail_too"), "active");
-  EXPECT_EQ(cell.state_of("tail"), "inactive");
-}
-
-TEST_F(RequestsTest, ADrySwitchSaysWhyNotAndChangesNothing) {
-  const Json plan = cell.result({{"request", "control.switch"}, {"activate", "tail_too"}, {"dry", true}});
-  EXPECT_FALSE(plan["ok"].get<bool>());
-  EXPECT_NE(plan["reason"].get<std::string>().find("arm/joint_6/position"), std::string::npos) << plan;
-  EXPECT_EQ(cell.state_of("tail_too"), "inactive");
-  const Json forced = cell.result(
-      {{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "force"}, {"dry", true}});
-  EXPECT_TRUE(forced["ok"].get<bool>());
-  EXPECT_EQ(forced["stop"], Json({"tail"}));
-  EXPECT_EQ(cell.state_of("tail"), "active");
-}
-
-TEST_F(RequestsTest, StrictnessesAreThoseOfTheReference) {
-  EXPECT_FALSE(cell.ask({{"request", "control.switch"}, {"activate", "tail_too"}})["ok"].get<bool>());
-  const Json best =
-      cell.result({{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "best-effort"}});
-  EXPECT_EQ(best["left_out"].size(), 1u) << best;
-  EXPECT_EQ(cell.state_of("tail_too"), "inactive");
-  EXPECT_TRUE(
-      cell.ask({{"request", "control.switch"}, {"activate", "tail_too"}, {"strictness", "force"}})["ok"]
-          .get<bool>());
-  EXPECT_EQ(cell.state_of("tail_too"), "active");
-  EXPECT_EQ(
-      error_of(cell.ask({{"request", "control.switch"}, {"activate", "tail"}, {"strictness", "stict"}})),
-      "bad-argument");
-}
-
-TEST_F(RequestsTest, AControllerWalksThroughItsStates) {
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "unconfigured"}})["state"],
-            "unconfigured");
-  EXPECT_EQ(cell.state_of("tail"), "unconfigured");
-  EXPECT_EQ(error_of(cell.ask({{"request", "control.cleanup"}, {"name", "tail"}})), "wrong-state");
-  EXPECT_EQ(cell.result({{"request", "control.configure"}, {"name", "tail"}})["state"], "inactive");
-  EXPECT_EQ(cell.result({{"request", "control.cleanup"}, {"name", "tail"}})["state"], "unconfigured");
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["state"],
-            "active");
-  EXPECT_EQ(cell.state_of("tail"), "active");
-  EXPECT_EQ(error_of(cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "actve"}})),
-            "bad-argument");
-}
-
-TEST_F(RequestsTest, ControllersComeAndGoWhileItRuns) {
-  EXPECT_EQ(error_of(cell.ask({{"request", "control.unload"}, {"name", "tail"}})), "wrong-state");
-  EXPECT_TRUE(
-      cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "inactive"}})["ok"].get<bool>());
-  EXPECT_TRUE(cell.ask({{"request", "control.unload"}, {"name", "tail"}})["ok"].get<bool>());
-  EXPECT_EQ(cell.state_of("tail"), "gone");
-  // As the file has it, then of another file, then by its type alone.
-  EXPECT_EQ(cell.result({{"request", "control.load"}, {"name", "tail"}})["state"], "inactive");
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["state"],
-            "active");
-  const std::string file = cell.folder().write(
-      "more.yaml",
-      "controller_manager:\n  ros__parameters:\n    extra: {type: "
-      "forward_command_controller/ForwardCommandController}\nextra:\n  ros__parameters: {joints: [joint_4], "
-      "interface_name: position}\n");
-  EXPECT_EQ(cell.result({{"request", "control.load"}, {"name", "extra"}, {"file", file}})["state"],
-            "inactive");
-  const Json typed = cell.result({{"request", "control.load"},
-                                  {"name", "typed"},
-                                  {"type", "forward_command_controller/ForwardCommandController"},
-                                  {"parameters", {{"joints", {"joint_3"}}, {"interface_name", "position"}}}});
-  EXPECT_EQ(typed["state"], "inactive") << typed;
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "typed"}, {"state", "active"}})["state"],
-            "active");
-  EXPECT_EQ(error_of(cell.ask({{"request", "control.load"}, {"name", "unheard"}})), "unknown-controller");
-  EXPECT_EQ(error_of(cell.ask({{"request", "control.load"}, {"name", "x"}, {"type", "a/B"}})),
-            "unknown-controller-type");
-}
-
-TEST_F(RequestsTest, ALoadThatFailsLeavesNothingBehind) {
-  const Json request{{"request", "control.load"},
-                     {"name", "typed"},
-                     {"type", "forward_command_controller/ForwardCommandController"},
-                     {"parameters", {{"joints", {"joint_33"}}, {"interface_name", "position"}}}};
-  EXPECT_FALSE(cell.ask(request)["ok"].get<bool>());
-  EXPECT_EQ(cell.state_of("typed"), "gone");
-  EXPECT_NE(error_of(cell.ask(request)), "duplicate-controller");
-}
-
-TEST_F(RequestsTest, AHardwareComponentGoesDownWithItsControllersAndComesBack) {
-  const Json listed = cell.result({{"request", "hardware.list"}});
-  ASSERT_EQ(listed.size(), 1u);
-  const std::string name = listed[0]["name"];
-  EXPECT_EQ(listed[0]["state"], "active");
-  EXPECT_EQ(listed[0]["commands"][0]["claimed_by"], "follow");
-  // Inactive: nobody may command, all may read.
-  const Json inactive = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "inactive"}});
-  EXPECT_EQ(inactive["state"], "inactive") << inactive;
-  EXPECT_EQ(inactive["stopped"].size(), 2u) << inactive;
-  EXPECT_EQ(cell.state_of("follow"), "inactive");
-  EXPECT_EQ(cell.state_of("joint_state_broadcaster"), "active");
-  EXPECT_FALSE(
-      cell.ask({{"request", "control.state"}, {"name", "tail"}, {"state", "active"}})["ok"].get<bool>());
-  // Unconfigured: nobody may read.
-  const Json off = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "unconfigured"}});
-  EXPECT_EQ(off["state"], "unconfigured") << off;
-  EXPECT_EQ(off["stopped"], Json({"joint_state_broadcaster"}));
-  const Json on = cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "active"}});
-  EXPECT_EQ(on["state"], "active") << on;
-  EXPECT_EQ(cell.state_of("follow"), "inactive") << "nothing is started by itself";
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "follow"}, {"state", "active"}})["state"],
-            "active");
-  // From active to unconfigured in one go; finalized is the end.
-  EXPECT_EQ(cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "unconfigured"}})["state"],
-            "unconfigured");
-  EXPECT_EQ(cell.result({{"request", "hardware.state"}, {"name", name}, {"state", "finalized"}})["state"],
-            "finalized");
-  EXPECT_EQ(error_of(cell.ask({{"request", "hardware.state"}, {"name", name}, {"state", "active"}})),
-            "finalized");
-  EXPECT_EQ(error_of(cell.ask({{"request", "hardware.state"}, {"name", "nobody"}, {"state", "active"}})),
-            "unknown-component");
-}
-
-TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
-  const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
-  FailingMock::fails = true;
-  cell.run(0.02);
-  FailingMock::fails = false;
-  EXPECT_EQ(cell.state_of("follow"), "inactive");
-  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "fault");
-  EXPECT_EQ(cell.result({{"request", "hardware.list"}})[0]["state"], "unconfigured")
-      << "its on_error says so";
-  const Json back = cell.result({{"request", "hardware.recover"}, {"name", name}});
-  EXPECT_EQ(back["state"], "active") << back;
-  std::set<std::string> fallen;
-  for (const Json& controller : back["fallen"]) fallen.insert(controller);
-  EXPECT_EQ(fallen, (std::set<std::string>{"follow", "tail", "joint_state_broadcaster"}));
-  EXPECT_EQ(cell.state_of("follow"), "inactive") << "named, not started";
-  EXPECT_EQ(cell.result({{"request", "control.recover"}})["asked"], "recover");
-  cell.run(0.01);
-  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "held");
-  EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "follow"}, {"state", "active"}})["state"],
-            "active");
-  cell.result({{"request", "control.resume"}});
-  cell.run(0.01);
-  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
-}
-
 TEST(RequestsOutside, AFaultEndsARunThatWorksTowardsAnEndButNotACellThatWaitsForOthers) {
   for (const bool outside : {false, true}) {
-    LockStepCell cell(kControllers, outside);
+    LockStepCell cell(kSharedJoint, outside);
     const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
     FailingMock::fails = true;
     cell.run(0.02);
@@ -381,7 +180,7 @@ TEST(RequestsOutside, AFaultEndsARunThatWorksTowardsAnEndButNotACellThatWaitsFor
 }
 
 TEST(RequestsOutside, ALongMessageIsReadBesideTheTick) {
-  LockStepCell cell(kControllers, true);
+  LockStepCell cell(kSharedJoint, true);
   Json points = Json::array();
   for (int i = 1; i <= 2000; ++i)
     points.push_back({{"positions", {1e-4 * i, 0}}, {"time_from_start", 0.001 * i}});
@@ -603,32 +402,6 @@ TEST_F(RequestsTest, LimitsNameWhatTookHold) {
     }
   EXPECT_TRUE(found);
   EXPECT_GT(cell.result({{"request", "health"}})["clamps"].get<int>(), 0);
-}
-
-TEST_F(RequestsTest, ParametersAreListedReadAndChanged) {
-  const Json listed = cell.result({{"request", "param.list"}, {"name", "follow"}});
-  std::set<std::string> keys;
-  for (const Json& p : listed) keys.insert(p["key"].get<std::string>());
-  EXPECT_TRUE(keys.contains("joints") && keys.contains("constraints.goal_time")) << listed;
-  EXPECT_EQ(cell.result({{"request", "param.get"},
-                         {"name", "follow"},
-                         {"key", "constraints.stopped_velocity_tolerance"}})["value"],
-            "0.01");
-  const Json change{
-      {"request", "param.set"}, {"name", "follow"}, {"values", {{"constraints.goal_time", 2.5}}}};
-  const auto answers = cell.give(change);
-  EXPECT_TRUE(answers->empty()) << "written between two cycles";
-  cell.run(0.01);
-  EXPECT_EQ(answers->front()["result"]["changed"], 1);
-  EXPECT_EQ(
-      cell.result({{"request", "param.get"}, {"name", "follow"}, {"key", "constraints.goal_time"}})["value"],
-      "2.5");
-  EXPECT_EQ(
-      error_of(cell.ask({{"request", "param.set"}, {"name", "follow"}, {"values", {{"joints", "joint_3"}}}})),
-      "not-changeable");
-  EXPECT_EQ(
-      error_of(cell.ask({{"request", "param.get"}, {"name", "follow"}, {"key", "constraints.gaol_time"}})),
-      "unknown-parameter");
 }
 
 TEST(RequestReference, TheDocsHaveTheTable) {
