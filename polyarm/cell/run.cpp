@@ -254,16 +254,7 @@ class Runner {
   }
 
   realtime::ThreadOptions thread_options() const {
-    const LoopEntry& stated = cell_.file().loop;
-    const ros_files::ManagerParameters& manager = cell_.manager();
-    const int cpu = manager.cpu_affinity.empty() ? -1 : static_cast<int>(manager.cpu_affinity.front());
-    realtime::ThreadOptions out;
-    out.priority = options_.priority > 0
-                       ? options_.priority
-                       : stated.priority.value_or(static_cast<int>(manager.thread_priority));
-    out.cpu = options_.cpu >= 0 ? options_.cpu : stated.cpu.value_or(cpu);
-    out.lock_memory = stated.lock_memory.value_or(manager.lock_memory.value_or(out.priority > 0));
-    return out;
+    return control_thread(options_, cell_.file().loop, cell_.manager());
   }
 
   /// What the machine did not permit the control thread: at once, and once.
@@ -503,6 +494,17 @@ void request_stop() noexcept {
 
 int stops_requested() noexcept {
   return stops_asked.load();
+}
+
+realtime::ThreadOptions control_thread(const RunOptions& options, const LoopEntry& stated,
+                                       const ros_files::ManagerParameters& manager) {
+  const int priority = static_cast<int>(manager.thread_priority);
+  const int cpu = manager.cpu_affinity.empty() ? -1 : static_cast<int>(manager.cpu_affinity.front());
+  realtime::ThreadOptions out;
+  out.priority = options.priority > 0 ? options.priority : stated.priority.value_or(priority);
+  out.cpu = options.cpu >= 0 ? options.cpu : stated.cpu.value_or(cpu);
+  out.lock_memory = stated.lock_memory.value_or(manager.lock_memory.value_or(out.priority > 0));
+  return out;
 }
 
 RunResult run(Cell& cell, const RunOptions& options, Observer& observer) {

@@ -26,6 +26,11 @@ struct RunOptions {
   Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
 };
 
+/// How the control thread runs on the wall clock: what the run's options say, else the cell's `loop:`, else
+/// the manager in the controllers' file.
+realtime::ThreadOptions control_thread(const RunOptions& options, const LoopEntry& stated,
+                                       const ros_files::ManagerParameters& manager);
+
 struct LoopHealth {
   std::uint64_t cycles = 0, late = 0, late_empty = 0;
   Nanoseconds cost_p50 = 0, cost_p99 = 0, cost_max = 0;

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "polyarm/cell/run.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
@@ -117,6 +118,28 @@ TEST(Rates, HowTheThreadRunsIsReadAndWhatCannotBeIsRefused) {
   EXPECT_EQ(hardware.thread_options(base).cpu, 0);
   for (const char* wrong : {"{priority: 100}", "{cpu: 1.5}", "{prio: 60}", "sometimes"})
     EXPECT_THROW(TwoRobots(std::string(", thread: ") + wrong), Error) << wrong;
+}
+
+TEST(Rates, HowTheControlThreadRunsIsSaidByTheRunElseTheCellElseTheControllersFile) {
+  const std::string controllers =
+      "controller_manager:\n  ros__parameters:\n    thread_priority: 61\n    cpu_affinity: [1]\n";
+  const TwoRobots cell("", true,
+                       controllers + "    tail: {type: joint_state_broadcaster/JointStateBroadcaster}\n");
+  cell::LoopEntry stated = cell.made->file().loop;
+  cell::RunOptions options;
+  const auto thread = [&] { return cell::control_thread(options, stated, cell.made->manager()); };
+  EXPECT_EQ(thread().priority, 61);
+  EXPECT_EQ(thread().cpu, 1);
+  EXPECT_TRUE(thread().lock_memory);
+  stated.priority = 0;
+  stated.cpu = -1;
+  EXPECT_EQ(thread().priority, 0);
+  EXPECT_EQ(thread().cpu, -1);
+  EXPECT_FALSE(thread().lock_memory);
+  options.priority = 7;
+  options.cpu = 2;
+  EXPECT_EQ(thread().priority, 7);
+  EXPECT_EQ(thread().cpu, 2);
 }
 
 /// Steps and ticks a cell on the wall clock until its notes hold this, or for a minute.
