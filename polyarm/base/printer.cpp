@@ -1,5 +1,6 @@
 #include "polyarm/base/printer.hpp"
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,7 +46,7 @@ struct Printer::Work {
   bool write(std::string_view text) {
     while (!text.empty()) {
       const ssize_t count = ::write(descriptor, text.data(), std::min(text.size(), kPiece));
-      if (count < 0 && errno != EINTR) return false;
+      if (count < 0 && errno != EINTR && !(is_full(errno) && wait_for_room())) return false;
       if (count <= 0) continue;
       text.remove_prefix(static_cast<std::size_t>(count));
       const std::lock_guard lock(mutex);
@@ -53,6 +54,14 @@ struct Printer::Work {
       room.notify_all();
     }
     return true;
+  }
+
+  /// Whoever shares the descriptor may have made it one that never waits.
+  static bool is_full(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
+  bool wait_for_room() const {
+    pollfd asked{descriptor, POLLOUT, 0};
+    const int count = ::poll(&asked, 1, -1);
+    return (count > 0 && (asked.revents & POLLOUT) != 0) || (count < 0 && errno == EINTR);
   }
 
   bool idle() const { return gone || (waiting.empty() && !writing); }

@@ -67,6 +67,17 @@ TEST(Printer, WritesAllInOrderForWhoReadsSlowly) {
   EXPECT_EQ(read, expected);
 }
 
+TEST(Printer, WaitsForWhoReadsSlowlyThoughTheDescriptorNeverDoes) {
+  Pipe pipe;
+  ASSERT_EQ(::fcntl(pipe.to(), F_SETFL, O_NONBLOCK), 0);
+  Printer printer(pipe.to(), Printer::Full::waits, gap);
+  std::string expected;
+  for (int i = 0; i < 2000; ++i) expected += numbered(i);  // more than the pipe holds, before anybody reads
+  printer.put(expected);
+  EXPECT_EQ(pipe.read(expected.size()), expected);
+  EXPECT_TRUE(printer.settle());
+}
+
 TEST(Printer, LeavesOutWhatNobodyReadsAndSaysHowMuch) {
   Pipe pipe;
   Printer printer(pipe.to(), Printer::Full::leaves_out, gap, 8000);
