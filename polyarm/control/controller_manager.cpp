@@ -49,9 +49,9 @@ std::vector<std::size_t> resolve(const std::vector<std::string>& names, const st
   return out;
 }
 
-/// Swaps the schedule of the loop; the old one is freed with the job, by the thread that posted it.
 }  // namespace
 
+/// Swaps the schedule of the loop; the old one is freed with the job, by the thread that posted it.
 class ControllerManager::NewSchedule : public realtime::Job {
  public:
   NewSchedule(ControllerManager& manager, std::unique_ptr<Schedule> schedule)
@@ -402,122 +402,10 @@ std::vector<Problem> ControllerManager::findings(const std::string& name) const 
   return slot(name).context.parameters.problems().list();
 }
 
-std::unique_ptr<ControllerManager::Commit> ControllerManager::commit_of(const SwitchPlan& plan) const {
-  auto commit = std::make_unique<Commit>();
-  for (const std::string& name : plan.stop) commit->stop.push_back(&slot(name));
-  for (const std::string& name : plan.start) commit->start.push_back(&slot(name));
-  for (const std::string& name : plan.chained) commit->chains.emplace_back(&slot(name), true);
-  for (const std::string& name : plan.unchained) commit->chains.emplace_back(&slot(name), false);
-  const auto taken_over = [&](std::size_t command) {
-    return std::any_of(commit->start.begin(), commit->start.end(), [&](const Slot* s) {
-      return std::find(s->commands.begin(), s->commands.end(), command) != s->commands.end();
-    });
-  };
-  for (const Slot* s : commit->stop)
-    for (const std::size_t command : s->pushes)
-      if (!taken_over(command)) commit->left.push_back(command);
-  commit->start_interfaces = plan.start_interfaces;
-  commit->stop_interfaces = plan.stop_interfaces;
-  return commit;
-}
-
 std::vector<std::string> ControllerManager::active_names() const {
   std::vector<std::string> out;
   for (const auto& s : slots_)
     if (s->state.load() == LifecycleState::active) out.push_back(s->name);
-  return out;
-}
-
-std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std::vector<Slot*>& slots,
-                                                                      std::span<const ControllerView> views,
-                                                                      const std::vector<bool>& active,
-                                                                      std::size_t who) const {
-  SwitchRequest request;
-  for (const std::size_t i : chain_of(views, who, active)) request.deactivate.push_back(views[i].name);
-  const auto available = [this](const std::string& interface, bool command) {
-    return why_unavailable(interface, command);
-  };
-  request.activate = slots[who]->options.fallback;
-  SwitchPlan plan = plan_switch(views, request, available);
-  if (!plan.ok) {  // its fallbacks cannot take over as things stand
-    request.activate.clear();
-    plan = plan_switch(views, request, available);
-  }
-  return commit_of(plan);
-}
-
-/// A component of the only group that these command, or where they command none, that they read; -1: there is
-/// none, or there are several.
-int ControllerManager::home_of(std::span<const ControllerView> chain) const {
-  int home = -1;
-  for (const bool commands : {true, false}) {
-    for (const ControllerView& view : chain)
-      for (const std::string& claim : commands ? view.commands : view.states) {
-        const auto index = commands ? table_.find_command(claim) : table_.find_state(claim);
-        const int component = !index     ? -1
-                              : commands ? hardware_.component_of_command(*index)
-                                         : hardware_.component_of_state(*index);
-        if (component < 0) continue;  // of another controller
-        if (home < 0) home = component;
-        const std::string& group = hardware_.group(static_cast<std::size_t>(home));
-        if (component != home &&
-            (group.empty() || hardware_.group(static_cast<std::size_t>(component)) != group))
-          return -1;
-      }
-    if (home >= 0) break;
-  }
-  return home;
-}
-
-/// Does the controller command a component that does not fail together with this one?
-bool ControllerManager::commands_beyond(const ControllerView& view, std::size_t component) const {
-  return std::any_of(view.commands.begin(), view.commands.end(), [&](const std::string& claim) {
-    const auto index = table_.find_command(claim);
-    const int other = index ? hardware_.component_of_command(*index) : -1;
-    if (other < 0 || other == static_cast<int>(component)) return false;
-    const std::string& group = hardware_.group(component);
-    return group.empty() || hardware_.group(static_cast<std::size_t>(other)) != group;
-  });
-}
-
-std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
-    const std::vector<std::string>& names) const {
-  std::vector<Slot*> slots;
-  std::vector<ControllerView> all;
-  for (const auto& s : slots_)
-    if (s->state.load() == LifecycleState::inactive || s->state.load() == LifecycleState::active) {
-      slots.push_back(s.get());
-      all.push_back(view(*s));
-    }
-  std::vector<bool> active(slots.size());
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    active[i] = std::find(names.begin(), names.end(), slots[i]->name) != names.end();
-    all[i].state = active[i] ? LifecycleState::active : LifecycleState::inactive;
-  }
-  auto out = std::make_unique<Schedule>();
-  for (const std::size_t i : update_order(all)) {
-    std::vector<ControllerView> chain;
-    for (const std::size_t k : chain_of(all, i, active)) chain.push_back(all[k]);
-    out->entries.push_back({slots[i], slots[i]->controller.get(), slots[i]->options.divisor,
-                            slots[i]->options.period, active[i] ? fall_of(slots, all, active, i) : nullptr,
-                            active[i] ? home_of(chain) : -1});
-  }
-  out->failures.reserve(out->entries.size());
-  for (std::size_t c = 0; c < hardware_.size(); ++c) {
-    SwitchRequest request;
-    std::vector<bool> falls(slots.size(), false);
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      if (!active[i] || !slots[i]->uses(c, table_, hardware_)) continue;
-      for (const std::size_t k : chain_of(all, i, active)) falls[k] = true;
-    }
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      if (falls[i]) request.deactivate.push_back(all[i].name);
-    out->ties.push_back(0);
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      if (falls[i] && commands_beyond(all[i], c)) out->ties.back() = 1;
-    out->component_falls.push_back(
-        commit_of(plan_switch(all, request, [](const std::string&, bool) { return std::string{}; })));
-  }
   return out;
 }
 
