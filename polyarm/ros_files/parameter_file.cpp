@@ -51,9 +51,9 @@ class Reader {
       return problems_.error("not-parameters", document.where(),
                              "a list of names and values is expected here",
                              "a controllers file begins with 'controller_manager:'");
-    const bool ros2 = speaks_ros2(document, 0) || lacks_ros2(document);
+    ros2_ = speaks_ros2(document, 0) || lacks_ros2(document);
     visited_ = 0;
-    if (ros2)
+    if (ros2_)
       node_names(document, {}, {});
     else
       plain_names(document);
@@ -92,7 +92,9 @@ class Reader {
     if (!told_twice_.insert(entry.where.line).second) return;
     const std::string what =
         "'" + entry.key + "' stands twice, here and in line " + std::to_string(first.line);
-    if (entry.value.is_map())
+    if (entry.value.is_map() && ros2_)
+      problems_.warning("duplicate-name", entry.where, what, "both are read; put their lines together");
+    else if (entry.value.is_map())  // ROS 1 forgets the first
       problems_.error("duplicate-name", entry.where, what,
                       "put its lines together, or give one another name");
     else
@@ -296,6 +298,7 @@ class Reader {
   ParameterSet& set_;
   Problems& problems_;
   int visited_ = 0;
+  bool ros2_ = false;
   std::set<int> told_twice_, told_lists_;
 };
 

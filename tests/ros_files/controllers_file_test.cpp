@@ -247,6 +247,34 @@ TEST(Ros2Controllers, EveryParameterOfTheManagerIsRead) {
             "hardware_synchronization.minimum_cycle_time use_sim_time");
 }
 
+TEST(Ros2Controllers, BlocksOfOneNameAreMixedAndTheLaterLineWins) {
+  const auto [file, problems] = read(R"(/**:
+  controller_manager:
+    ros__parameters:
+      update_rate: 100
+      arm: {type: joint_trajectory_controller/JointTrajectoryController}
+/**:
+  arm:
+    ros__parameters:
+      joints: [joint1]
+      command_interfaces: [position]
+/**:
+  arm:
+    ros__parameters:
+      command_interfaces: [velocity]
+      state_interfaces: [position, velocity]
+)");
+  ASSERT_EQ(problems.list().size(), 2u) << all(problems);
+  for (const Problem& problem : problems.list()) {
+    EXPECT_EQ(problem.code, "duplicate-name");
+    EXPECT_EQ(problem.severity, Severity::warning);
+  }
+  ASSERT_EQ(file.controllers.size(), 1u);
+  const auto& parameters = file.controllers.front().parameters;
+  EXPECT_EQ(parameters.entries.at("joints").values, std::vector<std::string>{"joint1"});
+  EXPECT_EQ(parameters.entries.at("command_interfaces").values, std::vector<std::string>{"velocity"});
+}
+
 TEST(Ros2Controllers, ParametersUnsaidAreThoseOfRosOrToldFromStatedOnes) {
   const ManagerParameters m = read(kHumble).file.manager;
   EXPECT_TRUE(m.enforce_command_limits && m.overruns_print_warnings);

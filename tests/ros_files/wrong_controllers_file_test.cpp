@@ -66,7 +66,7 @@ TEST(WrongManagerParameter, IsToldWithItsPlaceAndWhatToWrite) {
            Line{"other: {type: JointTrajectoryController}", "bad-type", 13, kError, "PACKAGE/CLASS"},
            Line{"jtc.fallback_controllers: [jtc]", "bad-fallback", 0, kError, "its own fallback"},
            Line{"update_rate:", "no-value", 5, kWarning, "has no value"},
-           Line{"jtc: {type: c/D}", "duplicate-name", 5, kError, "here and in line 3"},
+           Line{"jtc: {type: c/D}", "duplicate-name", 5, kWarning, "here and in line 3"},
            Line{"diagnostics.x: [[1, 2], [3]]", "bad-value", 21, kError, "a list of plain values"},
        }) {
     const Read got = read(under_manager(line.text));
