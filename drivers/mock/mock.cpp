@@ -155,6 +155,11 @@ const hardware::DriverFacts* MockComponent::facts() const noexcept {
   return &kFacts;
 }
 
+std::string MockComponent::summary() const {
+  return parts_.empty() ? "its inputs, outputs and sensors hold what they are commanded or began with"
+                        : "mock hardware: states follow commands at once, no physics";
+}
+
 CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context) {
   dynamics_ = flag(context.parameters, "calculate_dynamics");
   velocity_leads_ = flag(context.parameters, "integrate_velocity");

@@ -36,7 +36,7 @@ class MockComponent : public hardware::Component {
   std::vector<std::string> world_names() const override { return {}; }
   std::string reason() const override { return injection_.reason(); }
   const hardware::DriverFacts* facts() const noexcept override;
-  std::string summary() const override { return "mock hardware: states follow commands at once, no physics"; }
+  std::string summary() const override;
 
  private:
   /// One joint, sensor or gpio; the indices are places in the spans of read and write, -1 for none.

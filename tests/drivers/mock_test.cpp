@@ -239,6 +239,18 @@ TEST(Mock, SensorsAndLampsAreMirroredWhereAskedFor) {
   EXPECT_EQ(rig.state("arm/lamp/current"), 0.2);
 }
 
+TEST(Mock, WhatHasNoJointsSaysNothingOfMotion) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.robots[0].hardware = {declared()};
+  drivers::MockComponent whole, rest;
+  ASSERT_EQ(whole.on_init(context), hardware::CallbackReturn::success);
+  std::erase_if(context.robots[0].hardware[0].components, [](const auto& c) { return c.kind == "joint"; });
+  ASSERT_EQ(rest.on_init(context), hardware::CallbackReturn::success);
+  EXPECT_NE(whole.summary().find("states follow commands at once"), std::string::npos);
+  EXPECT_NE(rest.summary().find("inputs, outputs and sensors"), std::string::npos);
+}
+
 TEST(Mock, AParameterThatIsNoNumberIsRefusedByName) {
   const Stage stage = arm();
   hardware::ComponentContext context = stage.context();
