@@ -1,12 +1,32 @@
 #include "apps/options.hpp"
 
+#include <algorithm>
+#include <cctype>
+
 #include "polyarm/plugins/plugins.hpp"
 
 namespace polyarm::apps {
 
+namespace {
+bool is_named_value(const std::string& word) {
+  const auto at = word.find(":=");
+  return at != std::string::npos && at > 0 &&
+         std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(at),
+                     [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+}  // namespace
+
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    // An option that takes many values would take what stands behind them, too.
+    if (std::find(words.begin(), words.end(), "--") == words.end()) {
+      const auto named = std::stable_partition(words.begin(), words.end(),
+                                               [](const std::string& word) { return !is_named_value(word); });
+      if (named != words.end()) words.insert(named, "--");
+    }
+    std::reverse(words.begin(), words.end());
+    app.parse(std::move(words));
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
     const int code = app.exit(e);

@@ -88,7 +88,7 @@ TEST(Describe, ADescriptionInXacroIsToldItsArguments) {
   const auto robot = nlohmann::json::parse(described.output);
   EXPECT_EQ(robot["name"], "mine");
   EXPECT_EQ(robot["tool_link"], "b_tool0");
-  const Finished fk = run_command({"fk", file, "name:=mine", "--joints", "0"});
+  const Finished fk = run_command({"fk", file, "--joints", "0", "name:=mine"});  // behind what takes many
   EXPECT_EQ(fk.exit_code, 0) << fk.output;
   const Finished wrong = run_command({"describe", file, "name=mine"});
   EXPECT_EQ(wrong.exit_code, 1);
