@@ -215,25 +215,44 @@ class Planner {
   ControllerPlan plan_;
 };
 
-/// Configures all that can be: one that is chained to another is tried again when that one stands.
-void configure(control::ControllerManager& manager, std::vector<std::string> names, Problems& problems) {
+/// What stands in the way of a controller that the cell can do without: one that nobody asked for, where some
+/// are named, or that only tells of a sensor which this hardware (often a simulated one) does not have.
+bool can_be_left_out(const std::string& name, const Problem& problem, const CellFile& file) {
+  if (!file.activate.empty())
+    return std::find(file.activate.begin(), file.activate.end(), name) == file.activate.end();
+  return problem.code == "unknown-sensor";
+}
+
+void tell_unconfigured(const std::string& name, Problem problem, const CellFile& file, Problems& problems) {
+  if (problem.severity == Severity::error && can_be_left_out(name, problem, file)) {
+    problem.severity = Severity::warning;
+    problem.what = "the controller '" + name + "' is left unconfigured: " + problem.what;
+  }
+  problems.add(std::move(problem));
+}
+
+/// Configures all that can be: one that is chained to another is tried again when that one stands. Those that
+/// cannot be.
+std::vector<std::string> configure(control::ControllerManager& manager, std::vector<std::string> names,
+                                   const CellFile& file, Problems& problems) {
   for (bool again = true; again && !names.empty();) {
     again = false;
-    Problems found;
+    std::vector<std::pair<std::string, Problem>> found;
     std::vector<std::string> left;
     for (const std::string& name : names) {
       try {
         manager.configure(name);
         again = true;
       } catch (const Error& e) {
-        found.add(e);
+        for (const Problem& problem : e.problems()) found.emplace_back(name, problem);
         left.push_back(name);
       }
     }
     if (!again || left.empty())
-      for (const Problem& problem : found.list()) problems.add(problem);
+      for (auto& [name, problem] : found) tell_unconfigured(name, std::move(problem), file, problems);
     names = std::move(left);
   }
+  return names;
 }
 
 /// What a controller found in its parameters and the file's reader has not told already.
@@ -329,7 +348,8 @@ void start_controllers(ControllerPlan plan, const CellFile& file, control::Contr
       problems.error(
           "unknown-controller", {},
           "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));
-  configure(manager, names, problems);
+  for (const std::string& name : configure(manager, names, file, problems))
+    std::erase(request.activate, name);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
   if (problems.has_errors()) return;
   const control::SwitchPlan planned = manager.plan(request);

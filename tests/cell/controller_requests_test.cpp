@@ -78,6 +78,32 @@ TEST(RequestsOfAManager, ASwitchThatStatesNoStrictnessHasThatOfTheFile) {
           .get<bool>());
 }
 
+TEST(ControllersOfAFile, WhoTellsOfASensorThatIsNotThereIsLeftUnconfigured) {
+  std::string controllers = kSharedJoint;
+  controllers.replace(controllers.find("    update_rate: 1000"), 21,
+                      "    update_rate: 1000\n    wrist: "
+                      "{type: force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster}");
+  controllers += "wrist:\n  ros__parameters: {sensor_name: tcp, frame_id: tool0}\n";
+  LockStepCell cell{controllers};
+  EXPECT_EQ(cell.state_of("wrist"), "unconfigured");
+  EXPECT_EQ(cell.state_of("follow"), "active");
+}
+
+TEST(ControllersOfAFile, WhoIsNotAskedForMayNameWhatIsNotThere) {
+  const test::Folder folder;
+  std::string controllers = kSharedJoint;
+  controllers.replace(controllers.find("joints: [joint_1, joint_2]"), 26, "joints: [shoulder, joint_2]");
+  cell::CellFile file =
+      cell::cell_from_description(test::kSixAxes, {folder.write("controllers.yaml", controllers)}, {});
+  EXPECT_THROW(LockStepCell{file}, Error);
+  file.activate = {"tail"};
+  LockStepCell cell{file};
+  EXPECT_EQ(cell.state_of("follow"), "unconfigured");
+  EXPECT_EQ(cell.state_of("tail"), "active");
+  file.activate = {"tail", "follow"};
+  EXPECT_THROW(LockStepCell{file}, Error);
+}
+
 TEST_F(RequestsTest, AControllerWalksThroughItsStates) {
   EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "unconfigured"}})["state"],
             "unconfigured");
