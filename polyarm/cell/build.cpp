@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/types.hpp"
+#include "polyarm/description/packages.hpp"
+#include "polyarm/description/xacro.hpp"
 #include "polyarm/plugins/plugins.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
@@ -289,6 +292,30 @@ void load_plugins(const CellFile& file, Problems& problems) {
     problems.warning("plugin-refused", {refusal.file.string()}, refusal.reason, refusal.advice);
 }
 
+namespace {
+/// $(var NAME) is what the cell or the command says, else what the description takes for its argument NAME.
+std::optional<std::string> argument_of(const CellFile& file, const std::string& name) {
+  for (const RobotEntry& robot : file.robots)
+    if (const auto found = robot.arguments.find(name); found != robot.arguments.end()) return found->second;
+  for (const RobotEntry& robot : file.robots) {
+    const std::filesystem::path model = file.folder / robot.model;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(model, error) || !description::uses_xacro(read_file(model)))
+      continue;
+    Problems told;  // where the description is read
+    description::XacroReport report;
+    collect(told, [&] { description::expand_xacro(model, {robot.arguments, {}}, told, &report); });
+    if (const auto found = report.arguments.find(name); found != report.arguments.end()) return found->second;
+  }
+  return std::nullopt;
+}
+
+ros_files::ParameterSubstitution substitution_of(const CellFile& file, const std::filesystem::path& from) {
+  return {[&file](const std::string& name) { return argument_of(file, name); },
+          description::packages_near(from)};
+}
+}  // namespace
+
 ros_files::ControllersFile read_cell_controllers(const CellFile& file, Problems& problems) {
   if (file.launched) return *file.launched;
   std::vector<std::filesystem::path> paths;
@@ -297,7 +324,7 @@ ros_files::ControllersFile read_cell_controllers(const CellFile& file, Problems&
     paths.push_back(path.is_absolute() ? path : file.folder / path);
   }
   if (paths.empty()) return {};
-  return ros_files::read_controllers_files(paths, problems);
+  return ros_files::read_controllers_files(paths, problems, substitution_of(file, paths.front()));
 }
 
 double rate_of(const CellFile& file, Problems& problems) {

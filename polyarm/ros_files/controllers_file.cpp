@@ -48,8 +48,13 @@ struct Gathered {
 /// Joins the blocks of ROS 2 files: managers, their controllers, and who gets which parameters.
 class Ros2Reader {
  public:
-  Ros2Reader(ParameterSet& set, ControllersFile& out, Problems& problems)
-      : set_(set), out_(out), problems_(problems), used_(set.nodes.size(), false) {}
+  Ros2Reader(ParameterSet& set, const ParameterSubstitution* substitution, ControllersFile& out,
+             Problems& problems)
+      : set_(set),
+        substitution_(substitution),
+        out_(out),
+        problems_(problems),
+        used_(set.nodes.size(), false) {}
 
   void read() {
     for (const ManagerName& manager : managers()) read_manager_of(manager);
@@ -276,7 +281,9 @@ class Ros2Reader {
     const std::filesystem::path beside = std::filesystem::path(entry.where.file).parent_path();
     ParameterSet extra;
     try {
-      read_parameters({beside / file}, extra, problems_);
+      ParameterSource source{beside / file};
+      source.substitution = substitution_;
+      read_parameters(source, extra, problems_);
     } catch (const Error& error) {
       problems_.error("params-file", entry.where, "'" + file + "' of '" + name.back() + "': " + error.what(),
                       "a relative name starts from the folder of this file");
@@ -416,6 +423,7 @@ class Ros2Reader {
   }
 
   ParameterSet& set_;
+  const ParameterSubstitution* substitution_;
   ControllersFile& out_;
   Problems& problems_;
   std::vector<bool> used_;
@@ -548,7 +556,7 @@ ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Pr
   Problems found;
   try {
     for (const ParameterSource& source : sources) read_parameters(source, set, found);
-    Ros2Reader(set, out, found).read();
+    Ros2Reader(set, sources.empty() ? nullptr : sources.front().substitution, out, found).read();
     Ros1Reader(set.tree, out, found).read();
   } catch (const Error&) {
     hand_over(found, sources, problems);
@@ -562,12 +570,17 @@ ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Pr
 }
 
 ControllersFile read_controllers_file(const std::filesystem::path& path, Problems& problems) {
-  return read_controllers({{path}}, problems);
+  return read_controllers_files({path}, problems);
 }
 
-ControllersFile read_controllers_files(const std::vector<std::filesystem::path>& paths, Problems& problems) {
+ControllersFile read_controllers_files(const std::vector<std::filesystem::path>& paths, Problems& problems,
+                                       const ParameterSubstitution& substitution) {
   std::vector<ParameterSource> sources;
-  for (const std::filesystem::path& path : paths) sources.push_back({path});
+  for (const std::filesystem::path& path : paths) {
+    ParameterSource source{path};
+    source.substitution = &substitution;
+    sources.push_back(std::move(source));
+  }
   return read_controllers(sources, problems);
 }
 

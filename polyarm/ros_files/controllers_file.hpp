@@ -55,7 +55,9 @@ struct ControllersFile {
 ControllersFile read_controllers_file(const std::filesystem::path& path, Problems& problems);
 
 /// Several files as one: a later value replaces an earlier one key by key, as with the parameters of ROS.
-ControllersFile read_controllers_files(const std::vector<std::filesystem::path>& paths, Problems& problems);
+/// `substitution`: what $(var …) in them stands for.
+ControllersFile read_controllers_files(const std::vector<std::filesystem::path>& paths, Problems& problems,
+                                       const ParameterSubstitution& substitution = {});
 
 /// The same for what a launch file loads.
 ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Problems& problems);

@@ -353,7 +353,9 @@ Parameters ParameterTree::flat(std::string_view skip) const {
 
 void read_parameters(const ParameterSource& source, ParameterSet& set, Problems& problems) {
   if (source.literal) return put_literal(source, set);
-  const std::string text = source.text ? *source.text : read_file(source.file);
+  std::string text = source.text ? *source.text : read_file(source.file);
+  if (source.substitution)
+    text = substitute_parameters(text, source.file.string(), *source.substitution, problems);
   Yaml document;
   try {
     document = Yaml::parse(text, source.file.string());

@@ -10,6 +10,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/controllers/controller.hpp"
+#include "polyarm/ros_files/parameter_substitution.hpp"
 
 namespace polyarm::ros_files {
 
@@ -20,6 +21,7 @@ struct ParameterSource {
   std::optional<std::string> text;  ///< YAML, its lines counted from the first line of `file`
   bool literal = false;             ///< `text` is no YAML but the one value of the parameter `ns`
   Location where;                   ///< of the value of a literal
+  const ParameterSubstitution* substitution = nullptr;  ///< of $(…) in a file of ROS 2; null: they stay
 };
 
 /// A map called joint_limits somewhere in a source, to be read by another reader.

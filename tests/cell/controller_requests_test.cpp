@@ -104,6 +104,32 @@ TEST(ControllersOfAFile, WhoIsNotAskedForMayNameWhatIsNotThere) {
   EXPECT_THROW(LockStepCell{file}, Error);
 }
 
+TEST(ControllersOfAFile, VariablesAreArgumentsOfTheDescription) {
+  const test::Folder folder;
+  const std::string robot = folder.write("arm.urdf.xacro", R"xml(<robot name="arm" xmlns:xacro="x">
+<xacro:arg name="tf_prefix" default="left_"/>
+<link name="base"/><link name="tool0"/>
+<joint name="$(arg tf_prefix)j" type="revolute"><parent link="base"/><child link="tool0"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>)xml");
+  const std::string controllers = folder.write("controllers.yaml", R"(controller_manager:
+  ros__parameters:
+    turn: {type: forward_command_controller/ForwardCommandController}
+turn:
+  ros__parameters: {joints: ["$(var tf_prefix)j"], interface_name: position}
+)");
+  cell::Overrides overrides;
+  overrides.hardware = "mock";
+  cell::CellFile file = cell::cell_from_description(robot, {controllers}, overrides);
+  const auto claimed = [&] {
+    for (const Json& c : LockStepCell{file}.result({{"request", "control.list"}}))
+      if (c["name"] == "turn") return c["claimed"];
+    return Json();
+  };
+  EXPECT_EQ(claimed(), Json({"arm/left_j/position"}));
+  file.robots.front().arguments["tf_prefix"] = "right_";
+  EXPECT_EQ(claimed(), Json({"arm/right_j/position"}));
+}
+
 TEST_F(RequestsTest, AControllerWalksThroughItsStates) {
   EXPECT_EQ(cell.result({{"request", "control.state"}, {"name", "tail"}, {"state", "unconfigured"}})["state"],
             "unconfigured");
