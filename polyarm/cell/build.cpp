@@ -219,15 +219,25 @@ class Planner {
 };
 
 /// What stands in the way of a controller that the cell can do without: one that nobody asked for, where some
-/// are named, or that only tells of a sensor which this hardware (often a simulated one) does not have.
-bool can_be_left_out(const std::string& name, const Problem& problem, const CellFile& file) {
+/// are named; that tells of a sensor which this hardware (often a simulated one) does not have; or that
+/// commands a joint in a way which it does not offer, where another controller moves something.
+bool can_be_left_out(const std::string& name, const Problem& problem, const CellFile& file, bool moves) {
   if (!file.activate.empty())
     return std::find(file.activate.begin(), file.activate.end(), name) == file.activate.end();
-  return problem.code == "unknown-sensor";
+  return problem.code == "unknown-sensor" || (moves && problem.code == "interface-not-offered");
 }
 
-void tell_unconfigured(const std::string& name, Problem problem, const CellFile& file, Problems& problems) {
-  if (problem.severity == Severity::error && can_be_left_out(name, problem, file)) {
+/// Is there a controller that commands something, and is configured?
+bool anything_moves(const control::ControllerManager& manager) {
+  const auto all = manager.list();
+  return std::any_of(all.begin(), all.end(), [](const control::ListedController& c) {
+    return c.state != hardware::LifecycleState::unconfigured && !c.required_commands.empty();
+  });
+}
+
+void tell_unconfigured(const std::string& name, Problem problem, const CellFile& file, bool moves,
+                       Problems& problems) {
+  if (problem.severity == Severity::error && can_be_left_out(name, problem, file, moves)) {
     problem.severity = Severity::warning;
     problem.what = "the controller '" + name + "' is left unconfigured: " + problem.what;
   }
@@ -252,7 +262,8 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
       }
     }
     if (!again || left.empty())
-      for (auto& [name, problem] : found) tell_unconfigured(name, std::move(problem), file, problems);
+      for (auto& [name, problem] : found)
+        tell_unconfigured(name, std::move(problem), file, anything_moves(manager), problems);
     names = std::move(left);
   }
   return names;

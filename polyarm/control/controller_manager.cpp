@@ -39,8 +39,11 @@ std::vector<std::size_t> resolve(const std::vector<std::string>& names, const st
   std::vector<std::size_t> out;
   for (const std::string& name : names) {
     const auto index = find(name);
+    const bool owner_known = std::any_of(known.begin(), known.end(), [&](const std::string& other) {
+      return other.starts_with(name.substr(0, name.rfind('/') + 1));
+    });
     if (!index)
-      throw Error("unknown-interface",
+      throw Error(owner_known ? "interface-not-offered" : "unknown-interface",
                   "the controller '" + controller + "' needs the " + kind + " interface '" + name +
                       "', which no hardware offers" + did_you_mean(name, known),
                   "check the joint names and the interfaces of the hardware");

@@ -89,6 +89,21 @@ TEST(ControllersOfAFile, WhoTellsOfASensorThatIsNotThereIsLeftUnconfigured) {
   EXPECT_EQ(cell.state_of("follow"), "active");
 }
 
+TEST(ControllersOfAFile, WhoNeedsACommandThatIsNotOfferedIsLeftUnconfiguredWhereAnotherMoves) {
+  std::string controllers = kSharedJoint;
+  const auto wanting_effort = [&](const char* name) {
+    const auto block = controllers.find(std::string("\n") + name + ":\n");
+    controllers.replace(controllers.find("interface_name: position", block), 24, "interface_name: effort");
+  };
+  wanting_effort("tail_too");
+  LockStepCell cell{controllers};
+  EXPECT_EQ(cell.state_of("tail_too"), "unconfigured");
+  EXPECT_EQ(cell.state_of("tail"), "active");
+  wanting_effort("tail");
+  controllers.replace(controllers.find("command_interfaces: [position]"), 30, "command_interfaces: [effort]");
+  EXPECT_THROW(LockStepCell{controllers}, Error) << "nothing would move";
+}
+
 TEST(ControllersOfAFile, WhoIsNotAskedForMayNameWhatIsNotThere) {
   const test::Folder folder;
   std::string controllers = kSharedJoint;
