@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -366,8 +368,48 @@ std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const Ce
   return out;
 }
 
-void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
-                       Observer& observer, Problems& problems) {
+namespace {
+/// Of controllers that nobody chose, those stay inactive that command a joint which another that starts
+/// commands by another interface: hardware follows one of them. Who follows trajectories goes before others.
+/// (Of those that want the same interface the later one is refused when they are switched.)
+std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& asked,
+                                                const control::ControllerManager& manager,
+                                                const CellRobots& robots, Observer& observer) {
+  std::map<std::string, std::string> holders;  // by joint
+  std::set<std::string> held;
+  for (const auto& robot : robots)
+    for (const controllers::JointFacts& joint : robot->joints) holders[joint.name];
+  std::vector<control::ListedController> order = manager.list();
+  std::stable_partition(order.begin(), order.end(), [](const control::ListedController& c) {
+    return c.type.find("TrajectoryController") != std::string::npos;
+  });
+  std::vector<std::string> out = asked;
+  for (const control::ListedController& c : order) {
+    if (std::find(asked.begin(), asked.end(), c.name) == asked.end()) continue;
+    const auto holder_of = [&](const std::string& command) {
+      const auto joint = holders.find(command.substr(0, command.rfind('/')));
+      return joint == holders.end() ? nullptr : &joint->second;
+    };
+    std::string other;
+    for (const std::string& command : c.required_commands)
+      if (const std::string* holder = holder_of(command);
+          holder && !holder->empty() && !held.contains(command))
+        other = *holder;
+    if (!other.empty()) {
+      observer.on_note("the controller '" + c.name + "' commands joints of '" + other +
+                       "' in another way; it stays inactive");
+      std::erase(out, c.name);
+      continue;
+    }
+    for (const std::string& command : c.required_commands)
+      if (std::string* holder = holder_of(command)) *holder = c.name, held.insert(command);
+  }
+  return out;
+}
+}  // namespace
+
+void start_controllers(ControllerPlan plan, const CellFile& file, const CellRobots& robots,
+                       control::ControlLoop& loop, Observer& observer, Problems& problems) {
   control::ControllerManager& manager = loop.controllers();
   std::vector<std::string> names;
   control::SwitchRequest request;
@@ -390,6 +432,8 @@ void start_controllers(ControllerPlan plan, const CellFile& file, control::Contr
     std::erase(request.activate, name);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
   if (problems.has_errors()) return;
+  if (file.activate.empty() && !file.launched)
+    request.activate = one_way_for_each_joint(request.activate, manager, robots, observer);
   const control::SwitchPlan planned = manager.plan(request);
   for (const std::string& left_out : planned.left_out) observer.on_note(left_out + "; it stays inactive");
   collect(problems, [&] { manager.switch_now(request); });

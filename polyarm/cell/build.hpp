@@ -49,8 +49,8 @@ ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, 
                                 Observer& observer, Problems& problems);
 /// Loads and configures the planned controllers, those that others are chained to first, and starts what can
 /// run together; who has to stay inactive is told. What is wrong joins the problems.
-void start_controllers(ControllerPlan plan, const CellFile& file, control::ControlLoop& loop,
-                       Observer& observer, Problems& problems);
+void start_controllers(ControllerPlan plan, const CellFile& file, const CellRobots& robots,
+                       control::ControlLoop& loop, Observer& observer, Problems& problems);
 /// Those of the plan that would be started if nothing were in their way.
 std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const CellFile& file);
 

@@ -37,15 +37,15 @@ Location place_of(const Parameters& parameters, const std::string& key) {
 }
 
 FoundSensor read_sensor(ControllerContext& context, std::span<const char* const> interfaces,
-                        const std::string& what) {
+                        const std::string& what, const std::string& key) {
   std::string written;
-  context.parameters.read("sensor_name", written, {"the sensor; may be left out where there is only one"});
+  context.parameters.read(key, written, {"the sensor; may be left out where there is only one"});
   const std::vector<std::string> known = sensors_with(context, interfaces);
   for (const std::string& sensor : known)
     if (sensor == written || without_robot(sensor) == written) return {sensor, written};
   std::vector<std::string> names;
   for (const std::string& sensor : known) names.push_back(without_robot(sensor));
-  const Location where = place_of(context.parameters, "sensor_name");
+  const Location where = place_of(context.parameters, key);
   if (!written.empty())
     throw Error(Problem{
         "unknown-sensor", where,
@@ -53,9 +53,9 @@ FoundSensor read_sensor(ControllerContext& context, std::span<const char* const>
         names.empty() ? "" : "known are: " + join(names, ", ")});
   if (known.size() == 1) return {known.front(), names.front()};
   throw Error("unknown-sensor",
-              "'" + context.name + "' has no sensor_name, and " +
+              "'" + context.name + "' has no " + key + ", and " +
                   (known.empty() ? "nothing has" : "several sensors have") + " the states of " + what,
-              names.empty() ? "" : "name one as sensor_name: " + join(names, ", "));
+              names.empty() ? "" : "name one as " + key + ": " + join(names, ", "));
 }
 
 std::string read_frame(Parameters& parameters, const std::string& sensor) {

@@ -12,8 +12,11 @@ namespace polyarm::controllers {
 
 inline constexpr const char* kImuInterfaces[] = {
     "orientation.x",         "orientation.y",         "orientation.z",        "orientation.w",
-    "angular_velocity.x",    "angular_velocity.y",    "angular_velocity.z",                    // rad/s
-    "linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"};                // m/s²
+    "angular_velocity.x",    "angular_velocity.y",    "angular_velocity.z",                        // rad/s
+    "linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"};                    // m/s²
+inline constexpr const char* kPoseInterfaces[] = {"position.x",    "position.y",    "position.z",  // m
+                                                  "orientation.x", "orientation.y", "orientation.z",
+                                                  "orientation.w"};
 inline constexpr const char* kForceTorqueInterfaces[] = {"force.x",  "force.y",  "force.z",    // N
                                                          "torque.x", "torque.y", "torque.z"};  // N m
 inline constexpr const char* kGpsInterfaces[] = {"status", "service", "latitude", "longitude",
@@ -27,11 +30,11 @@ struct FoundSensor {
   std::string name;   ///< as the user calls it: "tcp_fts_sensor"
 };
 
-/// Reads the parameter `sensor_name` and finds the sensor of that name that has one of `interfaces`, those of
+/// Reads the parameter `key` and finds the sensor of that name that has one of `interfaces`, those of
 /// the controller's own robot first; without a name the only one. `what` is the kind in words ("an IMU").
 /// Throws Error("unknown-sensor") that names the sensors there are.
 FoundSensor read_sensor(ControllerContext& context, std::span<const char* const> interfaces,
-                        const std::string& what);
+                        const std::string& what, const std::string& key = "sensor_name");
 
 /// Reads `frame_id`, which is the sensor's name where the file does not say.
 std::string read_frame(Parameters& parameters, const std::string& sensor);

@@ -12,6 +12,7 @@
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/controllers/pid_controller.hpp"
+#include "polyarm/controllers/pose_broadcaster.hpp"
 #include "polyarm/controllers/simple_trajectory_controller.hpp"
 #include "polyarm/controllers/state_interfaces_broadcaster.hpp"
 
@@ -51,6 +52,8 @@ std::vector<ControllerType>& types() {
        "tells forces and torques (ros_control's name)"},
       {"gps_sensor_broadcaster/GPSSensorBroadcaster", make<GpsSensorBroadcaster>,
        "tells where a satellite receiver is"},
+      {"pose_broadcaster/PoseBroadcaster", make<PoseBroadcaster>,
+       "tells where a sensor says that something is"},
       {"state_interfaces_broadcaster/StateInterfacesBroadcaster", make<StateInterfacesBroadcaster>,
        "tells any states"},
       {"gpio_controllers/GpioCommandController", make<GpioCommandController>,

@@ -238,7 +238,8 @@ bool XacroTexts::function(const std::string& name, const XacroList& a, XacroValu
     const fs::path folder = find_package_(text(0));
     if (folder.empty())
       throw Error("no-package", "the package '" + text(0) + "' is not found",
-                  "say where it is with --package " + text(0) + "=FOLDER, or set POLYARM_PACKAGES");
+                  "set POLYARM_PACKAGES to the folders that hold packages; polyarm xacro takes --package " +
+                      text(0) + "=FOLDER, too");
     packages_.insert(folder);
     out = folder.string();
     return true;

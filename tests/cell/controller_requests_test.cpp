@@ -104,6 +104,28 @@ TEST(ControllersOfAFile, WhoNeedsACommandThatIsNotOfferedIsLeftUnconfiguredWhere
   EXPECT_THROW(LockStepCell{controllers}, Error) << "nothing would move";
 }
 
+TEST(ControllersOfAFile, OfTwoThatCommandAJointInTwoWaysWhoFollowsTrajectoriesStarts) {
+  const test::Folder folder;
+  const std::string controllers = folder.write("controllers.yaml", R"(controller_manager:
+  ros__parameters:
+    speeds: {type: forward_command_controller/ForwardCommandController}
+    follow: {type: joint_trajectory_controller/JointTrajectoryController}
+speeds:
+  ros__parameters: {joints: [joint_2, joint_3], interface_name: velocity}
+follow:
+  ros__parameters: {joints: [joint_1, joint_2], command_interfaces: [position], state_interfaces: [position]}
+)");
+  cell::Overrides overrides;
+  overrides.hardware = "mock";
+  cell::CellFile file = cell::cell_from_description(test::kSixAxes, {controllers}, overrides);
+  LockStepCell chosen_by_nobody{file};
+  EXPECT_EQ(chosen_by_nobody.state_of("follow"), "active");
+  EXPECT_EQ(chosen_by_nobody.state_of("speeds"), "inactive");
+  file.activate = {"speeds"};
+  LockStepCell chosen{file};
+  EXPECT_EQ(chosen.state_of("speeds"), "active");
+}
+
 TEST(ControllersOfAFile, WhoIsNotAskedForMayNameWhatIsNotThere) {
   const test::Folder folder;
   std::string controllers = kSharedJoint;

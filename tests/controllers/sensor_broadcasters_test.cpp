@@ -3,11 +3,13 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "polyarm/controllers/filters.hpp"
 #include "polyarm/controllers/force_torque_sensor_broadcaster.hpp"
 #include "polyarm/controllers/gps_sensor_broadcaster.hpp"
 #include "polyarm/controllers/imu_sensor_broadcaster.hpp"
+#include "polyarm/controllers/pose_broadcaster.hpp"
 #include "polyarm/controllers/sensor_interfaces.hpp"
 #include "polyarm/controllers/state_interfaces_broadcaster.hpp"
 #include "polyarm/controllers/types.hpp"
@@ -50,7 +52,7 @@ TEST(SensorTypes, AreFoundUnderTheNamesOfBothGenerations) {
        {"imu_sensor_broadcaster/IMUSensorBroadcaster", "imu_sensor_controller/ImuSensorController",
         "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster",
         "force_torque_sensor_controller/ForceTorqueSensorController",
-        "gps_sensor_broadcaster/GPSSensorBroadcaster",
+        "gps_sensor_broadcaster/GPSSensorBroadcaster", "pose_broadcaster/PoseBroadcaster",
         "state_interfaces_broadcaster/StateInterfacesBroadcaster"}) {
     Parameters parameters;
     EXPECT_TRUE(make_controller(name, parameters)) << name;
@@ -283,6 +285,61 @@ struct Gps : Sensor<GpsSensorBroadcaster> {
       rig.state(std::string("gps/") + kGpsCovarianceInterfaces[i]) = 0.5 + static_cast<double>(i);
   }
 };
+
+struct TcpPose : Sensor<PoseBroadcaster> {
+  explicit TcpPose(const Rig::Values& values)
+      : Sensor(together(states_of("imu", kImuInterfaces), states_of("tcp_pose", kPoseInterfaces)), values) {}
+  void measure(double x, double w = 0.8) {
+    const double values[] = {x, 0.2, 0.3, 0, 0.6, 0, w};
+    for (std::size_t i = 0; i < 7; ++i) rig.state(std::string("tcp_pose/") + kPoseInterfaces[i]) = values[i];
+  }
+};
+
+TEST(PoseBroadcaster, TellsThePoseAndTheTransform) {
+  TcpPose tcp(Rig::Values{
+      {"pose_name", {"tcp_pose"}}, {"frame_id", {"base"}}, {"tf.child_frame_id", {"tool0_controller"}}});
+  tcp.rig.start();
+  tcp.measure(0.1);
+  tcp.rig.step();
+  EXPECT_EQ(tcp.rig.told("pose", "pose.position.x"), 0.1);
+  EXPECT_EQ(tcp.rig.told("pose", "pose.position.z"), 0.3);
+  EXPECT_EQ(tcp.rig.told("pose", "pose.orientation.y"), 0.6);
+  EXPECT_EQ(tcp.rig.told("pose", "pose.orientation.w"), 0.8);
+  EXPECT_EQ(tcp.rig.told("tf", "transform.translation.x"), 0.1);
+  EXPECT_EQ(tcp.rig.told("tf", "transform.rotation.w"), 0.8);
+  EXPECT_EQ(tcp.broadcaster.find_output("pose")->texts.at("frame_id"), "base");
+  EXPECT_EQ(tcp.broadcaster.find_output("tf")->texts.at("frame_id"), "base");
+  EXPECT_EQ(tcp.broadcaster.find_output("tf")->texts.at("child_frame_id"), "tool0_controller");
+}
+
+TEST(PoseBroadcaster, WhatIsNoPoseIsNotTold) {
+  TcpPose tcp(Rig::Values{});  // the only sensor with a position; the IMU has none
+  tcp.rig.start();
+  tcp.measure(0.1);
+  tcp.rig.step();
+  for (const auto& [x, w] : {std::pair{0.5, 0.9}, {std::nan(""), 0.8}, {0.5, HUGE_VAL}}) {
+    tcp.measure(x, w);
+    tcp.rig.step();
+    EXPECT_EQ(tcp.rig.told("pose", "pose.position.x"), 0.1);
+    EXPECT_EQ(tcp.rig.told("tf", "transform.translation.x"), 0.1);
+  }
+}
+
+TEST(PoseBroadcaster, TheTransformHasARateOfItsOwnOrIsNotTold) {
+  TcpPose slow(Rig::Values{{"tf_publish_rate", {"10"}}});
+  slow.rig.start();
+  ASSERT_EQ(slow.rig.cycle.period, 10'000'000);
+  std::set<double> told;
+  for (int i = 0; i < 100; ++i) {
+    slow.measure(0.001 * i);
+    slow.rig.step();
+    told.insert(slow.rig.told("tf", "transform.translation.x"));
+  }
+  EXPECT_EQ(told.size(), 10u);
+  TcpPose none(Rig::Values{{"tf.enable", {"false"}}});
+  none.rig.start();
+  EXPECT_EQ(none.broadcaster.find_output("tf"), nullptr);
+}
 
 TEST(GpsBroadcaster, TellsTheFixWithTheStatedCovariance) {
   Gps gps(Rig::Values{{"sensor_name", {"gps"}},
