@@ -99,6 +99,29 @@ std::string real_driver_of(const std::string& hardware, const description::Hardw
   return choice.real.empty() ? choice.driver : choice.real;
 }
 
+bool has_joints(const description::HardwareInfo& info) {
+  return std::any_of(info.components.begin(), info.components.end(),
+                     [](const auto& c) { return c.kind == "joint"; });
+}
+
+/// Physics plays all joints of a robot, or none: they hang on each other.
+void all_or_none_by_physics(CellRobot& robot, std::vector<std::string>& notes) {
+  bool physics = false, others = false;
+  for (const HardwareBlock& block : robot.blocks) {
+    if (!has_joints(*block.info)) continue;
+    physics |= block.driver == "mujoco";
+    others |= block.driver != "mujoco" && block.driver != "mock";
+  }
+  if (!physics) return;
+  for (HardwareBlock& block : robot.blocks) {
+    if (!has_joints(*block.info) || block.driver != (others ? "mujoco" : "mock")) continue;
+    notes.push_back(block.info->name +
+                    (others ? ": played by mock, as physics plays all joints of a robot or none"
+                            : ": played by physics, as the other joints of the robot are"));
+    block = {block.info, others ? "mock" : "mujoco", ""};
+  }
+}
+
 /// What plays the robot: the drivers of its blocks, or one for the whole of it.
 void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
   const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
@@ -110,6 +133,7 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
     if (!choice.note.empty()) notes.push_back(choice.note);
     robot.blocks.push_back({&info, choice.driver, choice.flag});
   }
+  all_or_none_by_physics(robot, notes);
   robot.driver = asked;
   if (!robot.blocks.empty()) robot.driver = robot.blocks.front().driver;
   for (const HardwareBlock& block : robot.blocks)

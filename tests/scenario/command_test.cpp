@@ -114,11 +114,14 @@ TEST(Describe, UrdfOfARobotRunsAsADescription) {
 TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
   const ExampleCopy copy("pick_and_place");
   std::string urdf = run_command({"describe", "demo/r6bot", "--urdf"}).output;
-  const auto hardware = [](const std::string& plugin) {
-    return "<ros2_control name=\"R6\" type=\"system\"><hardware><plugin>" + plugin + "</plugin></hardware>" +
-           "<joint name=\"joint_1\"><command_interface name=\"position\"/><state_interface "
-           "name=\"position\"/></joint>"
-           "</ros2_control></robot>";
+  const auto block = [](const std::string& name, const std::string& plugin, const std::string& joint) {
+    return "<ros2_control name=\"" + name + "\" type=\"system\"><hardware><plugin>" + plugin +
+           "</plugin></hardware><joint name=\"" + joint +
+           "\"><command_interface name=\"position\"/><state_interface name=\"position\"/></joint>"
+           "</ros2_control>";
+  };
+  const auto hardware = [&](const std::string& plugin) {
+    return block("R6", plugin, "joint_1") + "</robot>";
   };
   urdf.erase(urdf.rfind("</robot>"));
   write_file_atomically(copy.file("a.urdf"), urdf + hardware("acme/Unheard"));
@@ -128,6 +131,14 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
       << a.output;
   const Finished b = run_command({"run", "--description", copy.file("b.urdf"), "--fast", "--seconds", "1"});
   EXPECT_NE(b.output.find("mock_components/GenericSystem is played by mock"), std::string::npos) << b.output;
+  // Two blocks of one robot: physics plays all of its joints.
+  write_file_atomically(copy.file("c.urdf"), urdf + block("R6", "mock_components/GenericSystem", "joint_1") +
+                                                 block("Tail", "acme/Unheard", "joint_2") + "</robot>");
+  const Finished c = run_command({"run", "--description", copy.file("c.urdf"), "--fast", "--seconds", "1"});
+  EXPECT_EQ(c.exit_code, 0) << c.output;
+  if (c.output.find("Tail: the plugin acme/Unheard is not installed, replaced by physics") !=
+      std::string::npos)
+    EXPECT_NE(c.output.find("R6: played by physics, as the other joints"), std::string::npos) << c.output;
 }
 
 TEST(Run, ExplainsALaunchFile) {
