@@ -47,9 +47,12 @@ struct RunArguments {
 };
 
 void add_options(CLI::App& app, RunArguments& a) {
-  app.add_option("cell", a.cell, "folder with a cell.yaml, a cell file, or a launch file of ROS 1");
+  app.add_option("cell", a.cell,
+                 "folder with a cell.yaml, a cell file, a launch file of ROS 1, or a robot: a URDF, xacro or "
+                 "catalogue name");
   app.add_option("arguments", a.arguments, "NAME:=VALUE of a launch file or of a description in xacro");
-  app.add_option("--description", a.description, "a robot's URDF instead of a cell");
+  app.add_option("--description", a.description,
+                 "a robot's URDF or xacro, or its catalogue name, instead of a cell");
   app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
   app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
@@ -110,6 +113,7 @@ void add_options(CLI::App& app, RunArguments& a) {
                 "polyarm run examples/bin_picking --fast --cycles 4 --json",
                 "polyarm run examples/pick_and_place --fault arm/tool/vacuum=off --fast",
                 "polyarm run examples/pick_and_place --record run.mcap",
+                "polyarm run universal_robots/ur5e --pendant",
                 "polyarm run --description my_robot.urdf --controllers controllers.yaml --seconds 5"}) +
       "\nWhile it runs: Ctrl-C stops on the path, a second one at once; type hold, resume, discard or stop.\n"
       "Exit codes: 0 completed, 1 failed, 2 wrong command line, 3 stopped by a person\n");
@@ -213,7 +217,7 @@ cell::CellFile open_cell(const RunArguments& a) {
 
 /// A cell that cannot be built is checked whole, so that a user sees every error at once.
 std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
-  if (a.cell.empty()) return first.problems();
+  if (a.cell.empty() || description::is_launch_file(a.cell)) return first.problems();
   const cell::CheckResult checked = cell::check(a.cell, a.overrides, open_catalogue(), {});
   return checked.has_errors() ? checked.problems : first.problems();
 }
@@ -456,6 +460,16 @@ int execute(RunArguments& a, const std::string& command) {
   return run_until_done(a, command, catalogue, *shown, pendant.get());
 }
 
+/// A description, or a robot of the catalogue, may stand where a cell does.
+bool is_robot(const std::string& named) {
+  std::error_code error;
+  const fs::path path = named;
+  if (fs::is_regular_file(path, error)) return path.extension() == ".urdf" || path.extension() == ".xacro";
+  if (named.empty() || fs::exists(path, error)) return false;
+  const std::vector<std::string> robots = open_catalogue().names();
+  return std::find(robots.begin(), robots.end(), named) != robots.end();
+}
+
 }  // namespace
 
 int run_run(int argc, char** argv) {
@@ -465,6 +479,8 @@ int run_run(int argc, char** argv) {
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!arguments.description.empty() && arguments.cell.find(":=") != std::string::npos)
     arguments.arguments.insert(arguments.arguments.begin(), std::exchange(arguments.cell, ""));
+  if (arguments.description.empty() && is_robot(arguments.cell))
+    arguments.description = std::exchange(arguments.cell, "");
   const std::string named = arguments.cell.empty() ? arguments.description : arguments.cell;
   if (arguments.cell.empty() == arguments.description.empty()) {
     fmt::print(stderr,

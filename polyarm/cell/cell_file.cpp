@@ -152,6 +152,15 @@ MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
 void check_kind(const Yaml& yaml, Problems& problems) {
   const std::string kind = yaml["polyarm"].text("");
   if (kind == "cell/1") return;
+  const std::vector<std::string> keys = yaml.keys();
+  const bool parameters = std::any_of(keys.begin(), keys.end(), [&](const std::string& key) {
+    return key == "/**" || yaml[key].has("ros__parameters");
+  });
+  if (parameters)
+    throw Error(Problem{"no-cell",
+                        {yaml.where().file, 1, 1},
+                        "this is a controllers file of ROS, not a cell",
+                        "polyarm run --description ROBOT --controllers " + yaml.where().file});
   if (kind.empty())
     problems.error("missing-key", {yaml.where().file, 1, 1},
                    "this is not a cell file: it does not say 'polyarm: cell/1'",
@@ -240,6 +249,11 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
                         {given.string()},
                         "there is no cell.yaml in this folder",
                         "name a folder with a cell.yaml, a cell file, or use --description FILE.urdf"});
+  if (cell.path.extension() == ".script")
+    throw Error(Problem{"no-cell",
+                        {given.string()},
+                        "this is a program, and a cell is asked for",
+                        "polyarm run CELL --program " + given.string()});
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);

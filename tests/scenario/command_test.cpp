@@ -141,6 +141,31 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
     EXPECT_NE(c.output.find("R6: played by physics, as the other joints"), std::string::npos) << c.output;
 }
 
+TEST(Run, TakesARobotWhereACellMayStand) {
+  const ExampleCopy copy("pick_and_place");
+  write_file_atomically(copy.file("r6.urdf"), run_command({"describe", "demo/r6bot", "--urdf"}).output);
+  for (const std::string& robot : {std::string("universal_robots/ur5e"), std::string(copy.file("r6.urdf"))}) {
+    const Finished run = run_command({"run", robot, "--fast", "--seconds", "0.5", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_NE(run.output.find("\"completed\""), std::string::npos) << run.output;
+  }
+}
+
+TEST(Run, SaysWhatAFileIsThatIsNoCell) {
+  const ExampleCopy copy("pick_and_place");
+  write_file_atomically(copy.file("controllers.yaml"), "arm:\n  ros__parameters: {joints: [a]}\n");
+  write_file_atomically(copy.file("a.launch"),
+                        "<launch><arg name='which'/><group if='$(arg which)'/></launch>");
+  for (const auto& [file, says] : {std::pair{"controllers.yaml", "--controllers"},
+                                   {"flowing.script", "--program"},
+                                   {"a.launch", "which:=VALUE"}}) {
+    const Finished run = run_command({"run", copy.file(file), "--fast"});
+    EXPECT_EQ(run.exit_code, 1) << run.output;
+    EXPECT_NE(run.output.find(says), std::string::npos) << run.output;
+    EXPECT_EQ(run.output.find("no cell file"), std::string::npos) << run.output;
+  }
+}
+
 TEST(Run, ExplainsALaunchFile) {
   const ExampleCopy copy("pick_and_place");
   write_file_atomically(
