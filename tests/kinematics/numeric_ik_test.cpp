@@ -13,6 +13,7 @@
 #include "polyarm/kinematics/inverse.hpp"
 #include "polyarm/kinematics/numeric_core.hpp"
 #include "polyarm/kinematics/random.hpp"
+#include "tests/kinematics/missed_once.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/kinematics/sample_states.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -123,6 +124,17 @@ TEST(NumericIk, SolvesAtSingularitiesAndLimits) {
     if (i % 5 == 0) q[2] = chain.upper()[2];
     IkSolution found;
     ASSERT_EQ(ik.solve(chain.forward(q), test::random_state(chain, random), found), IkOutcome::solved) << i;
+    expect_there(chain, chain.forward(q), found);
+  }
+}
+
+TEST(NumericIk, FindsWhatItMissedOnce) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  for (const auto& [robot, q, seed] : test::kMissedByIterationOnce) {
+    const auto model = catalogue.load(robot);
+    const Chain chain(model, model.tool_link());
+    IkSolution found;
+    EXPECT_EQ(NumericIk(chain).solve(chain.forward(q), seed, found), IkOutcome::solved) << robot;
     expect_there(chain, chain.forward(q), found);
   }
 }
