@@ -1,21 +1,17 @@
 #include "polyarm/kinematics/general_six.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
+
+#include "polyarm/kinematics/general_six_algebra.hpp"
 
 namespace polyarm::kinematics {
 
 namespace {
 
-using Matrix6x9 = Eigen::Matrix<double, 6, 9>;
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Matrix16 = Eigen::Matrix<double, 16, 16>;
-using Matrix14x27 = Eigen::Matrix<double, 14, 27>;
-using Matrix24x16 = Eigen::Matrix<double, 24, 16>;
+using Rows6x9 = Grid<6, 9>;
 
 constexpr double kThird = 2 * std::numbers::pi / 3;
 /// Where half-angle tangents of angles 4 and 5 are infinite is turned off the values that poses like.
@@ -43,6 +39,14 @@ std::array<double, 14> features_of(const Vec3& p, const Vec3& l) noexcept {
   for (std::size_t f = 0; f < what.size(); ++f) to[f] += part * what[f];
 }
 
+/// A complex vector's product with i.
+template <std::size_t N>
+std::array<double, N> times_i(const std::array<double, N>& v) noexcept {
+  std::array<double, N> out;
+  for (std::size_t i = 0; i < N / 2; ++i) out[i] = -v[N / 2 + i], out[N / 2 + i] = v[i];
+  return out;
+}
+
 double angle_between_about(const Vec3& from, const Vec3& to, const Vec3& h) noexcept {
   const Vec3 a = cross(h, from), b = cross(h, to);
   return std::atan2(dot(h, cross(a, b)), dot(a, b));
@@ -57,9 +61,9 @@ struct GeneralSix::Ends {
 
 /// What is left when angles 1 and 2 are eliminated.
 struct GeneralSix::Elimination {
-  Matrix6x9 one, sine, cosine;  ///< of angle 3, on powers of half-angle tangents of 4 and 5
-  Eigen::ColPivHouseholderQR<Eigen::Matrix<double, 14, 8>> right;
-  Eigen::Matrix<double, 14, 1> constant;
+  Rows6x9 one, sine, cosine;  ///< of angle 3, on powers of half-angle tangents of 4 and 5
+  FourteenForEight right;
+  Features constant;
 };
 
 GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool, bool prepared) : from_tool_(from_tool) {
@@ -105,34 +109,41 @@ void GeneralSix::see_middle() noexcept {
 }
 
 /// Where the half-angle tangent of angle 3 is i, the equations know of four combinations of the powers only,
-/// those of the plane that axis 3 turns: what these leave free is the same for every pose.
+/// those of the plane that axis 3 turns: these and their product with the half-angle tangent of angle 4 span
+/// what is wanted, which is the same for every pose. Complex vectors are real ones of twice the length, the
+/// imaginary parts last; with each comes its product with i.
 void GeneralSix::prepare() noexcept {
   if (ready_) return;
   ready_ = true;
-  using Complex = std::complex<double>;
-  const Eigen::Map<const Matrix14x27> left(left_.data());
-  Eigen::Matrix<Complex, kFeatures, 9> plane;
-  for (int f = 0; f < plane.rows(); ++f)
-    for (int j = 0; j < 9; ++j) {
-      plane(f, j) = {left(f, 18 + j), left(f, 9 + j)};
+  std::array<std::array<double, 18>, kFeatures> plane;
+  for (std::size_t f = 0; f < kFeatures; ++f)
+    for (std::size_t j = 0; j < 9; ++j) {
+      plane[f][j] = left_[kFeatures * (18 + j) + f];
+      plane[f][9 + j] = left_[kFeatures * (9 + j) + f];
     }
-  const Eigen::ColPivHouseholderQR<Eigen::Matrix<Complex, 9, kFeatures>> rows(plane.adjoint());
-  const Eigen::Matrix<Complex, 9, 9> span = rows.householderQ();
-  Eigen::Matrix<Complex, 12, 8> known = Eigen::Matrix<Complex, 12, 8>::Zero();
-  known.topLeftCorner<9, 4>() = span.leftCols<4>();
-  known.bottomRightCorner<9, 4>() = span.leftCols<4>();
-  const Eigen::ColPivHouseholderQR<Eigen::Matrix<Complex, 12, 8>> two(known);
-  const Eigen::Matrix<Complex, 12, 12> all = two.householderQ();
-  Eigen::Matrix<double, 24, 8> spurious;
-  for (int k = 0; k < 4; ++k) {
-    const auto v = all.col(8 + k);
-    spurious.col(2 * k) << v.real(), -v.imag();
-    spurious.col(2 * k + 1) << v.imag(), v.real();
+  std::array<std::array<double, 18>, 8> span;
+  for (std::size_t k = 0; k < span.size(); k += 2) {
+    const auto longest = std::max_element(
+        plane.begin(), plane.end(), [](const auto& a, const auto& b) { return inner(a, a) < inner(b, b); });
+    span[k] = *longest;
+    make_square_to(span, k, span[k]);
+    span[k + 1] = times_i(span[k]);
+    for (auto& row : plane)
+      for (const std::size_t of : {k, k + 1}) add_part(-inner(span[of], row), span[of], row);
   }
-  const Eigen::HouseholderQR<Eigen::Matrix<double, 24, 8>> parted(spurious);
-  const Eigen::Matrix<double, 24, 24> basis = parted.householderQ();
-  Eigen::Map<Matrix24x16> wanted(wanted_.data());
-  wanted = basis.rightCols<16>();
+  std::array<std::array<double, 24>, 16> wanted;
+  for (std::size_t k = 0; k < wanted.size(); k += 2) {
+    std::array<double, 24>& both = wanted[k] = {};
+    const std::size_t power = k < 8 ? 0 : 3;  // of the half-angle tangent of angle 4: none, or one
+    for (std::size_t j = 0; j < 9; ++j) {
+      both[power + j] = span[k % 8][j];
+      both[12 + power + j] = span[k % 8][9 + j];
+    }
+    make_square_to(wanted, k, both);
+    wanted[k + 1] = times_i(both);
+  }
+  for (std::size_t r = 0; r < 24; ++r)
+    for (std::size_t k = 0; k < 16; ++k) wanted_[r][k] = wanted[k][r];
 }
 
 /// The way from axis 3 to axis 6, and the direction of that, seen from axis 3 where it stands at zero.
@@ -164,64 +175,83 @@ GeneralSix::Ends GeneralSix::ends_of(const PoseTarget& given) const noexcept {
 /// Fourteen equations, linear in eight products of sines and cosines of angles 1 and 2; six combinations are
 /// free of them.
 void GeneralSix::see_target(const Ends& ends, Elimination& e) const noexcept {
-  Eigen::Matrix<double, 14, 9> right = Eigen::Matrix<double, 14, 9>::Zero();
+  std::array<Features, 9> right{};
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 3; ++b) {
       const Features at = right_with(ends, first_back_[a], second_back_[b]);
-      for (std::size_t j = 0; j < 9; ++j)
-        add(kToTrig[j / 3][a] * kToTrig[j % 3][b], at, right.data() + 14 * j);
+      for (std::size_t j = 0; j < 9; ++j) add(kToTrig[j / 3][a] * kToTrig[j % 3][b], at, right[j].data());
     }
-  e.constant = right.col(0);
-  e.right.compute(right.rightCols<8>());
-  Matrix14x27 left = Eigen::Map<const Matrix14x27>(left_.data());
-  for (const int j : {0, 2, 6, 8}) left.col(j) -= e.constant;
-  left.applyOnTheLeft(e.right.householderQ().adjoint());
-  const Eigen::Matrix<double, 6, 27> free = left.bottomRows<6>();
-  e.one = free.leftCols<9>();
-  e.sine = free.middleCols<9>(9);
-  e.cosine = free.rightCols<9>();
+  e.constant = right[0];
+  std::array<Features, 8> unknowns;
+  std::copy(right.begin() + 1, right.end(), unknowns.begin());
+  e.right.take(unknowns);
+  Grid<kFeatures, 28> rows;  // the last column fills them up to whole registers
+  for (std::size_t f = 0; f < kFeatures; ++f) {
+    for (std::size_t k = 0; k < 27; ++k) rows[f][k] = left_[kFeatures * k + f];
+    rows[f][27] = 0;
+    for (const std::size_t k : {0, 2, 6, 8}) rows[f][k] -= e.constant[f];
+  }
+  e.right.turn(rows);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 9; ++j) {
+      e.one[i][j] = rows[8 + i][j];
+      e.sine[i][j] = rows[8 + i][9 + j];
+      e.cosine[i][j] = rows[8 + i][18 + j];
+    }
 }
-
-struct GeneralSix::Start {
-  Matrix6x9 even, odd;
-  Eigen::PartialPivLU<Matrix12> square;
-  double turn = 0;
-};
 
 namespace {
 
 /// Six equations, and the same times the half-angle tangent of angle 4: twelve powers.
-Matrix12 doubled(const Matrix6x9& six) noexcept {
-  Matrix12 out = Matrix12::Zero();
-  out.topLeftCorner<6, 9>() = six;
-  out.bottomRightCorner<6, 9>() = six;
+Grid<12, 12> doubled(const Rows6x9& six) noexcept {
+  Grid<12, 12> out{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    std::copy(six[i].begin(), six[i].end(), out[i].begin());
+    std::copy(six[i].begin(), six[i].end(), out[6 + i].begin() + 3);
+  }
+  return out;
+}
+/// a x + b y + c z
+Rows6x9 mixed(double a, const Rows6x9& x, double b, const Rows6x9& y, double c, const Rows6x9& z) noexcept {
+  Rows6x9 out;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 9; ++j) out[i][j] = a * x[i][j] + b * y[i][j] + c * z[i][j];
   return out;
 }
 
 }  // namespace
 
-/// What stands before the highest power of the half-angle's tangent of what angle 3 is beyond `turn`, and
-/// before the others. Returns the least pivot of the former in parts of the largest.
-double GeneralSix::start_at(const Elimination& e, double turn, Start& out) noexcept {
-  const double s = std::sin(turn), c = std::cos(turn);
-  out.even = c * e.cosine + s * e.sine;
-  out.odd = c * e.sine - s * e.cosine;
-  out.square.compute(doubled(e.one - out.even));
-  out.turn = turn;
-  const Vector12 pivots = out.square.matrixLU().diagonal().cwiseAbs();
-  return pivots.minCoeff() / pivots.maxCoeff();
-}
+/// What stands before the powers of the half-angle's tangent of what angle 3 is beyond `turn`: the lowest,
+/// the next, and the highest, which is to be divided by.
+struct GeneralSix::Start {
+  Start(const Elimination& e, double angle) noexcept
+      : lowest(mixed(1, e.one, std::cos(angle), e.cosine, std::sin(angle), e.sine)),
+        next(mixed(0, e.one, -2 * std::sin(angle), e.cosine, 2 * std::cos(angle), e.sine)),
+        highest(doubled(mixed(1, e.one, -std::cos(angle), e.cosine, -std::sin(angle), e.sine))),
+        turn(angle) {}
+  Rows6x9 lowest, next;
+  TwelveEquations highest;
+  double turn;
+};
 
 /// From one start; false where the roots do not come.
-bool GeneralSix::find_thirds(const Elimination& e, const Start& start, Thirds& out) const noexcept {
-  Eigen::Matrix<double, 12, 24> rest;
-  rest << doubled(e.one + start.even), doubled(2 * start.odd);
-  const Eigen::Map<const Matrix24x16> wanted(wanted_.data());
-  Matrix24x16 image;
-  image.topRows<12>() = wanted.bottomRows<12>();
-  image.bottomRows<12>().noalias() = -start.square.solve(rest * wanted);
-  const Matrix16 companion = wanted.transpose() * image;
-  const Eigen::EigenSolver<Matrix16> roots(companion, false);
+bool GeneralSix::find_thirds(const Start& start, Thirds& out) const noexcept {
+  Grid<12, 16> image{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 9; ++j)
+      for (const std::size_t half : {0, 1}) {
+        add_part(-start.lowest[i][j], wanted_[3 * half + j], image[6 * half + i]);
+        add_part(-start.next[i][j], wanted_[12 + 3 * half + j], image[6 * half + i]);
+      }
+  start.highest.solve(image);
+  Grid<16, 16> companion{};
+  for (std::size_t r = 0; r < 12; ++r)
+    for (std::size_t k = 0; k < 16; ++k) {
+      add_part(wanted_[12 + r][k], wanted_[r], companion[k]);
+      add_part(image[r][k], wanted_[12 + r], companion[k]);
+    }
+  using Matrix16 = Eigen::Matrix<double, 16, 16>;
+  const Eigen::EigenSolver<Matrix16> roots(Eigen::Map<const Matrix16>(companion[0].data()), false);
   if (roots.info() != Eigen::Success) return false;
   out.count = 0;
   for (int k = 0; k < 16; ++k) {
@@ -236,22 +266,23 @@ bool GeneralSix::find_thirds(const Elimination& e, const Start& start, Thirds& o
 /// Angles 4 and 5 from what the twelve equations leave free, then 1 and 2, then 6. False where a sign of a
 /// solution is missing.
 bool GeneralSix::complete(const Elimination& e, const Ends& ends, double third, State& q) const noexcept {
-  const Matrix6x9 six = e.one + std::sin(third) * e.sine + std::cos(third) * e.cosine;
-  const Eigen::PartialPivLU<Matrix12> twelve(doubled(six));
-  Vector12 v;
-  for (int i = 0; i < 12; ++i) v[i] = 1 + 0.37 * (i * i % 7);
+  const TwelveEquations twelve(doubled(mixed(1, e.one, std::sin(third), e.sine, std::cos(third), e.cosine)));
+  Grid<12, 1> v;
+  for (std::size_t i = 0; i < 12; ++i) v[i][0] = 1 + 0.37 * static_cast<double>(i * i % 7);
   for (int round = 0; round < 2; ++round) {
-    v = twelve.solve(v);
-    const double size = v.norm();
+    twelve.solve(v);
+    double square = 0;
+    for (const auto& value : v) square += value[0] * value[0];
+    const double size = std::sqrt(square);
     if (!(size > 0) || !std::isfinite(size)) return false;
-    v /= size;
+    for (auto& value : v) value[0] /= size;
   }
   double n4 = 0, d4 = 0, n5 = 0, d5 = 0;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const double here = v[3 * i + j];
-      if (i < 3) n4 += v[3 * i + 3 + j] * here, d4 += here * here;
-      if (j < 2) n5 += v[3 * i + j + 1] * here, d5 += here * here;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double here = v[3 * i + j][0];
+      if (i < 3) n4 += v[3 * i + 3 + j][0] * here, d4 += here * here;
+      if (j < 2) n5 += v[3 * i + j + 1][0] * here, d5 += here * here;
     }
   q[2] = third;
   q[3] = kOffset4 + 2 * std::atan2(n4, d4);
@@ -261,11 +292,10 @@ bool GeneralSix::complete(const Elimination& e, const Ends& ends, double third, 
 
 /// Angles 1, 2 and 6 where 3 to 5 are known.
 double GeneralSix::finish(const Elimination& e, const Ends& ends, State& q) const noexcept {
-  const Features at = left_at(q[2], q[3], q[4]);
-  const Eigen::Matrix<double, 14, 1> known =
-      Eigen::Map<const Eigen::Matrix<double, 14, 1>>(at.data()) - e.constant;
+  Features known = left_at(q[2], q[3], q[4]);
+  add_part(-1, e.constant, known);
   // s2 c2 s1 s1s2 s1c2 c1 c1s2 c1c2
-  const Eigen::Matrix<double, 8, 1> x = e.right.solve(known);
+  const std::array<double, 8> x = e.right.solve(known);
   q[0] = std::atan2(x[2], x[5]);
   q[1] = std::atan2(x[0], x[1]);
   const Rotation r1 = rotation_about(h_[0], -q[0]), r2 = rotation_about(h_[1], -q[1]);
@@ -289,14 +319,14 @@ constexpr double kNoPivot = 1e-14;
 template <typename Prepare>
 bool GeneralSix::find_all_thirds(const Elimination& e, double give_up, const Prepare& prepare,
                                  Thirds& out) const noexcept {
-  Start start;
   out.count = 0;
   for (const double turn : kTurns) {
-    const double pivot = start_at(e, turn, start);
+    const Start start(e, turn);
+    const double pivot = start.highest.least_pivot();
     if (pivot < give_up) return false;
     if (!(pivot > kLeastPivot)) continue;
     prepare();
-    if (find_thirds(e, start, out)) break;
+    if (find_thirds(start, out)) break;
   }
   return true;
 }

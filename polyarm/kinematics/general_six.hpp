@@ -39,12 +39,11 @@ class GeneralSix {
   Ends ends_of(const PoseTarget& target) const noexcept;
   void see_target(const Ends& ends, Elimination& e) const noexcept;
   void see_middle() noexcept;
-  static double start_at(const Elimination& e, double turn, Start& out) noexcept;
   struct Thirds {
     std::array<double, kMost> value;
     std::size_t count = 0;
   };
-  bool find_thirds(const Elimination& e, const Start& start, Thirds& out) const noexcept;
+  bool find_thirds(const Start& start, Thirds& out) const noexcept;
   template <typename Prepare>
   bool find_all_thirds(const Elimination& e, double give_up, const Prepare& prepare,
                        Thirds& out) const noexcept;
@@ -69,8 +68,9 @@ class GeneralSix {
   std::array<double, kFeatures * 27> left_{};
   std::array<Rotation, 3> first_back_, second_back_;  ///< angles 1 and 2 undone at 0, 120, 240 degrees
   bool ready_ = false;
-  /// Square to the roots +-i that every pose has four times over and that are no solutions: 16 columns of 24.
-  std::array<double, 24 * 16> wanted_;
+  /// Square to the roots +-i that every pose has four times over and that are no solutions: 16 columns of 24,
+  /// row by row.
+  std::array<std::array<double, 16>, 24> wanted_;
 };
 
 }  // namespace polyarm::kinematics
