@@ -176,9 +176,9 @@ void Chain::find_periods() {
   for (const Step& step : steps_) {
     if (step.drive.variable < 0) continue;
     const auto i = static_cast<std::size_t>(step.drive.variable);
-    const bool whole_turns = !step.prismatic && std::abs(step.drive.multiplier) == 1.0 && ++uses[i] == 1;
-    period_[i] = whole_turns ? 2 * std::numbers::pi : 0.0;
-    if (step.prismatic) uses[i] = 2;
+    // Whatever else the joint drives, before it or behind it, does not come round with it.
+    const bool whole_turns = !step.prismatic && std::abs(step.drive.multiplier) == 1.0;
+    period_[i] = ++uses[i] == 1 && whole_turns ? 2 * std::numbers::pi : 0.0;
   }
   for (const double period : period_) turns_.push_back(period > 0);
 }

@@ -10,6 +10,7 @@
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/kinematics/sample_states.hpp"
+#include "tests/kinematics/unseen_arms.hpp"
 
 namespace polyarm::kinematics {
 namespace {
@@ -158,6 +159,21 @@ TEST(Chain, LimitsAndPeriodsAreTheModels) {
   EXPECT_EQ(gantry.period(2), 2 * std::numbers::pi);
   EXPECT_TRUE(gantry.slides(0));
   EXPECT_FALSE(gantry.slides(1));
+}
+
+TEST(Chain, AJointThatAnotherFollowsAtAnyMultipleHasNoPeriodWhicheverComesFirst) {
+  for (const bool in_front : {false, true}) {
+    for (const double multiplier : {0.3, 1.0}) {
+      auto model = test::ur3();
+      const auto joints = test::moving_joints(model, test::tip_of(model));
+      const int last = joints.back(), first = joints.front();
+      test::follow(model, in_front ? first : last, in_front ? last : first, multiplier, 0);
+      const Chain chain(model, test::tip_of(model));
+      const std::size_t followed = in_front ? chain.joints() - 1 : 0;
+      EXPECT_EQ(chain.period(followed), 0) << in_front << ' ' << multiplier;
+      EXPECT_EQ(chain.period(2), 2 * std::numbers::pi);
+    }
+  }
 }
 
 TEST(Chain, RefusesModelsThatAreNone) {

@@ -228,11 +228,6 @@ TEST(UnseenArms, JointsThatFollowOthersAreSolved) {
             test::poses_per_arm(10), 10, random, (kind < 0.5 ? linked : geared)[arm.way()]);
   });
   expect_none_missed(linked);
-  // A geared joint of several turns is another arm after each of them, and descent does not try them all.
-  for (auto& [way, one] : geared) {
-    EXPECT_LE(one.unsolved, one.asked / 10) << words(way);
-    one.unsolved = 0;
-  }
   expect_none_missed(geared);
 }
 
