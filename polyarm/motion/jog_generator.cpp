@@ -158,8 +158,8 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
     most[j].min_velocity = -own - moving[j];
     from[j] = {state_[j].position, state_[j].velocity - moving[j], state_[j].acceleration};
   }
-  const trajectory::MotionOptions options{trajectory::Synchronization::time, trajectory::TargetKind::position,
-                                          0};
+  const trajectory::MotionOptions options{trajectory::Synchronization::phase,
+                                          trajectory::TargetKind::position, 0};
   if (to_joints_.plan({from.data(), n}, {to.data(), n}, {most.data(), n}, options) !=
       trajectory::MotionStatus::ok)
     return false;

@@ -131,46 +131,47 @@ std::shared_ptr<JogWatch::Jog> JogWatch::begun_by(std::uint64_t client, std::siz
 
 void JogWatch::go_to(std::uint64_t client, const Json& request) {
   const std::size_t i = robot_of(request);
-  const cell::CellRobot& robot = *cell_.robots()[i];
-  Json wish{{"request", "target"},
-            {"robot", robot.entry.name},
-            {"speed", number_of(request, "speed", 1, 0.001, 1)},
-            {"hold", kSilence}};
-  std::vector<double> joints;
-  Pose place;
-  if (const Json given = request.value("joints", Json()); given.is_object()) {
-    wish["joints"] = given;
-    for (const controllers::JointFacts& joint : robot.joints) {
-      const Json value = given.value(joint.name.substr(joint.name.find('/') + 1), Json());
-      joints.push_back(value.is_number() ? value.get<double>() : NAN);
-    }
-  } else {
-    const Json pose = request.value("pose", Json());
-    const auto numbers = [&](const char* key, std::size_t count) {
-      const Json list = pose.is_object() ? pose.value(key, Json()) : Json();
-      const auto number = [](const Json& each) { return each.is_number(); };
-      if (!list.is_array() || list.size() != count || !std::all_of(list.begin(), list.end(), number))
-        throw Error("bad-argument", "'pose' is " + pose.dump(),
-                    "{p: [x, y, z], q: [x, y, z, w]}, or 'joints'");
-      return list.get<std::vector<double>>();
-    };
-    const auto p = numbers("p", 3), q = numbers("q", 4);
-    place = {{p[0], p[1], p[2]}, normalized(Quaternion{q[0], q[1], q[2], q[3]})};
-    wish["pose"] = {{"position", p}, {"orientation", q}};
-    wish["frame"] = "world";
-  }
+  const std::string kind = text_of(request, "kind", "joint");
+  const double speed = number_of(request, "speed", 1, 0.001, 1);
+  Json plan{{"request", "plan.preview"}, {"robot", cell_.robots()[i]->entry.name}, {"kind", kind}};
+  for (const char* const what : {"joints", "pose"})
+    if (request.contains(what)) plan[what] = request[what];
   const auto jog = begun_by(client, i, request);
-  jog->goes = true;
-  jog->wish = std::move(wish);
-  jog->joints = std::move(joints);
-  jog->place = place;
-  ask(jog);
+  jog->goes = jog->planning = jog->asked = true;
+  cell_.requests().handle(plan.dump(), [this, jog, speed, line = kind == "line"](const std::string& text) {
+    const Json answer = Json::parse(text, nullptr, false);
+    jog->planning = jog->asked = false;
+    if (!answer.value("ok", false))
+      jog->refused = answer.value("error", Json::object()).dump();
+    else
+      take_plan(*jog, answer["result"], line, speed);
+    return true;
+  });
+}
+
+/// Where the way ends is what is gone to: by the joints, or the TCP on its line.
+void JogWatch::take_plan(Jog& jog, const Json& plan, bool line, double speed) {
+  const cell::CellRobot& robot = *cell_.robots()[jog.robot];
+  jog.wish = {{"request", "target"}, {"robot", robot.entry.name}, {"speed", speed}, {"hold", kSilence}};
+  if (line) {
+    const auto p = plan["pose"]["p"].get<std::vector<double>>(),
+               q = plan["pose"]["q"].get<std::vector<double>>();
+    jog.place = {{p[0], p[1], p[2]}, normalized(Quaternion{q[0], q[1], q[2], q[3]})};
+    jog.wish["pose"] = {{"position", p}, {"orientation", q}};
+    jog.wish["frame"] = "world";
+  } else {
+    jog.wish["joints"] = plan["joints"];
+    for (const controllers::JointFacts& joint : robot.joints)
+      jog.joints.push_back(plan["joints"].value(joint.name.substr(joint.name.find('/') + 1), NAN));
+  }
+  jog.planned = true;
 }
 
 bool JogWatch::is_there(const Jog& jog) const {
   constexpr double kNear = 1e-4;  // rad, m
+  constexpr double kSlow = 1e-3;  // m/s; as long as it is told where to go it never counts as standing
   const motion::JogStatus status = cell_.jogging().status(jog.robot);
-  if (!status.standing || status.session != jog.session) return false;
+  if (status.tcp_speed > kSlow || status.session != jog.session) return false;
   if (jog.joints.empty())
     return norm(status.tcp.position - jog.place.position) < kNear &&
            angle_between(status.tcp.rotation, jog.place.rotation) < kNear;
@@ -270,6 +271,8 @@ void JogWatch::tick() {
   const std::vector<std::shared_ptr<Jog>> all = jogs_;
   for (const auto& jog : all) {
     if (jog->over) continue;
+    if (jog->planning || jog->planned) jog->beat = cell_.now();  // nobody can beat before it has begun
+    if (std::exchange(jog->planned, false)) ask(jog);
     if (seconds(cell_.now() - jog->beat) > kSilence) {
       finish(*jog, "lost", "no heartbeat came: press again");
       continue;

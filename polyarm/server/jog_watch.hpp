@@ -27,8 +27,9 @@ class JogWatch {
   /// `request`: {id?, robot?, mode: joint | tcp, frame?, axis: number or six numbers, direction?, speed?}. It
   /// is answered {jog: number} once it moves, or with why not. Throws Error for what makes no sense.
   void begin(std::uint64_t client, const Json& request);
-  /// The same towards a place: {id?, robot?, joints: {…} | pose: {p, q}, speed?}; the joints, or the TCP on
-  /// its way. It is over when it stands there ("arrived").
+  /// The same towards a place: {id?, robot?, joints: {…} | pose: {p, q}, kind?: joint | line, speed?}. The
+  /// way is planned first; where there is none it is refused with the reason, and nothing moves. Else the
+  /// joints go there, or the TCP in a straight line, and it is over when it stands there ("arrived").
   void go_to(std::uint64_t client, const Json& request);
   /// A heartbeat; of one that is over it does nothing.
   void beat(std::uint64_t client, std::uint64_t jog);
@@ -52,6 +53,8 @@ class JogWatch {
     Nanoseconds beat = 0;
     bool asked = false, begun = false, over = false, beaten = false;
     bool goes = false;           ///< to a place
+    bool planning = false;       ///< the way there, which is then
+    bool planned = false;        ///< and not yet asked for
     std::vector<double> joints;  ///< of that place; empty: it is `place`
     Pose place;
     std::string held_back, told, refused;  ///< "word|text"
@@ -59,6 +62,7 @@ class JogWatch {
   std::size_t robot_of(const Json& request) const;
   Json wish_of(std::size_t robot, const Json& request, double amount, bool by) const;
   std::shared_ptr<Jog> begun_by(std::uint64_t client, std::size_t robot, const Json& request);
+  void take_plan(Jog& jog, const Json& plan, bool line, double speed);
   bool is_there(const Jog& jog) const;
   void ask(const std::shared_ptr<Jog>& jog);
   void finish(Jog& jog, const std::string& why, const std::string& text);

@@ -98,6 +98,12 @@ class PendantTest : public ::testing::Test {
       return !seen.is_null() && (!is || is(seen));
     });
   }
+  static bool is_over(WebPeer& peer, const Json& jog) {
+    peer.listen();
+    peer.take();
+    const Json seen = peer.event("jog");
+    return !seen.is_null() && seen["jog"] == jog && seen["over"] == true;
+  }
   bool standing() { return cell->cell().jogging().status(0).standing; }
   double joint() { return cell->value_of("states", "arm/joint_2/position"); }
   Json begin_jog(WebPeer& peer) {
@@ -405,6 +411,77 @@ TEST_F(PendantTest, StepsAndTheTcpMoveInTheirFrames) {
     run(0.05);
   }
   EXPECT_GT(cell->cell().tcp(0).position.z, z + 0.01);
+}
+
+TEST_F(PendantTest, GoesToAPlaceByJointsOrInALineAndSaysBeforehandWhereItCannot) {
+  const auto peer = connect();
+  ask(*peer, {{"request", "session.take"}});
+  const auto go = [&](Json place, const char* kind, double& off_joints, double& off_line) {
+    run(0.5);
+    place["request"] = "jog.goto";
+    place["kind"] = kind;
+    const auto joints = [&] {
+      std::vector<double> q;
+      for (int j = 1; j <= 6; ++j)
+        q.push_back(cell->value_of("states", "arm/joint_" + std::to_string(j) + "/position"));
+      return q;
+    };
+    place["dry"] = true;
+    const Json looked = ask(*peer, place);
+    ASSERT_EQ(code(looked), "ok") << looked;
+    std::vector<double> to;
+    for (int j = 1; j <= 6; ++j)
+      to.push_back(looked["result"]["joints"]["joint_" + std::to_string(j)].get<double>());
+    const auto end = looked["result"]["pose"]["p"].get<std::vector<double>>();
+    const std::vector<double> from = joints();
+    const Vec3 began = cell->cell().tcp(0).position, way = Vec3{end[0], end[1], end[2]} - began;
+    place.erase("dry");
+    const Json begun = ask(*peer, place);
+    ASSERT_EQ(code(begun), "ok") << begun;
+    off_joints = off_line = 0;
+    for (int i = 0; i < 1000 && !is_over(*peer, begun["result"]["jog"]); ++i) {
+      if (i % 5 == 0) beat(*peer, begun["result"]["jog"]);
+      run(0.01);
+      const Vec3 gone = cell->cell().tcp(0).position - began;
+      off_line = std::max(off_line, norm(cross(gone, way)) / norm(way));
+      const std::vector<double> now = joints();
+      double length = 0, along = 0, off = 0;
+      for (std::size_t j = 0; j < 6; ++j) length += (to[j] - from[j]) * (to[j] - from[j]);
+      for (std::size_t j = 0; j < 6; ++j) along += (now[j] - from[j]) * (to[j] - from[j]) / length;
+      for (std::size_t j = 0; j < 6; ++j)
+        off = std::max(off, std::abs(now[j] - from[j] - along * (to[j] - from[j])));
+      off_joints = std::max(off_joints, off);
+    }
+    EXPECT_TRUE(
+        heard(*peer, "jog", [](const Json& e) { return e["over"] == true && e["why"] == "arrived"; }));
+    EXPECT_LT(norm(cell->cell().tcp(0).position - began - way), 2e-4);
+  };
+  double off_joints = 0, off_line = 0;
+  go({{"joints", {{"joint_1", 0.4}, {"joint_2", 0.7}, {"joint_3", 0.5}, {"joint_5", 0.6}}}}, "joint",
+     off_joints, off_line);
+  EXPECT_LT(off_joints, 1e-3) << "the way that was shown";
+  const Pose here = cell->cell().tcp(0);
+  const Json near{{"pose",
+                   {{"p", {here.position.x - 0.05, here.position.y + 0.1, here.position.z - 0.1}},
+                    {"q", {here.rotation.x, here.rotation.y, here.rotation.z, here.rotation.w}}}}};
+  go(near, "line", off_joints, off_line);
+  EXPECT_LT(off_line, 2e-4);
+  EXPECT_GT(off_joints, 0.005);
+  go({{"pose", {{"p", {here.position.x, here.position.y, here.position.z}}, {"q", near["pose"]["q"]}}}},
+     "joint", off_joints, off_line);
+  EXPECT_GT(off_line, 0.002) << "by the joints it is no line";
+  EXPECT_LT(off_joints, 5e-3);
+
+  const Json far{
+      {"request", "jog.goto"}, {"kind", "line"}, {"pose", {{"p", {5, 0, 0}}, {"q", {0, 0, 0, 1}}}}};
+  const Json refused = ask(*peer, far);
+  EXPECT_FALSE(refused["ok"].get<bool>());
+  EXPECT_NE(refused["error"]["what"].get<std::string>().find("the path meets a singularity"),
+            std::string::npos)
+      << refused;
+
+  run(0.3);
+  EXPECT_TRUE(standing());
 }
 
 TEST_F(PendantTest, EventsSayWhatChangesAndToWhoComesLateAllThereIs) {

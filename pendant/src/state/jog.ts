@@ -18,6 +18,9 @@ export const jogSpeed = kept<number>('jogSpeed', 40);
 /** 0: as long as the key is held; else this step in mm and degrees. */
 export const jogStep = kept<number>('jogStep', 0);
 
+/** A step of so many mm; turning takes at most 5°. */
+export const stepDegrees = (step: number) => Math.min(step, 5);
+
 const jogger = new Jogger({ request: (name, args) => request(name, args), tell }, (held, error) => {
   if (!held) heldKey.value = '';
   if (error) complain(error);
@@ -65,21 +68,12 @@ export function pushJog(key: string, axis: number[]): void {
   heldKey.value = key;
 }
 
-/** Goes where `jog.goto` says, planned by the cell, as long as it is held. */
+/** Goes where `jog.goto` says, by the way that the cell plans, as long as it is held. */
 export function pressGoTo(args: Json): void {
   if (!mayMove.peek()) return;
   release();
   heldBack.value = null;
   void jogger.begin({ request: 'jog.goto', args: { speed: jogSpeed.peek() / 100, ...args } });
-  heldKey.value = 'goto';
-}
-
-/** Follows to joints or a pose of the world ({joints} or {pose: {position, orientation}}) as long as it is held. */
-export function pressFollow(goal: Json): void {
-  if (!mayMove.peek()) return;
-  release();
-  heldBack.value = null;
-  follower.begin(followArgs(goal));
   heldKey.value = 'goto';
 }
 
@@ -110,7 +104,7 @@ async function step(axis: number, direction: number, key: string): Promise<void>
   heldKey.value = key;
   const joint = jogMode.peek() === 'joint';
   const turns = joint ? robot.peek()?.joints[axis]?.unit !== 'm' : axis >= 3;
-  const amount = (direction * jogStep.peek()) * (turns ? Math.PI / 180 : 0.001);
+  const amount = direction * (turns ? stepDegrees(jogStep.peek()) * (Math.PI / 180) : jogStep.peek() * 0.001);
   const { direction: _, ...args } = jogArgs(axis, direction) as Json & { direction: number };
   try {
     await request('jog.step', { ...args, amount }, 30_000);

@@ -1,5 +1,5 @@
 /** The robot's tree as numbers: where links and joint axes are. For the flat picture, previews and singularities; no WebGL. */
-import type { ModelJoint, Pose, Quat, RobotModel, Vec3 } from '../wire/types';
+import type { FrameInfo, ModelJoint, Pose, Quat, RobotModel, Vec3 } from '../wire/types';
 
 export const kIdentity: Quat = [0, 0, 0, 1];
 
@@ -38,6 +38,16 @@ export function inverse(a: Pose): Pose {
   const q = conjugate(a.q);
   const p = rotate(q, a.p);
   return { p: [-p[0], -p[1], -p[2]], q };
+}
+
+/** A frame of the cell's data in the world. Null for what is in a frame that nobody knows, or in itself. */
+export function frameInWorld(name: string, all: FrameInfo[], robots: { name: string; base: Pose }[], depth = 0): Pose | null {
+  if (name === '' || name === 'world') return { p: [0, 0, 0], q: kIdentity };
+  const base = robots.find((robot) => name === `${robot.name}/base`)?.base;
+  if (base) return base;
+  const frame = depth < 16 ? all.find((each) => each.name === name) : undefined;
+  const within = frame && frameInWorld(frame.in, all, robots, depth + 1);
+  return within ? compose(within, frame.pose) : null;
 }
 
 /** Roll, pitch, yaw (rad) of a rotation: turned about x, then y, then z of the fixed frame. */
@@ -155,30 +165,6 @@ export class Chain {
     return Math.sqrt(Math.max(0, smallestEigenvalue(gram(columns))));
   }
 
-  /**
-   * Joint values near `start` that bring the TCP to `goal` (root frame), by damped least squares; null where that does not
-   * get there within 0.5 mm and 0.2°. For pictures: the cell has its own solutions.
-   */
-  solveFor(goal: Pose, start: (name: string) => number): Record<string, number> | null {
-    const joints: Record<string, number> = {};
-    for (const joint of this.model.joints) joints[joint.name] = Number.isFinite(start(joint.name)) ? start(joint.name) : 0;
-    const reach = Math.max(0.1, this.reach());
-    for (let round = 0; round < 120; ++round) {
-      const solved = this.solve((name) => joints[name] ?? 0);
-      const way = solved.tcp.p.map((v, i) => goal.p[i]! - v);
-      const turn = rotationVector(multiply(goal.q, conjugate(solved.tcp.q)));
-      if (Math.hypot(...way) < 5e-4 && Math.hypot(...turn) < 3.5e-3) return joints;
-      const { moving, linear, angular } = this.columns(solved);
-      const columns = moving.map((_, k) => [...linear[k]!.map((v) => v / reach), ...angular[k]!]);
-      const x = solveLinear(gram(columns, 1e-5), [...way.map((v) => v / reach), ...turn]);
-      columns.forEach((column, k) => {
-        const step = column.reduce((sum, v, i) => sum + v * x[i]!, 0);
-        joints[moving[k]!.name]! += Math.max(-0.3, Math.min(0.3, step));
-      });
-    }
-    return null;
-  }
-
   reach(): number {
     return this.path().reduce((sum, joint) => sum + Math.hypot(...joint.origin.p), 0) + Math.hypot(...this.model.tcp.p);
   }
@@ -216,35 +202,9 @@ export function smallestEigenvalue(m: number[][]): number {
   return Math.min(...m.map((row, i) => row[i]!));
 }
 
-/** The sum of the columns' outer products, with `more` on its diagonal. */
-function gram(columns: number[][], more = 0): number[][] {
+/** The sum of the columns' outer products. */
+function gram(columns: number[][]): number[][] {
   return Array.from({ length: 6 }, (_, r) =>
-    Array.from({ length: 6 }, (_, c) => columns.reduce((sum, column) => sum + column[r]! * column[c]!, r === c ? more : 0)),
+    Array.from({ length: 6 }, (_, c) => columns.reduce((sum, column) => sum + column[r]! * column[c]!, 0)),
   );
-}
-
-/** The rotation vector (axis times angle, at most π) of a quaternion. */
-export function rotationVector([x, y, z, w]: Quat): Vec3 {
-  const sine = Math.hypot(x, y, z);
-  if (sine < 1e-12) return [0, 0, 0];
-  const angle = 2 * Math.atan2(sine, Math.abs(w));
-  const k = ((w < 0 ? -1 : 1) * angle) / sine;
-  return [k * x, k * y, k * z];
-}
-
-/** By Gauss with pivots; `a` and `b` are left as they are. */
-function solveLinear(a: number[][], b: number[]): number[] {
-  const n = b.length;
-  const m = a.map((row, i) => [...row, b[i]!]);
-  for (let c = 0; c < n; ++c) {
-    let best = c;
-    for (let r = c + 1; r < n; ++r) if (Math.abs(m[r]![c]!) > Math.abs(m[best]![c]!)) best = r;
-    [m[c], m[best]] = [m[best]!, m[c]!];
-    for (let r = 0; r < n; ++r) {
-      if (r === c) continue;
-      const f = m[r]![c]! / m[c]![c]!;
-      for (let k = c; k <= n; ++k) m[r]![k]! -= f * m[c]![k]!;
-    }
-  }
-  return m.map((row, i) => row[n]! / row[i]!);
 }

@@ -77,6 +77,13 @@ export interface RobotInfo {
   model: string;
 }
 
+export interface FrameInfo {
+  name: string;
+  /** What its pose is told in: '' or world, ROBOT/base, or another frame. */
+  in: string;
+  pose: Pose;
+}
+
 export interface CellInfo {
   name: string;
   folder: string;
@@ -84,7 +91,7 @@ export interface CellInfo {
   real: boolean;
   rate_hz: number;
   robots: RobotInfo[];
-  frames?: { name: string; in: string; pose: Pose }[];
+  frames?: FrameInfo[];
   program?: string;
   scene: string;
 }

@@ -35,8 +35,6 @@ export const points = {
   'points.chooseOne': 'Choose a point to go there, touch it up, shift or rename it.',
   'points.single': '1 point',
   'points.many': '{count} points',
-  'points.byJoints': 'Joints',
-  'points.byLine': 'Line',
   'points.touchUp': 'Touch up',
   'points.touchUpQ': 'Touch up {name}?',
   'points.touchUpText': 'The point becomes where the robot stands now. It can be undone.',

@@ -37,8 +37,6 @@ export const points: Record<keyof typeof en, string> = {
   'points.chooseOne': 'Elija un punto para ir a él, retocarlo, desplazarlo o cambiarle el nombre.',
   'points.single': '1 punto',
   'points.many': '{count} puntos',
-  'points.byJoints': 'Ejes',
-  'points.byLine': 'Línea',
   'points.touchUp': 'Retocar',
   'points.touchUpQ': '¿Retocar {name}?',
   'points.touchUpText': 'El punto pasa a ser donde está el robot ahora. Se puede deshacer.',

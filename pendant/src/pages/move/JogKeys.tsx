@@ -2,7 +2,7 @@
 import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
 import { mayMove, programRuns, status } from '../../state/cell';
-import { heldKey, jogMode, jogStep, pressJog, release } from '../../state/jog';
+import { heldKey, jogMode, pressJog, release } from '../../state/jog';
 import { beat } from '../../state/live';
 import { jointText } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
@@ -81,9 +81,7 @@ export function HoldButton(props: HoldProps) {
     button.setPointerCapture(e.pointerId);
     props.onPress();
   };
-  const up = () => {
-    if (jogStep.peek() === 0 || props.held) props.onRelease();
-  };
+  const up = () => props.onRelease();
   const isKey = (e: KeyboardEvent) => e.key === ' ' || e.key === 'Enter';
   return (
     <button

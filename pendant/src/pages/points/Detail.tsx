@@ -1,24 +1,24 @@
 /** What is chosen: its numbers, and what can be done with it. */
-import { useEffect, useState } from 'preact/hooks';
-import { number, t } from '../../i18n';
+import { useState } from 'preact/hooks';
+import { t } from '../../i18n';
 import { able } from '../../state/abilities';
 import { mayMove, request, robot } from '../../state/cell';
-import { heldKey, pressGoTo, release } from '../../state/jog';
 import { changePoints, type DataValue, goodName, groupNames, isPlace, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { ask, open } from '../../ui/ask';
-import { Button, Empty, Field, Segmented } from '../../ui/controls';
+import { Button, Empty, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { angle, angleUnit, jointText, mm } from '../../ui/format';
-import { Icon } from '../../ui/Icon';
 import { rollPitchYaw } from '../../view3d/chain';
-import { preview } from '../../view3d/RobotView';
-import type { Json } from '../../wire/connection';
-import type { Pose, Vec3 } from '../../wire/types';
-import { heldWords } from '../move/held';
-import { HoldButton } from '../move/JogKeys';
+import type { Pose } from '../../wire/types';
+import { GoKey, type Goal } from '../move/GoKey';
 import { chosen, chosenValues } from './choice';
 import { Shift } from './Shift';
+
+function goalOf(value: DataValue): Goal | null {
+  if (value.joints && value.kind === 'joints') return { joints: value.joints };
+  return value.world ? { pose: value.world } : null;
+}
 
 export function Detail() {
   const list = chosenValues.value;
@@ -30,82 +30,10 @@ export function Detail() {
         <h2>{only ? only.name : t('points.many', { count: list.length })}</h2>
         <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={() => (chosen.value = [])} />
       </header>
-      {only && isPlace(only.kind) && <GoThere key={only.name} value={only} />}
+      {only && isPlace(only.kind) && <GoKey key={only.name} goal={goalOf(only)} />}
       <Actions list={list} only={only} />
       {only && <Numbers value={only} />}
     </section>
-  );
-}
-
-// --- going there
-
-interface Dry {
-  ok: boolean;
-  reason?: string;
-  path?: Vec3[];
-  seconds?: number;
-  joints?: Record<string, number>;
-}
-
-function GoThere({ value }: { value: DataValue }) {
-  const [way, setWay] = useState<'joint' | 'line'>('joint');
-  const [dry, setDry] = useState<Dry | null>(null);
-  const goal: Json | null = value.joints && value.kind === 'joints' ? { joints: value.joints } : value.world ? { pose: value.world } : null;
-  const args = goal && robot.value ? { robot: robot.value.name, kind: way, ...goal } : null;
-  const key = JSON.stringify(args);
-  const moving = heldKey.value === 'goto';
-  const held = heldWords();
-  useEffect(() => {
-    setDry(null);
-    preview.value = null;
-    if (!args || moving) return;
-    const timer = setTimeout(() => {
-      request<Dry>('jog.goto', { ...args, dry: true }).then(
-        (got) => {
-          setDry(got);
-          const joints = got.joints ?? (value.kind === 'joints' ? value.joints : null);
-          preview.value = got.ok ? { robot: robot.peek()!.name, path: got.path ?? [], joints } : null;
-        },
-        (error: Error) => setDry({ ok: false, reason: error.message }),
-      );
-    }, 150);
-    return () => clearTimeout(timer);
-  }, [key, moving]);
-  useEffect(
-    () => () => {
-      release();
-      preview.value = null;
-    },
-    [],
-  );
-  return (
-    <div class="points-go">
-      <Segmented
-        label={t('goto.way')}
-        value={way}
-        options={[
-          { id: 'joint', name: t('points.byJoints') },
-          { id: 'line', name: t('points.byLine') },
-        ]}
-        onChange={setWay}
-      />
-      <HoldButton
-        class="points-hold"
-        label={t(moving ? 'goto.moving' : 'goto.move')}
-        held={moving}
-        disabled={!args || !mayMove.value || dry?.ok === false}
-        onPress={() => args && pressGoTo(args)}
-        onRelease={release}
-      >
-        <Icon name="target" size={22} />
-        {t(moving ? 'goto.moving' : 'goto.move')}
-      </HoldButton>
-      <p class="note" role="status">
-        {dry && !dry.ok && <span class="points-bad">{dry.reason}</span>}
-        {dry?.ok && dry.seconds !== undefined && `${t('goto.preview')} (${t('goto.seconds', { seconds: number(dry.seconds, 1) })})`}
-        {held && <span class="points-bad">{held}</span>}
-      </p>
-    </div>
   );
 }
 

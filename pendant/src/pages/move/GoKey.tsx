@@ -1,0 +1,113 @@
+/** The way to a place: looked along by the cell and shown first, then gone as long as the key is held. */
+import { useEffect, useState } from 'preact/hooks';
+import { number, t } from '../../i18n';
+import { mayMove, request, robot } from '../../state/cell';
+import { heldKey, pressGoTo, release } from '../../state/jog';
+import { beat } from '../../state/live';
+import { jointValues } from '../../state/models';
+import { Segmented } from '../../ui/controls';
+import { Icon } from '../../ui/Icon';
+import { preview } from '../../view3d/RobotView';
+import type { Json } from '../../wire/connection';
+import type { Pose, Vec3 } from '../../wire/types';
+import { heldWords } from './held';
+import { HoldButton, programMoves } from './JogKeys';
+import './go.css';
+
+/** In the world, or by joints' names. */
+export type Goal = { joints: Record<string, number> } | { pose: Pose };
+
+interface Dry {
+  /** The wish that it was asked for. */
+  of: string;
+  ok: boolean;
+  reason?: string;
+  path?: Vec3[];
+  seconds?: number;
+  joints?: Record<string, number>;
+}
+
+/** Shorter than that there is no way to speak of, s. */
+const kThere = 0.02;
+const kWaitMs = 150;
+
+/** Null: there is nowhere to go yet. */
+export function GoKey({ goal }: { goal: Goal | null }) {
+  const [way, setWay] = useState<'joint' | 'line'>('joint');
+  const [dry, setDry] = useState<Dry | null>(null);
+  const args: Json | null = goal && robot.value ? { robot: robot.value.name, kind: way, ...goal } : null;
+  const moving = heldKey.value === 'goto';
+  const held = heldWords();
+  // Looked at anew where the robot was moved meanwhile.
+  beat.value;
+  const now = jointValues(robot.value?.name ?? '');
+  const from = (robot.value?.joints ?? []).map((joint) => Math.round(100 * now(joint.name))).join(' ');
+  const wish = args ? JSON.stringify(args) : '';
+  const known = dry?.of === wish ? dry : null;
+  useEffect(() => {
+    if (moving) return;
+    if (!known) preview.value = null;
+    if (!args) return;
+    let gone = false;
+    const timer = setTimeout(() => {
+      request<Omit<Dry, 'of'>>('jog.goto', { ...args, dry: true }).then(
+        (got) => {
+          if (gone) return;
+          setDry({ ...got, of: wish });
+          preview.value = got.ok ? { robot: robot.peek()!.name, path: got.path ?? [], joints: got.joints ?? null } : null;
+        },
+        (error: Error) => {
+          if (gone) return;
+          setDry({ ok: false, reason: error.message, of: wish });
+          preview.value = null;
+        },
+      );
+    }, kWaitMs);
+    return () => {
+      gone = true;
+      clearTimeout(timer);
+    };
+  }, [wish, moving ? '' : from, moving]);
+  useEffect(
+    () => () => {
+      release();
+      preview.value = null;
+    },
+    [],
+  );
+  return (
+    <div class="go-key">
+      <Segmented
+        label={t('goto.way')}
+        value={way}
+        options={[
+          { id: 'joint', name: t('goto.wayJoint') },
+          { id: 'line', name: t('goto.wayLine') },
+        ]}
+        onChange={setWay}
+      />
+      <HoldButton
+        class="go-hold"
+        label={t(moving ? 'goto.moving' : 'goto.move')}
+        held={moving}
+        disabled={!args || !mayMove.value || programMoves() || (!moving && !known?.ok)}
+        onPress={() => args && pressGoTo(args)}
+        onRelease={release}
+      >
+        <Icon name="target" size={22} />
+        {t(moving ? 'goto.moving' : 'goto.move')}
+      </HoldButton>
+      <p class="note" role="status">
+        {known && !known.ok && <span class="problem-text">{known.reason}</span>}
+        {known?.ok && !moving && wordsOf(known)}
+        {held && <span class="problem-text">{held}</span>}
+        {mayMove.value && programMoves() && <span class="problem-text">{t('move.blocked')}</span>}
+      </p>
+    </div>
+  );
+}
+
+function wordsOf({ seconds }: Dry): string {
+  if (seconds === undefined) return '';
+  return seconds < kThere ? t('goto.arrived') : `${t('goto.preview')} (${t('goto.seconds', { seconds: number(seconds, 1) })})`;
+}
