@@ -6,6 +6,7 @@
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/point_edits.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
 namespace polyarm::cell {
@@ -77,17 +78,13 @@ motion::Twist twist_values(const Json& map, bool rates) {
   return out;
 }
 
-/// Where the axes of a frame point, in the world. A frame of the user's is a point of the cell's data.
+/// Where the axes of a frame point, in the world. A frame of the user's is a point of the cell's data, which
+/// may be in another.
 Pose frame_of(Cell& cell, const CellRobot& robot, const std::string& frame) {
   if (frame == "world") return {};
   if (frame == "base") return robot.entry.base;
   if (const data::Value* value = cell.store().find(frame))
-    if (const data::Point* point = value->as_point()) {
-      if (point->frame().empty()) return point->pose;
-      throw Error("unknown-frame",
-                  "'" + frame + "' is in the frame '" + point->frame() + "', not in the world",
-                  "jog in the world, the base or the tool");
-    }
+    if (value->as_point()) return frame_in_world(cell, frame);
   std::vector<std::string> names = {"base", "world", "tool"};
   for (const std::string& known : cell.store().names())
     if (cell.store().find(known)->as_point()) names.push_back(known);

@@ -7,7 +7,7 @@ const keys: [string, Parameters<typeof t>[0]][] = [
   ['Esc', 'keys.stop'],
   ['F8', 'keys.hold'],
   ['Alt + 1 … 8', 'keys.pages'],
-  ['Q W E R T Y / A S D F G H', 'keys.jog'],
+  ['Q W E R T Y U I / A S D F G H J K', 'keys.jog'],
   ['M', 'keys.mode'],
   ['− / +', 'keys.faster'],
 ];

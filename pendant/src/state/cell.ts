@@ -221,9 +221,13 @@ const events: Record<string, (event: Event) => void> = {
   },
 };
 
-/** More events for pages: `onEvent('name', …)`; one listener a name. */
+/** More events for pages; those who asked before are told first. */
 export function onEvent(name: string, take: (event: Json) => void): void {
-  events[name] = take;
+  const before = events[name];
+  events[name] = (event) => {
+    before?.(event);
+    take(event);
+  };
 }
 
 let wasOpen = false;

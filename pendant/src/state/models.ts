@@ -1,10 +1,10 @@
 /** What the pictures need, fetched once a connection: the robots' models and the scene. */
 import { computed, effect, signal } from '@preact/signals';
 import type { Json } from '../wire/connection';
-import { readScene } from '../wire/read';
-import type { Pose, RobotInfo, RobotModel, SceneInfo } from '../wire/types';
-import { Chain } from '../view3d/chain';
-import { cell, fetchJson, robot } from './cell';
+import { readCell, readScene } from '../wire/read';
+import type { FrameInfo, Pose, RobotInfo, RobotModel, SceneInfo } from '../wire/types';
+import { Chain, frameInWorld } from '../view3d/chain';
+import { cell, fetchJson, onEvent, robot } from './cell';
 import { valueNow } from './live';
 
 export const models = signal<Record<string, RobotModel>>({});
@@ -15,10 +15,24 @@ export const chains = computed<Record<string, Chain>>(() =>
 );
 export const chain = computed(() => chains.value[robot.value?.name ?? ''] ?? null);
 
-/** Frames of the cell's data that are told in the world: what a person may jog in. */
+/** Frames of the cell's data as they are told, each in another one, a base or the world. */
+const told = signal<FrameInfo[]>([]);
+/** The same in the world: what a person may jog in. Those whose frame is not known are left out. */
 export const frames = computed(() =>
-  (cell.value?.frames ?? []).filter((each) => !each.in || each.in === 'world').map((each) => ({ name: each.name, ...each.pose })),
+  told.value.flatMap(({ name }) => {
+    const pose = frameInWorld(name, told.value, cell.value?.robots ?? []);
+    return pose ? [{ name, ...pose }] : [];
+  }),
 );
+effect(() => {
+  told.value = cell.value?.frames ?? [];
+});
+onEvent('points', () => {
+  fetchJson<Json>('/api/cell').then(
+    (got) => (told.value = readCell(got).frames ?? []),
+    (error: unknown) => console.warn('the frames cannot be had', error),
+  );
+});
 
 effect(() => {
   const now = cell.value;

@@ -116,7 +116,7 @@ export const shell = {
   'keys.stop': 'Stop (whenever something moves or a program runs)',
   'keys.hold': 'Hold, resume',
   'keys.pages': 'Pages 1 to 8',
-  'keys.jog': 'Jog: joints or axes 1 to 6, up / down (page Move)',
+  'keys.jog': 'Jog: joints 1 to 8 or axes 1 to 6, up / down (page Move)',
   'keys.mode': 'Joints, base, tool … (page Move)',
   'keys.faster': 'Jog slower, faster (page Move)',
 

@@ -118,7 +118,7 @@ export const shell: Record<keyof typeof en, string> = {
   'keys.stop': 'Parar (si algo se mueve o hay un programa en marcha)',
   'keys.hold': 'Retener, reanudar',
   'keys.pages': 'Páginas 1 a 8',
-  'keys.jog': 'Manual: ejes 1 a 6, subir / bajar (página Mover)',
+  'keys.jog': 'Manual: articulaciones 1 a 8 o ejes 1 a 6, subir / bajar (página Mover)',
   'keys.mode': 'Ejes, base, herramienta… (página Mover)',
   'keys.faster': 'Manual más lento, más rápido (página Mover)',
 

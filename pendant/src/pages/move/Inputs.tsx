@@ -4,16 +4,18 @@ import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { mayMove, robot } from '../../state/cell';
 import { heldKey, jogMode, type JogMode, jogSpeed, pressJog, pushJog, release } from '../../state/jog';
+import { frames } from '../../state/models';
 import { toast } from '../../state/toasts';
 import { Button } from '../../ui/controls';
 import { programMoves } from './JogKeys';
+import { chooseMode } from './JogSettings';
 import { sticks } from './sticks';
 
 const keyboardOn = signal(false);
 const gamepadOn = signal(false);
 const kUp = ['KeyQ', 'KeyW', 'KeyE', 'KeyR', 'KeyT', 'KeyY', 'KeyU', 'KeyI'];
 const kDown = ['KeyA', 'KeyS', 'KeyD', 'KeyF', 'KeyG', 'KeyH', 'KeyJ', 'KeyK'];
-const kModes: JogMode[] = ['joint', 'base', 'tool', 'world'];
+const kModes: JogMode[] = ['joint', 'base', 'tool', 'world', 'user'];
 
 export function Inputs() {
   useEffect(() => () => ((keyboardOn.value = false), (gamepadOn.value = false), release()), []);
@@ -70,7 +72,8 @@ function useKeyboard(): void {
         pressJog(axis, up >= 0 ? 1 : -1);
       } else if (event.code === 'KeyM' && !event.repeat) {
         release();
-        jogMode.value = kModes[(kModes.indexOf(jogMode.peek()) + 1) % kModes.length]!;
+        const modes = frames.peek().length ? kModes : kModes.filter((each) => each !== 'user');
+        chooseMode(modes[(modes.indexOf(jogMode.peek()) + 1) % modes.length]!);
       } else if (event.key === '+' || event.key === '-') {
         const factor = event.key === '+' ? 1.25 : 0.8;
         jogSpeed.value = Math.max(1, Math.min(100, Math.round(jogSpeed.peek() * factor)));

@@ -1,20 +1,36 @@
 /** What is moved, in which frame, how fast and how far. */
+import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
-import { mayMove } from '../../state/cell';
-import { jogMode, jogSpeed, jogStep, type JogMode, userFrame } from '../../state/jog';
+import { mayMove, robot } from '../../state/cell';
+import { jogMode, jogSpeed, jogStep, type JogMode, stepDegrees, userFrame } from '../../state/jog';
 import { frames } from '../../state/models';
 import { number } from '../../i18n';
 import { Segmented, Select, Slider } from '../../ui/controls';
 
 const kSteps = [0.1, 1, 10, 50];
 
-/** A step in mm; turning takes at most 5°. */
-export function stepDegrees(step: number): number {
-  return Math.min(step, 5);
+/** What a press moves by, as it is told for what is moved now. */
+function stepName(step: number): string {
+  if (step === 0) return t('move.hold');
+  const digits = step < 1 ? 1 : 0;
+  const deg = number(stepDegrees(step), digits);
+  const turnsOnly = jogMode.value === 'joint' && !robot.value?.joints.some((joint) => joint.unit === 'm');
+  return turnsOnly ? t('move.stepAngle', { deg }) : t('move.stepOf', { mm: number(step, digits), deg });
+}
+
+/** One's own frame needs to be there. */
+export function chooseMode(mode: JogMode): void {
+  const known = frames.peek();
+  if (mode === 'user' && !known.some((frame) => frame.name === userFrame.peek())) userFrame.value = known[0]!.name;
+  jogMode.value = mode;
 }
 
 export function JogSettings() {
   const known = frames.value;
+  // The frame that was chosen last may be one of another cell, or deleted.
+  useEffect(() => {
+    if (jogMode.value === 'user' && !known.some((frame) => frame.name === userFrame.value)) chooseMode(known.length ? 'user' : 'base');
+  }, [known, jogMode.value]);
   const modes: { id: JogMode; name: string }[] = [
     { id: 'joint', name: t('move.joint') },
     { id: 'base', name: t('move.base') },
@@ -22,16 +38,15 @@ export function JogSettings() {
     { id: 'world', name: t('move.world') },
   ];
   if (known.length) modes.push({ id: 'user', name: t('move.user') });
+  // Two steps may turn by the same angle; joints that only turn are offered one of them.
+  const steps = [0, ...kSteps].map((step) => ({ id: String(step), name: stepName(step) })).filter((each, i, all) => all.findIndex((other) => other.name === each.name) === i);
   return (
     <div class="jog-settings">
       <Segmented<JogMode>
         label={t('move.frame')}
         value={jogMode.value}
         options={modes}
-        onChange={(mode) => {
-          if (mode === 'user' && !known.some((frame) => frame.name === userFrame.value)) userFrame.value = known[0]!.name;
-          jogMode.value = mode;
-        }}
+        onChange={chooseMode}
       />
       {jogMode.value === 'user' && known.length > 0 && (
         <Select
@@ -44,17 +59,8 @@ export function JogSettings() {
       <div class="jog-how">
         <Select
           label={t('move.step')}
-          value={String(jogStep.value)}
-          options={[
-            { id: '0', name: t('move.hold') },
-            ...kSteps.map((step) => ({
-              id: String(step),
-              name:
-                jogMode.value === 'joint'
-                  ? t('move.stepAngle', { deg: number(stepDegrees(step), step < 1 ? 1 : 0) })
-                  : t('move.stepOf', { mm: number(step, step < 1 ? 1 : 0), deg: number(stepDegrees(step), step < 1 ? 1 : 0) }),
-            })),
-          ].filter((option, i, all) => all.findIndex((other) => other.name === option.name) === i)}
+          value={steps.find((each) => each.name === stepName(jogStep.value))?.id ?? '0'}
+          options={steps}
           onChange={(step) => (jogStep.value = Number(step))}
         />
         <Slider
