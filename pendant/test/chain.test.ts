@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { aboutAxis, Chain, compose, frameInWorld, fromRollPitchYaw, inverse, multiply, rollPitchYaw, rotate, smallestEigenvalue } from '../src/view3d/chain';
-import type { ModelJoint, Quat, RobotModel, Vec3 } from '../src/wire/types';
+import { aboutAxis, Chain, compose, fromRollPitchYaw, inverse, multiply, rollPitchYaw, rotate, smallestEigenvalue } from '../src/view3d/chain';
+import type { ModelJoint, RobotModel, Vec3 } from '../src/wire/types';
 
 const still = { p: [0, 0, 0] as Vec3, q: [0, 0, 0, 1] as [number, number, number, number] };
 function joint(name: string, parent: string, child: string, p: Vec3, axis: Vec3, type = 'revolute'): ModelJoint {
@@ -88,25 +88,6 @@ describe('smallestGain', () => {
     expect(gains[0]).toBeGreaterThan(1e-3);
     expect(gains[1]).toBeGreaterThan(gains[0]!);
     expect(gains[2]).toBeGreaterThan(gains[1]!);
-  });
-});
-
-describe('frameInWorld', () => {
-  const q = (deg: number): Quat => aboutAxis([0, 0, 1], (deg * Math.PI) / 180);
-  const frames = [
-    { name: 'table', in: 'arm/base', pose: { p: [1, 0, 0] as Vec3, q: q(90) } },
-    { name: 'tray', in: 'table', pose: { p: [0.5, 0, 0] as Vec3, q: q(30) } },
-    { name: 'lost', in: 'nowhere', pose: { p: [0, 0, 0] as Vec3, q: q(0) } },
-    { name: 'loop', in: 'loop', pose: { p: [0, 0, 0] as Vec3, q: q(0) } },
-  ];
-  const robots = [{ name: 'arm', base: { p: [0, 2, 0] as Vec3, q: q(0) } }];
-  it('goes through the frames that it is told in', () => {
-    const tray = frameInWorld('tray', frames, robots)!;
-    [1, 2.5, 0].forEach((v, i) => expect(tray.p[i]).toBeCloseTo(v, 12));
-    expect(rollPitchYaw(tray.q)[2]).toBeCloseTo((120 * Math.PI) / 180, 12);
-  });
-  it('has none for a frame that is not known, or in itself', () => {
-    expect([frameInWorld('lost', frames, robots), frameInWorld('loop', frames, robots)]).toEqual([null, null]);
   });
 });
 

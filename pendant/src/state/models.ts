@@ -1,10 +1,10 @@
 /** What the pictures need, fetched once a connection: the robots' models and the scene. */
 import { computed, effect, signal } from '@preact/signals';
 import type { Json } from '../wire/connection';
-import { readCell, readScene } from '../wire/read';
-import type { FrameInfo, Pose, RobotInfo, RobotModel, SceneInfo } from '../wire/types';
-import { Chain, frameInWorld } from '../view3d/chain';
-import { cell, fetchJson, onEvent, robot } from './cell';
+import { readScene } from '../wire/read';
+import type { Pose, RobotInfo, RobotModel, SceneInfo } from '../wire/types';
+import { Chain } from '../view3d/chain';
+import { cell, fetchJson, onEvent, request, robot } from './cell';
 import { valueNow } from './live';
 
 export const models = signal<Record<string, RobotModel>>({});
@@ -15,24 +15,18 @@ export const chains = computed<Record<string, Chain>>(() =>
 );
 export const chain = computed(() => chains.value[robot.value?.name ?? ''] ?? null);
 
-/** Frames of the cell's data as they are told, each in another one, a base or the world. */
-const told = signal<FrameInfo[]>([]);
-/** The same in the world: what a person may jog in. Those whose frame is not known are left out. */
-export const frames = computed(() =>
-  told.value.flatMap(({ name }) => {
-    const pose = frameInWorld(name, told.value, cell.value?.robots ?? []);
-    return pose ? [{ name, ...pose }] : [];
-  }),
-);
-effect(() => {
-  told.value = cell.value?.frames ?? [];
-});
-onEvent('points', () => {
-  fetchJson<Json>('/api/cell').then(
-    (got) => (told.value = readCell(got).frames ?? []),
+/** Points of the cell's data, in the world: each is a frame that a person may jog in. */
+export const frames = signal<({ name: string } & Pose)[]>([]);
+function loadFrames(): void {
+  request<{ values: { name: string; kind: string; world: Pose | null }[] }>('points').then(
+    ({ values }) => (frames.value = values.flatMap(({ name, kind, world }) => (kind === 'pose' && world ? [{ name, ...world }] : []))),
     (error: unknown) => console.warn('the frames cannot be had', error),
   );
+}
+effect(() => {
+  if (cell.value) loadFrames();
 });
+onEvent('points', loadFrames);
 
 effect(() => {
   const now = cell.value;

@@ -1,5 +1,5 @@
 /** The robot's tree as numbers: where links and joint axes are. For the flat picture, previews and singularities; no WebGL. */
-import type { FrameInfo, ModelJoint, Pose, Quat, RobotModel, Vec3 } from '../wire/types';
+import type { ModelJoint, Pose, Quat, RobotModel, Vec3 } from '../wire/types';
 
 export const kIdentity: Quat = [0, 0, 0, 1];
 
@@ -38,16 +38,6 @@ export function inverse(a: Pose): Pose {
   const q = conjugate(a.q);
   const p = rotate(q, a.p);
   return { p: [-p[0], -p[1], -p[2]], q };
-}
-
-/** A frame of the cell's data in the world. Null for what is in a frame that nobody knows, or in itself. */
-export function frameInWorld(name: string, all: FrameInfo[], robots: { name: string; base: Pose }[], depth = 0): Pose | null {
-  if (name === '' || name === 'world') return { p: [0, 0, 0], q: kIdentity };
-  const base = robots.find((robot) => name === `${robot.name}/base`)?.base;
-  if (base) return base;
-  const frame = depth < 16 ? all.find((each) => each.name === name) : undefined;
-  const within = frame && frameInWorld(frame.in, all, robots, depth + 1);
-  return within ? compose(within, frame.pose) : null;
 }
 
 /** Roll, pitch, yaw (rad) of a rotation: turned about x, then y, then z of the fixed frame. */

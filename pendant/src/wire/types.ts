@@ -77,13 +77,6 @@ export interface RobotInfo {
   model: string;
 }
 
-export interface FrameInfo {
-  name: string;
-  /** What its pose is told in: '' or world, ROBOT/base, or another frame. */
-  in: string;
-  pose: Pose;
-}
-
 export interface CellInfo {
   name: string;
   folder: string;
@@ -91,7 +84,6 @@ export interface CellInfo {
   real: boolean;
   rate_hz: number;
   robots: RobotInfo[];
-  frames?: FrameInfo[];
   program?: string;
   scene: string;
 }

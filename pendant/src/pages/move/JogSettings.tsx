@@ -29,7 +29,7 @@ export function JogSettings() {
   const known = frames.value;
   // The frame that was chosen last may be one of another cell, or deleted.
   useEffect(() => {
-    if (jogMode.value === 'user' && !known.some((frame) => frame.name === userFrame.value)) chooseMode(known.length ? 'user' : 'base');
+    if (jogMode.value === 'user' && known.length && !known.some((frame) => frame.name === userFrame.value)) chooseMode('user');
   }, [known, jogMode.value]);
   const modes: { id: JogMode; name: string }[] = [
     { id: 'joint', name: t('move.joint') },
