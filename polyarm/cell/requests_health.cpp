@@ -120,6 +120,7 @@ Poll limits_list(Cell& cell, const Json&) {
   const double period = seconds(cell.loop().options().period);
   for (const control::Clamp& clamp : cell.loop().limits().report())
     out.push_back({{"interface", clamp.interface},
+                   {"claimed_by", cell.loop().controllers().holder_of(clamp.interface)},
                    {"limit", controllers::name(clamp.limit)},
                    {"count", clamp.count},
                    {"asked", finite_or_null(clamp.asked)},
@@ -148,8 +149,9 @@ const std::vector<RequestRow>& health_rows() {
        health},
       {{"limits",
         {},
-        "[{interface, limit, count, asked, given, time_s}]",
-        "which limits took hold of commands, how often, and the last time",
+        "[{interface, claimed_by, limit, count, asked, given, time_s}]",
+        "which limits took hold of commands, how often, what was asked and given the last time, and who "
+        "commands now",
         false},
        limits_list},
   };

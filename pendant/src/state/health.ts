@@ -6,10 +6,13 @@ import { complain, connected, request } from './cell';
 
 export interface Limit {
   interface: string;
+  /** The controller that commands it now; empty: none. */
+  claimed_by: string;
   limit: string;
   count: number;
-  asked: number;
-  given: number;
+  /** Null: no number. */
+  asked: number | null;
+  given: number | null;
   time_s: number;
 }
 export interface Component {

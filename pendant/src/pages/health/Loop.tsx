@@ -1,8 +1,9 @@
 /** The control loop: how often it ran late, how long its cycles take, and what of it takes how much. */
-import { number, t } from '../../i18n';
-import { health, limits } from '../../state/health';
+import { number, t, word } from '../../i18n';
+import { cell } from '../../state/cell';
+import { health, type Limit, limits } from '../../state/health';
 import { Card, Empty, Loading } from '../../ui/controls';
-import { clockTime } from '../../ui/format';
+import { clockTime, duration, shownIn } from '../../ui/format';
 import { bars, type Times } from '../../wire/health';
 
 const us = (value: number) => (value >= 10_000 ? `${number(value / 1000, 1)} ms` : `${number(value, value < 10 ? 1 : 0)} µs`);
@@ -26,8 +27,8 @@ export function Loop() {
         <Histogram title={t('health.cost')} note={t('health.costNote')} times={now.cost} />
         <Histogram title={t('health.wakeUp')} note={t('health.wakeUpNote')} times={now.wakeUp} />
         <Histogram title={t('health.period')} note={t('health.periodNote', { us: number(period, 0) })} times={now.period} />
-        <Parts />
         <Limits />
+        <Parts />
       </div>
     </>
   );
@@ -135,47 +136,54 @@ function Parts() {
   );
 }
 
+/** Limits of joints that took hold of commands, each with why that happens and what helps. */
 function Limits() {
   const list = limits.value;
   return (
     <Card title={t('health.limits')} class="wide">
       <p class="note">{t('health.limitsNote')}</p>
-      {list.length === 0 ? (
-        <Empty icon="check" text={t('health.noLimits')} />
-      ) : (
-        <table class="plain">
-          <thead>
-            <tr>
-              <th scope="col">{t('health.interface')}</th>
-              <th scope="col">{t('health.limit')}</th>
-              <th scope="col" class="right">
-                {t('health.count')}
-              </th>
-              <th scope="col" class="right">
-                {t('health.asked')}
-              </th>
-              <th scope="col" class="right">
-                {t('health.given')}
-              </th>
-              <th scope="col" class="right">
-                {t('health.when')}
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {list.map((each) => (
-              <tr key={each.interface + each.limit}>
-                <th scope="row">{each.interface}</th>
-                <td>{each.limit}</td>
-                <td class="right">{each.count}</td>
-                <td class="right">{number(each.asked, 4)}</td>
-                <td class="right">{number(each.given, 4)}</td>
-                <td class="right">{clockTime(each.time_s)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
+      {list.length === 0 ? <Empty icon="check" text={t('health.noLimits')} /> : list.map((each) => <Clamp key={each.interface + each.limit} clamp={each} />)}
     </Card>
+  );
+}
+
+/** What a number of the interface is shown as: joint values in the units that are chosen. */
+function inItsUnit(interfaceName: string, value: number | null): string {
+  if (value === null) return t('health.noNumber');
+  const quantity = interfaceName.slice(interfaceName.lastIndexOf('/') + 1);
+  const joint = cell.value?.robots.flatMap((each) => each.joints).find((each) => interfaceName.startsWith(`${each.interface}/`));
+  const per = { position: '', velocity: '/s', acceleration: '/s2' }[quantity];
+  const { unit, factor } = joint && per !== undefined ? shownIn(joint.unit + per) : { unit: '', factor: 1 };
+  return `${number(value * factor, 3)} ${unit}`.trim();
+}
+
+function Clamp({ clamp }: { clamp: Limit }) {
+  const { interface: name, limit, count } = clamp;
+  const ago = Math.max(0, (health.value?.seconds ?? clamp.time_s) - clamp.time_s);
+  const facts: [string, string][] = [
+    [t('health.count'), number(count, 0)],
+    [t('health.asked'), inItsUnit(name, clamp.asked)],
+    [t('health.given'), inItsUnit(name, clamp.given)],
+    [t('health.when'), `${clockTime(clamp.time_s)} (${t('health.ago', { time: duration(ago) })})`],
+    [t('health.commands'), clamp.claimed_by || t('health.nobody')],
+  ];
+  return (
+    <section class="health-clamp" aria-label={`${name}, ${word('health.lim', limit)}`}>
+      <h3>
+        {name} <span class="chip">{word('health.lim', limit)}</span>
+      </h3>
+      <dl class="health-times">
+        {facts.map(([what, value]) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+      <p>{word('health.why', limit)}</p>
+      <p>
+        <b>{t('alarms.do')}:</b> {word('health.do', limit)}
+      </p>
+    </section>
   );
 }

@@ -1,0 +1,48 @@
+// Limits that take hold of what a controller commands, and what the page says of them.
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { go, picture } from './browser.mjs';
+import { suite } from './suite.mjs';
+
+/** Positions go through as they come: nothing but the last limiter keeps them within what joints may. */
+const forwarded = (folder) => {
+  writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3, hardware: mock}\ncontrollers: controllers.yaml\n');
+  writeFileSync(join(folder, 'controllers.yaml'), [
+    'controller_manager:', '  ros__parameters:', '    update_rate: 250', '    forward:', '      type: forward_command_controller/ForwardCommandController',
+    'forward:', '  ros__parameters:', '    joints: [elbow_joint, wrist_3_joint]', '    interface_name: position', ''].join('\n'));
+};
+const { at, test } = suite({ example: null, change: forwarded });
+let page;
+const limits = () => page.getByRole('main').getByRole('region', { name: /^arm\/elbow_joint\/position, / });
+
+test('says that no limit took hold while none did', async () => {
+  page = await at.open();
+  await page.getByRole('button', { name: /^In control/ }).waitFor();
+  await go(page, 'Health');
+  await page.getByRole('main').getByText('No command had to be changed.').waitFor();
+});
+
+test('lists what took hold: when, how often, asked and given, who commands, why and what to do', async () => {
+  await at.watcher.request('session.take', { force: true });
+  const send = (data) => at.watcher.request('send', { to: 'forward/commands', message: JSON.stringify({ data }) });
+  await send([1.2, 0]);
+  const velocity = limits().and(page.getByRole('region', { name: 'arm/elbow_joint/position, Velocity' }));
+  await velocity.getByText('Begin at the place where the joint stands', { exact: false }).waitFor();
+  await velocity.getByText('forward', { exact: true }).waitFor();
+  await velocity.getByText(/^68\.7\d+ °$/).waitFor();
+  await velocity.getByText(/^00:\d\d:\d\d\.\d \(\d.* ago\)$/).waitFor();
+  const times = async () => Number(await velocity.getByRole('definition').first().innerText());
+  assert.ok((await times()) > 10, 'every cycle of the way counts');
+  await send([10, 0]);
+  const position = page.getByRole('region', { name: 'arm/elbow_joint/position, End of the range' });
+  await position.getByText('Move the target inside the range', { exact: false }).waitFor();
+  await position.getByText(/^572\.9\d+ °$/).waitFor();
+  await position.scrollIntoViewIfNeeded();
+  await picture(page, 'clamps');
+  await page.getByRole('button', { name: 'Settings', exact: true }).click();
+  await page.getByRole('dialog').getByRole('combobox', { name: 'Language' }).selectOption('es');
+  await page.getByRole('dialog').getByRole('button', { name: 'Cerrar', exact: true }).click();
+  await page.getByRole('region', { name: 'arm/elbow_joint/position, Fin del recorrido' }).getByText('Ponga el destino dentro', { exact: false }).waitFor();
+  assert.deepEqual(page.problems, []);
+});
