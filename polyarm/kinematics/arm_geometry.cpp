@@ -46,52 +46,6 @@ Vec3 to_axis(const JointAxis& axis, const Vec3& point) {
 
 }  // namespace
 
-double ArmGeometry::least_motion(std::span<const double> values, std::span<double> direction) const noexcept {
-  constexpr std::size_t kSix = 6;
-  const double scale = 1 / size();
-  std::array<std::array<double, 6>, kMostAxes> columns{};
-  Rotation tool, turn;
-  Vec3 tip, shift;
-  forward(values, tool, tip);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vec3 h = turn * axes[k].direction, o = turn * axes[k].point + shift;
-    const Vec3 v = scale * cross(h, tip - o);
-    columns[k] = {v.x, v.y, v.z, h.x, h.y, h.z};
-    const Rotation next = rotation_about(h, values[k]);
-    shift = next * (shift - o) + o;
-    turn = next * turn;
-  }
-  // (J^T J + small) by L D L^T, twice applied to a vector that is square to nothing in particular.
-  double a[kSix][kSix]{}, x[kSix];
-  for (std::size_t i = 0; i < kSix; ++i) {
-    x[i] = 1 + 0.3 * static_cast<double>(i * i % 5);
-    for (std::size_t j = 0; j <= i; ++j)
-      for (std::size_t r = 0; r < 6; ++r) a[i][j] += columns[i][r] * columns[j][r];
-    a[i][i] += i < count ? 1e-14 : 1e6;
-  }
-  for (std::size_t j = 0; j < kSix; ++j)
-    for (std::size_t i = j + 1; i < kSix; ++i) {
-      const double factor = a[i][j] / a[j][j];
-      for (std::size_t k = i; k < kSix; ++k) a[k][i] -= factor * a[k][j];
-      a[i][j] = factor;
-    }
-  double length = 1;
-  for (int round = 0; round < 3; ++round) {
-    for (std::size_t i = 0; i < kSix; ++i)
-      for (std::size_t k = 0; k < i; ++k) x[i] -= a[i][k] * x[k];
-    for (std::size_t i = kSix; i-- > 0;) {
-      x[i] /= a[i][i];
-      for (std::size_t k = i + 1; k < kSix; ++k) x[i] -= a[k][i] * x[k];
-    }
-    length = 0;
-    for (const double value : x) length += value * value;
-    length = std::sqrt(length);
-    for (double& value : x) value /= length;
-  }
-  std::copy(x, x + std::min(count, kSix), direction.begin());
-  return 1 / std::sqrt(length);
-}
-
 double ArmGeometry::size() const noexcept {
   double sum = 0;
   Vec3 at = axes[0].point;

@@ -48,11 +48,6 @@ struct ArmGeometry {
 
   /// The TCP's pose; `values` in the order of `axes`.
   void forward(std::span<const double> values, Rotation& rotation, Vec3& position) const noexcept;
-  /// How close these values are to a singularity: the direction in joint space (a unit vector, written to
-  /// `direction`, of `count` values) that moves the TCP least, and by how much it does, lengths measured in
-  /// size(). By inverse iteration (Golub and Van Loan, section 8.2), so roughly. For turning axes, at most
-  /// six.
-  double least_motion(std::span<const double> values, std::span<double> direction) const noexcept;
   /// A length to measure deviations by: the sum of the ways from axis to axis, m.
   double size() const noexcept;
 };

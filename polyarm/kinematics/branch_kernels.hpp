@@ -24,6 +24,7 @@ struct BranchKernels {
   void (*nearest)(const QuickJob&, const LaneArm&, std::span<const Pose>, const double*, QuickAnswers&);
   void (*batch)(const QuickJob&, const LaneArm&, std::span<const Pose>, std::span<const double>, IkSolution*,
                 std::uint8_t*);
+  void (*motions)(const LaneArm&, const Branches&, bool both, LeastMotions&);
 };
 
 namespace lanes_portable {

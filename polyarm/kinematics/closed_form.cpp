@@ -336,6 +336,10 @@ std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexc
   return kKernels.search(job, out.data(), out.size());
 }
 
+void find_least_motions(const LaneArm& arm, const Branches& at, bool both, LeastMotions& out) noexcept {
+  kKernels.motions(arm, at, both, out);
+}
+
 void polish_branches(const BranchJob& job, Branches& out) noexcept {
   kKernels.polish(job, out);
 }

@@ -249,6 +249,16 @@ inline constexpr std::size_t kSearchBlocks = 40;
 /// or are not exact are among them.
 std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexcept;
 
+/// How close eight joint states are to a singularity: the direction in joint space (a unit vector) that moves
+/// the TCP least, and by how much it does, lengths measured in LaneArm::size; then the same of what is square
+/// to that. By inverse iteration, so roughly. Of arms whose axes all turn; of more than six the first six.
+struct LeastMotions {
+  alignas(64) double way[6][kBranches], next_way[6][kBranches];
+  alignas(64) double least[kBranches], next[kBranches];
+};
+/// `at.value` in. Without `both` the second is left out.
+void find_least_motions(const LaneArm& arm, const Branches& at, bool both, LeastMotions& out) noexcept;
+
 /// Checks and improves, on the true arm, values that came from elsewhere: `out.value` in, all of `out` out.
 void polish_branches(const BranchJob& job, Branches& out) noexcept;
 

@@ -59,6 +59,23 @@ struct Gathered {
   }
 };
 
+/// A curve of joint states that hardly moves the tool, on the way; and one stride of it.
+struct FlatCurve;
+struct FlatStride;
+struct FlatWays;
+/// What moves the tool by less in one direction may be near such a curve; lengths in sizes of the arm.
+inline constexpr double kFlatCurve = 6e-4;
+
+/// So many steps of descent, however large or small the error is.
+inline BranchJob whatever_the_error(BranchJob job, int steps) noexcept {
+  job.limits = nullptr;
+  job.worth_polishing = 1e3;
+  job.patience = steps;
+  job.good_enough = 0;
+  job.most_steps = steps;
+  return job;
+}
+
 /// Joint states waiting for descent.
 struct WaitingStates {
   Branches branches;
@@ -152,8 +169,16 @@ struct InverseKinematics::Arm {
                      Gathered& out) const noexcept;
   void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
-  void look_beside(const BranchJob& job, const AxisValues& at, bool solved, std::size_t since,
-                   Gathered& out) const noexcept;
+  void along_curves(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void walk(const BranchJob& job, const AxisValues& from, const FlatWays& ways, std::size_t since,
+            FlatCurve& curve, Gathered& out) const noexcept;
+  void stride_along(const BranchJob& job, const FlatCurve& curve, FlatStride& out) const noexcept;
+  bool go_along(const BranchJob& job, std::size_t since, FlatCurve& curve, Gathered& out) const noexcept;
+  void look_all_round(const BranchJob& job, const AxisValues& at, const FlatWays& ways, double least_radius,
+                      std::size_t since, Gathered& out) const noexcept;
+  void see_motions(std::span<const AxisValues> states, bool both, LeastMotions& out) const noexcept;
+  void look_beside(const BranchJob& job, const AxisValues& at, const LeastMotions& flat, std::size_t lane,
+                   bool solved, std::size_t since, Gathered& out) const noexcept;
   bool same(const BranchJob& job, const AxisValues& a, const AxisValues& b, bool crowded) const noexcept;
   void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
   void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;

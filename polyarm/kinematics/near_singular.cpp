@@ -29,16 +29,6 @@ void add(WaitingStates& waiting, const Branches& from, std::size_t k, std::size_
   ++waiting.count;
 }
 
-/// So many steps of descent, however large or small the error is.
-BranchJob whatever_the_error(BranchJob job, int steps) {
-  job.limits = nullptr;
-  job.worth_polishing = 1e3;
-  job.patience = steps;
-  job.good_enough = 0;
-  job.most_steps = steps;
-  return job;
-}
-
 double turned_apart(double a, double b) {
   return std::abs(std::remainder(a - b, kTurn));
 }
@@ -223,25 +213,48 @@ void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked,
 void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr std::size_t kMostLookedAt = 24;
-  const std::size_t nearly = out.nearly_count;
-  for (std::size_t c = since; c < out.count && c < since + kMostLookedAt; ++c) {
-    const AxisValues at = out.all[c].value;
-    look_beside(asked, at, true, since, out);
+  const std::size_t nearly_count = out.nearly_count;
+  bool walked = false;
+  for (std::size_t from = since, more = 0; from < out.count && from < since + kMostLookedAt; from += more) {
+    more = std::min(kBranches, out.count - from);
+    LeastMotions flat;
+    std::array<AxisValues, kBranches> states;
+    for (std::size_t k = 0; k < more; ++k) states[k] = out.all[from + k].value;
+    see_motions({states.data(), more}, false, flat);
+    if (!walked && known.exact() && *std::min_element(flat.least, flat.least + more) < kFlatCurve) {
+      walked = true;
+      along_curves(asked, since, out);
+    }
+    for (std::size_t k = 0; k < more; ++k) look_beside(asked, states[k], flat, k, true, since, out);
   }
-  for (std::size_t k = 0; k < nearly; ++k) look_beside(asked, out.nearly[k], false, since, out);
+  if (nearly_count == 0) return;
+  LeastMotions flat;
+  see_motions({out.nearly.data(), nearly_count}, false, flat);
+  for (std::size_t k = 0; k < nearly_count; ++k) look_beside(asked, out.nearly[k], flat, k, false, since, out);
 }
 
-/// In the direction that hardly moves the tool: the axis that moves most that way is held at values on either
-/// side while the others come as near to the pose as they can; from where a step of all of them does not lead
-/// back to a solution (`solved`) at hand, descent goes on to the end.
-void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at, bool solved,
+/// Of up to eight joint states.
+void InverseKinematics::Arm::see_motions(std::span<const AxisValues> states, bool both,
+                                         LeastMotions& out) const noexcept {
+  Branches at;
+  for (std::size_t k = 0; k < kBranches; ++k)
+    for (std::size_t i = 0; i < geometry.count; ++i) at.value[i][k] = states[k < states.size() ? k : 0][i];
+  find_least_motions(lanes, at, both, out);
+}
+
+/// In the direction that hardly moves the tool (lane `lane` of `flat`): the axis that moves most that way is
+/// held at values on either side while the others come as near to the pose as they can; from where a step of
+/// all of them does not lead back to a solution (`solved`) at hand, descent goes on to the end.
+void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at,
+                                         const LeastMotions& flat, std::size_t lane, bool solved,
                                          std::size_t since, Gathered& out) const noexcept {
   constexpr double kFar = 0.02, kFlat = 0.002, kSteps[] = {3, 10, 40, 150};
   constexpr double kWide[] = {0.03, 0.08, 0.16, 0.35}, kWidest[] = {0.6, 1, 1.5, 2.2};
   const std::size_t n = geometry.count;
-  AxisValues way{};
-  const double least = geometry.least_motion(at, way);
+  const double least = flat.least[lane];
   if (least > kFar) return;
+  AxisValues way{};
+  for (std::size_t i = 0; i < n; ++i) way[i] = flat.way[i][lane];
   std::size_t held = 0;
   for (std::size_t i = 0; i < n; ++i)
     if (std::abs(way[i]) > std::abs(way[held])) held = i;
