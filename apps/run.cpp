@@ -349,7 +349,7 @@ class OneRun {
     const cell::RunResult result = cell::run(*cell, a_.run, observer_);
     const bool armed = cell->arming().needed() && cell->arming().armed();
     if (pendant_) pendant_->detach();
-    a_.cell_options.breakpoints = cell->breakpoints();
+    a_.cell_options.breakpoints = cell->kept_breakpoints();
     std::string folder;
     if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command_);
     const int code = code_of(result);

@@ -96,7 +96,18 @@ export function pageRequests({ cell, tell, refuse = fail }) {
       cell.line = r.line; cell.file = r.program; cell.running = true; cell.paused = !r.confirmed; cell.began = cell.passBegan = cell.time; cell.passes = 0;
       return { where: { file: r.program, line: r.line }, source: fileOf(r.program).text.split('\n')[r.line - 1] ?? '', robot: 'arm', tool: 'suction_cup', frame: '', last_point: 'PrePick', sets: [{ name: 'ActivateGripper', value: 'True' }], reads: [{ name: 'GripperActive', value: 'False' }], variables: [{ name: 'n', value: '2' }], held: [] };
     },
-    'program.break': (r) => { cell.breakpoints = r.at.map((each) => ({ file: each.split(':')[0], line: Number(each.split(':')[1]) })); tellProgram(); return { breakpoints: cell.breakpoints }; },
+    'program.break': (r) => {
+      const places = (list) => (list ?? []).map((each) => ({ file: each.split(':')[0], line: Number(each.split(':')[1]) }));
+      const off = places(r.off).map((each) => each.line);
+      cell.breakpoints = [...(cell.breakpoints ?? []).filter((each) => !off.includes(each.line)), ...places(r.at)];
+      tellProgram();
+      return { breakpoints: cell.breakpoints };
+    },
+    'program.edited': (r) => {
+      if (r.lines) cell.breakpoints = r.lines.map((line) => ({ file: r.name, line }));
+      tellProgram();
+      return { breakpoints: cell.breakpoints ?? [] };
+    },
     program: () => programNow(),
     points: () => ({ file: 'PAPpoints.points', files: ['PAPpoints.points', 'cycledata.data'], values: [...values.values()] }),
     'points.teach': (r) => {

@@ -100,6 +100,45 @@ test('shows the tasks with their variables, the one that is paused as the progra
   await picture(page, 'tasks');
 });
 
+test('moves a breakpoint with its line while lines are written above, and what runs keeps its own', async () => {
+  const mark = (line, pressed) => page.getByRole('button', { name: `Breakpoint at line ${line}`, pressed });
+  const told = async () => (await at.watcher.request('program')).breakpoints.map((each) => each.line);
+  await editor().click();
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.type('# one more');
+  await page.keyboard.press('Enter');
+  await editor().getByText('let third').click();
+  await mark(7, true).waitFor();
+  await page.getByText('Draft, kept on the cell').waitFor();
+  await until(async () => String(await told()) === '7', 30, 'the cell knowing it at line 7');
+  await picture(page, 'breakpoint-moved');
+  const shownAs = (name) => page.getByRole('radiogroup', { name: 'Shown as' }).getByText(name).click();
+  await shownAs('Steps');
+  const steps = page.getByRole('list', { name: 'Steps' });
+  await steps.getByRole('button', { name: /^7\s*New value third.*Breakpoint$/ }).waitFor();
+  assert.equal(await steps.getByRole('img', { name: 'Breakpoint' }).count(), 1);
+  await picture(page, 'breakpoint-steps');
+  await steps.getByRole('button', { name: /^7\s*New value/ }).click();
+  await button('Move up').click();
+  await steps.getByRole('button', { name: /^6\s*New value third.*Breakpoint$/ }).waitFor();
+  await button('Undo').click();
+  await steps.getByRole('button', { name: /^7\s*New value third.*Breakpoint$/ }).waitFor();
+  await shownAs('Text');
+  await button('Go on').click();
+  await pausedAt(6);
+  await page.reload();
+  await page.getByRole('button', { name: /^In control/ }).waitFor();
+  await editor().getByText('let third').click();
+  await mark(7, true).waitFor();
+  assert.deepEqual(await told(), [7]);
+  // The draft goes, and with it the line above.
+  await button('Discard draft').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Discard draft' }).click();
+  await editor().getByText('let third').click();
+  await mark(6, true).waitFor();
+  await until(async () => String(await told()) === '6', 30, 'the cell knowing it at line 6');
+});
+
 test('keeps breakpoints of a program that is not begun for its start, over a new scene, and takes them off', async () => {
   await button('End program').click();
   await until(async () => (await at.goOn(), now().ended), 60, 'the end');

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "polyarm/cell/arming.hpp"
+#include "polyarm/cell/breakpoints.hpp"
 #include "polyarm/cell/camera.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
@@ -69,9 +70,10 @@ struct CellOptions {
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
   std::optional<TestEntry> test;         ///< stands beside the program, which begins when it says so
-  std::vector<Location> breakpoints;     ///< as those of a cell before it were
-  std::filesystem::path state_folder;    ///< where data files are kept; empty: .state/data of the cell
-  program::ReadPrograms read;            ///< scripts that have been read already
+  std::vector<FileBreakpoints>
+      breakpoints;                     ///< as those of a cell before it were, files by their whole paths
+  std::filesystem::path state_folder;  ///< where data files are kept; empty: .state/data of the cell
+  program::ReadPrograms read;          ///< scripts that have been read already
 };
 
 /// A component on its way from the files. Read it when it is done.
@@ -129,9 +131,17 @@ class Cell {
   void end_program();
   /// Where programs pause: in the one there is, and in others of the cell's folder once they are begun.
   std::vector<Location> breakpoints() const;
-  /// Each moves down to the next statement. Throws Error where there is no such program, or no statement.
-  void add_breakpoint(const Location& place);
-  void drop_breakpoint(const Location& place);
+  /// The same with the texts that they are lines of, for the cell after this one.
+  std::vector<FileBreakpoints> kept_breakpoints() const;
+  /// At a line of `text`, or where none is told of what the program has read. It moves down to the next
+  /// statement, in a program with an older text to that line in there, if it has it. Throws Error where there
+  /// is no such program, or no statement.
+  void add_breakpoint(const Location& place, const std::optional<TextLines>& text = {});
+  void drop_breakpoint(const Location& place, const std::optional<TextLines>& text = {});
+  void clear_breakpoints();
+  /// The file reads `text` now, saved or not: its breakpoints go with their lines, or stand at `lines` of it.
+  void edit_breakpoints(const std::string& file, TextLines text,
+                        const std::optional<std::vector<int>>& lines);
   /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
   /// there is nothing to go on from, or the program has changed.
   program::StartReport continue_program();
@@ -261,6 +271,8 @@ class Cell {
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);
   void place_breakpoints();
+  const TextLines* lines_of_program(const std::string& file) const;
+  int known_line(FileBreakpoints& file, int line, const std::optional<TextLines>& text) const;
   void start_program(program::Program program);
   void end_moves();
   void send_start_messages();
@@ -355,7 +367,7 @@ class Cell {
   bool finished_ = false;
   std::unique_ptr<Recorder> recording_;
   std::optional<RestartWish> restart_;
-  std::vector<Location> breakpoints_;  ///< of files in the cell's folder by their name in it
+  Breakpoints breakpoints_;
 };
 
 }  // namespace polyarm::cell

@@ -30,16 +30,12 @@ bool is_script_of(const fs::path& folder, const std::string& name) {
          fs::is_regular_file(folder / path, error);
 }
 
-bool same_place(const Location& a, const Location& b) {
-  return a.file == b.file && a.line == b.line;
-}
-
 }  // namespace
 
 void Cell::build_programs(Problems& problems) {
-  for (const Location& each : options_.breakpoints)
+  for (const FileBreakpoints& each : options_.breakpoints)
     if (const std::string name = name_in(file_.folder, each.file); is_script_of(file_.folder, name))
-      breakpoints_.push_back({name, each.line, 0});
+      breakpoints_.of(name) = {name, each.lines, each.text};
   ProgramHost::Context context;
   context.store = &store_;
   context.files = files_.get();
@@ -116,49 +112,110 @@ void Cell::put_program(program::Program program) {
 }
 
 std::vector<Location> Cell::breakpoints() const {
-  std::vector<Location> out = breakpoints_;
+  std::vector<Location> out = breakpoints_.all();
   for (Location& each : out)
     if (!fs::path(each.file).is_absolute()) each.file = (file_.folder / each.file).string();
   return out;
 }
 
-void Cell::add_breakpoint(const Location& place) {
-  Location wanted{name_in(file_.folder, place.file), place.line, 0};
-  if (program_ && program_->interpreter().has_file(wanted.file)) {
-    const std::vector<Location> found = program_->interpreter().set_breakpoints({wanted});
-    place_breakpoints();
-    if (found.empty())
-      throw Error("bad-argument", "no statement begins at or after line " + std::to_string(place.line) +
-                                      " of " + place.file + ": nothing would pause there");
-    wanted = {name_in(file_.folder, found.front().file), found.front().line, 0};
-  } else if (plc_ && plc_->interpreter().has_file(wanted.file)) {
+std::vector<FileBreakpoints> Cell::kept_breakpoints() const {
+  std::vector<FileBreakpoints> out = breakpoints_.files();
+  for (FileBreakpoints& each : out) each.file = (file_.folder / each.file).string();
+  return out;
+}
+
+const TextLines* Cell::lines_of_program(const std::string& file) const {
+  return program_ ? program_->interpreter().lines_of(file) : nullptr;
+}
+
+/// A line of `text` (of what the program has read) in the text that is known of the file.
+int Cell::known_line(FileBreakpoints& file, int line, const std::optional<TextLines>& text) const {
+  const TextLines* const read = lines_of_program(file.file);
+  if (!file.text && text && (!read || *read != *text)) file.text = read ? *read : *text;
+  const TextLines* const told = text ? &*text : read;
+  if (!file.text || !told || *told == *file.text) return line;
+  const std::vector<int> at = where_lines_are(*told, *file.text);
+  const int there = line <= static_cast<int>(at.size()) ? at[static_cast<std::size_t>(line - 1)] : 0;
+  return there > 0 ? there : line;
+}
+
+void Cell::add_breakpoint(const Location& place, const std::optional<TextLines>& text) {
+  const std::string name = name_in(file_.folder, place.file);
+  const TextLines* const read = lines_of_program(name);
+  if (!read && plc_ && plc_->interpreter().has_file(name))
     throw Error("bad-argument", place.file + " is the PLC's script, which does not pause");
-  } else if (!is_script_of(file_.folder, wanted.file)) {
+  if (!read && !is_script_of(file_.folder, name))
     throw Error("unknown-file",
                 "no program has a file '" + place.file + "', and the cell's folder has no such script",
                 "name a script of the cell, as the list of files does");
+  int line = place.line;
+  if (read && (!text || *text == *read)) {
+    const std::vector<Location> found = program_->interpreter().set_breakpoints({{name, line, 0}});
+    place_breakpoints();
+    if (found.empty())
+      throw Error("bad-argument", "no statement begins at or after line " + std::to_string(line) + " of " +
+                                      place.file + ": nothing would pause there");
+    line = found.front().line;
   }
-  const auto same = [&](const Location& each) { return same_place(each, wanted); };
-  if (std::none_of(breakpoints_.begin(), breakpoints_.end(), same)) breakpoints_.push_back(wanted);
+  FileBreakpoints& file = breakpoints_.of(name_in(file_.folder, name));
+  file.add(known_line(file, line, text));
   place_breakpoints();
 }
 
-void Cell::drop_breakpoint(const Location& place) {
-  const Location wanted{name_in(file_.folder, place.file), place.line, 0};
-  std::erase_if(breakpoints_, [&](const Location& each) { return same_place(each, wanted); });
+void Cell::drop_breakpoint(const Location& place, const std::optional<TextLines>& text) {
+  FileBreakpoints* const file = breakpoints_.find(name_in(file_.folder, place.file));
+  if (!file) return;
+  file->drop(known_line(*file, place.line, text));
   place_breakpoints();
 }
 
-/// In the program there is; where its text has changed they move down again.
+void Cell::clear_breakpoints() {
+  for (FileBreakpoints& each : breakpoints_.files()) each.lines.clear();
+  place_breakpoints();
+}
+
+void Cell::edit_breakpoints(const std::string& file, TextLines text,
+                            const std::optional<std::vector<int>>& lines) {
+  const std::string name = name_in(file_.folder, file);
+  if (!breakpoints_.find(name) && (!lines || lines->empty())) return;
+  if (!is_script_of(file_.folder, name))
+    throw Error("unknown-file", "the cell's folder has no script '" + file + "'",
+                "name a script of the cell, as the list of files does");
+  FileBreakpoints& there = breakpoints_.of(name);
+  if (lines) {
+    there.lines.clear();
+    for (const int line : *lines) there.add(line);
+    there.text = std::move(text);
+  } else {
+    if (const TextLines* const read = lines_of_program(name); read && !there.text) there.text = *read;
+    there.follow(std::move(text));
+  }
+  place_breakpoints();
+}
+
+/// In the program there is: at those lines of its own text, and where that is the newest they move down
+/// again.
 void Cell::place_breakpoints() {
   if (!program_) return;
   program::Interpreter& interpreter = program_->interpreter();
-  std::vector<Location> now;
-  for (const Location& each : breakpoints_)
-    if (!interpreter.has_file(each.file)) now.push_back(each);
-  for (const Location& each : interpreter.set_breakpoints(breakpoints_))
-    now.push_back({name_in(file_.folder, each.file), each.line, 0});
-  breakpoints_ = std::move(now);
+  std::vector<Location> wanted;
+  std::vector<FileBreakpoints*> same;
+  for (FileBreakpoints& each : breakpoints_.files()) {
+    const TextLines* const read = interpreter.lines_of(each.file);
+    if (!read) continue;
+    FileBreakpoints here = each;
+    if (each.text && *each.text != *read)
+      here.follow(*read);
+    else
+      same.push_back(&each);
+    for (const int line : here.lines) wanted.push_back({each.file, line, 0});
+  }
+  const std::vector<Location> placed = interpreter.set_breakpoints(wanted);
+  for (FileBreakpoints* each : same) {
+    each->lines.clear();
+    for (const Location& at : placed)
+      if (name_in(file_.folder, at.file) == each->file) each->add(at.line);
+  }
 }
 
 bool Cell::program_runs() const {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/program/lexer.hpp"
 
 namespace polyarm::cell {
 
@@ -227,13 +229,36 @@ Location breakpoint_at(Cell& cell, const std::string& text) {
   return {file, static_cast<int>(*line), 0};
 }
 
+/// The lines of the text that an argument holds; none where it is not there.
+std::optional<TextLines> lines_argument(const Json& arguments, const char* name) {
+  if (!arguments.contains(name)) return {};
+  return program::split_lines(text_argument(arguments, name));
+}
+
 Poll program_break(Cell& cell, const Json& arguments) {
   std::vector<Location> added, dropped;
-  for (const std::string& text : list_argument(arguments, "at")) added.push_back(breakpoint_at(cell, text));
-  for (const std::string& text : list_argument(arguments, "off")) dropped.push_back(breakpoint_at(cell, text));
-  if (flag_argument(arguments, "clear")) dropped = cell.breakpoints();
-  for (const Location& each : dropped) cell.drop_breakpoint(each);
-  for (const Location& each : added) cell.add_breakpoint(each);
+  const std::optional<TextLines> text = lines_argument(arguments, "text");
+  for (const std::string& at : list_argument(arguments, "at")) added.push_back(breakpoint_at(cell, at));
+  for (const std::string& off : list_argument(arguments, "off")) dropped.push_back(breakpoint_at(cell, off));
+  for (const Location& each : dropped) cell.drop_breakpoint(each, text);
+  if (flag_argument(arguments, "clear")) cell.clear_breakpoints();
+  for (const Location& each : added) cell.add_breakpoint(each, text);
+  return at_once({{"breakpoints", shown_places(cell.breakpoints())}});
+}
+
+Poll program_edited(Cell& cell, const Json& arguments) {
+  const std::string text = text_argument(arguments, "text");
+  std::optional<std::vector<int>> lines;
+  if (arguments.contains("lines")) {
+    lines.emplace();
+    for (const Json& each : arguments["lines"]) {
+      const double line = each.is_number() ? each.get<double>() : 0;
+      if (line < 1 || line > 1e6 || line != std::floor(line))
+        throw Error("bad-argument", "'lines' is no list of lines", "numbers from 1 on");
+      lines->push_back(static_cast<int>(line));
+    }
+  }
+  cell.edit_breakpoints(text_argument(arguments, "name"), program::split_lines(text), lines);
   return at_once({{"breakpoints", shown_places(cell.breakpoints())}});
 }
 
@@ -302,14 +327,21 @@ const std::vector<RequestRow>& program_rows() {
         true},
        program_step},
       {{"program.break",
-        {{"at", kNames}, {"off", kNames}, {"clear", kFlag}},
+        {{"at", kNames}, {"off", kNames}, {"clear", kFlag}, {"text", kText}},
         "{breakpoints: [{file, line}]}",
         "pause in front of the lines `at`, LINE or FILE:LINE, besides those there are, and no more at those "
         "of "
         "`off`, or with `clear` at none before; a script of the cell that is not begun yet keeps its own for "
-        "its start",
+        "its start; `text`: what the lines are lines of, where that is not what the program has read",
         false},
        program_break},
+      {{"program.edited",
+        {{"name", kText, true}, {"text", kText, true}, {"lines", kAny}},
+        "{breakpoints: [{file, line}]}",
+        "the script `name` reads `text` now, saved or not: its breakpoints go with their lines, or stand at "
+        "`lines` of it; a program that runs keeps its text and pauses at the same lines in there",
+        false},
+       program_edited},
       {{"program.from",
         {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}},
         "{where, source, robot, tool, frame, last_point, sets, reads, variables, held, next}",

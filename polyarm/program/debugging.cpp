@@ -82,10 +82,11 @@ std::vector<Location> Interpreter::set_breakpoints(const std::vector<Location>& 
   return out;
 }
 
-bool Interpreter::has_file(const std::string& name) const {
-  return is_called(program_.file, name) ||
-         std::any_of(program_.included.begin(), program_.included.end(),
-                     [&](const auto& each) { return is_called(each.file, name); });
+const std::vector<std::string>* Interpreter::lines_of(const std::string& name) const {
+  if (is_called(program_.file, name)) return &program_.lines;
+  const auto at = std::find_if(program_.included.begin(), program_.included.end(),
+                               [&](const auto& each) { return is_called(each.file, name); });
+  return at == program_.included.end() ? nullptr : &at->lines;
 }
 
 std::vector<Location> Interpreter::breakpoints() const {

@@ -95,8 +95,9 @@ class Interpreter {
   /// Those of files that it does not have, or behind their last statement, are left out.
   std::vector<Location> set_breakpoints(const std::vector<Location>& places);
   std::vector<Location> breakpoints() const;
-  /// Has it read a file of this name, or the end of one?
-  bool has_file(const std::string& name) const;
+  /// The lines of the file of this name, or the end of one, as it has read them; null where it has read none.
+  const std::vector<std::string>* lines_of(const std::string& name) const;
+  bool has_file(const std::string& name) const { return lines_of(name) != nullptr; }
   /// Pauses in front of the next statement; motion that is queued goes on.
   void pause() { pause_asked_ = true; }
   /// Before the first step: paused where it begins.

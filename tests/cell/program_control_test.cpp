@@ -122,12 +122,12 @@ TEST_F(ProgramControl, BreakpointsOfAnotherProgramWaitForItsStart) {
   EXPECT_EQ(line(), 4);
   EXPECT_EQ(ask("program")["breakpoints"].size(), 2u) << "those of the one before hold for its next start";
 
-  const std::vector<Location> kept = cell().breakpoints();
+  const std::vector<cell::FileBreakpoints> kept = cell().kept_breakpoints();
   run->end();
   cell::CellOptions options;
   options.lock_step = true;
   options.breakpoints = kept;
-  options.breakpoints.push_back({"/somewhere/else/job.script", 3, 0});
+  options.breakpoints.push_back({"/somewhere/else/job.script", {3}, {}});
   cell::Observer nobody;
   cell::Cell anew(cell::read_cell_file(folder.path()), description::Catalogue({}), options, nobody);
   EXPECT_EQ(anew.breakpoints().size(), 2u);
@@ -146,6 +146,62 @@ TEST_F(ProgramControl, BreakpointsOfAProgramThatHasEndedHoldForItsNextStart) {
   const Json told = ask("program");
   EXPECT_TRUE(told["paused"].get<bool>());
   EXPECT_EQ(told["breakpoints"].size(), 1u);
+}
+
+/// A draft has three lines more above, and the marked line itself is written anew.
+TEST_F(ProgramControl, BreakpointsGoWithTheLinesOfADraftWhileTheProgramKeepsItsText) {
+  ask("program.break", {{"at", Json::array({"job.script:12", "job.script:14"})}});
+  std::string draft = std::string("# one\n# two\n\n") + kScript;
+  draft.replace(draft.find("wait 100ms"), 10, "wait 200ms");
+  const Json now = ask("program.edited", {{"name", "job.script"}, {"text", draft}})["breakpoints"];
+  ASSERT_EQ(now.size(), 2u);
+  EXPECT_EQ(now[0]["line"], 15);
+  EXPECT_EQ(now[1]["line"], 17);
+  run_to(12);
+  run->run(1);
+  EXPECT_EQ(line(), 12) << "what runs has its own lines";
+  ask("program.break", {{"at", "job.script:16"}, {"off", "job.script:15"}, {"text", draft}});
+  EXPECT_EQ(ask("program")["breakpoints"][0]["line"], 16) << "as whoever writes the draft sees it";
+  ask("program.go");
+  run_to(13);
+  EXPECT_TRUE(ask("program")["paused"].get<bool>());
+  ask("program.stop");
+  folder.write("job.script", draft);
+  ask("program.from", {{"program", "job.script"}, {"confirmed", true}});
+  run_to(16);
+  EXPECT_TRUE(ask("program")["paused"].get<bool>());
+  ask("program.edited", {{"name", "job.script"}, {"text", kScript}, {"lines", Json::array({11})}});
+  EXPECT_EQ(ask("program")["breakpoints"].size(), 1u);
+  ask("program.go");
+  run_to(14);
+  EXPECT_TRUE(ask("program")["paused"].get<bool>()) << "line 11 of the older text";
+  EXPECT_EQ(run->ask({{"request", "program.edited"},
+                      {"name", "job.script"},
+                      {"text", ""},
+                      {"lines", Json::array({0})}})["error"]["code"],
+            "bad-argument");
+  EXPECT_EQ(run->ask({{"request", "program.edited"},
+                      {"name", "../x.script"},
+                      {"text", ""},
+                      {"lines", Json::array({1})}})["error"]["code"],
+            "unknown-file");
+}
+
+/// Who comes after a cell with a draft that is not saved starts the file as it was saved.
+TEST_F(ProgramControl, BreakpointsOfADraftAreFoundInTheFileThatIsStarted) {
+  ask("program.break", {{"at", "job.script:13"}});
+  ask("program.edited", {{"name", "job.script"}, {"text", std::string("# one\n") + kScript}});
+  const std::vector<cell::FileBreakpoints> kept = cell().kept_breakpoints();
+  run->end();
+  cell::CellOptions options;
+  options.lock_step = true;
+  options.breakpoints = kept;
+  cell::Observer nobody;
+  cell::Cell anew(cell::read_cell_file(folder.path()), description::Catalogue({}), options, nobody);
+  ASSERT_EQ(anew.breakpoints().size(), 1u);
+  EXPECT_EQ(anew.breakpoints().front().line, 14);
+  ASSERT_EQ(anew.program()->interpreter().breakpoints().size(), 1u);
+  EXPECT_EQ(anew.program()->interpreter().breakpoints().front().line, 13);
 }
 
 TEST_F(ProgramControl, PausesStepsAndGoesOn) {

@@ -47,10 +47,13 @@ export function StepsView() {
   );
 }
 
+/** On any line of the statement. */
+const breakpointOf = (step: Statement) => doc.breakpoints.value.find((line) => line >= step.line && line <= step.endLine);
+
 function Step({ step, live, chosen }: { step: Statement; live: boolean; chosen: boolean }) {
   const { icon, text, chips } = sentenceOf(step);
   const wrong = doc.problems.value.filter((each) => each.line >= step.line && each.line <= step.endLine);
-  const stops = doc.breakpoints.value.includes(step.line);
+  const stops = breakpointOf(step) !== undefined;
   const kind = step.word === '#' ? 'comment' : step.closes ? 'closer' : step.opens || step.middle ? 'block' : '';
   return (
     <li data-line={step.line} style={{ '--depth': String(step.depth) }}>
@@ -101,7 +104,7 @@ function Actions({ step }: { step: Statement | null }) {
         const made = copyStatement(doc.text.value, step!);
         doc.change(made.text, made.line);
       }} />
-      <Button label={t('program.breakpoint')} icon="pin" bare disabled={!step} pressed={!!step && doc.breakpoints.value.includes(step.line)} onClick={() => step && void doc.toggleBreakpoint(step.line)} />
+      <Button label={t('program.breakpoint')} icon="pin" bare disabled={!step} pressed={!!step && breakpointOf(step) !== undefined} onClick={() => step && void doc.toggleBreakpoint(breakpointOf(step) ?? step.line)} />
       <Button label={t('program.fromHere')} icon="right" bare disabled={!step || !mayMove.value || step.word === '#'} onClick={() => step && void runFrom(step.line)} />
       <Button label={t('program.remove')} icon="trash" bare disabled={fixed} onClick={() => step && remove(step)} />
     </div>

@@ -4,11 +4,12 @@ import { defaultKeymap, history, historyKeymap, indentWithTab, toggleComment } f
 import { bracketMatching, indentOnInput, indentUnit } from '@codemirror/language';
 import { type Diagnostic, lintGutter, setDiagnostics } from '@codemirror/lint';
 import { highlightSelectionMatches, search, searchKeymap } from '@codemirror/search';
-import { Compartment, EditorState, type Extension, RangeSet, StateEffect, StateField, Transaction } from '@codemirror/state';
+import { type ChangeDesc, Compartment, EditorState, type Extension, RangeSet, StateEffect, StateField, type Text, Transaction } from '@codemirror/state';
 import {
   Decoration, drawSelection, EditorView, gutter, GutterMarker, highlightActiveLine, keymap, lineNumbers,
 } from '@codemirror/view';
 import type { KnownName } from '../../state/points';
+import { type LineMap, lineMap } from './breakpoints';
 import type { Problem } from './documents';
 import { colours, indents, mode } from './mode';
 import type { Language } from './knownWords';
@@ -18,7 +19,7 @@ export interface EditorHooks {
   language: Language;
   names: () => KnownName[];
   phrases: Record<string, string>;
-  onChange: (text: string) => void;
+  onChange: (text: string, map: LineMap) => void;
   onLine: (line: number) => void;
   onBreakpoint: (line: number) => void;
 }
@@ -60,9 +61,23 @@ const breaks = StateField.define<Set<number>>({
   create: () => new Set(),
   update(lines, change) {
     for (const effect of change.effects) if (effect.is(setBreaks)) return new Set(effect.value);
-    return lines;
+    if (!change.docChanged || lines.size === 0) return lines;
+    return new Set([...lines].map(linesMoved(change.startState.doc, change.changes, change.newDoc)).filter((line) => line > 0));
   },
 });
+
+/** A line goes with its first letter; where all of it was replaced, or taken out, what both texts have in common says. */
+function linesMoved(before: Text, changes: ChangeDesc, after: Text): LineMap {
+  let byText: LineMap | null = null;
+  return (number) => {
+    if (number > before.lines) return 0;
+    const line = before.line(number);
+    const from = line.from + /^\s*/.exec(line.text)![0].length;
+    if (changes.touchesRange(from, line.to) !== 'cover') return after.lineAt(changes.mapPos(from, 1)).number;
+    byText ??= lineMap(before.toString(), after.toString());
+    return byText(number);
+  };
+}
 
 const markGutter = (hooks: EditorHooks) =>
   gutter({
@@ -172,7 +187,7 @@ export class ProgramEditor {
       ]),
       EditorView.updateListener.of((update) => {
         const outside = update.transactions.some((each) => each.effects.some((effect) => effect.is(fromOutside)));
-        if (update.docChanged && !outside) hooks.onChange(update.state.doc.toString());
+        if (update.docChanged && !outside) hooks.onChange(update.state.doc.toString(), linesMoved(update.startState.doc, update.changes, update.state.doc));
         if (update.selectionSet || update.docChanged)
           hooks.onLine(update.state.doc.lineAt(update.state.selection.main.head).number);
       }),
@@ -226,6 +241,8 @@ export class ProgramEditor {
   }
 
   showBreakpoints(lines: number[]): void {
+    const now = this.view.state.field(breaks);
+    if (now.size === lines.length && lines.every((line) => now.has(line))) return;
     this.view.dispatch({ effects: setBreaks.of(lines) });
   }
 

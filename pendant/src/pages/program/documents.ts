@@ -1,11 +1,12 @@
 /** The program file that is open: its text, the file and draft behind it, what the checker says, earlier texts. */
-import { computed, effect, signal } from '@preact/signals';
+import { computed, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../i18n';
 import { attempt, complain, connected, program, request, status } from '../../state/cell';
 import { kept, settings } from '../../state/settings';
 import { toast } from '../../state/toasts';
 import type { ProgramStatus } from '../../wire/types';
 import { RequestError } from '../../wire/connection';
+import { BreakpointKeeper, type LineMap } from './breakpoints';
 import { DraftKeeper, type DraftState, localDrafts } from './drafts';
 import { type Statement, statementsOf } from './statements';
 
@@ -142,8 +143,11 @@ export async function openFile(name: string, quiet = false): Promise<boolean> {
 }
 
 function show(name: string, now: string, saved: string, hash: string): void {
+  const same = name === fileName.value;
   fileName.value = name;
   text.value = now;
+  if (same) marks.edited(now);
+  else marks.open(name, now, untracked(toldBreakpoints));
   savedText.value = saved;
   base.value = hash;
   foundDraft.value = null;
@@ -174,10 +178,11 @@ export async function closeDeleted(name: string): Promise<void> {
 
 // --- changes
 
-/** What the editor or the steps have made of it. */
-export function edit(next: string): void {
+/** What the editor or the steps have made of it; `map`: where its lines went, where that is known exactly. */
+export function edit(next: string, map?: LineMap): void {
   if (next === text.value) return;
   text.value = next;
+  marks.edited(next, map);
   checked.value = false;
   if (next === savedText.value && !theirs.value) dropDraft();
   else keeper.note({ name: fileName.value, text: next, base: base.value });
@@ -217,6 +222,7 @@ export function discardDraft(): void {
   undone.push(text.value);
   canUndo.value = true;
   text.value = savedText.value;
+  marks.edited(savedText.value);
   revision.value++;
   checked.value = false;
   dropDraft();
@@ -377,16 +383,30 @@ export function findLine(lines: string[], line: number, source: string): number 
 
 // --- breakpoints
 
-export const breakpoints = computed<number[]>(() => {
-  const all = (program.value?.breakpoints as { file: string; line: number }[] | undefined) ?? [];
-  return all.filter((each) => sameFile(each.file, fileName.value)).map((each) => each.line);
-});
-export async function toggleBreakpoint(line: number): Promise<void> {
-  const place = [`${fileName.value}:${line}`];
-  try {
-    const answer = await request<{ breakpoints: unknown[] }>('program.break', breakpoints.value.includes(line) ? { off: place } : { at: place });
-    program.value = { ...(program.peek() ?? {}), breakpoints: answer.breakpoints };
-  } catch (error) {
-    complain(error);
-  }
+interface Place {
+  file: string;
+  line: number;
 }
+const ofThisFile = (all: Place[]) => all.filter((each) => sameFile(each.file, fileName.peek())).map((each) => each.line);
+const toldBreakpoints = () => (program.value ? ofThisFile((program.value.breakpoints as Place[] | undefined) ?? []) : null);
+
+/** Their lines in the text as it stands here. */
+export const breakpoints = signal<number[]>([]);
+const marks = new BreakpointKeeper({
+  tell: (name, now, lines) => askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) }),
+  toggle: (name, now, line, on) =>
+    askBreakpoints('program.break', { [on ? 'at' : 'off']: [`${name}:${line}`], text: now }).catch((error: unknown) => {
+      complain(error);
+      throw error;
+    }),
+  onLines: (lines) => {
+    if (String(lines) !== String(breakpoints.peek())) breakpoints.value = lines;
+  },
+});
+async function askBreakpoints(what: string, args: Record<string, unknown>): Promise<number[]> {
+  const answer = await request<{ breakpoints: Place[] }>(what, args);
+  if (program.peek()) program.value = { ...program.peek(), breakpoints: answer.breakpoints };
+  return ofThisFile(answer.breakpoints);
+}
+effect(() => marks.heard(toldBreakpoints()));
+export const toggleBreakpoint = (line: number): Promise<void> => marks.toggle(line);
