@@ -90,6 +90,7 @@ int run_tags(int argc, char** argv) {
     } else {
       request["name"] = name;
       request["value"] = json_of(value);
+      request["by"] = "terminal";
     }
     if (action == "force") return force(options, request);
     const Json result = Client(options.cell).ask(request);

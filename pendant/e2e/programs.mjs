@@ -202,3 +202,11 @@ test('keeps every text that was saved, shows it beside that of now, and puts it 
   await state(page).getByText('Ready', { exact: true }).waitFor();
   assert.deepEqual(page.problems, []);
 });
+
+test('says by name who has changed a signal', async () => {
+  await go(page, 'Signals');
+  const row = page.getByRole('row', { name: /^Go / });
+  await row.getByRole('button', { name: /^Turn Go o(n|ff)$/ }).click();
+  await row.getByText(/^Browser \d+, .* ago$/).waitFor();
+  await picture(page, 'changed-by');
+});

@@ -102,18 +102,25 @@ data::Value wanted_value(const data::Value& like, const Json& given) {
               like.as_boolean() ? "true or false" : "");
 }
 
+/// Who asks, as a door says it.
+std::string who_asks(const Json& arguments) {
+  const std::string by = text_argument(arguments, "by", "");
+  return by.empty() ? "a person" : by.substr(0, 80);
+}
+
 /// Released when the request ends, however it ends.
 class Force {
  public:
-  Force(Cell& cell, std::string name, data::Value value) : cell_(cell), name_(std::move(name)) {
+  Force(Cell& cell, std::string name, data::Value value, std::string by)
+      : cell_(cell), name_(std::move(name)), by_(std::move(by)) {
     const auto facts = cell_.store().facts(name_);
     if (facts && facts->forced) throw Error("in-use", "'" + name_ + "' is forced already", "end that first");
-    cell_.store().force(name_, std::move(value), "forced");
-    cell_.tell("'" + name_ + "' is forced to " + cell_.store().find(name_)->text());
+    cell_.store().force(name_, std::move(value), by_);
+    cell_.tell("'" + name_ + "' is forced to " + cell_.store().find(name_)->text() + " by " + by_);
   }
   ~Force() {
     if (!forced()) return;  // somebody has released it
-    cell_.store().release(name_, "released");
+    cell_.store().release(name_, by_);
     cell_.tell("'" + name_ + "' is no longer forced");
   }
   bool forced() const {
@@ -125,7 +132,7 @@ class Force {
 
  private:
   Cell& cell_;
-  std::string name_;
+  std::string name_, by_;
 };
 
 Poll tags_list(Cell& cell, const Json& arguments) {
@@ -152,7 +159,7 @@ Poll tags_set(Cell& cell, const Json& arguments) {
   if (cell.store().tag_role(name) == data::TagRole::state)
     throw Error("read-only", "'" + name + "' says what the hardware measures",
                 "polyarm tags force, as long as it runs");
-  cell.store().set(name, wanted_value(*like, arguments.value("value", Json())), "a person");
+  cell.store().set(name, wanted_value(*like, arguments.value("value", Json())), who_asks(arguments));
   return at_once(tag_json(cell, name));
 }
 
@@ -162,7 +169,8 @@ Poll tags_force(Cell& cell, const Json& arguments) {
   if (!like)
     throw Error("unknown-name",
                 "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
-  auto force = std::make_shared<Force>(cell, name, wanted_value(*like, arguments.value("value", Json())));
+  auto force = std::make_shared<Force>(cell, name, wanted_value(*like, arguments.value("value", Json())),
+                                       who_asks(arguments));
   return [force, name, told = Nanoseconds{-1}](Cell& c) mutable {
     if (!force->forced()) return Progress::done(tag_json(c, name));
     if (told >= 0 && c.now() - told < kTellEvery) return Progress{};
@@ -175,7 +183,7 @@ Poll tags_release(Cell& cell, const Json& arguments) {
   const std::string name = text_argument(arguments, "name");
   const auto facts = cell.store().facts(name);
   if (!facts || !facts->forced) throw Error("not-forced", "'" + name + "' is not forced");
-  cell.store().release(name, "released");
+  cell.store().release(name, who_asks(arguments));
   cell.tell("'" + name + "' is no longer forced");
   return at_once(tag_json(cell, name));
 }
@@ -208,19 +216,24 @@ const std::vector<RequestRow>& tag_rows() {
         false},
        tags_list},
       {{"tags.set",
-        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        {{"name", kText, true}, {"value", ArgumentType::any, true}, {"by", kText}},
         "{name, value, …}, as in tags.list",
-        "change a tag or variable once, as a person",
+        "change a tag or variable once, as a person; `by` is told as who has changed it (the pendant's port "
+        "puts "
+        "its client's name there)",
         true},
        tags_set},
       {{"tags.force",
-        {{"name", kText, true}, {"value", ArgumentType::any, true}},
+        {{"name", kText, true}, {"value", ArgumentType::any, true}, {"by", kText}},
         "{name, value, …} again and again",
         "the tag keeps the value whatever is set meanwhile, for as long as the asker is there",
         true},
        tags_force},
-      {{"tags.release", kName, "{name, value, …}, as in tags.list",
-        "a forced tag follows its source again, whoever forced it", true},
+      {{"tags.release",
+        {{"name", kText, true}, {"by", kText}},
+        "{name, value, …}, as in tags.list",
+        "a forced tag follows its source again, whoever forced it",
+        true},
        tags_release},
       {{"tags.history",
         {{"names", kNames}, {"after", kNumber}},

@@ -243,6 +243,11 @@ class Sessions::Work {
     require_cell();
     const auto found = moves_.find(name);
     if (found != moves_.end() && found->second) require_control(seat, name);
+    if (name == "tags.set" || name == "tags.force" || name == "tags.release") {
+      Json named = request;
+      named["by"] = name_of(seat.client->number);
+      return hand_over(seat, named, dump(named));
+    }
     hand_over(seat, request, line);
   }
 

@@ -355,11 +355,15 @@ TEST_F(ProjectTest, AProgramIsAListOfStepsWithTheirLines) {
 }
 
 TEST_F(ProjectTest, AForcedTagIsReleasedByAnybodyAndChangesAreTold) {
-  const auto forced = cell->give({{"request", "tags.force"}, {"name", "Count"}, {"value", 7}});
+  const auto forced =
+      cell->give({{"request", "tags.force"}, {"name", "Count"}, {"value", 7}, {"by", "Tablet 4"}});
+  const auto by = [&] { return cell->cell().store().facts("Count")->changed_by; };
   cell->run(0.05);
   EXPECT_EQ(point("Count")["value"], 7);
-  EXPECT_EQ(code({{"request", "tags.release"}, {"name", "Count"}}), "ok");
+  EXPECT_EQ(by(), "Tablet 4");
+  EXPECT_EQ(code({{"request", "tags.release"}, {"name", "Count"}, {"by", "Phone 5"}}), "ok");
   cell->run(0.5);
+  EXPECT_EQ(by(), "Phone 5");
   EXPECT_EQ(point("Count")["value"], 3);
   ASSERT_FALSE(forced->empty());
   EXPECT_FALSE(forced->back().value("more", false)) << "who forced it is told that it is over";
@@ -367,6 +371,9 @@ TEST_F(ProjectTest, AForcedTagIsReleasedByAnybodyAndChangesAreTold) {
   const Json history = result({{"request", "tags.history"}, {"names", {"Count"}}});
   ASSERT_GE(history["changes"].size(), 2u);
   EXPECT_EQ(history["changes"].back()["now"], "3");
+  EXPECT_EQ(history["changes"].back()["by"], "Phone 5");
+  EXPECT_EQ(code({{"request", "tags.set"}, {"name", "Count"}, {"value", 4}}), "ok");
+  EXPECT_EQ(by(), "a person");
 }
 
 TEST_F(ProjectTest, ACellIsAskedToBeBuiltAnew) {

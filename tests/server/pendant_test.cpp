@@ -502,6 +502,19 @@ TEST_F(PendantTest, EventsSayWhatChangesAndToWhoComesLateAllThereIs) {
       heard(*late, "log", [](const Json& e) { return e.dump().find("it broke") != std::string::npos; }));
 }
 
+/// Whatever it says itself: the name is the one that the others see.
+TEST_F(PendantTest, WhoChangesATagIsToldByName) {
+  data::DataSet work;
+  work.set("Go", false);
+  cell->cell().store().load("work", work, "test");
+  const auto tablet = connect();
+  ask(*tablet, {{"request", "session.hello"}, {"name", "Tablet 4"}});
+  ask(*tablet, {{"request", "session.take"}});
+  EXPECT_EQ(code(ask(*tablet, {{"request", "tags.set"}, {"name", "Go"}, {"value", true}, {"by", "nobody"}})),
+            "ok");
+  EXPECT_EQ(cell->cell().store().facts("Go")->changed_by, "Tablet 4");
+}
+
 TEST_F(PendantTest, BetweenTwoCellsRequestsAreRefusedAndTheNextOneIsServed) {
   const auto peer = connect();
   ask(*peer, {{"request", "session.hello"}});

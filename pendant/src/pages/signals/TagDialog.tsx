@@ -6,7 +6,7 @@ import { attempt, mayMove } from '../../state/cell';
 import { forcedHere, forceTag, releaseTag, setTag, tagInfos, tagNow } from '../../state/tags';
 import { Button, Field, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { changedText, directionWord, Value } from './index';
+import { changedText, directionWord, Value, whoText } from './index';
 
 export function TagDialog({ name, onClose }: { name: string; onClose: () => void }) {
   const info = tagInfos.value.find((each) => each.name === name);
@@ -60,7 +60,7 @@ export function TagDialog({ name, onClose }: { name: string; onClose: () => void
       <p class="note">{t(measured ? 'signals.simulateWhy' : 'signals.forceWhy')}</p>
       {tag.forced && !mine && (
         <div class="row">
-          <p class="signals-other">{t('signals.forcedElsewhere')}</p>
+          <p class="signals-other">{t('signals.forcedElsewhere', { who: whoText(tag) })}</p>
           {able('tags.release') && <Button label={t('signals.release')} icon="undo" disabled={!mayMove.value} onClick={() => void attempt('tags.release', { name })} />}
         </div>
       )}

@@ -107,11 +107,14 @@ export function directionWord(direction: string): string {
   return direction.split(', ').map((each) => word('signals.dir', each)).join(', ');
 }
 
+/** Its kind of program, or the name of who was connected. */
+export const whoText = (tag: TagInfo) => (tag.changed_by ? word('signals.by', tag.changed_by) : t('signals.cell'));
+
 /** Since when and by whom: `PLC, 3.2 s ago`. */
 export function changedText(tag: TagInfo): string {
   if (tag.changed_s === null) return t('signals.never');
   const ago = Math.max(0, cellTime.value - tag.changed_s);
-  return t('signals.ago', { who: tag.changed_by || t('signals.cell'), time: duration(ago) });
+  return t('signals.ago', { who: whoText(tag), time: duration(ago) });
 }
 
 function Row({ tag }: { tag: TagInfo }) {
