@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::cell {
@@ -19,7 +21,13 @@ Task::Task(std::string name, program::Program program, ProgramHost::Context cont
 }
 
 void Task::look() {
+  const std::uint64_t passes = status_.passes;
   status_ = interpreter_.overview();
+  if (status_.passes > passes) {
+    const auto more = static_cast<Nanoseconds>(status_.passes - passes);
+    if (pass_ended_) last_pass_ = (*now_ - *pass_ended_) / more;
+    pass_ended_ = *now_;
+  }
   if (status_.where.line == shown_.line || status_.state == TaskState::finished) return;
   shown_ = status_.where;
   observer_->on_line(*now_, name_, status_.where, status_.source);

@@ -35,6 +35,9 @@ class Task {
   bool ended() const;
   bool failed() const { return status_.state == program::TaskState::failed; }
   bool moving() const { return host_.moving(); }
+  /// How long the newest whole pass of the outermost loop took, in cell time; none before the second has
+  /// ended.
+  std::optional<Nanoseconds> last_pass() const { return last_pass_; }
   /// "PAPscript.script:12: wait GripperActive, waits for GripperActive"
   std::string sentence() const;
 
@@ -48,6 +51,7 @@ class Task {
   program::Interpreter interpreter_;
   program::TaskStatus status_;
   Location shown_;
+  std::optional<Nanoseconds> pass_ended_, last_pass_;
 };
 
 }  // namespace polyarm::cell

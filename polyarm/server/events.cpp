@@ -33,6 +33,7 @@ Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = t
           {"where", place_json(status.where)},
           {"source", status.source},
           {"cycle", status.passes},
+          {"last_pass_s", task.last_pass() ? Json(seconds(*task.last_pass())) : Json()},
           {"paused", task.interpreter().paused()},
           {"begun", begun},
           {"ended", task.ended()},

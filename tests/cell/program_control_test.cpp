@@ -204,6 +204,19 @@ TEST_F(ProgramControl, BreakpointsOfADraftAreFoundInTheFileThatIsStarted) {
   EXPECT_EQ(anew.program()->interpreter().breakpoints().front().line, 13);
 }
 
+TEST_F(ProgramControl, TellsHowLongTheNewestPassTook) {
+  const auto passed = [&](std::uint64_t wanted) {
+    for (int i = 0; i < 20000 && cell().program()->status().passes < wanted; ++i) run->tick();
+    return cell().now();
+  };
+  const Nanoseconds first = passed(1);
+  EXPECT_FALSE(cell().program()->last_pass()) << "when its first one began is not known";
+  const Nanoseconds second = passed(2);
+  ASSERT_TRUE(cell().program()->last_pass());
+  EXPECT_NEAR(seconds(*cell().program()->last_pass()), seconds(second - first), 0.003);
+  EXPECT_GT(second, first);
+}
+
 TEST_F(ProgramControl, PausesStepsAndGoesOn) {
   run_to(14);
   EXPECT_EQ(ask("program.pause")["paused"], true);

@@ -23,6 +23,7 @@ function readProgram(value: unknown): ProgramStatus | null {
     line: num(program.line, 0),
     source: text(program.source),
     passes: num(program.cycle, 0),
+    lastPass: num(program.last_pass_s, NaN),
     tasks: num(program.tasks, 1),
     waitsFor: text(program.waits_for),
     problem: text(program.problem),

@@ -27,6 +27,8 @@ export interface ProgramStatus {
   source: string;
   /** Of the outermost loop. */
   passes: number;
+  /** The newest whole one, s of cell time; NaN before. */
+  lastPass: number;
   tasks: number;
   waitsFor: string;
   problem: string;
