@@ -78,7 +78,7 @@ int teach_tool(const TeachArguments& a) {
       throw Error("bad-points",
                   fmt::format("the tip was up to {:.3f} mm off; nothing was changed", 1e3 * tool.largest),
                   "teach the worst pose again, or say --most MM or --yes");
-    set.set(a.name, data::Point{{tool.tcp, {}}, false});
+    set.set(a.name, data::point_of(tool));
     fmt::print("{} is {}\n", a.name, set.values().value(a.name)->text());
   });
   return kOk;

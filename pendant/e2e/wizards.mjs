@@ -11,7 +11,7 @@ const { at, test, atRest } = suite({
   change: (folder) => {
     writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\nprogram: job\n');
     writeFileSync(join(folder, 'work.data'), 'Name: PointFile\nText: places\n');
-    writeFileSync(join(folder, 'places.points'), '');
+    writeFileSync(join(folder, 'places.points'), 'Pose: RPY\nName: Cup\nPoint: 0, 0, 0.1, 0, 0, 0; frame = "tool0"\nName: Rest\nPoint: 0.4, 0.1, 0.3, 3.14159, 0, 0\n');
     writeFileSync(join(folder, 'job.script'), 'load work\nmovej joints(0deg, -70deg, 100deg, -120deg, -90deg, 0deg)\n');
   },
   chain: true,
@@ -71,4 +71,16 @@ test('the frame that was saved leads a program', async () => {
   await button('Start').click();
   await until(async () => (await at.goOn(), Math.hypot(...['x', 'y', 'z'].map((axis, i) => tcp(axis) - at.origin[i])) < 0.002), 60, 'the TCP at the origin of the frame');
   assert.deepEqual(page.problems, []);
+});
+
+test('a tool stands among the tools, and is no place to go to', async () => {
+  await go(page, 'Points');
+  const tools = page.getByRole('region', { name: 'Tools' });
+  await tools.getByRole('button', { name: /^Cup/ }).click();
+  await page.getByText('A tool: the pose of its TCP on the flange.').waitFor();
+  assert.equal(await tools.getByRole('listitem').count(), 1);
+  assert.equal(await button('Touch up').count(), 0);
+  await picture(page, 'tool');
+  await page.getByRole('button', { name: /^Rest/ }).click();
+  await button('Touch up').waitFor();
 });

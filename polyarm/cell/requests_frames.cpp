@@ -91,12 +91,12 @@ Poll points_tool(Cell& cell, const Json& arguments) {
                    {"rms", tool.rms},
                    {"largest", tool.largest}};
   if (flag_argument(arguments, "dry")) return at_once(found);
-  return then_with(edit_value(cell, set_for(cell, arguments, name), "tool " + name, name,
-                              data::Point{{tool.tcp, {}}, false}),
-                   [found](Cell&, Json answer) {
-                     answer.update(found);
-                     return at_once(std::move(answer));
-                   });
+  return then_with(
+      edit_value(cell, set_for(cell, arguments, name), "tool " + name, name, data::point_of(tool)),
+      [found](Cell&, Json answer) {
+        answer.update(found);
+        return at_once(std::move(answer));
+      });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -96,6 +97,10 @@ TaughtTool tool_from_poses(std::span<const Pose> poses) {
   }
   out.rms = std::sqrt(out.rms / static_cast<double>(poses.size()));
   return out;
+}
+
+Point point_of(const TaughtTool& tool) {
+  return {{tool.tcp, {}}, false, std::make_shared<const Taught>(Taught{"tool0", {}, {}, {}})};
 }
 
 }  // namespace polyarm::data

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
+#include "polyarm/data/value.hpp"
 
 namespace polyarm::data {
 
@@ -22,5 +23,7 @@ struct TaughtTool {
 /// orientation: R_i t + p_i = c for all i, least squares for t and c. Throws Error("bad-points") where they
 /// do not say it.
 TaughtTool tool_from_poses(std::span<const Pose> poses);
+/// As data keep it: a pose in `tool0`, so that nobody takes it for a place in the world.
+Point point_of(const TaughtTool& tool);
 
 }  // namespace polyarm::data

@@ -228,6 +228,12 @@ TEST_F(ProjectTest, AFrameComesFromThreePlacesAndATheToolFromFourPoses) {
   EXPECT_NEAR(found["tcp"][2].get<double>(), 0.1, 1e-9) << found;
   EXPECT_LT(found["largest"].get<double>(), 1e-9);
   EXPECT_TRUE(point("Gripper").is_null()) << "it was only looked at";
+  EXPECT_EQ(code({{"request", "points.tool"}, {"name", "Gripper"}, {"poses", poses}}), "ok");
+  const Json kept = point("Gripper");
+  EXPECT_EQ(kept["taught"]["frame"], "tool0");
+  EXPECT_NEAR(kept["pose"]["p"][2].get<double>(), 0.1, 1e-9);
+  EXPECT_TRUE(kept["world"].is_null()) << "it is no place of the cell";
+  EXPECT_NE(read_file(folder.path() / "points.points").find("tool0"), std::string::npos);
 }
 
 TEST_F(ProjectTest, AWayIsLookedAtWithoutMoving) {

@@ -41,8 +41,10 @@ export const pointsKnown = signal(false);
 export const names = signal<KnownName[]>([]);
 
 export const isPlace = (kind: string) => kind === 'pose' || kind === 'joints';
-export const places = computed(() => values.value.filter((each) => isPlace(each.kind)));
-export const frameNames = computed(() => values.value.filter((each) => each.kind === 'pose').map((each) => each.name));
+/** The TCP of a tool, a pose on the flange: no place to go to. */
+export const isTool = (value: DataValue) => value.kind === 'pose' && value.taught?.frame === 'tool0';
+export const places = computed(() => values.value.filter((each) => isPlace(each.kind) && !isTool(each)));
+export const frameNames = computed(() => values.value.filter((each) => each.kind === 'pose' && !isTool(each)).map((each) => each.name));
 
 export const groupNames = computed(() => [...new Set(values.value.map((each) => each.group).filter(Boolean))].sort());
 

@@ -93,5 +93,8 @@ export const points = {
   'points.tTooMuch': 'More than 1 mm: leave out the worst pose and take it again.',
   'points.tName': 'Name of the tool',
   'points.tSave': 'Save tool',
+  'points.tools': 'Tools',
+  'points.toolIsUsed': 'A tool: the pose of its TCP on the flange. A program takes it with “use tool {name}”.',
+  'points.onFlange': 'the flange (tool0)',
   'points.tSaved': 'Tool {name} is saved',
 } as const;

@@ -95,5 +95,8 @@ export const points: Record<keyof typeof en, string> = {
   'points.tTooMuch': 'Más de 1 mm: quite la peor pose y tómela de nuevo.',
   'points.tName': 'Nombre de la herramienta',
   'points.tSave': 'Guardar herramienta',
+  'points.tools': 'Herramientas',
+  'points.toolIsUsed': 'Una herramienta: la pose de su TCP en la brida. Un programa la usa con «use tool {name}».',
+  'points.onFlange': 'la brida (tool0)',
   'points.tSaved': 'La herramienta {name} está guardada',
 };

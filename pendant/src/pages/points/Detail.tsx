@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
 import { mayMove, request, robot } from '../../state/cell';
-import { changePoints, type DataValue, goodName, groupNames, isPlace, values } from '../../state/points';
+import { changePoints, type DataValue, goodName, groupNames, isPlace, isTool, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty, Field } from '../../ui/controls';
@@ -30,7 +30,8 @@ export function Detail() {
         <h2>{only ? only.name : t('points.many', { count: list.length })}</h2>
         <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={() => (chosen.value = [])} />
       </header>
-      {only && isPlace(only.kind) && <GoKey key={only.name} goal={goalOf(only)} />}
+      {only && isTool(only) && <p class="note">{t('points.toolIsUsed', { name: only.name })}</p>}
+      {only && isPlace(only.kind) && !isTool(only) && <GoKey key={only.name} goal={goalOf(only)} />}
       <Actions list={list} only={only} />
       {only && <Numbers value={only} />}
     </section>
@@ -42,10 +43,10 @@ export function Detail() {
 function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) {
   const may = mayMove.value;
   const names = list.map((each) => each.name);
-  const poses = list.every((each) => each.kind === 'pose');
+  const poses = list.every((each) => each.kind === 'pose' && !isTool(each));
   return (
     <div class="points-actions">
-      {only && isPlace(only.kind) && (
+      {only && isPlace(only.kind) && !isTool(only) && (
         <Button
           label={t('points.touchUp')}
           icon="pin"
@@ -182,7 +183,7 @@ function Numbers({ value }: { value: DataValue }) {
   const facts: [string, string][] = [
     [t('points.file'), value.file],
     [t('points.group'), value.group],
-    [t('points.frameIs'), value.kind === 'pose' ? value.taught?.frame || t('points.world') : ''],
+    [t('points.frameIs'), value.kind !== 'pose' ? '' : isTool(value) ? t('points.onFlange') : value.taught?.frame || t('points.world')],
     [t('points.toolIs'), value.taught?.tool ?? ''],
     [t('points.robotIs'), value.taught?.robot ?? ''],
   ];

@@ -1,6 +1,6 @@
 /** The points by their groups, each of which can be folded. */
 import { t } from '../../i18n';
-import { type DataValue, pointsKnown, values } from '../../state/points';
+import { type DataValue, isTool, pointsKnown, values } from '../../state/points';
 import { Button, Empty, Loading } from '../../ui/controls';
 import { mm } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
@@ -49,9 +49,9 @@ function Group({ group }: { group: PointGroup }) {
         </label>
         <button type="button" aria-expanded={open} onClick={() => fold(group.key)}>
           <Icon name={open ? 'down' : 'right'} size={18} />
-          <Icon name={group.group ? 'layers' : 'folder'} size={16} />
+          <Icon name={group.kind === 'tools' ? 'target' : group.kind === 'group' ? 'layers' : 'folder'} size={16} />
           <span>{group.title}</span>
-          <small>{t(names.length === 1 ? 'points.single' : 'points.many', { count: names.length })}</small>
+          <small>{group.kind === 'tools' ? names.length : t(names.length === 1 ? 'points.single' : 'points.many', { count: names.length })}</small>
         </button>
       </h3>
       {open && (
@@ -78,13 +78,14 @@ function Row({ value }: { value: DataValue }) {
           <strong>{value.name}</strong>
           <small>{summary(value)}</small>
         </span>
-        {value.taught?.frame && <span class="chip">{value.taught.frame}</span>}
+        {value.taught?.frame && !isTool(value) && <span class="chip">{value.taught.frame}</span>}
       </button>
     </li>
   );
 }
 
 function iconOf(value: DataValue) {
+  if (isTool(value)) return 'target' as const;
   if (value.kind === 'pose') return 'points' as const;
   if (value.kind === 'joints') return 'turnRight' as const;
   return value.kind === 'boolean' ? ('signals' as const) : ('program' as const);

@@ -1,6 +1,7 @@
 /** Which points are chosen, and how the list is narrowed and ordered. */
 import { computed, effect, signal } from '@preact/signals';
-import { type DataValue, groupNames, isPlace, values } from '../../state/points';
+import { t } from '../../i18n';
+import { type DataValue, groupNames, isPlace, isTool, values } from '../../state/points';
 import { chosenPoints } from '../../state/preview';
 import { kept } from '../../state/settings';
 
@@ -36,24 +37,27 @@ export function found(all: DataValue[], words: string): DataValue[] {
 export interface PointGroup {
   key: string;
   title: string;
-  group: boolean;
+  kind: 'group' | 'file' | 'tools';
   values: DataValue[];
 }
-/** By group (those without one last, under their file). */
-export function grouped(list: DataValue[]): PointGroup[] {
+/** By group, then those without one under their file, then tools. */
+export function grouped(list: DataValue[], toolsTitle: string): PointGroup[] {
   const out = new Map<string, PointGroup>();
-  for (const each of [...list.filter((v) => v.group), ...list.filter((v) => !v.group)]) {
-    const key = each.group ? `g${each.group}` : `f${each.file}`;
-    if (!out.has(key)) out.set(key, { key, title: each.group || each.file, group: each.group !== '', values: [] });
-    out.get(key)!.values.push(each);
-  }
+  const kindOf = (each: DataValue) => (isTool(each) ? 'tools' : each.group ? 'group' : 'file');
+  for (const kind of ['group', 'file', 'tools'] as const)
+    for (const each of list.filter((value) => kindOf(value) === kind)) {
+      const title = kind === 'tools' ? toolsTitle : kind === 'group' ? each.group : each.file;
+      const key = `${kind[0]}${kind === 'tools' ? '' : title}`;
+      if (!out.has(key)) out.set(key, { key, title, kind, values: [] });
+      out.get(key)!.values.push(each);
+    }
   return [...out.values()];
 }
 
 export const shown = computed(() => {
   const only = shownGroup.value;
   const list = values.value.filter((each) => isPlace(each.kind) === (shownKind.value === 'points') && (only === null || each.group === only));
-  return grouped(found(list, query.value));
+  return grouped(found(list, query.value), t('points.tools'));
 });
 export const chosenValues = computed(() => values.value.filter((each) => chosen.value.includes(each.name)));
 

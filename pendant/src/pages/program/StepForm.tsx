@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { type Key, t } from '../../i18n';
 import { complain, mayMove, robot } from '../../state/cell';
-import { goodName, isPlace, names, places, teach, values } from '../../state/points';
+import { goodName, isPlace, isTool, names, places, teach, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
@@ -188,7 +188,8 @@ function Choice(props: { label: string; value: string | null; options: string[];
 
 function PlaceField({ label, value, onChange }: { label: string; value: string; onChange: (value: string) => void }) {
   const known = places.value.map((each) => each.name);
-  const others = names.value.filter((each) => isPlace(each.kind) && !known.includes(each.name)).map((each) => each.name);
+  const tools = values.value.filter(isTool).map((each) => each.name);
+  const others = names.value.filter((each) => isPlace(each.kind) && !known.includes(each.name) && !tools.includes(each.name)).map((each) => each.name);
   const all = [...known, ...others];
   const [free, setFree] = useState(value !== '' && !all.includes(value));
   return (
