@@ -31,6 +31,15 @@ describe('History', () => {
     history.push(0.5, () => 1);
     expect(history.slice(0, 9, ['a'])).toEqual({ times: [0.5], columns: [[1]] });
   });
+  it('says what was at a time, and nothing of times before the first row or in a gap', () => {
+    const history = filled(100, 10);
+    expect(history.at(4, ['a', 'b'])).toEqual([4, 40]);
+    expect(history.at(4.3, ['b', 'c'])).toEqual([40, null]);
+    expect(history.at(-0.1, ['a'])).toEqual([null]);
+    expect(history.at(4.8, ['a'])).toEqual([null]);
+    expect(history.at(9.2, ['a'])).toEqual([9]);
+    expect(new History(4).at(NaN, ['a'])).toEqual([null]);
+  });
   it('is written as a table', () =>
     expect(csv({ times: [0.5], columns: [[1.25], [null]] }, ['x [rad]', 'say "y", z'])).toBe('time [s],x [rad],"say ""y"", z"\n0.500000,1.25,\n'));
 });

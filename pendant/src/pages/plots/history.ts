@@ -61,7 +61,7 @@ export class History {
     const columns: (number | null)[][] = names.map(() => []);
     const first = Math.max(0, this.find(from) - 1);
     for (let i = first; i < this.count; ++i) {
-      const at = (this.next + this.most - this.count + i) % this.most;
+      const at = this.place(i);
       const time = this.times[at]!;
       times.push(time);
       places.forEach((place, k) => {
@@ -73,13 +73,30 @@ export class History {
     return { times, columns };
   }
 
+  /** Each value at that time: of the last row that is not later, which is not long before. Null where nothing was measured. */
+  at(time: number, names: string[], longest = 0.5): (number | null)[] {
+    const after = this.find(time);
+    const exact = after < this.count && this.times[this.place(after)] === time;
+    const row = exact ? after : after - 1;
+    if (row < 0 || time - this.times[this.place(row)]! > longest) return names.map(() => null);
+    return names.map((name) => {
+      const value = this.rows[this.places.get(name) ?? -1]?.[this.place(row)] ?? NaN;
+      return Number.isFinite(value) ? value : null;
+    });
+  }
+
+  /** Where a row is in the ring. */
+  private place(row: number): number {
+    return (this.next + this.most - this.count + row) % this.most;
+  }
+
   /** Number of the first row that is not before `time`. */
   private find(time: number): number {
     let low = 0;
     let high = this.count;
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (this.times[(this.next + this.most - this.count + middle) % this.most]! < time) low = middle + 1;
+      if (this.times[this.place(middle)]! < time) low = middle + 1;
       else high = middle;
     }
     return low;

@@ -9,7 +9,7 @@ import { Button, Empty, Loading, Segmented } from '../../ui/controls';
 import { ChooseDialog } from './Choose';
 import { csv } from './history';
 import './plots.css';
-import { chosen, colourOf, history, isCommand, record, shown, sliceOf, titleOf, type Trace } from './traces';
+import { chosen, colourOf, history, isCommand, record, shown, sliceOf, titleOf, type Trace, valuesAt } from './traces';
 import type { Plot, View } from './draw';
 
 const seconds = kept<string>('plots.seconds', '15');
@@ -107,8 +107,7 @@ function Curves() {
 function Legend({ list, all }: { list: Trace[]; all: Trace[] }) {
   beat.value;
   const at = cursor.value ?? (still.value ? still.value.to : history.newest);
-  const slice = sliceOf(at, at, list);
-  const row = Math.max(0, slice.times.length - 1);
+  const values = valuesAt(at, list);
   return (
     <ul class="plots-legend">
       {list.map((each, i) => (
@@ -116,7 +115,7 @@ function Legend({ list, all }: { list: Trace[]; all: Trace[] }) {
           <i class={isCommand(each.name) ? 'dashed' : ''} style={{ '--trace': colourOf(each.name, all, darkNow.value) }} aria-hidden="true" />
           <span>{each.name}</span>
           <output aria-label={each.name}>
-            {number(slice.columns[i]?.[row] ?? NaN, 4)} {each.unit}
+            {number(values[i] ?? NaN, 4)} {each.unit}
           </output>
           <Button
             label={t('plots.remove', { name: each.name })}

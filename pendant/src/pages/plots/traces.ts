@@ -75,4 +75,9 @@ export function sliceOf(from: number, to: number, list: Trace[]): Slice {
   return { times, columns: columns.map((column, i) => (list[i]!.factor === 1 ? column : column.map((value) => (value === null ? null : value * list[i]!.factor)))) };
 }
 
+/** What each was at that time; null where nothing was measured. */
+export function valuesAt(time: number, list: Trace[]): (number | null)[] {
+  return history.at(time, list.map((each) => each.name)).map((value, i) => (value === null ? null : value * list[i]!.factor));
+}
+
 export const titleOf = (trace: Trace) => (trace.unit ? `${trace.name} [${trace.unit}]` : trace.name);
