@@ -52,22 +52,29 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
     return state === 'running';
   };
 
-  /** Holds a key down until `seen`; pressed anew where the machine stood still for so long that the motion was ended for it. */
-  const holdKey = async (button, seen, what) => {
-    const { page, watcher } = at;
+  /** Holds something down until `seen`; pressed anew where the machine stood still for so long that the motion was ended for it. */
+  const hold = async ({ down, up }, seen, what) => {
     for (let left = 3; ; --left) {
-      await page.mouse.up();
+      await up();
       await until(running, 60, 'running');
-      await button.hover();
-      at.pressed = Date.now();
-      await page.mouse.down();
+      await down();
       try {
         return await until(seen, 5, what);
       } catch (error) {
-        await page.mouse.up();
+        await up();
         if (left === 0) throw error;
       }
     }
+  };
+  /** The same of a key of the page. */
+  const holdKey = (button, seen, what) => {
+    const { page } = at;
+    const down = async () => {
+      await button.hover();
+      at.pressed = Date.now();
+      await page.mouse.down();
+    };
+    return hold({ down, up: () => page.mouse.up() }, seen, what);
   };
 
   /** For a fifth of a second: what a key that was just pressed begins may not be seen yet. */
@@ -77,6 +84,26 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
       since = at.watcher.speed() < 0.002 ? (since ?? at.watcher.time) : null;
       return since !== null && at.watcher.time > since + 0.2;
     }, 20, 'standing');
+  };
+  /** Goes to the place that the dialog Go to names, pressed anew where the machine stood still, until it says that it is there. */
+  const arrive = async () => {
+    const dialog = at.page.getByRole('dialog', { name: 'Go to' });
+    const told = dialog.getByRole('status');
+    for (let left = 5; ; --left) {
+      await told.getByText(/\(about \d|^Arrived$/).waitFor();
+      if ((await told.innerText()) === 'Arrived') return;
+      await until(running, 60, 'running');
+      await dialog.getByRole('button', { name: /^(Hold to move there|Moving)/ }).hover();
+      await at.page.mouse.down();
+      try {
+        return await told.getByText('Arrived').waitFor({ timeout: 15_000 });
+      } catch (error) {
+        if (left === 0) throw error;
+      } finally {
+        await at.page.mouse.up();
+        await atRest();
+      }
+    }
   };
   /** Ends the program of the cell, by the page. */
   const endProgram = async () => {
@@ -89,5 +116,5 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
     }
     await atRest();
   };
-  return { at, test, atRest, endProgram, holdKey };
+  return { at, test, arrive, atRest, endProgram, hold, holdKey };
 }

@@ -1,6 +1,6 @@
 /** Jogging with the keyboard and with a gamepad; each is switched on by hand, and only on this page. */
 import { signal } from '@preact/signals';
-import { useEffect } from 'preact/hooks';
+import { useEffect, useLayoutEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { mayMove, robot } from '../../state/cell';
 import { heldKey, jogMode, type JogMode, jogSpeed, pressJog, pushJog, release } from '../../state/jog';
@@ -57,7 +57,8 @@ function inText(event: KeyboardEvent): boolean {
 
 function useKeyboard(): void {
   const on = keyboardOn.value;
-  useEffect(() => {
+  // At once: a key that is pressed when the button is seen on has to move.
+  useLayoutEffect(() => {
     if (!on) return;
     let held = '';
     const down = (event: KeyboardEvent) => {
