@@ -49,6 +49,15 @@ const cut = (on) =>
       const around = each.parentElement.closest('.move-panel, .signals-body, main').getBoundingClientRect();
       if (box.width > 0 && (box.left < around.left - 1 || box.right > around.right + 1)) out.push(`${told(each)} stands out`);
     }
+    for (const each of document.querySelectorAll('.page-link span')) {
+      const box = each.getBoundingClientRect();
+      const around = each.parentElement.getBoundingClientRect();
+      if (box.width > 0 && (box.left < around.left || box.right > around.right)) out.push(`${told(each)} is wider than its key`);
+    }
+    const [words, modes] = ['.state strong', '.modes'].map((each) => document.querySelector(each).getBoundingClientRect());
+    const first = document.querySelector('.modes .chip').getBoundingClientRect();
+    if (first.left < words.right - 1 && first.bottom > words.top && first.top < words.bottom) out.push('the state and the modes overlap');
+    if (first.left < modes.left - 1) out.push('the modes are wider than their place');
     const stop = document.querySelector('.stop-button');
     const within = stop.getBoundingClientRect();
     for (const each of stop.querySelectorAll('strong, small')) {
@@ -97,4 +106,26 @@ test('Stop is named for what it is', async () => {
   const spanish = await screen(at.chrome.browser, at.cell.link, { locale: 'es-ES' });
   await spanish.getByRole('button', { name: /^Parar .*parada por software, no es una parada de emergencia$/ }).waitFor();
   await spanish.context().close();
+});
+
+test('is in use after less than 400 kB, compressed', async (t) => {
+  // On a screen that has none of it yet: until the robot is drawn, and a program's text besides.
+  const context = await at.chrome.browser.newContext({ viewport: { width: 1280, height: 800 }, locale: 'en-GB' });
+  const page = await context.newPage();
+  const got = [];
+  page.on('requestfinished', (request) => got.push(request.sizes().then((size) => size.responseBodySize)));
+  const kilobytes = async () => {
+    await page.waitForLoadState('networkidle');
+    return (await Promise.all(got)).reduce((sum, each) => sum + each, 0) / 1000;
+  };
+  await page.goto(at.cell.link);
+  await page.getByRole('region', { name: 'Robot view' }).getByRole('button', { name: 'Views' }).waitFor();
+  const first = await kilobytes();
+  await page.keyboard.press('Alt+3');
+  await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
+  await page.getByRole('textbox', { name: 'Text of the program' }).waitFor();
+  const editor = await kilobytes();
+  t.diagnostic(`fetched, compressed: ${first.toFixed(0)} kB until the robot is drawn, ${editor.toFixed(0)} kB with the editor of programs`);
+  assert.ok(first > 100 && first < 400, `${first} kB`);
+  await context.close();
 });

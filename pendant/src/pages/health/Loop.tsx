@@ -12,14 +12,15 @@ export function Loop() {
   const now = health.value;
   if (!now) return <Loading />;
   const period = now.rate > 0 ? 1e6 / now.rate : NaN;
-  const share = now.cycles > 0 ? (100 * now.late) / now.cycles : 0;
+  // Those that were left out are late, too: of a machine that stood still there may be more of them than of those done.
+  const share = now.cycles > 0 ? Math.min(100, (100 * now.late) / now.cycles) : 0;
   return (
     <>
       <div class="health-figures">
         <Figure name={t('health.rate')} value={`${number(now.rate, 0)} Hz`} />
         <Figure name={t('health.running')} value={clockTime(now.seconds)} />
         <Figure name={t('health.cycles')} value={number(now.cycles, 0)} />
-        <Figure name={t('health.late')} value={number(now.late, 0)} note={`${number(share, 4)} %`} tone={share > 0.1 ? 'warn' : 'good'} />
+        <Figure name={t('health.late')} value={number(now.late, 0)} note={`${number(share, share < 1 ? 3 : 0)} %`} tone={share > 0.1 ? 'warn' : 'good'} />
         {now.cost && <Figure name={t('health.load')} value={`${number((100 * now.cost.p99) / period, 1)} %`} note={t('health.loadNote')} tone={now.cost.p99 > 0.7 * period ? 'warn' : 'good'} />}
         <Figure name={t('health.clamps')} value={number(now.clamps, 0)} />
       </div>
