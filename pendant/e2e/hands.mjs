@@ -197,9 +197,10 @@ test('says why a program that is started ends at once, and begins anew from the 
   await go(page, 'Signals');
   await set('Repeat');
   await go(page, 'Run');
-  await button('Start').click();
+  // A start while the machine has the cell held is refused in words: it is pressed again.
+  const started = async () => (await at.goOn(), await main().getByRole('button', { name: 'Start', exact: true }).click({ timeout: 2000 }).catch(() => undefined));
   const why = main().getByText('It ended without a pass: “while Repeat” (line 4) did not hold');
-  await until(async () => (await at.goOn(), why.isVisible()), 60, 'the reason');
+  await until(async () => (await why.isVisible()) || (await started(), await page.waitForTimeout(500), false), 60, 'the reason');
   await picture(page, 'no-pass');
   await go(page, 'Program');
   await why.waitFor();
@@ -208,8 +209,8 @@ test('says why a program that is started ends at once, and begins anew from the 
   await said('The scene is as at the start');
   await why.waitFor({ state: 'detached' });
   await go(page, 'Run');
-  await button('Start').click();
-  await until(async () => (await at.goOn(), at.watcher.events.status?.program?.ended === false && at.watcher.speed() > 0.05), 90, 'the program moving the robot');
+  const goes = () => at.watcher.events.status?.program?.ended === false && at.watcher.speed() > 0.05;
+  await until(async () => goes() || (await started(), goes()), 90, 'the program moving the robot');
   await endProgram();
 });
 
