@@ -71,7 +71,8 @@ class Writer {
         timestep_, text(scene.gravity), 600 + 60 * scene.parts.size(), 120 + 12 * scene.parts.size());
     if (scene.floor)
       line("<geom name=\"floor\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:.17g}\"/>", scene.floor_height);
-    for (std::size_t r = 0; r < context_.robots.size(); ++r) robot(r);
+    for (std::size_t r = 0; r < context_.robots.size(); ++r)
+      if (!carrier_of(context_.robots[r], context_.robots)) robot(r, context_.robots[r].base);
     for (std::size_t i = 0; i < slots_; ++i) slot(i, scene.parts[i]);
     fixtures(scene);
     for (std::size_t i = 0; i < scene.parts.size(); ++i) twin(i, scene.parts[i]);
@@ -111,11 +112,15 @@ class Writer {
   // --- robots
   // -------------------------------------------------------------------------------------------------
 
-  void robot(std::size_t r) {
+  /// `at`: of its root link in the body that it stands on.
+  void robot(std::size_t r, const Pose& at) {
     const hardware::RobotInstance& robot = context_.robots[r];
-    line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(robot.base));
+    line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(at));
     if (stands_free(robot)) line("<freejoint name=\"{}\"/>", base_name(r));
     link(r, robot.model->root);
+    for (std::size_t other = 0; other < context_.robots.size(); ++other)
+      if (carrier_of(context_.robots[other], context_.robots) == &robot)
+        this->robot(other, inverse(robot.base) * context_.robots[other].base);
     line("</body>");
   }
 
@@ -307,6 +312,10 @@ class Writer {
   /// The first moving link turns where the robot is bolted down, its loose capsule may reach into the table.
   void world_excludes(std::size_t r, const Rigid& rigid) {
     if (stands_free(context_.robots[r])) return;
+    const hardware::RobotInstance* carrier = carrier_of(context_.robots[r], context_.robots);
+    const std::string ground =
+        carrier ? link_name(static_cast<std::size_t>(carrier - context_.robots.data()), carrier->model->root)
+                : "world";
     const description::RobotModel& model = *context_.robots[r].model;
     const int root = rigid.body_of_link[static_cast<std::size_t>(model.root)];
     for (std::size_t i = 0; i < model.links.size(); ++i) {
@@ -314,7 +323,7 @@ class Writer {
       if (joint < 0) continue;
       const int parent = model.joints[static_cast<std::size_t>(joint)].parent_link;
       if (rigid.body_of_link[static_cast<std::size_t>(parent)] == root)
-        line("<exclude body1=\"{}\" body2=\"world\"/>", link_name(r, static_cast<int>(i)));
+        line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), ground);
     }
   }
 
@@ -358,6 +367,15 @@ std::string link_name(std::size_t robot, int link) {
 }
 std::string finger_name(std::size_t robot, int side) {
   return fmt::format("finger{}_{}", robot, side);
+}
+
+const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
+                                          std::span<const hardware::RobotInstance> robots) {
+  for (const auto& block : robot.hardware)
+    if (const auto found = block.parameters.find("base"); found != block.parameters.end())
+      for (const hardware::RobotInstance& each : robots)
+        if (found->second == "on " + each.name) return &each;
+  return nullptr;
 }
 
 bool stands_free(const hardware::RobotInstance& robot) {

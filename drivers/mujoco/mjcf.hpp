@@ -1,5 +1,6 @@
 #pragma once
 /// The world of a cell as MJCF text, the model language of MuJoCo.
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +44,9 @@ Rigid rigid_links(const description::RobotModel& model);
 /// Does the robot stand on the floor instead of being bolted down? One of its <ros2_control> blocks says so:
 /// `<param name="base">free</param>`. Then its links may touch the floor.
 bool stands_free(const hardware::RobotInstance& robot);
+/// The one of `robots` whose root link carries this one, by `on NAME` in the same place; null: none.
+const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
+                                          std::span<const hardware::RobotInstance> robots);
 
 /// A mimic joint: its position is `multiplier` times that of `source` plus `offset`. Chains are followed to
 /// the joint that has a value of its own. Indices of RobotModel::joints.

@@ -197,6 +197,9 @@ void Cell::build_controllers(Problems& problems) {
                             : nullptr);
     places_.emplace_back(*robot, loop_->table(), wheels);
   }
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    for (std::size_t k = 0; k < robots_.size(); ++k)
+      if (robots_[i]->entry.on == robots_[k]->entry.name) places_[i].set_carrier(places_[k]);
 }
 
 /// The named states of descriptions (SRDF, catalogue) are points that a program may move to; names from its

@@ -71,7 +71,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   robot.where = yaml.where();
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
                    "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
-                   "payload", "tip"},
+                   "payload", "tip", "on"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -86,6 +86,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
+  collect(problems, [&] { robot.on = yaml["on"].text(""); });
   read_thread(yaml["thread"], robot, problems);
   read_on_fault(yaml["on_fault"], robot, problems);
   collect(problems, [&] {
@@ -102,6 +103,28 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   if (name.find_first_of("/ \t") != std::string::npos)
     problems.error("bad-name", robot.where, "a robot's name may hold no '/' and no blanks: '" + name + "'");
   return robot;
+}
+
+/// What is carried says where in its carrier's root link it stands.
+void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
+  std::vector<std::string> names;
+  for (const RobotEntry& robot : robots) names.push_back(robot.name);
+  for (RobotEntry& robot : robots) {
+    if (robot.on.empty()) continue;
+    const auto carrier = std::find_if(robots.begin(), robots.end(),
+                                      [&](const RobotEntry& each) { return each.name == robot.on; });
+    if (carrier == robots.end())
+      problems.error("unknown-robot", robot.where,
+                     "'" + robot.name + "' stands on '" + robot.on + "', which there is none of" +
+                         did_you_mean(robot.on, names));
+    else if (!carrier->on.empty())
+      problems.error(
+          "bad-carrier", robot.where,
+          "'" + robot.name + "' stands on '" + robot.on + "', which stands on '" + carrier->on + "'",
+          "let it stand on one that stands on the ground");
+    else
+      robot.base = carrier->base * robot.base;
+  }
 }
 
 LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
@@ -270,6 +293,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
   for (const std::string& name : yaml["robots"].keys())
     cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
+  place_carried(cell.robots, problems);
   if (cell.robots.empty() && !yaml.has("plc"))  // a PLC alone is the far side of a link
     problems.error("missing-key", yaml.where(), "the cell has no robots",
                    "add 'robots: {arm: {model: universal_robots/ur3}}'");

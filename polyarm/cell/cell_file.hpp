@@ -34,7 +34,8 @@ struct ThreadEntry {
 struct RobotEntry {
   std::string name = "arm";
   std::string model;              ///< catalogue name, or path of a description
-  Pose base;                      ///< T_world_base
+  Pose base;                      ///< T_world_base; of one that is carried: at the start
+  std::string on;                 ///< the robot whose root link carries it; empty: none
   std::string hardware = "mock";  ///< driver name, or "declared": what the description's <ros2_control> says
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::string tip;                ///< the link that carries the tool; empty: RobotModel::tool_link's choice

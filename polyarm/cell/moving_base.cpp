@@ -59,6 +59,7 @@ std::optional<Pose> MovingBase::known(const control::Snapshot& snapshot) const {
 }
 
 Pose MovingBase::pose(const control::Snapshot& snapshot) const {
+  if (carrier_) return carrier_->pose(snapshot) * inverse(carrier_->start_) * start_;
   if (const auto there = known(snapshot)) return *there;
   return start_ * tracked_ * odometry();
 }

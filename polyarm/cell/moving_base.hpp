@@ -12,13 +12,17 @@
 namespace polyarm::cell {
 
 /// The base of one robot: on wheels, by the odometry of their controller; in physics, by what that knows of a
-/// base that stands free; else fixed where the cell's file puts it. Poses are those of the robot's root link.
-/// Cell thread. The wheels' controller outlives it or is forgotten first.
+/// base that stands free; on another robot, where that takes it; else fixed where the cell's file puts it.
+/// Poses are those of the robot's root link. Cell thread. The wheels' controller outlives it or is forgotten
+/// first.
 class MovingBase {
  public:
   /// `wheels` may be null.
   MovingBase(const CellRobot& robot, const hardware::InterfaceTable& table,
              controllers::DiffDriveController* wheels);
+
+  /// It stands on another one, which stays where it is in memory.
+  void set_carrier(const MovingBase& carrier) { carrier_ = &carrier; }
 
   /// Every tick: reads the odometry.
   void look();
@@ -26,7 +30,8 @@ class MovingBase {
   void forget_wheels() { output_ = nullptr; }
 
   /// Can it be anywhere but where the cell's file puts it?
-  bool moves() const { return on_wheels() || in_physics(); }
+  bool moves() const { return carrier_ ? carrier_->moves() : on_wheels() || in_physics(); }
+  bool carried() const { return carrier_ != nullptr; }
   bool on_wheels() const { return !odometry_name_.empty(); }
   /// Does physics say where it is?
   bool in_physics() const { return first_state_ >= 0; }
@@ -44,7 +49,8 @@ class MovingBase {
  private:
   std::optional<Pose> known(const control::Snapshot& snapshot) const;
 
-  Pose start_;            ///< in the world
+  Pose start_;  ///< in the world
+  const MovingBase* carrier_ = nullptr;
   Pose tracked_;          ///< in the root link: the frame that the odometry is of
   Pose odometry_;         ///< of that frame, the newest
   int first_state_ = -1;  ///< of seven; -1: physics does not tell

@@ -399,6 +399,14 @@ class Components {
     return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}};
   }
 
+  /// Physics is told what a robot stands on where it is told whether it stands free.
+  static void seat(hardware::RobotInstance& made, const CellRobot& robot) {
+    if (robot.entry.on.empty()) return;
+    made.hardware.emplace_back();
+    made.hardware.back().name = robot.entry.name;
+    made.hardware.back().parameters["base"] = "on " + robot.entry.on;
+  }
+
   void take(const CellRobot& robot) {
     bool tool_given = false;
     const auto with_tool = [&](hardware::RobotInstance& made) {
@@ -413,6 +421,7 @@ class Components {
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
+      if (robot.driver == "mujoco") seat(planned.context.robots.back(), robot);
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
@@ -439,6 +448,7 @@ class Components {
         with_tool(instances.back());
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
+      if (physics && instances.back().hardware.size() == 1) seat(instances.back(), robot);
     }
     if (physics &&
         !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin

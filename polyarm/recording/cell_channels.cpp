@@ -326,7 +326,7 @@ void CellChannels::tell_bases(Nanoseconds time, const Tell& tell) {
       const std::string odometry = (several ? robot.entry.name + "/" : "") + base.odometry_name();
       bases_.transforms.push_back(transform("world", odometry, base.odometry_frame(cell_.snapshot())));
       bases_.transforms.push_back(transform(odometry, root, base.odometry()));
-    } else if (base.moves()) {
+    } else if (base.moves() && !base.carried()) {
       bases_.transforms.push_back(transform("world", root, base.pose(cell_.snapshot())));
     }
   }

@@ -47,10 +47,20 @@ std::string frame_of(const cell::CellRobot& robot, int link, bool several) {
   return (several ? robot.entry.name + "/" : "") + robot.model.links[static_cast<std::size_t>(link)].name;
 }
 
+namespace {
+/// The robot that it stands on; null: none.
+const cell::CellRobot* carrier_of(const cell::CellRobots& robots, const cell::CellRobot& robot) {
+  for (const auto& each : robots)
+    if (each->entry.name == robot.entry.on) return each.get();
+  return nullptr;
+}
+}  // namespace
+
 StateMessages::StateMessages(const cell::CellRobots& robots, const hardware::InterfaceTable& table,
                              const std::vector<bool>& drives) {
   for (std::size_t i = 0; i < robots.size(); ++i)
-    add_robot(*robots[i], table, robots.size() > 1, i < drives.size() && drives[i]);
+    add_robot(*robots[i], carrier_of(robots, *robots[i]), table, robots.size() > 1,
+              i < drives.size() && drives[i]);
   const auto any = [&](int Measured::*what) {
     return std::any_of(measured_.begin(), measured_.end(),
                        [what](const Measured& each) { return each.*what >= 0; });
@@ -60,8 +70,8 @@ StateMessages::StateMessages(const cell::CellRobots& robots, const hardware::Int
   if (any(&Measured::effort)) joints_.effort.resize(measured_.size());
 }
 
-void StateMessages::add_robot(const cell::CellRobot& robot, const hardware::InterfaceTable& table,
-                              bool several, bool drives) {
+void StateMessages::add_robot(const cell::CellRobot& robot, const cell::CellRobot* carrier,
+                              const hardware::InterfaceTable& table, bool several, bool drives) {
   const std::vector<description::Joint>& joints = robot.model.joints;
   const std::string prefix = several ? robot.entry.name + "/" : "";
   const auto frame = [&](int link) { return frame_of(robot, link, several); };
@@ -69,7 +79,11 @@ void StateMessages::add_robot(const cell::CellRobot& robot, const hardware::Inte
     const auto index = table.find_state(robot.entry.name + "/" + joint.name + "/" + what);
     return index ? static_cast<int>(*index) : -1;
   };
-  if (!drives && (several || frame(robot.model.root) != "world"))
+  if (carrier)
+    fixed_.transforms.push_back(transform(frame_of(*carrier, carrier->model.root, several),
+                                          frame(robot.model.root),
+                                          inverse(carrier->entry.base) * robot.entry.base));
+  else if (!drives && (several || frame(robot.model.root) != "world"))
     fixed_.transforms.push_back(transform("world", frame(robot.model.root), robot.entry.base));
   for (const description::Joint& joint : joints) {
     const std::string parent = frame(joint.parent_link), child = frame(joint.child_link);

@@ -49,8 +49,8 @@ class StateMessages {
     const description::Joint* joint;
     int state;  ///< whose value it has; -1: none
   };
-  void add_robot(const cell::CellRobot& robot, const hardware::InterfaceTable& table, bool several,
-                 bool drives);
+  void add_robot(const cell::CellRobot& robot, const cell::CellRobot* carrier,
+                 const hardware::InterfaceTable& table, bool several, bool drives);
 
   messages::sensor_msgs::msg::JointState joints_;
   std::vector<Measured> measured_;

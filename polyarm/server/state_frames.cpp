@@ -55,7 +55,7 @@ StateFrames::StateFrames(cell::Cell& cell, std::uint16_t layout) : cell_(cell), 
     add(robot->entry.name + "/tcp/speed", "m/s");
   }
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    if (!cell.base(i).on_wheels() || cell.base(i).in_physics()) continue;
+    if (!cell.base(i).moves() || cell.base(i).in_physics()) continue;
     wheeled_.push_back(i);
     const std::string base = cell.robots()[i]->entry.name + "/base/";
     for (const char* axis : {"x", "y", "z"}) add(base + "position." + axis, "m");

@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "tests/support/jetbot_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
@@ -66,6 +68,47 @@ TEST(MovingBase, StaysWhereItIsWhenItsControllerIsUnloaded) {
   bench.cell().unload_controller("base");
   bench.run(0.1);
   EXPECT_EQ(bench.cell().base(0).pose(bench.cell().snapshot()), before);
+}
+
+TEST(MovingBase, CarriesWhatStandsOnIt) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "drive 500mm, robot jetbot\nturn 90deg, robot jetbot\n",
+                          "jetbot_body.urdf.xacro", "xyz: [1, 2, 0], rpy: [0, 0, 90deg]");
+  std::string text = read_file((folder.path() / "cell.yaml").string());
+  text.insert(text.find("controllers:"),
+              "  arm: {model: universal_robots/ur3, on: jetbot, at: [0.1, 0, 0.3]}\n");
+  folder.write("cell.yaml", text);
+  LockStepCell bench(read_cell_file(folder.path()));
+  const MovingBase& arm = bench.cell().base(1);
+  ASSERT_TRUE(arm.moves());
+  EXPECT_TRUE(arm.carried());
+  EXPECT_FALSE(arm.on_wheels());
+  const Vec3 start{1, 2.1, 0.3};
+  EXPECT_LT(norm(arm.pose(bench.cell().snapshot()).position - start), 1e-9) << "before it has driven";
+  while (!bench.cell().program()->ended() && bench.cell().now() < nanoseconds(60)) bench.tick();
+  bench.run(0.1);
+  const Pose at = arm.pose(bench.cell().snapshot());
+  EXPECT_LT(norm(at.position - Vec3{0.9, 2.5, 0.3}), 0.01) << at.position.x << " " << at.position.y;
+  EXPECT_LT(norm(bench.cell().robots()[1]->entry.base.position - start), 1e-9) << "its points go with it";
+}
+
+TEST(MovingBase, WhatCarriesNobodyIsAnError) {
+  Folder folder;
+  const auto problem = [&](const std::string& robots) {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n" + robots);
+    try {
+      read_cell_file(folder.path());
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(problem("  a: {model: universal_robots/ur3, on: bse}\n  base: {model: universal_robots/ur3}\n")
+                .find("'bse'"),
+            std::string::npos);
+  EXPECT_NE(problem("  a: {model: universal_robots/ur3, on: b}\n  b: {model: universal_robots/ur3, on: a}\n")
+                .find("which stands on"),
+            std::string::npos);
 }
 
 TEST(MovingBase, OfAnArmIsFixed) {

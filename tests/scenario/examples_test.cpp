@@ -122,6 +122,19 @@ TEST(BinPicking, TheCameraChangesThePickPointAndPartsAreLoadedAndUnloaded) {
   EXPECT_GE(unloads, 2);
 }
 
+TEST(Carrier, TakesBoxesFromTableToTableOnABaseThatDrives) {
+  const ExampleCopy copy("carrier");
+  const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.output.substr(run.output.size() > 3000 ? run.output.size() - 3000 : 0);
+  const nlohmann::json result = run.result();
+  ASSERT_EQ(result["parts"].size(), 2u);
+  for (const auto& part : result["parts"]) {
+    EXPECT_EQ(part["state"], "placed") << part;
+    EXPECT_EQ(part["bin"], "shelf") << part;
+    EXPECT_GT(part["at"][1].get<double>(), 1.3) << "on the other table";
+  }
+}
+
 TEST(TwoRobots, ShareATableWithoutTouchingEachOther) {
   const ExampleCopy copy("two_robots");
   const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
