@@ -209,7 +209,10 @@ Json shape_json(const Shape& shape) {
 
 Json cell_json(cell::Cell& cell) {
   Json robots = Json::array(), cameras = Json::array(), frames = Json::array();
-  for (const auto& robot : cell.robots()) robots.push_back(robot_json(cell, *robot));
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    robots.push_back(robot_json(cell, *cell.robots()[i]));
+    robots.back()["drives"] = cell.base(i).on_wheels();
+  }
   for (const description::Camera& camera : cell.scene().cameras)
     cameras.push_back({{"name", camera.name},
                        {"eye", vec(camera.eye)},

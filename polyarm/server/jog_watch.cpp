@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/controllers/diff_drive_controller.hpp"
 
 namespace polyarm::server {
 
@@ -45,6 +46,23 @@ std::vector<double> shares_of(const Json& request, std::size_t count) {
     throw Error("bad-argument", "'axis' is " + axis.dump(),
                 "the number of an axis below " + std::to_string(count) + ", or a share in [-1, 1] of each");
   return out;
+}
+
+struct Wheels {
+  std::string name;
+  const controllers::DiffDriveController* controller = nullptr;
+};
+
+/// What drives the base of a robot; a null controller: nothing does.
+Wheels wheels_of(cell::Cell& cell, const std::string& robot) {
+  for (const control::ListedController& listed : cell.loop().controllers().list()) {
+    const auto* wheels =
+        dynamic_cast<const controllers::DiffDriveController*>(cell.loop().controllers().find(listed.name));
+    if (wheels && !wheels->command_interfaces().empty() &&
+        wheels->command_interfaces().front().starts_with(robot + "/"))
+      return {listed.name, wheels};
+  }
+  return {};
 }
 
 /// What holds a motion back, in one word for programs.
@@ -110,10 +128,38 @@ Json JogWatch::step(const Json& request) const {
 
 void JogWatch::begin(std::uint64_t client, const Json& request) {
   const std::size_t robot = robot_of(request);
+  if (text_of(request, "mode", "joint") == "drive") return drive(client, robot, request);
   const Json wish = wish_of(robot, request, number_of(request, "speed", 1, 0.001, 1), false);
   const auto jog = begun_by(client, robot, request);
   jog->wish = wish;
   jog->wish["hold"] = kSilence;
+  ask(jog);
+}
+
+/// By the twists that the controller of the wheels takes from anybody; it goes no faster than the profile's
+/// TCP.
+void JogWatch::drive(std::uint64_t client, std::size_t i, const Json& request) {
+  constexpr double kAny = 1;  // m/s and rad/s, of what states no limit
+  const std::string& robot = cell_.robots()[i]->entry.name;
+  const Wheels wheels = wheels_of(cell_, robot);
+  if (!wheels.controller)
+    throw Error("no-base", "no diff_drive_controller drives '" + robot + "'", "jog its joints or its TCP");
+  cell_.jogging().require_allowed(i);
+  const std::vector<double> shares = shares_of(request, 2);
+  const double speed = number_of(request, "speed", 1, 0.001, 1);
+  const auto stated = [](double limit) { return std::isfinite(limit) && limit > 0 ? limit : kAny; };
+  const motion::JogLimits limits = cell_.jog_limits();
+  const double ahead = std::min(limits.tcp_speed, stated(wheels.controller->linear_limits().max_velocity)),
+               turn = std::min(limits.tcp_turning, stated(wheels.controller->angular_limits().max_velocity));
+  const auto twist = [&](double x, double z) -> Json {
+    return {{"request", "send"},
+            {"to", wheels.name + "/cmd_vel"},
+            {"message", Json{{"linear", {{"x", x}}}, {"angular", {{"z", z}}}}.dump()}};
+  };
+  const auto jog = begun_by(client, i, request);
+  jog->drives = true;
+  jog->wish = twist(shares[0] * speed * ahead, shares[1] * speed * turn);
+  jog->rest = twist(0, 0);
   ask(jog);
 }
 
@@ -187,7 +233,7 @@ void JogWatch::ask(const std::shared_ptr<Jog>& jog) {
     return;
   }
   Json request = jog->wish;
-  if (jog->session != 0) request["session"] = jog->session;
+  if (jog->session != 0 && !jog->drives) request["session"] = jog->session;
   jog->asked = true;
   cell_.requests().handle(request.dump(), [jog](const std::string& line) {
     const Json answer = Json::parse(line, nullptr, false);
@@ -196,7 +242,7 @@ void JogWatch::ask(const std::shared_ptr<Jog>& jog) {
       jog->refused = answer.value("error", Json::object()).dump();
       return true;
     }
-    jog->session = answer["result"].value("session", std::uint32_t{0});
+    jog->session = jog->drives ? 1 : answer["result"].value("session", std::uint32_t{0});
     jog->held_back =
         answer["result"].value("held_back", "none") == "none"
             ? ""
@@ -216,7 +262,10 @@ void JogWatch::beat(std::uint64_t client, std::uint64_t number) {
 
 void JogWatch::finish(Jog& jog, const std::string& why, const std::string& text) {
   if (std::exchange(jog.over, true)) return;
-  if (jog.session != 0) cell_.jogging().end(jog.robot, jog.session);
+  if (jog.drives)
+    cell_.requests().handle(jog.rest.dump(), [](const std::string&) { return true; });
+  else if (jog.session != 0)
+    cell_.jogging().end(jog.robot, jog.session);
   if (!jog.begun) {
     const Json error = Json::parse(text, nullptr, false);
     Json answer{{"ok", false},
@@ -262,6 +311,11 @@ void JogWatch::follow(Jog& jog) {
     if (!jog.id.is_null()) answer["id"] = jog.id;
     tell_(jog.client, answer);
   }
+  if (jog.drives) {
+    if (cell_.snapshot().state != control::RunState::running)
+      finish(jog, "stopped", "something stopped it: press again");
+    return;
+  }
   const motion::JogStatus status = cell_.jogging().status(jog.robot);
   if (status.ended >= jog.session) return finish(jog, "stopped", "something stopped it: press again");
   if (jog.goes && is_there(jog)) finish(jog, "arrived", "");
@@ -292,7 +346,7 @@ void JogWatch::tick() {
   // One that is over stays until the cell has answered, since only then its session is known and can be
   // ended.
   for (const auto& jog : jogs_)
-    if (jog->over && jog->session != 0) cell_.jogging().end(jog->robot, jog->session);
+    if (jog->over && jog->session != 0 && !jog->drives) cell_.jogging().end(jog->robot, jog->session);
   std::erase_if(jogs_, [](const auto& jog) { return jog->over && !jog->asked; });
 }
 

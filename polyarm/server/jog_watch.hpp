@@ -24,8 +24,9 @@ class JogWatch {
 
   JogWatch(cell::Cell& cell, Tell tell) : cell_(cell), tell_(std::move(tell)) {}
 
-  /// `request`: {id?, robot?, mode: joint | tcp, frame?, axis: number or six numbers, direction?, speed?}. It
-  /// is answered {jog: number} once it moves, or with why not. Throws Error for what makes no sense.
+  /// `request`: {id?, robot?, mode: joint | tcp | drive (axis 0: ahead, 1: to the left, of a base), frame?,
+  /// axis: number or six numbers, direction?, speed?}. It is answered {jog: number} once it moves, or with
+  /// why not. Throws Error for what makes no sense.
   void begin(std::uint64_t client, const Json& request);
   /// The same towards a place: {id?, robot?, joints: {…} | pose: {p, q}, kind?: joint | line, speed?}. The
   /// way is planned first; where there is none it is refused with the reason, and nothing moves. Else the
@@ -52,6 +53,8 @@ class JogWatch {
     std::uint32_t session = 0;
     Nanoseconds beat = 0;
     bool asked = false, begun = false, over = false, beaten = false;
+    bool drives = false;         ///< a base with wheels
+    Json rest;                   ///< of those: what brings it to rest
     bool goes = false;           ///< to a place
     bool planning = false;       ///< the way there, which is then
     bool planned = false;        ///< and not yet asked for
@@ -61,6 +64,7 @@ class JogWatch {
   };
   std::size_t robot_of(const Json& request) const;
   Json wish_of(std::size_t robot, const Json& request, double amount, bool by) const;
+  void drive(std::uint64_t client, std::size_t robot, const Json& request);
   std::shared_ptr<Jog> begun_by(std::uint64_t client, std::size_t robot, const Json& request);
   void take_plan(Jog& jog, const Json& plan, bool line, double speed);
   bool is_there(const Jog& jog) const;

@@ -6,7 +6,7 @@ import type { Json } from '../wire/connection';
 import { complain, connected, jogEvents, mayMove, request, robot, tell } from './cell';
 import { kept } from './settings';
 
-export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user';
+export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user' | 'drive';
 
 /** Which key is held: `joint/2/+1`, `goto` …; empty when none. */
 export const heldKey = signal('');
@@ -37,10 +37,11 @@ export function frameName(): string {
 
 export function jogArgs(axis: number | number[], direction: number): Json {
   const joint = jogMode.peek() === 'joint';
-  const frame = joint ? {} : { frame: frameName() };
+  const drives = jogMode.peek() === 'drive';
+  const frame = joint || drives ? {} : { frame: frameName() };
   return {
     robot: robot.peek()?.name ?? '',
-    mode: joint ? 'joint' : 'tcp',
+    mode: joint ? 'joint' : drives ? 'drive' : 'tcp',
     ...frame,
     axis,
     ...(Array.isArray(axis) ? {} : { direction }),
@@ -52,7 +53,7 @@ export function jogArgs(axis: number | number[], direction: number): Json {
 export function pressJog(axis: number, direction: 1 | -1): void {
   if (!mayMove.peek()) return;
   const key = `${jogMode.peek()}/${axis}/${direction}`;
-  if (jogStep.peek() > 0) return void step(axis, direction, key);
+  if (jogStep.peek() > 0 && jogMode.peek() !== 'drive') return void step(axis, direction, key);
   heldBack.value = null;
   heldKey.value = key;
   void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, direction) });
@@ -60,7 +61,8 @@ export function pressJog(axis: number, direction: 1 | -1): void {
 }
 
 /** A stick is pushed: `axis` are shares of the speed along and about x, y, z. */
-export function pushJog(key: string, axis: number[]): void {
+export function pushJog(key: string, wish: number[]): void {
+  const axis = jogMode.peek() === 'drive' ? [wish[0]!, wish[5]!] : wish;
   if (heldKey.peek() === key) return jogger.steer({ axis });
   if (!mayMove.peek() || heldKey.peek() !== '') return;
   heldBack.value = null;

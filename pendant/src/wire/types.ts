@@ -75,6 +75,8 @@ export interface RobotInfo {
   id: string;
   title: string;
   base: Pose;
+  /** It has wheels that somebody can drive. */
+  drives?: boolean;
   joints: JointInfo[];
   model: string;
 }

@@ -67,7 +67,7 @@ function useKeyboard(): void {
       const axis = up >= 0 ? up : kDown.indexOf(event.code);
       if (axis >= 0) {
         event.preventDefault();
-        const axes = jogMode.peek() === 'joint' ? (robot.peek()?.joints.length ?? 0) : 6;
+        const axes = { joint: robot.peek()?.joints.length ?? 0, drive: 2 }[jogMode.peek() as string] ?? 6;
         if (event.repeat || axis >= axes) return;
         held = event.code;
         pressJog(axis, up >= 0 ? 1 : -1);

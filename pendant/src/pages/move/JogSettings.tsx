@@ -30,13 +30,15 @@ export function JogSettings() {
   // The frame that was chosen last may be one of another cell, or deleted.
   useEffect(() => {
     if (jogMode.value === 'user' && known.length && !known.some((frame) => frame.name === userFrame.value)) chooseMode('user');
-  }, [known, jogMode.value]);
+    if (jogMode.value === 'drive' && !robot.value?.drives) chooseMode('joint');
+  }, [known, jogMode.value, robot.value]);
   const modes: { id: JogMode; name: string }[] = [
     { id: 'joint', name: t('move.joint') },
     { id: 'base', name: t('move.base') },
     { id: 'tool', name: t('move.tool') },
     { id: 'world', name: t('move.world') },
   ];
+  if (robot.value?.drives) modes.push({ id: 'drive', name: t('move.drive') });
   if (known.length) modes.push({ id: 'user', name: t('move.user') });
   // Two steps may turn by the same angle; joints that only turn are offered one of them.
   const steps = [0, ...kSteps].map((step) => ({ id: String(step), name: stepName(step) })).filter((each, i, all) => all.findIndex((other) => other.name === each.name) === i);

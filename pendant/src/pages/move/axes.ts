@@ -2,7 +2,8 @@
 import { conjugate, multiply, rollPitchYaw, rotate } from '../../view3d/chain';
 import { jogMode, userFrame } from '../../state/jog';
 import { robot } from '../../state/cell';
-import { frames } from '../../state/models';
+import { baseNow, frames } from '../../state/models';
+import { t } from '../../i18n';
 import { valueNow } from '../../state/live';
 import type { JointInfo, Pose, Quat, Vec3 } from '../../wire/types';
 
@@ -41,9 +42,9 @@ export function tcpPose(): Pose {
 
 /** The frame that positions are told in: that which is jogged in; the world, where that is the tool itself. */
 export function shownFrame(): { name: string; pose: Pose } {
-  const world = { name: 'world', pose: { p: [0, 0, 0] as Vec3, q: [0, 0, 0, 1] as Quat } };
+  const world = { name: t('move.inWorld'), pose: { p: [0, 0, 0] as Vec3, q: [0, 0, 0, 1] as Quat } };
   if (jogMode.value === 'base' || jogMode.value === 'joint' || jogMode.value === 'tool')
-    return { name: 'base', pose: robot.value?.base ?? world.pose };
+    return { name: t('move.inBase'), pose: robot.value?.base ?? world.pose };
   if (jogMode.value === 'user') {
     const found = frames.value.find((frame) => frame.name === userFrame.value);
     if (found) return { name: found.name, pose: found };
@@ -57,6 +58,9 @@ export function inFrame(pose: Pose, frame: Pose): Pose {
   return { p, q: multiply(back, pose.q) };
 }
 
+/** How far a base has come from where it stood, m. */
+const gone = (from: Pose, to: Pose) => Math.hypot(...to.p.map((v, i) => v - from.p[i]!));
+
 export function axesNow(): Axis[] {
   const info = robot.value;
   if (!info) return [];
@@ -67,6 +71,13 @@ export function axesNow(): Axis[] {
       unit: joint.unit === 'm' ? 'm' : 'rad',
       joint,
     }));
+  if (jogMode.value === 'drive') {
+    const base = baseNow(info.name) ?? info.base;
+    return [
+      { name: t('move.ahead'), value: gone(info.base, base), unit: 'm' },
+      { name: t('move.toLeft'), value: rollPitchYaw(multiply(conjugate(info.base.q), base.q))[2], unit: 'rad' },
+    ];
+  }
   const at = inFrame(tcpPose(), shownFrame().pose);
   const turned = rollPitchYaw(at.q);
   const names = ['x', 'y', 'z'] as const;
