@@ -27,10 +27,10 @@ export function duration(seconds: number): string {
   return h > 0 ? `${h}:${pad(m)}:${pad(whole % 60)}` : `${m}:${pad(whole % 60)}`;
 }
 
-/** Cell time (s since it began) as 00:01:23.4. */
+/** Cell time (s since it began) as 00:01:23.4, in the language's way of writing. */
 export function clockTime(seconds: number): string {
   const pad = (n: number) => String(Math.floor(n)).padStart(2, '0');
-  const rest = (seconds % 60).toFixed(1).padStart(4, '0');
+  const rest = number(seconds % 60, 1).padStart(4, '0');
   return `${pad(seconds / 3600)}:${pad((seconds % 3600) / 60)}:${rest}`;
 }
 

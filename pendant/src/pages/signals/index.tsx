@@ -125,7 +125,7 @@ function Row({ tag }: { tag: TagInfo }) {
       <th scope="row">
         <strong>{tag.name}</strong>
         <small>
-          {[tag.type, tag.unit].filter(Boolean).join(' · ')}
+          {[word('signals.is', tag.type), tag.unit].filter(Boolean).join(' · ')}
           {tag.quality !== 'good' && <span class="chip warn">{word('signals.q', tag.quality)}</span>}
         </small>
       </th>
