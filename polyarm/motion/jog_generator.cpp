@@ -126,7 +126,42 @@ void JogGenerator::wish_joints(const JogWish& wish, const JogLimits& limits, Jog
   }
 }
 
-/// The next states on the fastest way to the target's joints; false where there is no way.
+/// All joints in proportion to what is left of their way, led by the one that has the longest; `limits` of
+/// all. False where they do not go in proportion now.
+bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<const MotionLimits> limits,
+                                 States& next) noexcept {
+  constexpr double kOff = 1e-3;  // of a joint's limits: what proportion may be off by, which is lost then
+  std::size_t lead = 0;
+  const auto left = [&](std::size_t j) { return to[j].position - state_[j].position; };
+  for (std::size_t j = 1; j < to.size(); ++j)
+    if (std::abs(left(j)) > std::abs(left(lead))) lead = j;
+  if (std::abs(left(lead)) < 1e-9) return false;
+  MotionLimits all = limits[lead];
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    const double share = left(j) / left(lead), size = std::max(std::abs(share), 1e-9);
+    if (std::abs(state_[j].velocity - share * state_[lead].velocity) > kOff * axes_[j].velocity ||
+        std::abs(state_[j].acceleration - share * state_[lead].acceleration) > kOff * axes_[j].acceleration)
+      return false;
+    all.max_velocity = std::min(all.max_velocity, limits[j].max_velocity / size);
+    all.max_acceleration = std::min(all.max_acceleration, limits[j].max_acceleration / size);
+    all.max_jerk = std::min(all.max_jerk, limits[j].max_jerk / size);
+  }
+  all = MotionLimits::symmetric(all.max_velocity, all.max_acceleration, all.max_jerk);
+  const MotionState from{state_[lead].position, state_[lead].velocity, state_[lead].acceleration};
+  if (to_joints_.plan({&from, 1}, {&to[lead], 1}, {&all, 1}, {}) != trajectory::MotionStatus::ok)
+    return false;
+  MotionState out;
+  to_joints_.sample(dt_, {&out, 1});
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    const double share = left(j) / left(lead);
+    next[j] = {state_[j].position + share * (out.position - from.position), share * out.velocity,
+               share * out.acceleration};
+  }
+  return true;
+}
+
+/// The next states on the fastest way to the target's joints, a straight one where the target rests; false
+/// where there is no way.
 bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept {
   const std::size_t n = axes_.size();
   std::array<MotionState, kMostJogJoints> from, to, out;
@@ -158,8 +193,11 @@ bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, 
     most[j].min_velocity = -own - moving[j];
     from[j] = {state_[j].position, state_[j].velocity - moving[j], state_[j].acceleration};
   }
-  const trajectory::MotionOptions options{trajectory::Synchronization::phase,
-                                          trajectory::TargetKind::position, 0};
+  const bool rests = std::all_of(moving.begin(), moving.begin() + static_cast<std::ptrdiff_t>(n),
+                                 [](double rate) { return rate == 0; });
+  if (rests && step_straight({to.data(), n}, {most.data(), n}, next)) return true;
+  const trajectory::MotionOptions options{trajectory::Synchronization::time, trajectory::TargetKind::position,
+                                          0};
   if (to_joints_.plan({from.data(), n}, {to.data(), n}, {most.data(), n}, options) !=
       trajectory::MotionStatus::ok)
     return false;

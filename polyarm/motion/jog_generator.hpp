@@ -97,6 +97,8 @@ class JogGenerator {
   static constexpr Before kFirmly{0.5, 0.25}, kGently{0.25, 0.05};
 
   void wish_joints(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
+  bool step_straight(std::span<const trajectory::MotionState> to,
+                     std::span<const trajectory::MotionLimits> limits, States& next) noexcept;
   bool step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept;
   void wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
   Twist twist_now() const noexcept;

@@ -414,6 +414,8 @@ TEST_F(PendantTest, StepsAndTheTcpMoveInTheirFrames) {
 }
 
 TEST_F(PendantTest, GoesToAPlaceByJointsOrInALineAndSaysBeforehandWhereItCannot) {
+  cell->cell().set_profile(
+      "reduced");  // the TCP's speed is limited on the way, which has to leave it straight
   const auto peer = connect();
   ask(*peer, {{"request", "session.take"}});
   const auto go = [&](Json place, const char* kind, double& off_joints, double& off_line) {
