@@ -290,23 +290,41 @@ void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest
   const double least = std::max(limits.lower[k], out.seed[k] - span / 2),
                most = std::min(limits.upper[k], least + span);
   const double cell = (most - least) / std::max(1, settings.samples);
+  double missed_least = 1e300, center = least;
   const auto look_at = [&](double value) {
+    const Candidate nearest = out.nearest;
+    const double size = out.nearest_size;
+    out.nearest_size = 1e300;
     at[k] = std::clamp(value, least, most);
     const SixAxisClass six = seen_as(locked(geometry, k, at[k]), known.family, known.from_tool);
     solve_at(job, form_of(six), form_of(six, true), out);
+    if (out.nearest_size < missed_least) missed_least = out.nearest_size, center = at[k];
+    if (out.nearest_size < size) return;
+    out.nearest = nearest;
+    out.nearest_size = size;
   };
   look_at(out.seed[k]);
   for (int i = 0; i < settings.samples; ++i) look_at(least + (i + 0.5) * cell);
   // Where limits leave but a little of the range: look closer before giving up.
   constexpr int kCloser = 4;
   for (int i = 0; out.count == 0 && i < kCloser * settings.samples; ++i) look_at(least + i * cell / kCloser);
+  // Nor need a stretched arm be that long for more than a little of it: closer still to where it misses
+  // least, by how much being no smooth function beside singularities.
+  constexpr int kNarrowings = 6, kEachSide = 6;
+  constexpr double kNarrower = 0.4;
+  double aside = cell / 8;
+  for (int i = 0; i < kNarrowings && out.count == 0 && missed_least < kNearly * kNearly; ++i) {
+    const double middle = center;
+    for (int j = -kEachSide; j <= kEachSide && out.count == 0; ++j) look_at(middle + j * aside);
+    aside *= kNarrower;
+  }
   if (!nearest_only || out.count == 0) return;
   constexpr int kHalvings = 14;
   double step = cell / 2;
   for (int i = 0; i < kHalvings; ++i, step /= 2) {
-    const double center = out.best().value[k];
-    look_at(center - step);
-    look_at(center + step);
+    const double best = out.best().value[k];
+    look_at(best - step);
+    look_at(best + step);
   }
 }
 

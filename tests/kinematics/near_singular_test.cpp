@@ -1,7 +1,13 @@
 // Poses near which solutions meet or are endlessly many.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include "polyarm/description/catalogue.hpp"
+#include "polyarm/kinematics/closed_form.hpp"
 #include "tests/kinematics/asking.hpp"
 #include "tests/kinematics/missed_once.hpp"
 #include "tests/kinematics/sample_families.hpp"
@@ -20,6 +26,65 @@ TEST(NearSingular, FindsAgainWhatWasMissedOnce) {
   }
   EXPECT_EQ(tally.missed, 0) << "of " << tally.asked;
   test::expect_clean(tally);
+}
+
+/// Beside a wrist's singularity, of eight states side by side.
+TEST(NearSingular, TheLeastMotionsAreThoseOfTheJacobian) {
+  const auto model = test::ur3();
+  const Chain chain(model, test::tip_of(model));
+  std::string why_not;
+  const ArmGeometry geometry = *geometry_of(chain, why_not);
+  const LaneArm lanes = lane_arm(geometry);
+  Random random(56);
+  for (int round = 0; round < 200; ++round) {
+    std::array<std::vector<double>, kBranches> states;
+    Branches at;
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      states[k] = test::random_state(chain, random);
+      states[k][4] = std::pow(10, random.between(-5, -2));
+      for (std::size_t i = 0; i < 6; ++i) at.value[i][k] = states[k][i];
+    }
+    LeastMotions flat;
+    find_least_motions(lanes, at, true, flat);
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      std::array<double, 36> J;
+      chain.jacobian(states[k], J);
+      const auto moved = [&](const double(*way)[kBranches]) {
+        double sum = 0;
+        for (std::size_t row = 0; row < 6; ++row) {
+          double part = 0;
+          for (std::size_t i = 0; i < 6; ++i) part += J[6 * row + i] * way[i][k];
+          sum += row < 3 ? part * part / (geometry.size() * geometry.size()) : part * part;
+        }
+        return std::sqrt(sum);
+      };
+      double across = 0;
+      for (std::size_t i = 0; i < 6; ++i) across += flat.way[i][k] * flat.next_way[i][k];
+      EXPECT_NEAR(across, 0, 5e-3);
+      EXPECT_NEAR(moved(flat.way), flat.least[k], 0.01 * flat.least[k] + 1e-6);
+      EXPECT_LT(flat.least[k], states[k][4]);
+      EXPECT_LE(flat.least[k], flat.next[k]);
+      EXPECT_NEAR(moved(flat.next_way), flat.next[k], 0.2 * flat.next[k]);
+    }
+  }
+}
+
+/// So stretched that they are long enough only with the spare axis within a hundredth of a radian of one
+/// value.
+TEST(NearSingular, SevenAxesReachAsFarAsTheyAreLong) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  for (const test::Missed& one : test::kStretched) {
+    const auto model = catalogue.load(one.robot);
+    const Chain chain(model, model.tool_link());
+    const InverseKinematics arm(chain);
+    const Pose target = chain.forward(one.q);
+    IkSolutions found;
+    ASSERT_EQ(arm.solve_all(target, one.seed, found), IkOutcome::solved) << one.robot;
+    for (const IkSolution& each : found)
+      EXPECT_LT(test::error_of(chain, {each.q.data(), chain.joints()}, target), 2e-9) << one.robot;
+    IkSolution nearest;
+    EXPECT_EQ(arm.solve(target, one.seed, nearest), IkOutcome::solved) << one.robot;
+  }
 }
 
 /// Joints at multiples of 90 degrees and a little off: wrists, elbows and shoulders nearly singular at once.
