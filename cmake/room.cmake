@@ -2,9 +2,9 @@
 # half the time, a change in one file a few seconds more. Names without a name space of their own that two files of
 # one folder share must mean the same thing. Off where one edits (preset dev).
 option(POLYARM_TOGETHER "compile several source files at a time" ON)
-# Not those of which single files go into the kit for plugins (sdk.cmake).
-set(POLYARM_ROOMS_TOGETHER cell control data doctor meshes messages plugins realtime server signals apps
-    description recording ros2 ros_files)
+# Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
+set(POLYARM_ROOMS_TOGETHER cell control controllers data doctor hardware meshes messages plugins program realtime
+    server signals apps description recording ros2 ros_files trajectory)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
     recording ros_files links messages plugins program ros2 base)
 function(polyarm_together target name rooms)

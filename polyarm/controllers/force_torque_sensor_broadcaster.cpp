@@ -10,7 +10,7 @@
 namespace polyarm::controllers {
 
 namespace {
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoWrench = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> wrench_fields() {
   std::vector<std::string> out;
@@ -137,7 +137,7 @@ CallbackReturn ForceTorqueSensorBroadcaster::on_activate(const Cycle&) noexcept 
 ReturnType ForceTorqueSensorBroadcaster::update(const Cycle& cycle, const Verdict&) noexcept {
   std::array<double, 6> values;
   for (std::size_t axis = 0; axis < 6; ++axis) {
-    const double measured = places_[axis] < 0 ? kNone : state(static_cast<std::size_t>(places_[axis]));
+    const double measured = places_[axis] < 0 ? kNoWrench : state(static_cast<std::size_t>(places_[axis]));
     values[axis] = (measured + offset_[axis]) * multiplier_[axis];
     if (exported_[axis] >= 0) set_exported(static_cast<std::size_t>(exported_[axis]), values[axis]);
   }

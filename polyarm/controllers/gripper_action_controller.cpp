@@ -8,7 +8,7 @@ namespace polyarm::controllers {
 
 namespace {
 constexpr int kInvalidGoal = -1, kGoalNotReached = -5;
-constexpr double kMoves = 1e-3;  // rad/s or m/s: slower is standing
+constexpr double kGripperMoves = 1e-3;  // rad/s or m/s: slower is standing
 constexpr const char* kFields[] = {"position", "effort",    "stalled", "reached_goal",
                                    "velocity", "reference", "active"};
 }  // namespace
@@ -213,7 +213,7 @@ ReturnType GripperActionController::update(const Cycle& cycle, const Verdict& ve
   stopped_ = stop;
   judge();
   write_commands();
-  standing_ = goal_ == 0 && !(std::abs(moves_) > std::max(kMoves, settings_.stall_velocity));
+  standing_ = goal_ == 0 && !(std::abs(moves_) > std::max(kGripperMoves, settings_.stall_velocity));
   publish(cycle);
   return ReturnType::ok;
 }

@@ -10,7 +10,7 @@ namespace polyarm::controllers {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoReading = std::numeric_limits<double>::quiet_NaN();
 
 Quaternion read_rotation(Parameters& p) {
   double roll = 0, pitch = 0, yaw = 0;
@@ -81,7 +81,7 @@ CallbackReturn ImuSensorBroadcaster::on_configure(ControllerContext& context) {
 
 ReturnType ImuSensorBroadcaster::update(const Cycle& cycle, const Verdict&) noexcept {
   const auto read = [&](std::size_t i) {
-    return places_[i] < 0 ? kNone : state(static_cast<std::size_t>(places_[i]));
+    return places_[i] < 0 ? kNoReading : state(static_cast<std::size_t>(places_[i]));
   };
   // The attitude is that of the message's frame in the world, so that the offset is taken back from it.
   const Quaternion q = Quaternion{read(0), read(1), read(2), read(3)} * inverse(rotation_);

@@ -12,9 +12,9 @@ namespace {
 constexpr const char* kFields[] = {
     "set_point", "process_value", "process_value_dot", "error", "time_step", "command", "p", "i",
     "d",         "i_clamp",       "antiwindup"};
-constexpr double kMoves = 1e-3;  // rad/s or m/s: slower is standing
+constexpr double kJointMoves = 1e-3;  // rad/s or m/s: slower is standing
 
-double shortest(double angle) {
+double shortest_turn(double angle) {
   constexpr double kTurn = 2 * std::numbers::pi;
   return angle - kTurn * std::round(angle / kTurn);
 }
@@ -124,13 +124,13 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
   standing_ = true;
   for (Joint& joint : joints_) {
     joint.error = joint.set_point - measured(joint);
-    if (position_ && joint.continuous) joint.error = shortest(joint.error);
+    if (position_ && joint.continuous) joint.error = shortest_turn(joint.error);
     const double speed = state(joint.velocity);
     // Of a position the measured velocity is the derivative that is known best.
     const double out = position_ ? joint.pid.compute(joint.error, -speed, period_s_)
                                  : joint.pid.compute(joint.error, period_s_);
     set_command(joint.command, std::isfinite(out) ? out : 0);  // what is not measured is not pushed
-    if (!(std::abs(speed) < kMoves)) standing_ = false;
+    if (!(std::abs(speed) < kJointMoves)) standing_ = false;
   }
   publish(cycle);
   return ReturnType::ok;

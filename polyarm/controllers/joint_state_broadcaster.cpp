@@ -7,7 +7,7 @@ namespace polyarm::controllers {
 
 namespace {
 constexpr const char* kQuantities[] = {"position", "velocity", "effort"};
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoState = std::numeric_limits<double>::quiet_NaN();
 
 /// "arm/elbow_joint" is told as "elbow_joint" where no other robot has one of that name.
 std::string told_name(const ControllerContext& context, const std::string& whole) {
@@ -26,7 +26,7 @@ void JointStateBroadcaster::add_joint(const ControllerContext& context, const st
     const bool asked =
         wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), renamed_[k]) != wanted_.end();
     places_.push_back(asked && context.has_state(name) ? static_cast<int>(claim_state(name)) : -1);
-    fixed_.push_back(kNone);
+    fixed_.push_back(kNoState);
   }
 }
 

@@ -8,7 +8,7 @@ namespace polyarm::controllers {
 
 namespace {
 
-Location place_of(const Parameters& parameters, const std::string& prefix) {
+Location place_of_prefix(const Parameters& parameters, const std::string& prefix) {
   for (const auto& [key, entry] : parameters.entries)
     if (key.starts_with(prefix + ".")) return entry.where;
   return {};
@@ -49,7 +49,7 @@ void read_pid_gains(Parameters& p, const std::string& prefix, PidGains& gains) {
   p.superseded((prefix + ".antiwindup").c_str(),
                "write antiwindup_strategy: none, back_calculation or conditional_integration");
   if (const auto why = check(gains))
-    p.problems().error("bad-value", place_of(p, prefix), prefix + ": " + *why);
+    p.problems().error("bad-value", place_of_prefix(p, prefix), prefix + ": " + *why);
 }
 
 PidGains RosControlParameters::gains() const noexcept {
@@ -80,12 +80,12 @@ void read_ros_control_gains(Parameters& p, const std::string& prefix, RosControl
   p.read(prefix + ".publish_state", publish_state, {"the state can always be watched"});
   const PidGains read = gains.gains();
   if (!p.has(prefix + ".p"))
-    p.problems().error("missing-parameter", place_of(p, prefix), "'" + prefix + "' states no gain p",
+    p.problems().error("missing-parameter", place_of_prefix(p, prefix), "'" + prefix + "' states no gain p",
                        "write " + prefix + ": {p: 100, i: 10, d: 1, i_clamp: 20}");
   else if (const auto why = check(read))
-    p.problems().error("bad-value", place_of(p, prefix), prefix + ": " + *why);
+    p.problems().error("bad-value", place_of_prefix(p, prefix), prefix + ": " + *why);
   else if (const auto idle = without_effect(read))
-    p.problems().warning("no-effect", place_of(p, prefix), prefix + ": " + *idle);
+    p.problems().warning("no-effect", place_of_prefix(p, prefix), prefix + ": " + *idle);
 }
 
 namespace {

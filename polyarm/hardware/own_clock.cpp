@@ -6,7 +6,7 @@
 namespace polyarm::hardware {
 
 namespace {
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoOrder = std::numeric_limits<double>::quiet_NaN();
 }
 
 OwnClock::OwnClock(const std::unique_ptr<Component>& component, std::span<const double> states,
@@ -15,7 +15,7 @@ OwnClock::OwnClock(const std::unique_ptr<Component>& component, std::span<const 
       period_(std::max<Nanoseconds>(1, period)),
       lock_step_(lock_step),
       states_(states.begin(), states.end()) {
-  orders_.reset({0, ReturnType::ok, {}, {}, std::vector<double>(commands, kNone)});
+  orders_.reset({0, ReturnType::ok, {}, {}, std::vector<double>(commands, kNoOrder)});
   results_.reset({0, ReturnType::ok, {}, {}, states_});
   if (!lock_step_)
     runner_ =
@@ -37,7 +37,7 @@ void OwnClock::order(const Cycle& cycle, std::span<const double> commands, bool 
   if (writing)
     std::copy(commands.begin(), commands.end(), draft.values.begin());
   else  // what it was told last must not lead when it is activated again
-    std::fill(draft.values.begin(), draft.values.end(), kNone);
+    std::fill(draft.values.begin(), draft.values.end(), kNoOrder);
   orders_.publish();
   if (cycle.time < due_) return;
   due_ += ((cycle.time - due_) / period_ + 1) * period_;

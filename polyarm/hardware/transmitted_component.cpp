@@ -15,7 +15,7 @@ using description::InterfaceInfo;
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 InterfaceInfo* find(std::vector<InterfaceInfo>& interfaces, const std::string& name) {
   for (InterfaceInfo& i : interfaces)
@@ -138,13 +138,13 @@ void TransmittedComponent::connect(Side& side) {
       if (!find(commands ? joint.command_interfaces : joint.state_interfaces, key.second)) continue;
       const std::string name = driven.robot + "/" + joint.name + "/" + key.second;
       link.outside[k] = static_cast<int>(side.outside.size());
-      side.outside.push_back({name, commands ? kNone : to[k]});
+      side.outside.push_back({name, commands ? kUnknown : to[k]});
       for (std::size_t s = 0; commands && s < states_.outside.size(); ++s)
         if (states_.outside[s].name == name) link.measured[k] = static_cast<int>(s);
     }
     side.links.push_back(link);
   }
-  side.values.assign(side.inside.size(), kNone);
+  side.values.assign(side.inside.size(), kUnknown);
   for (std::size_t i = 0; i < side.inside.size(); ++i) side.values[i] = side.inside[i].initial;
   side.reaches.resize(side.outside.size());
   for (const Pass& pass : side.passes) side.reaches[pass.outside] = {static_cast<int>(pass.inside)};
@@ -165,7 +165,7 @@ CallbackReturn TransmittedComponent::on_init(const ComponentContext& context) {
   commands_.inside = inside_->command_interfaces();
   connect(states_);
   connect(commands_);
-  measured_.assign(states_.outside.size(), kNone);
+  measured_.assign(states_.outside.size(), kUnknown);
   std::size_t longest = 0;
   for (const InterfaceDescription& d : commands_.inside) longest = std::max(longest, d.name.size());
   for (auto* names : {&start_names_, &stop_names_}) {
@@ -227,7 +227,7 @@ ReturnType TransmittedComponent::write(const Cycle& cycle, std::span<const doubl
   for (const Pass& pass : commands_.passes) commands_.values[pass.inside] = commands[pass.outside];
   for (const Link& link : commands_.links) {
     const Transmission& transmission = driven_[link.transmission].transmission;
-    std::array<double, 2> from{kNone, kNone}, to{};
+    std::array<double, 2> from{kUnknown, kUnknown}, to{};
     bool any = false;
     for (std::size_t k = 0; k < transmission.size(); ++k) {
       if (link.outside[k] >= 0) from[k] = commands[static_cast<std::size_t>(link.outside[k])];
@@ -235,7 +235,7 @@ ReturnType TransmittedComponent::write(const Cycle& cycle, std::span<const doubl
     }
     for (std::size_t k = 0; any && k < transmission.size(); ++k)
       if (std::isnan(from[k])) {
-        from[k] = link.quantity == Quantity::position ? kNone : 0;
+        from[k] = link.quantity == Quantity::position ? kUnknown : 0;
         if (link.quantity == Quantity::position && link.measured[k] >= 0)
           from[k] = measured_[static_cast<std::size_t>(link.measured[k])];
       }

@@ -11,7 +11,7 @@ namespace polyarm::program {
 namespace {
 using Kind = Statement::Kind;
 
-bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+bool among(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
@@ -115,8 +115,8 @@ void parse_let(TokenCursor& cursor, Statement& out) {
 bool begins_value(const TokenCursor& cursor, std::size_t ahead) {
   const Token& token = cursor.peek(ahead);
   if (token.kind == TokenKind::end) return false;
-  if (token.kind == TokenKind::name) return !one_of(lower(token.text), {"and", "or", "mod", "timeout"});
-  return token.kind != TokenKind::symbol || one_of(token.text, {"(", "-", "["});
+  if (token.kind == TokenKind::name) return !among(lower(token.text), {"and", "or", "mod", "timeout"});
+  return token.kind != TokenKind::symbol || among(token.text, {"(", "-", "["});
 }
 
 void parse_ask(TokenCursor& cursor, Statement& out);
@@ -205,9 +205,9 @@ void parse_for(TokenCursor& cursor, Statement& out) {
 void parse_single(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
   out.kind = line.word == "stop" ? Kind::stop : line.word == "break" ? Kind::break_loop : Kind::continue_loop;
   const auto around = std::find_if(open.rbegin(), open.rend(), [](const Opener& opener) {
-    return one_of(opener.word, {"while", "for", "together", "func", "task"});
+    return among(opener.word, {"while", "for", "together", "func", "task"});
   });
-  const bool in_loop = around != open.rend() && one_of(around->word, {"while", "for"});
+  const bool in_loop = around != open.rend() && among(around->word, {"while", "for"});
   if (out.kind != Kind::stop && !in_loop)
     throw SyntaxError{"no-loop", out.place, "'" + line.word + "' stands in no loop", ""};
   cursor.expect_end("'" + line.word + "'");
@@ -414,7 +414,7 @@ void parse_of_test(const Line& line, TokenCursor& cursor, Statement& out, const 
 }
 
 void require_top(const Line& line, const Openers& open) {
-  const bool top = one_of(line.word, {"func", "task", "when", "on", "include", "test"});
+  const bool top = among(line.word, {"func", "task", "when", "on", "include", "test"});
   if (top && !open.empty())
     throw SyntaxError{"nested", line.source.place,
                       "'" + line.word + "' stands inside the '" + open.back().word + "' of line " +
@@ -434,7 +434,7 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "wait") return parse_wait(cursor, out);
   if (word == "while" || word == "if") return parse_condition(word, cursor, out);
   if (word == "for") return parse_for(cursor, out);
-  if (one_of(word, {"break", "continue", "stop"})) return parse_single(line, cursor, out, open);
+  if (among(word, {"break", "continue", "stop"})) return parse_single(line, cursor, out, open);
   if (word == "hold") return parse_hold(cursor, out);
   if (word == "log") return parse_log(cursor, out);
   if (word == "call") return parse_call(line, out);
@@ -446,7 +446,7 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "on") return parse_on(cursor, out);
   if (word == "test") return parse_test(cursor, out);
   if (word == "run" || word == "expect") return parse_of_test(line, cursor, out, open);
-  if (one_of(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
+  if (among(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
   throw SyntaxError{"unexpected", line.source.place, "'" + word + "' begins no statement here", ""};
 }
 

@@ -16,7 +16,6 @@ namespace {
 constexpr double kLastInstant = 1e-6;     // s that stands exactly on the goal
 constexpr double kNoMove = 1e-12;         // rad or m
 constexpr double kShortestPhase = 1e-12;  // s
-constexpr std::size_t kCount = Trajectory::kCoefficients;
 
 void check_size(std::size_t size, std::size_t joints, const char* what) {
   if (size != joints)
@@ -95,7 +94,7 @@ Profile fastest_profile(const PathLimits& limit) {
 }
 
 /// One straight line in joint space.
-struct Line {
+struct MoveLine {
   std::span<const double> from, to;
 
   double distance(std::size_t i) const { return to[i] - from[i]; }
@@ -118,21 +117,21 @@ struct Line {
 };
 
 void append_rest(Trajectory& out, std::span<const double> at, double duration) {
-  std::vector<double> c(at.size() * kCount, 0.0);
-  for (std::size_t i = 0; i < at.size(); ++i) c[i * kCount] = at[i];
+  std::vector<double> c(at.size() * Trajectory::kCoefficients, 0.0);
+  for (std::size_t i = 0; i < at.size(); ++i) c[i * Trajectory::kCoefficients] = at[i];
   out.append(duration, c);
 }
 
-void append_phase(Trajectory& out, const Line& line, double duration, const std::array<double, 4>& s) {
-  std::vector<double> c(line.from.size() * kCount, 0.0);
+void append_phase(Trajectory& out, const MoveLine& line, double duration, const std::array<double, 4>& s) {
+  std::vector<double> c(line.from.size() * Trajectory::kCoefficients, 0.0);
   for (std::size_t i = 0; i < line.from.size(); ++i) {
-    for (std::size_t k = 0; k < s.size(); ++k) c[i * kCount + k] = line.distance(i) * s[k];
-    c[i * kCount] += line.from[i];
+    for (std::size_t k = 0; k < s.size(); ++k) c[i * Trajectory::kCoefficients + k] = line.distance(i) * s[k];
+    c[i * Trajectory::kCoefficients] += line.from[i];
   }
   out.append(duration, c);
 }
 
-void append_move(Trajectory& out, const Line& line, const Profile& p) {
+void append_move(Trajectory& out, const MoveLine& line, const Profile& p) {
   const double tj = p.jerk_time, ta = p.acceleration_time, tv = p.cruise_time;
   const std::array<std::array<double, 2>, 7> phases = {
       {{tj, p.jerk}, {ta, 0}, {tj, -p.jerk}, {tv, 0}, {tj, -p.jerk}, {ta, 0}, {tj, p.jerk}}};
@@ -167,17 +166,17 @@ Trajectory plan_joint_moves(std::span<const double> from, std::span<const std::v
   check_limits(limits, from.size());
   check_options(options);
   double fastest = 0;
-  std::vector<Line> lines;
+  std::vector<MoveLine> lines;
   for (const std::vector<double>& to : waypoints) {
     check_values(to, from.size(), "target values");
-    const Line line{from, to};
+    const MoveLine line{from, to};
     from = to;
     if (line.no_move()) continue;
     lines.push_back(line);
     fastest += line.fastest(limits, options.speed_scale, options.acceleration_scale).total();
   }
   Trajectory out(from.size());
-  for (const Line& line : lines) {
+  for (const MoveLine& line : lines) {
     Profile profile = line.fastest(limits, options.speed_scale, options.acceleration_scale);
     if (std::isfinite(options.duration)) profile.stretch(std::max(1.0, options.duration / fastest));
     append_move(out, line, profile);
@@ -193,7 +192,7 @@ double fastest_duration(std::span<const double> from, std::span<const double> to
   check_values(to, from.size(), "target values");
   check_limits(limits, from.size());
   check_options({speed_scale, acceleration_scale, 0});
-  const Line line{from, to};
+  const MoveLine line{from, to};
   return line.no_move() ? 0.0 : line.fastest(limits, speed_scale, acceleration_scale).total();
 }
 

@@ -10,11 +10,11 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kRounding = 1e-13;  // of a segment, left between two corners that meet
-constexpr double kEqual = 1e-9;      // of derivatives that are equal, relative
-constexpr double kBack = 1e-3;       // sum of derivatives that are nearly opposite
-constexpr double kMostTurn = 2.5;    // rad, between a corner's middle and its ends
-constexpr double kLess = 0.8;        // a corner that is too wide is tried again with this share
+constexpr double kRounding = 1e-13;    // of a segment, left between two corners that meet
+constexpr double kEqual = 1e-9;        // of derivatives that are equal, relative
+constexpr double kBack = 1e-3;         // sum of derivatives that are nearly opposite
+constexpr double kWidestCorner = 2.5;  // rad, between a corner's middle and its ends
+constexpr double kLess = 0.8;          // a corner that is too wide is tried again with this share
 constexpr int kTries = 60;
 
 bool equal(const Vec3& a, const Vec3& b) {
@@ -96,7 +96,7 @@ class CartesianPathBuilder::Assembly {
     for (const Vec3& point : hull(piece.position))
       if (norm(point - segments_[i].end.position) > radius * (1 + 1e-9)) return false;
     for (const Vec3& vector : hull(piece.vector))
-      if (norm(vector) > kMostTurn) return false;
+      if (norm(vector) > kWidestCorner) return false;
     return true;
   }
 

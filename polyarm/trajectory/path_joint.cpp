@@ -12,12 +12,12 @@
 namespace polyarm::trajectory {
 namespace {
 
-constexpr double kSame = 1e-9;       // of the joint norm, between waypoints that are one
-constexpr double kBack = 1e-3;       // length of the sum of directions that are nearly opposite
-constexpr double kStraight = 1e-12;  // difference of directions that are one
-constexpr double kRounding = 1e-13;  // of a line, left between two corners that meet
-constexpr int kBisections = 16;      // while a radius at the TCP is turned into one of joints
-constexpr int kSamples = 16;         // of a corner, whose distances at the TCP are measured
+constexpr double kSameWaypoint = 1e-9;   // of the joint norm, between waypoints that are one
+constexpr double kTurnsBack = 1e-3;      // length of the sum of directions that are nearly opposite
+constexpr double kStraight = 1e-12;      // difference of directions that are one
+constexpr double kLineRounding = 1e-13;  // of a line, left between two corners that meet
+constexpr int kBisections = 16;          // while a radius at the TCP is turned into one of joints
+constexpr int kSamples = 16;             // of a corner, whose distances at the TCP are measured
 constexpr std::size_t kPowers = PolynomialPath::kCoefficients;
 
 std::string name_of(const JointWaypoint& waypoint, std::size_t index) {
@@ -112,7 +112,7 @@ class Lines {
     const std::string name = name_of(waypoint, index);
     const double way = points_.empty() ? 1 : norm_of(difference(points_.back().q, waypoint.q));
     // The smallest of moves is still one.
-    if (way <= kSame && !(last && way > 0 && points_.size() == 1)) {
+    if (way <= kSameWaypoint && !(last && way > 0 && points_.size() == 1)) {
       out_.warnings.push_back({"waypoint-repeated",
                                {},
                                fmt::format("{} is where {} is; they count once", name, points_.back().name),
@@ -140,7 +140,7 @@ class Lines {
   bool turns_back(std::size_t i) const {
     std::vector<double> sum(joints_);
     for (std::size_t j = 0; j < joints_; ++j) sum[j] = lines_[i - 1].direction[j] + lines_[i].direction[j];
-    return norm_of(sum) <= kBack;
+    return norm_of(sum) <= kTurnsBack;
   }
   void warn_of_turning_back(std::size_t i, double radius) {
     out_.warnings.push_back(
@@ -217,7 +217,7 @@ class Lines {
 
   void append_line(PolynomialPath& path, std::size_t i, double from, double to) const {
     const double length = lines_[i].length - from - to;
-    if (length <= kRounding * lines_[i].length) return;
+    if (length <= kLineRounding * lines_[i].length) return;
     std::vector<double> c(joints_ * kPowers, 0.0);
     const std::vector<double> begin = on_line(i, from);
     for (std::size_t j = 0; j < joints_; ++j) {

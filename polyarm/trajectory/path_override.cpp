@@ -26,7 +26,7 @@ constexpr double kMostLooks = 32;  // beside the table's nodes, in one step
 constexpr double kSpacing = 1e-3;  // s of the plan between two rows
 /// Of a bend as bold as both ends of a step leave: what something in between may leave less.
 constexpr double kALittleLess[] = {0, 0.003};
-constexpr double kSame = 1e-12;        // of factors
+constexpr double kSameFactor = 1e-12;  // of factors
 constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
 constexpr double kLeastBoldness = 1.0 / 64;
 constexpr std::size_t kPushSteps = 12, kLeastPush = 4, kMostPush = 256;  // cycles
@@ -158,7 +158,7 @@ double PathOverride::looks(const State& s, const State& end, double bend, double
 /// table passed?
 bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   const State end = during(s, bend, t);
-  if (end.factor > 1 + kSame || end.factor < -back_ - kSame) return false;
+  if (end.factor > 1 + kSameFactor || end.factor < -back_ - kSameFactor) return false;
   const auto kept = [&](double part) {
     const State inside = during(s, bend, part * t);
     look(inside.time, inside_);
@@ -271,7 +271,7 @@ bool PathOverride::attempt(double target) noexcept {
     const bool safe =
         keeps_nearly(m.at, bend, t, direction) && recover(during(m.at, bend, t), tried_, direction, 0);
     const double beyond = safe ? direction * (tried_.end - target) : 0;
-    if (safe && beyond <= kSame) {
+    if (safe && beyond <= kSameFactor) {
       take(bend, tried_);
       m.boldness = std::min(1.0, 2 * m.boldness);
       return true;
@@ -297,7 +297,7 @@ bool PathOverride::push_past(double bend, double direction, double target) noexc
   for (std::size_t tries = 0; tries < kMostPushes; ++tries) {
     if (!recover(next, tried_, direction, m.push)) {
       few = m.push;
-    } else if (direction * (tried_.end - target) > kSame) {
+    } else if (direction * (tried_.end - target) > kSameFactor) {
       many = m.push;
     } else {
       take(bend, tried_);
@@ -323,7 +323,7 @@ void PathOverride::advance(double target, bool immediate) noexcept {
   Motion& m = motion_;
   if (immediate ? !stands() : stands()) m.hard = immediate;
   target = allowed_target(target);
-  const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSame;
+  const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSameFactor;
   const bool leads_there = m.step < m.out.steps && std::abs(target - m.out.end) <= kNearlyThere;
   if (settled) m.at.factor = m.out.end = target, m.boldness = 1;
   // Whatever ends within this cycle cannot be changed by much any more, and nobody looks between here and

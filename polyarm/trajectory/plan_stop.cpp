@@ -10,7 +10,6 @@ namespace polyarm::trajectory {
 namespace {
 
 constexpr double kSameTime = 1e-9;  // s: phase ends nearer than this are one
-constexpr std::size_t kCount = Trajectory::kCoefficients;
 
 /// Constant jerk for a while.
 struct Phase {
@@ -111,11 +110,11 @@ Trajectory plan_stop(std::span<const double> q, std::span<const double> v, std::
   std::vector<double> ends = phase_ends(joints);
   if (ends.empty() || ends.back() < kSameTime) ends = {1e-3};
   Trajectory out(q.size());
-  std::vector<double> coefficients(q.size() * kCount, 0.0);
+  std::vector<double> coefficients(q.size() * Trajectory::kCoefficients, 0.0);
   double begin = 0;
   for (const double end : ends) {
     for (std::size_t i = 0; i < q.size(); ++i)
-      advance(joints[i], begin, end - begin, &coefficients[i * kCount]);
+      advance(joints[i], begin, end - begin, &coefficients[i * Trajectory::kCoefficients]);
     out.append(end - begin, coefficients);
     begin = end;
   }

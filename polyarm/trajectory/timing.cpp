@@ -28,7 +28,7 @@ constexpr double kFailed = 1.05;          // stretch with which another first gu
 constexpr double kFailedStretch = 1.005;  // the same of stretches between stops, which are short
 // Iterations times nodes after which it is not, unless the motion is of no use as it is.
 constexpr double kDear = 3e4, kHopeless = 2;
-constexpr int kRounds = 12;          // of solving and tightening
+constexpr int kTightenings = 12;     // of solving and tightening
 constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
 constexpr double kMargin = 3e-7;     // to limits at the end, for rounding and peaks between samples
 
@@ -192,7 +192,7 @@ class Timer {
     auto solver = std::make_unique<SpeedSolver>(problem.speeds(), motion_);
     Found best;
     const std::size_t most_nodes = 2 * motion_.s.size();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kTightenings; ++round) {
       const SpeedSolution solution = solver->improve(std::min(kPrecision, kPrecision / o_.fineness),
                                                      round > 0 ? 2e-5 : 2e-3, round > 0 ? 25 : 150);
       timing_.iterations += solution.iterations;

@@ -273,7 +273,7 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
 
 namespace {
 
-constexpr double kRounding = 1.5;  // of the time that a ramp of acceleration lasts
+constexpr double kRampRounding = 1.5;  // of the time that a ramp of acceleration lasts
 
 /// Takes the corners off b over s where the acceleration would jump: the least, then the mean speed over the
 /// time that a ramp of acceleration lasts. The ends stay.
@@ -284,7 +284,7 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
     if (i > 0)
       time[i] = time[i - 1] + 2 * (rows.s(i) - rows.s(i - 1)) / (std::sqrt(b[i - 1]) + std::sqrt(b[i]));
     const double ramp = ramp_at(rows, i).time;
-    half[i] = std::isfinite(ramp) ? kRounding * ramp / 2 : 0;
+    half[i] = std::isfinite(ramp) ? kRampRounding * ramp / 2 : 0;
   }
   for (std::size_t i = 0; i < n; ++i) {
     const double width = std::min({half[i], 0.25 * time[i], 0.25 * (time[n - 1] - time[i])});
