@@ -12,10 +12,6 @@ namespace {
 constexpr double kRounding = 1e-11;  // of errors, in lengths and rad: nearer is not asked for
 constexpr int kPolish = 4;
 constexpr int kStepsAlone = 6;  // two, mostly
-// Where two singularities meet, descents end slowly, and are given up just before: the nearest of each are
-// taken on.
-constexpr double kAlmost = 1e-3;  // lengths and rad
-constexpr int kPressOn = 1000;
 
 double squared(double v) {
   return v * v;
@@ -138,7 +134,6 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
   DescentRules here = rules;
   here.walls = question.walls;
   out = {};
-  Places nearest;  // that a lane has been
   while (steps > 0) {
     here.steps = steps;
     steps -= std::max(1, descend(arm, here, task_of(question), all));
@@ -146,39 +141,22 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
       const bool converged = all.converged >> lane & 1;
       if (!converged && (all.converged || !(all.stale >> lane & 1))) continue;
       const NumericPlace at = place_of(all, lane);
-      const bool better = converged && good(out) ? distance2(at.x.data(), question.seed.data()) <
-                                                       distance2(out.x.data(), question.seed.data())
-                                                 : at.size2() < out.size2();
+      // Within tolerances is better than nearer in sum and outside one of them.
+      const bool better = converged != good(out) ? converged
+                          : converged            ? distance2(at.x.data(), question.seed.data()) <
+                                            distance2(out.x.data(), question.seed.data())
+                                      : at.size2() < out.size2();
       if (better) out = at;
-      if (at.size2() < nearest[lane].size2()) nearest[lane] = at;
       if (!all.converged) restart(search, lane, all);
     }
     if (all.converged) break;
   }
-  if (!good(out) && out.size2() < squared(kAlmost)) press_on(question, nearest, out);
   if (out.size2() > 1e299) {
     set_state(question.seed.data(), 0, all);
     measure(arm, task_of(question), all);
     out = place_of(all, 0);
   }
   return good(out);
-}
-
-void NumericCore::press_on(const NumericQuestion& question, const Places& from,
-                           NumericPlace& at) const noexcept {
-  Descents all;
-  set_targets(question, all);
-  for (std::size_t lane = 0; lane < kDescents; ++lane)
-    set_state((from[lane].size2() < 1e299 ? from[lane] : at).x.data(), lane, all);
-  DescentRules here = rules;
-  here.walls = question.walls;
-  here.steps = kPressOn;
-  here.patience = 1e9;
-  descend(arm, here, task_of(question), all);
-  for (std::size_t lane = 0; lane < kDescents; ++lane)
-    if (const NumericPlace then = place_of(all, lane);
-        good(then) > good(at) || (good(then) == good(at) && then.size2() < at.size2()))
-      at = then;
 }
 
 bool NumericCore::follow_alone(const NumericQuestion& question, const double* from, double position2,

@@ -59,8 +59,6 @@ struct NumericCore {
   /// So many steps more from eight places, however little they help.
   using Places = std::array<NumericPlace, kDescents>;
   void settle(const NumericQuestion& question, int steps, Places& all) const noexcept;
-  /// Goes on from these places however little a step helps; `at` becomes the nearest that is reached.
-  void press_on(const NumericQuestion& question, const Places& from, NumericPlace& at) const noexcept;
   /// Moves within what the pose leaves free.
   void improve(const NumericQuestion& question, std::span<const double> seed,
                NumericPlace& at) const noexcept;
