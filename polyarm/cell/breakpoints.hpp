@@ -1,5 +1,5 @@
-/// Breakpoints of a file go with their lines while its text is changed.
 #pragma once
+/// Breakpoints of a file go with their lines while its text is changed.
 
 #include <optional>
 #include <string>
