@@ -104,6 +104,7 @@ export function BreakpointButton() {
     <Button
       label={t('program.breakpointAt', { line })}
       icon="pin"
+      disabled={!doc.fileName.value}
       pressed={doc.breakpoints.value.includes(line)}
       onClick={() => void doc.toggleBreakpoint(line)}
     />

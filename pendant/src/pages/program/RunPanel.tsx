@@ -202,7 +202,7 @@ function Problems() {
         </div>
       )}
       {now.kind === 'done' && <DryAnswer stale={stale} />}
-      {list.length === 0 && now.kind !== 'runs' && (
+      {doc.fileName.value !== '' && list.length === 0 && now.kind !== 'runs' && (
         <p class="program-fine">
           <Icon name="check" size={20} /> {t('program.noProblems')}
         </p>
