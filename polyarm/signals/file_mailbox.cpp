@@ -152,8 +152,9 @@ class FolderTurn {
   Descriptor folder_;
 };
 
-/// How many looks in a row are left out while others have their turn; then somebody is stuck with it.
-constexpr int kMostLeftOut = 25;
+/// How many looks in a row, 20 ms each, are left out while others have their turn; then somebody is stuck with
+/// it. A disk that many write to may keep one for a second.
+constexpr int kMostLeftOut = 150;
 /// How long a displaced file is watched, in looks.
 constexpr int kLooksAtDisplaced = 500;
 /// Every so many looks it is read even if nothing says that it has changed.
