@@ -27,8 +27,8 @@ interface Dry {
   joints?: Record<string, number>;
 }
 
-/** Shorter than that there is no way to speak of, s. */
-const kThere = 0.02;
+/** Shorter than that there is no way to speak of, s: a few tenths of a millimetre, which a motion by hand may leave. */
+const kThere = 0.1;
 const kWaitMs = 150;
 
 /** Null: there is nowhere to go yet. */
