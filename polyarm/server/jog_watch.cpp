@@ -184,15 +184,18 @@ void JogWatch::go_to(std::uint64_t client, const Json& request) {
     if (request.contains(what)) plan[what] = request[what];
   const auto jog = begun_by(client, i, request);
   jog->goes = jog->planning = jog->asked = true;
-  cell_.requests().handle(plan.dump(), [this, jog, speed, line = kind == "line"](const std::string& text) {
-    const Json answer = Json::parse(text, nullptr, false);
-    jog->planning = jog->asked = false;
-    if (!answer.value("ok", false))
-      jog->refused = answer.value("error", Json::object()).dump();
-    else
-      take_plan(*jog, answer["result"], line, speed);
-    return true;
-  });
+  const std::weak_ptr<const bool> here = here_;
+  cell_.requests().handle(plan.dump(),
+                          [this, here, jog, speed, line = kind == "line"](const std::string& text) {
+                            if (here.expired()) return true;  // the server has gone meanwhile
+                            const Json answer = Json::parse(text, nullptr, false);
+                            jog->planning = jog->asked = false;
+                            if (!answer.value("ok", false))
+                              jog->refused = answer.value("error", Json::object()).dump();
+                            else
+                              take_plan(*jog, answer["result"], line, speed);
+                            return true;
+                          });
 }
 
 /// Where the way ends is what is gone to: by the joints, or the TCP on its line.

@@ -75,6 +75,7 @@ class JogWatch {
   cell::Cell& cell_;
   Tell tell_;
   std::vector<std::shared_ptr<Jog>> jogs_;
+  std::shared_ptr<const bool> here_ = std::make_shared<const bool>(true);  ///< as long as it is there
   std::uint64_t last_ = 0;
 };
 
