@@ -116,8 +116,7 @@ void Chain::read_joints(const RobotModel& model) {
   if (model.actuated.size() > kMaxJoints)
     throw Error("too-many-joints",
                 "the robot '" + model.name + "' has " + std::to_string(model.actuated.size()) +
-                    " joints that move by themselves; inverse kinematics and motion take at most " +
-                    std::to_string(kMaxJoints),
+                    " joints that move by themselves; at most " + std::to_string(kMaxJoints) + " are taken",
                 "describe the arm in a file of its own, or make joints that are not used fixed");
   for (const int i : model.actuated) {
     const Joint& joint =
@@ -168,6 +167,13 @@ void Chain::read_path(const RobotModel& model, int tip_link) {
     if (model.joints[at].moves()) add_step(model.joints[at], tree_[at].drive, pending);
   }
   last_ = frame_of(pending * T_tip_tcp_);
+  const auto moving = static_cast<std::size_t>(std::count(on_path_.begin(), on_path_.end(), true));
+  if (moving > kMostMoving)
+    throw Error("too-many-joints",
+                std::to_string(moving) + " joints of the robot '" + model.name + "' move '" +
+                    model.links[static_cast<std::size_t>(tip_link)].name + "'; at most " +
+                    std::to_string(kMostMoving) + " are taken",
+                "choose a tool that fewer joints move, or make joints that are not used fixed");
 }
 
 void Chain::find_periods() {

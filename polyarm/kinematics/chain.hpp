@@ -19,13 +19,15 @@ namespace polyarm::kinematics {
 /// nothing. Precondition of all three: the spans have the sizes stated.
 class Chain {
  public:
-  /// Most actuated joints that a chain may have.
-  static constexpr std::size_t kMaxJoints = 32;
+  /// Most actuated joints that the model may have: hands, legs and other arms among them.
+  static constexpr std::size_t kMaxJoints = 128;
+  /// Most of them that may move the TCP.
+  static constexpr std::size_t kMostMoving = 32;
 
   /// `tip_link` indexes RobotModel::links. T_world_base places the root link, T_tip_tcp the TCP in the tip
   /// link. Throws Error("bad-model") for a tip or parent that does not exist, a planar or floating joint on
-  /// the path, mimic joints that follow each other in a circle, more than kMaxJoints actuated joints, or
-  /// numbers that are not finite.
+  /// the path, mimic joints that follow each other in a circle, or numbers that are not finite;
+  /// Error("too-many-joints") for more than kMaxJoints actuated joints or kMostMoving on the path.
   Chain(const description::RobotModel& model, int tip_link, Pose T_world_base = {}, Pose T_tip_tcp = {});
 
   /// How many values a joint state has.

@@ -37,9 +37,9 @@ struct DescentArm {
   Vec3 first_point;
   Rotation last_turn;                                      ///< from the frame behind the last axis to the TCP
   std::size_t joints = 0;                                  ///< that move the TCP
-  std::array<std::size_t, Chain::kMaxJoints> chain_joint;  ///< their places in a joint state
-  std::array<double, Chain::kMaxJoints> unit;              ///< rad or m of one unit
-  std::array<double, Chain::kMaxJoints> lower, upper;      ///< +-1e9: none, or further than a whole turn
+  std::array<std::size_t, Chain::kMostMoving> chain_joint;  ///< their places in a joint state
+  std::array<double, Chain::kMostMoving> unit;              ///< rad or m of one unit
+  std::array<double, Chain::kMostMoving> lower, upper;      ///< +-1e9: none, or further than a whole turn
   double length = 1;                                       ///< m
   /// The same with the joints side by side, for descend_alone(); what is left of eight is zero.
   struct alignas(64) Single {
@@ -65,14 +65,14 @@ struct DescentTask {
 
 /// Eight descents at work: joint values, targets, errors.
 struct alignas(64) Descents {
-  double x[Chain::kMaxJoints][kDescents];
+  double x[Chain::kMostMoving][kDescents];
   double target[12][kDescents];    ///< columns of the rotation behind the last axis (9), position (3)
   double position2[kDescents];     ///< squares of the errors at `x`
   double orientation2[kDescents];  ///< of 2 sin(angle / 2)
   double spread[kDescents];        ///< det(J J^T + damping): the square of the manipulability, roughly
   double least[kDescents];         ///< the least error so far (squared)
   double stuck[kDescents];         ///< steps that hardly helped
-  double pull[Chain::kMaxJoints][kDescents];  ///< what joints would do if the pose did not matter
+  double pull[Chain::kMostMoving][kDescents];  ///< what joints would do if the pose did not matter
   std::uint32_t converged = 0, stale = 0;     ///< bits
 
   void restart(std::size_t lane) noexcept {

@@ -113,7 +113,7 @@ void NumericCore::begin_search(const NumericQuestion& q, SeedTable::Search& sear
 }
 
 void NumericCore::restart(SeedTable::Search& search, std::size_t lane, Descents& all) const noexcept {
-  std::array<double, Chain::kMaxJoints> x;
+  std::array<double, Chain::kMostMoving> x;
   table.next(search, x.data());
   set_state(x.data(), lane, all);
 }

@@ -14,13 +14,13 @@ namespace polyarm::kinematics {
 struct NumericQuestion {
   std::array<double, 12> target;               ///< as Descents::target
   std::optional<DescentTask> task;             ///< none: the whole pose
-  std::array<double, Chain::kMaxJoints> seed;  ///< of the joints that move, in the arm's units, within limits
+  std::array<double, Chain::kMostMoving> seed;  ///< of the joints that move, in the arm's units, within limits
   bool walls = true;
 };
 
 /// Where one descent has come to.
 struct NumericPlace {
-  std::array<double, Chain::kMaxJoints> x;
+  std::array<double, Chain::kMostMoving> x;
   double position2 = 1e300, orientation2 = 1e300;  ///< in lengths and rad, squared
   double size2() const noexcept { return position2 + orientation2; }
 };

@@ -60,7 +60,7 @@ void NumericCore::climb(const NumericQuestion& question, const NumericPlace& at,
 void NumericCore::improve(const NumericQuestion& question, std::span<const double> seed,
                           NumericPlace& at) const noexcept {
   Descents all;
-  double direction[Chain::kMaxJoints], value[kDescents];
+  double direction[Chain::kMostMoving], value[kDescents];
   IkSolution probe;
   for (std::size_t lane = 0; lane < kDescents; ++lane) set_target(question, lane, all);
   for (int step = 0; step < settings.goal_steps; ++step) {

@@ -9,7 +9,7 @@
 namespace polyarm::kinematics {
 
 inline constexpr std::size_t kScrewBlock = 8;
-inline constexpr std::size_t kMostVariables = 32;
+inline constexpr std::size_t kMostVariables = 128;
 
 /// About which axis of the reference axes a step turns: one of them, any direction, or it slides.
 enum class Turn { x, y, z, any, none };

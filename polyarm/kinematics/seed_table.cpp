@@ -145,13 +145,13 @@ void SeedTable::fill(std::size_t size) {
   for (std::size_t k = 0; k < m; ++k) dimensions += !free(k);
   // Each joint's numbers are an additive sequence, which fills the space evenly (the R-sequence: powers of
   // the root of x^(d+1) = x + 1; Roberts 2018).
-  std::array<double, Chain::kMaxJoints> step{}, unit;
+  std::array<double, Chain::kMostMoving> step{}, unit;
   unit.fill(0.5);
   const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
   double power = 1;
   for (std::size_t k = 0; k < m; ++k)
     if (!free(k)) step[k] = power /= root;
-  std::array<Range, Chain::kMaxJoints> wide{};
+  std::array<Range, Chain::kMostMoving> wide{};
   for (std::size_t k = 0; k < m; ++k)
     if (!free(k)) wide[k] = range(k);
   for (std::size_t row = 0; row < size; row += kDescents) {

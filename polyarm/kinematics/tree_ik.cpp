@@ -15,7 +15,7 @@ constexpr double kLargestStep = 0.8;  // rad or lengths
 constexpr double kDamping = 0.02;     // times the squared error (Chan and Lawrence 1988)
 constexpr double kLeastDamping = 1e-11;
 constexpr int kPatience = 8;
-constexpr std::size_t kMost = Chain::kMaxJoints;
+constexpr std::size_t kMost = TreeIk::kMostMoving;
 
 bool finite(const Pose& p) {
   const auto& [x, y, z, w] = p.rotation;
@@ -42,11 +42,13 @@ int free_spin_of(const IkTask& task) {
 
 }  // namespace
 
-/// One descent: the normal equations of all rows, and errors.
+/// One descent: the normal equations of all rows, and errors. Of all joints: q, seed, jacobian; the others
+/// are of those that move a tip.
 struct TreeIk::Work {
-  std::array<double, kMost> q{}, seed{}, gradient{}, dq{};
-  std::array<double, kMost * kMost> square{};  ///< J^T J, its lower half
-  std::array<double, 6 * kMost> jacobian{};
+  std::array<double, Chain::kMaxJoints> q, seed;
+  std::array<double, 6 * Chain::kMaxJoints> jacobian;
+  std::array<double, kMost> gradient, dq;
+  std::array<double, kMost * kMost> square;  ///< J^T J, its lower half
   std::array<double, TreeSolution::kMaxTips> position{}, orientation{};
   double size2 = 0;  ///< what is minimised
   bool within = false;
@@ -72,7 +74,14 @@ TreeIk::TreeIk(const description::RobotModel& model, std::span<const TreeTip> ti
       period_[i] = std::max(period_[i], chain.period(i));
     }
     if (!turns) period_[i] = 0;
+    const auto moved = [&](const Chain& chain) { return chain.moves_tcp(i); };
+    if (std::any_of(chains_.begin(), chains_.end(), moved)) moving_.push_back(i);
   }
+  if (moving_.size() > kMost)
+    throw Error("too-many-joints",
+                std::to_string(moving_.size()) + " joints move the tips, at most " + std::to_string(kMost) +
+                    " are taken",
+                "solve for fewer tips at once");
 }
 
 bool TreeIk::accepts(std::span<const TreeTask> tasks, std::span<const double> seed) const noexcept {
@@ -118,18 +127,20 @@ void TreeIk::add_rows(std::size_t tip, const TreeTask& one, Work& work) const no
     work.size2 += weight * weight * error[i] * error[i];
     std::array<double, kMost> row;
     const double* rows = work.jacobian.data() + (i < 3 ? 0 : 3 * n);
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec3 column{rows[k], rows[n + k], rows[2 * n + k]};
-      row[k] = weight * unit_[k] * dot(axes[i % 3], column);
+    const std::size_t m = moving_.size();
+    for (std::size_t k = 0; k < m; ++k) {
+      const std::size_t joint = moving_[k];
+      const Vec3 column{rows[joint], rows[n + joint], rows[2 * n + joint]};
+      row[k] = weight * unit_[joint] * dot(axes[i % 3], column);
       work.gradient[k] += row[k] * weight * error[i];
     }
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t j = 0; j <= k && row[k] != 0; ++j) work.square[k * n + j] += row[k] * row[j];
+    for (std::size_t k = 0; k < m; ++k)
+      for (std::size_t j = 0; j <= k && row[k] != 0; ++j) work.square[k * m + j] += row[k] * row[j];
   }
 }
 
 void TreeIk::measure(std::span<const TreeTask> tasks, Work& work) const noexcept {
-  const std::size_t n = joints();
+  const std::size_t n = moving_.size();
   work.size2 = 0;
   work.within = true;
   std::fill_n(work.gradient.begin(), n, 0.0);
@@ -140,15 +151,18 @@ void TreeIk::measure(std::span<const TreeTask> tasks, Work& work) const noexcept
 /// Solves (J^T J + damping) dq = J^T e by Cholesky's method, joints that stand at a limit and are drawn
 /// beyond it left out, and moves.
 bool TreeIk::step(Work& work) const noexcept {
-  const std::size_t n = joints();
+  const std::size_t n = moving_.size();
   const Chain& limits = chains_.front();
   double* a = work.square.data();
   double* x = work.dq.data();
+  const auto free = [&](std::size_t joint) {
+    return period_[joint] > 0 && limits.upper()[joint] - limits.lower()[joint] >= period_[joint];
+  };
   for (std::size_t k = 0; k < n; ++k) {
     const double drawn = work.gradient[k];
-    const bool free = period_[k] > 0 && limits.upper()[k] - limits.lower()[k] >= period_[k];
-    const bool pinned = !free && ((drawn > 0 && work.q[k] >= limits.upper()[k]) ||
-                                  (drawn < 0 && work.q[k] <= limits.lower()[k]));
+    const std::size_t joint = moving_[k];
+    const bool pinned = !free(joint) && ((drawn > 0 && work.q[joint] >= limits.upper()[joint]) ||
+                                         (drawn < 0 && work.q[joint] <= limits.lower()[joint]));
     x[k] = pinned ? 0.0 : drawn;
     for (std::size_t j = 0; pinned && j < n; ++j) (j <= k ? a[k * n + j] : a[j * n + k]) = 0;
     a[k * n + k] += kDamping * work.size2 + kLeastDamping;
@@ -170,9 +184,10 @@ bool TreeIk::step(Work& work) const noexcept {
   double largest = kLargestStep;
   for (std::size_t k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
   for (std::size_t k = 0; k < n; ++k) {
-    work.q[k] += unit_[k] * x[k] * (kLargestStep / largest);
-    if (period_[k] > 0 && limits.upper()[k] - limits.lower()[k] >= period_[k]) continue;
-    work.q[k] = std::clamp(work.q[k], limits.lower()[k], limits.upper()[k]);
+    const std::size_t joint = moving_[k];
+    work.q[joint] += unit_[joint] * x[k] * (kLargestStep / largest);
+    if (free(joint)) continue;
+    work.q[joint] = std::clamp(work.q[joint], limits.lower()[joint], limits.upper()[joint]);
   }
   return true;
 }
@@ -190,7 +205,7 @@ bool TreeIk::descend(std::span<const TreeTask> tasks, Work& work, TreeSolution& 
     if (work.size2 < least || (work.within && !found)) {
       least = work.size2;
       found |= work.within;
-      best.q = work.q;
+      std::copy_n(work.q.begin(), joints(), best.q.begin());
       best.position_error = work.position;
       best.orientation_error = work.orientation;
     }
@@ -208,7 +223,7 @@ IkOutcome TreeIk::solve(std::span<const TreeTask> tasks, std::span<const double>
   if (!accepts(tasks, seed)) return IkOutcome::malformed;
   const std::size_t n = joints();
   const Chain& limits = chains_.front();
-  std::array<bool, kMost> moves{};
+  std::array<bool, Chain::kMaxJoints> moves{};
   Work work;
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t tip = 0; tip < tips(); ++tip)

@@ -41,11 +41,13 @@ struct TreeSolution {
 
 /// Damped least squares over all tips (Nakamura and Hanafusa 1986) with joint limits as walls. Built once
 /// (allocates), then const and without hidden state: any thread. solve() allocates nothing, throws nothing,
-/// reads no clock, and its work is bounded; some 40 kB of stack. The same question has the same answer.
+/// reads no clock, and its work is bounded; some 60 kB of stack. The same question has the same answer.
 class TreeIk {
  public:
+  static constexpr std::size_t kMostMoving = 64;
   /// Joint states are those of the model: one value for each actuated joint. Throws Error("bad-model") for
-  /// what a Chain to one of the tips refuses, for no tip, and for more than TreeSolution::kMaxTips.
+  /// what a Chain to one of the tips refuses, for no tip, and for more than TreeSolution::kMaxTips;
+  /// Error("too-many-joints") where more than kMostMoving joints move the tips.
   TreeIk(const description::RobotModel& model, std::span<const TreeTip> tips, const Pose& T_world_base = {},
          TreeSettings settings = {});
 
@@ -68,6 +70,7 @@ class TreeIk {
   bool descend(std::span<const TreeTask> tasks, Work& work, TreeSolution& best, double& least) const noexcept;
 
   std::vector<Chain> chains_;
+  std::vector<std::size_t> moving_;                 ///< joints that move a tip
   std::array<double, Chain::kMaxJoints> unit_{};    ///< rad or m of one unit
   std::array<double, Chain::kMaxJoints> period_{};  ///< as Chain::period, over all tips
   TreeSettings settings_;

@@ -14,7 +14,7 @@ constexpr double kSettled = 1e-13;  // m and rad
 constexpr double kEnough = 1e-10;   // where rounding stops it
 constexpr double kNone = 1e-9;      // of the largest singular value: zero
 constexpr double kAlong = 1e-6;     // of the path's direction, that a singularity forbids
-constexpr int kMost = static_cast<int>(kinematics::Chain::kMaxJoints);
+constexpr int kMost = static_cast<int>(kinematics::Chain::kMostMoving);
 
 using Six = Eigen::Matrix<double, 6, 1>;
 using Six6 = Eigen::Matrix<double, 6, 6>;

@@ -9,7 +9,8 @@
 
 namespace polyarm::motion {
 
-using JointValues = std::array<double, kinematics::Chain::kMaxJoints>;
+/// Of the joints that move the TCP.
+using JointValues = std::array<double, kinematics::Chain::kMostMoving>;
 
 /// First to third derivatives, one value of each column of the arm.
 struct JointRates {

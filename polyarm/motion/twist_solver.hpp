@@ -13,7 +13,7 @@
 namespace polyarm::motion {
 
 /// Most joints of an arm that is jogged.
-inline constexpr std::size_t kMostJogJoints = 16;
+inline constexpr std::size_t kMostJogJoints = 128;
 using JogValues = std::array<double, kMostJogJoints>;
 
 enum class TwistOutcome {

@@ -87,7 +87,7 @@ class AxisMotion {
 /// limits, or cannot help leaving them, first brakes back inside.
 class StateToState {
  public:
-  static constexpr std::size_t kMostAxes = 16;
+  static constexpr std::size_t kMostAxes = 128;
 
   /// After any status but ok the last motion stays as it was.
   MotionStatus plan(std::span<const MotionState> start, std::span<const MotionState> target,
