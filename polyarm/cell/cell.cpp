@@ -10,6 +10,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/program_tests.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
@@ -28,10 +29,11 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   std::vector<std::string> notes = file_.notes;
   load_plugins(file_, problems);
   robots_ = resolve_robots(file_, catalogue, options_.real, problems, notes);
-  for (const std::string& note : notes) observer_.on_note(note);
   collect(problems, [&] {
-    if (!file_.scene.empty()) scene_ = description::read_scene((file_.folder / file_.scene).string());
+    scene_ = file_.scene.empty() ? scene_without_file(robots_, notes)
+                                 : description::read_scene((file_.folder / file_.scene).string());
   });
+  for (const std::string& note : notes) observer_.on_note(note);
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
 

@@ -12,6 +12,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/description/urdf.hpp"
@@ -251,7 +252,8 @@ Replay replay_record(const fs::path& folder, const std::string& hardware) {
   hardware::InterfaceTable table;
   hardware::Hardware components(table, jobs);
   const CellRobots robots = recorded_robots(folder, out.recorded, hardware);
-  const description::Scene scene;
+  std::vector<std::string> notes;
+  const description::Scene scene = scene_without_file(robots, notes);
   Problems problems;
   add_components(components, robots, scene, nanoseconds(period), true, ros_files::ManagerParameters{},
                  problems);

@@ -1,6 +1,7 @@
 /// What a cell takes from its description beside joints: transmissions, states of its SRDF, a reload.
 #include <gtest/gtest.h>
 
+#include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -147,6 +148,50 @@ TEST(Description, AFollowerThatIsCommandedOnItsOwnDoesNotFollow) {
   cell.run(0.1);
   EXPECT_NEAR(cell.value_of("states", "arm/a/position"), 0.5, 1e-9);
   EXPECT_NEAR(cell.value_of("states", "arm/b/position"), 0, 1e-9);
+}
+
+/// A link of 0.4 m that lies along x and turns about y, its middle 0.2 m from the joint.
+std::string swinging_arm(const std::string& shape, const std::string& block = "") {
+  return "<robot name='arm'><link name='foot'><collision><geometry><box size='1 1 1'/></geometry></collision>"
+         "</link><link name='beam'><collision><origin xyz='0.2 0 0' rpy='0 1.5707963267948966 "
+         "0'/><geometry>" +
+         shape +
+         "</geometry></collision></link><joint name='a' type='revolute'><parent link='foot'/><child "
+         "link='beam'/>"
+         "<origin xyz='0 0 0.02'/><axis xyz='0 1 0'/><limit lower='-2' upper='2' velocity='1' "
+         "effort='10'/></joint>" +
+         block + "</robot>";
+}
+
+TEST(Description, WithoutASceneTheFloorIsBelowWhereTheRobotStarts) {
+  const Folder folder;
+  const auto floor_of = [&](const std::string& urdf, double start, std::vector<std::string>& notes) {
+    folder.write("arm.urdf", urdf);
+    const auto file =
+        folder.write("cell.yaml", "polyarm: cell/1\nrobots: {arm: {model: arm.urdf, xyz: [0, 0, 0.1]}}\n");
+    Problems problems;
+    std::vector<std::string> unused;
+    const auto robots =
+        cell::resolve_robots(cell::read_cell_file(file), description::Catalogue({}), false, problems, unused);
+    robots.front()->start = {start};
+    return cell::scene_without_file(robots, notes).floor_height;
+  };
+  std::vector<std::string> notes;
+  // The foot, which reaches 0.4 m below z = 0, is bolted down and may.
+  EXPECT_EQ(floor_of(swinging_arm("<cylinder radius='0.05' length='0.4'/>"), 0, notes), 0);
+  EXPECT_TRUE(notes.empty());
+  // Turned down, its end is at 0.12 - 0.4 sin 1 - 0.05 cos 1 = -0.2436.
+  EXPECT_DOUBLE_EQ(floor_of(swinging_arm("<cylinder radius='0.05' length='0.4'/>"), 1, notes), -0.26);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("starts 0.344 m below its base, so the floor is at z = -0.26 m"), std::string::npos)
+      << notes[0];
+  EXPECT_DOUBLE_EQ(floor_of(swinging_arm("<box size='0.1 0.1 0.4'/>"), 1, notes), -0.26);
+  EXPECT_DOUBLE_EQ(floor_of(swinging_arm("<sphere radius='0.3'/>"), 0, notes), -0.19);
+  const std::string free =
+      "<ros2_control name='drives' type='system'><hardware><plugin>mock_components/GenericSystem</plugin>"
+      "<param name='base'>free</param></hardware><joint name='a'><command_interface name='position'/>"
+      "<state_interface name='position'/></joint></ros2_control>";
+  EXPECT_EQ(floor_of(swinging_arm("<sphere radius='0.3'/>", free), 0, notes), 0);
 }
 
 }  // namespace
