@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -159,6 +161,74 @@ TEST(TreeIk, AllocatesNothingAndIsTheSameEveryTime) {
   ik.solve(tasks, seed, second);
   EXPECT_EQ(guard.violations(), "");
   for (std::size_t j = 0; j < ik.joints(); ++j) EXPECT_EQ(first.q[j], second.q[j]);
+}
+
+/// `count` joints one after another behind a link: a finger of many.
+void grow(description::RobotModel& model, int link, std::size_t count, const std::string& prefix) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto finger = test::serial_robot("finger", {{"bend", {0.02, 0, 0}, {0, 0, 0}, {0, 1, 0}, -1, 1}});
+    link = mount(model, finger, link, {}, prefix + std::to_string(i) + "_");
+  }
+}
+
+TEST(TreeIk, HandsDoNotStandInTheWayOfArms) {
+  const TwoArms bare(test::ur3());
+  TwoArms robot(test::ur3());
+  const int left_end = [&] {
+    grow(robot.model, robot.left, 24, "left_hand_");
+    return static_cast<int>(robot.model.links.size()) - 1;
+  }();
+  grow(robot.model, robot.right, 80, "right_hand_");
+  const std::size_t bare_joints = bare.model.actuated.size(), joints = robot.model.actuated.size();
+  ASSERT_EQ(joints, 14u + 104u);
+  const TreeIk without(bare.model, bare.tips()), with(robot.model, robot.tips());
+  const Chain arm(robot.model, robot.left), bare_arm(bare.model, bare.left);
+  const InverseKinematics ik(arm), bare_ik(bare_arm);
+  const NumericIk numeric(arm), bare_numeric(bare_arm);
+  std::vector<double> J(6 * joints);
+  Random random(54);
+  for (int i = 0; i < 50; ++i) {
+    const auto q = random_state(robot.model, robot.left, random);
+    const auto seed = random_state(robot.model, robot.left, random);
+    const std::span<const double> bare_seed(seed.data(), bare_joints);
+    const TreeTask tasks[] = {{with.forward(0, q), {}, 1}, {with.forward(1, q), {}, 1}};
+    TreeSolution found, expected;
+    ASSERT_EQ(with.solve(tasks, seed, found), IkOutcome::solved);
+    ASSERT_EQ(without.solve(tasks, bare_seed, expected), IkOutcome::solved);
+    for (std::size_t j = 0; j < joints; ++j) EXPECT_EQ(found.q[j], j < bare_joints ? expected.q[j] : seed[j]);
+
+    IkSolution one, bare_one;
+    ASSERT_EQ(ik.solve(tasks[0].target, seed, one), bare_ik.solve(tasks[0].target, bare_seed, bare_one));
+    for (std::size_t j = 0; j < joints; ++j) EXPECT_EQ(one.q[j], j < bare_joints ? bare_one.q[j] : seed[j]);
+    ASSERT_EQ(numeric.solve(tasks[0].target, seed, one), IkOutcome::solved);
+    ASSERT_EQ(bare_numeric.solve(tasks[0].target, bare_seed, bare_one), IkOutcome::solved);
+    for (std::size_t j = 0; j < joints; ++j)
+      EXPECT_NEAR(one.q[j], j < bare_joints ? bare_one.q[j] : seed[j], 1e-6);
+    arm.jacobian(q, J);
+    for (std::size_t j = bare_joints; j < joints; ++j) EXPECT_EQ(J[j], 0);
+  }
+  EXPECT_NO_THROW(Chain(robot.model, left_end)) << "all 32 of them move the fingertip";
+}
+
+TEST(TreeIk, TooManyJointsAreNamed) {
+  const auto refused = [](const auto& make) {
+    try {
+      make();
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  TwoArms robot(test::ur3());
+  grow(robot.model, robot.left, 25, "hand_");
+  const int end = static_cast<int>(robot.model.links.size()) - 1;
+  EXPECT_NE(
+      refused([&] { Chain(robot.model, end); }).find("33 joints of the robot 'two_arms' move 'hand_24_"),
+      std::string::npos);
+  EXPECT_NO_THROW(Chain(robot.model, robot.left)) << "the arm alone";
+  grow(robot.model, robot.right, 90, "other_hand_");
+  EXPECT_NE(refused([&] { Chain(robot.model, robot.left); }).find("129 joints that move by themselves"),
+            std::string::npos);
 }
 
 }  // namespace
