@@ -337,7 +337,8 @@ void Chain::find_reach() {
   const std::span<double> q(values.data(), joints());
   constexpr int kStarts = 6, kSweeps = 12;
   for (int start = 0; start < kStarts; ++start) {
-    for (std::size_t i = 0; i < joints(); ++i) q[i] = random_value(*this, i, random);
+    for (std::size_t i = 0; i < joints(); ++i)
+      if (on_path_[i]) q[i] = random_value(*this, i, random);
     for (int sweep = 0; sweep < kSweeps; ++sweep)
       for (std::size_t i = 0; i < joints(); ++i)
         if (on_path_[i]) stretch_joint(q, i);
