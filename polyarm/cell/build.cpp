@@ -357,6 +357,8 @@ ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, 
   return Planner(file, robots, loop, lock_step, observer, problems).plan(io_commands);
 }
 
+namespace {
+/// Those of the plan that would be started if nothing were in their way.
 std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const CellFile& file) {
   std::vector<std::string> out;
   for (const PlannedController& planned : plan.controllers) {
@@ -368,7 +370,6 @@ std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const Ce
   return out;
 }
 
-namespace {
 /// Of controllers that nobody chose, those stay inactive that command a joint which another that starts
 /// commands by another interface: hardware follows one of them. Who follows trajectories goes before others.
 /// (Of those that want the same interface the later one is refused when they are switched.)
@@ -408,8 +409,9 @@ std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& 
 }
 }  // namespace
 
-void start_controllers(ControllerPlan plan, const CellFile& file, const CellRobots& robots,
-                       control::ControlLoop& loop, Observer& observer, Problems& problems) {
+std::vector<std::string> start_controllers(ControllerPlan plan, const CellFile& file,
+                                           const CellRobots& robots, control::ControlLoop& loop,
+                                           Observer& observer, Problems& problems) {
   control::ControllerManager& manager = loop.controllers();
   std::vector<std::string> names;
   control::SwitchRequest request;
@@ -431,12 +433,13 @@ void start_controllers(ControllerPlan plan, const CellFile& file, const CellRobo
   for (const std::string& name : configure(manager, names, file, problems))
     std::erase(request.activate, name);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
-  if (problems.has_errors()) return;
+  if (problems.has_errors()) return {};
   if (file.activate.empty() && !file.launched)
     request.activate = one_way_for_each_joint(request.activate, manager, robots, observer);
   const control::SwitchPlan planned = manager.plan(request);
   for (const std::string& left_out : planned.left_out) observer.on_note(left_out + "; it stays inactive");
   collect(problems, [&] { manager.switch_now(request); });
+  return request.activate;
 }
 
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,

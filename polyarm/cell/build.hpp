@@ -48,11 +48,11 @@ ControllerPlan plan_controllers(const CellFile& file, const CellRobots& robots, 
                                 const std::vector<std::string>& io_commands, bool lock_step,
                                 Observer& observer, Problems& problems);
 /// Loads and configures the planned controllers, those that others are chained to first, and starts what can
-/// run together; who has to stay inactive is told. What is wrong joins the problems.
-void start_controllers(ControllerPlan plan, const CellFile& file, const CellRobots& robots,
-                       control::ControlLoop& loop, Observer& observer, Problems& problems);
-/// Those of the plan that would be started if nothing were in their way.
-std::vector<std::string> wanted_controllers(const ControllerPlan& plan, const CellFile& file);
+/// run together; who has to stay inactive is told. What is wrong joins the problems. Returns those that were
+/// chosen, also where their hardware is not there yet: they are to start when it is armed.
+std::vector<std::string> start_controllers(ControllerPlan plan, const CellFile& file,
+                                           const CellRobots& robots, control::ControlLoop& loop,
+                                           Observer& observer, Problems& problems);
 
 /// The active controller that follows trajectories of all joints of the robot in the model's order; null if
 /// none. `or_inactive`: one that is configured will do, since it is started when the robot is armed.

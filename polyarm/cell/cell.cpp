@@ -181,8 +181,7 @@ void Cell::build_tags(Problems& problems) {
 void Cell::build_controllers(Problems& problems) {
   ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), options_.lock_step,
                                          observer_, problems);
-  wanted_controllers_ = cell::wanted_controllers(plan, file_);
-  start_controllers(std::move(plan), file_, robots_, *loop_, observer_, problems);
+  chosen_controllers_ = start_controllers(std::move(plan), file_, robots_, *loop_, observer_, problems);
   if (auto* io = loop_->controllers().find(kIoController))
     tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(io));
   for (const auto& robot : robots_) {

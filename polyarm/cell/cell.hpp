@@ -188,7 +188,7 @@ class Cell {
   /// Real hardware and whether it is armed; cell thread.
   const Arming& arming() const { return *arming_; }
   /// The controllers that begin when the cell is armed, or at once where nothing is real.
-  const std::vector<std::string>& wanted_controllers() const { return wanted_controllers_; }
+  const std::vector<std::string>& chosen_controllers() const { return chosen_controllers_; }
   /// A person has armed it: programs and messages may begin.
   void set_armed();
   /// After a reload, which may have made a component real.
@@ -347,7 +347,7 @@ class Cell {
   std::unique_ptr<Arming> arming_;
   std::unique_ptr<Jogging> jogging_;
   std::string profile_ = "full";
-  std::vector<std::string> wanted_controllers_;
+  std::vector<std::string> chosen_controllers_;
   FaultRecorder recorder_;
   JointPlaces joint_places_;
   StopWatch stop_watch_;

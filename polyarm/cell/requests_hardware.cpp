@@ -193,15 +193,18 @@ Poll arm_from(Cell& cell, std::size_t next) {
     return then(walk(cell, real[next], LifecycleState::active, Json::object()),
                 [next](Cell& c) { return arm_from(c, next + 1); });
   std::vector<std::string> idle;
-  for (const std::string& name : cell.wanted_controllers())
-    if (controller_state(cell, name) == LifecycleState::inactive) idle.push_back(name);
-  const Json answer{{"armed", true}, {"started", idle}};
-  const auto finish = [answer](Cell& c) {
+  for (const std::string& name : cell.chosen_controllers())  // one may have been unloaded since
+    if (cell.loop().controllers().find(name) && controller_state(cell, name) == LifecycleState::inactive)
+      idle.push_back(name);
+  const auto finish = [](Cell& c, const Json& switched) {
+    for (const Json& reason : switched.value("left_out", Json::array()))
+      c.tell(reason.get<std::string>() + "; it stays inactive");
     c.set_armed();
-    return at_once(answer);
+    return at_once({{"armed", true}, {"started", switched.value("start", Json::array())}});
   };
-  if (idle.empty()) return finish(cell);
-  return then(switch_controllers(cell, {idle, {}, control::Strictness::best_effort}, Json::object()), finish);
+  if (idle.empty()) return finish(cell, Json::object());
+  return then_with(switch_controllers(cell, {idle, {}, control::Strictness::best_effort}, Json::object()),
+                   finish);
 }
 
 Poll control_arm(Cell& cell, const Json& arguments) {

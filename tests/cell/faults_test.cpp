@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include "polyarm/cell/fault_record.hpp"
@@ -170,13 +171,13 @@ class RealMock : public drivers::MockComponent {
 std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full_speed,
                                       cell::Observer& observer, bool lock_step = false,
                                       const std::string& driver = "real_mock",
-                                      const std::string& urdf = two_joints(""), int rate = 1000) {
+                                      const std::string& urdf = two_joints(""), int rate = 1000,
+                                      std::string controllers = kFollowAndStates) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
   std::string text = urdf;
   text.replace(text.find("mock_components/GenericSystem"), 29, driver);
-  std::string controllers = kFollowAndStates;
   controllers.replace(controllers.find("1000"), 4, std::to_string(rate));
   cell::CellOptions options;
   options.real = real;
@@ -250,6 +251,49 @@ TEST(Arming, NothingMovesBeforeAPersonHasArmedIt) {
   EXPECT_EQ(ask(*cell, kMove)["ok"], true);
   run(*cell, 2.5);
   EXPECT_NEAR(position(*cell), 1.5, 1e-6);
+  cell->loop().end();
+}
+
+/// Of two that command a joint in two ways one was chosen when the cell was built; arming starts no other.
+TEST(Arming, WhatStaysInactiveInASimulatedCellIsNotStartedByArming) {
+  std::string urdf =
+      two_joints("<param name='calculate_dynamics'>true</param>");  // it refuses both ways at once
+  for (const std::string joint : {"a", "b"}) {
+    const std::string driven = "<joint name='" + joint + "'><command_interface name='position'/>";
+    urdf.replace(urdf.find(driven), driven.size(), driven + "<command_interface name='velocity'/>");
+  }
+  std::string controllers = kFollowAndStates;
+  controllers.insert(controllers.find("    follow:"),
+                     "    speeds: {type: forward_command_controller/ForwardCommandController}\n");
+  controllers += "speeds:\n  ros__parameters: {joints: [a, b], interface_name: velocity}\n";
+  for (const bool real : {false, true}) {
+    const Folder folder;
+    cell::Observer nobody;
+    const auto cell = real_cell(folder, real, true, nobody, false, "real_mock", urdf, 1000, controllers);
+    run(*cell, 0.05);
+    if (real) {
+      Json armed = ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
+      EXPECT_EQ(armed["result"]["started"].dump(), R"(["follow"])") << armed["error"];
+    }
+    std::map<std::string, std::string> states;
+    const Json all = ask(*cell, {{"request", "control.list"}});
+    for (const Json& c : all["result"]) states[c["name"]] = c["state"];
+    EXPECT_EQ(states["follow"], "active") << (real ? "armed" : "simulated");
+    EXPECT_EQ(states["speeds"], "inactive") << (real ? "armed" : "simulated");
+    EXPECT_TRUE(cell->arming().armed());
+    cell->loop().end();
+  }
+}
+
+TEST(Arming, GoesOnWithoutAControllerThatWasUnloadedBefore) {
+  const Folder folder;
+  cell::Observer nobody;
+  const auto cell = real_cell(folder, true, true, nobody);
+  run(*cell, 0.05);
+  ask(*cell, {{"request", "control.unload"}, {"name", "follow"}});
+  Json armed = ask(*cell, {{"request", "control.arm"}, {"confirmed", true}});
+  EXPECT_EQ(armed["result"]["started"].dump(), "[]") << armed;
+  EXPECT_TRUE(cell->arming().armed());
   cell->loop().end();
 }
 
