@@ -145,8 +145,10 @@ TEST_F(SlowHardware, AReloadThatWaitsForTheDiskKeepsNobody) {
   EXPECT_EQ(at_once({{"request", "health"}})["result"]["state"], "running");
   EXPECT_EQ(hardware().state_of(0), LifecycleState::unconfigured);
   EXPECT_TRUE(waiting->empty());
+  FailingMock::initialising.close();  // else it may have been called before anybody looks
   disk.open();
   come_to_init();
+  FailingMock::initialising.open();
   for (int k = 0; k < 5; ++k) come_back();
   ASSERT_EQ(waiting->size(), 1u);
   EXPECT_EQ(waiting->front()["result"]["state"], "active") << waiting->front();
