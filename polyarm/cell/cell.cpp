@@ -10,6 +10,8 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/controllers_plan.hpp"
+#include "polyarm/cell/controllers_start.hpp"
 #include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/program_tests.hpp"
 #include "polyarm/controllers/types.hpp"
@@ -28,7 +30,9 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   Problems problems;
   std::vector<std::string> notes = file_.notes;
   load_plugins(file_, problems);
-  robots_ = resolve_robots(file_, catalogue, options_.real, problems, notes);
+  ros_files::ControllersFile described;
+  collect(problems, [&] { described = read_cell_controllers(file_, problems); });
+  robots_ = resolve_robots(file_, described.joint_limits, catalogue, options_.real, problems, notes);
   collect(problems, [&] {
     scene_ = file_.scene.empty() ? scene_without_file(robots_, notes)
                                  : description::read_scene((file_.folder / file_.scene).string());
@@ -37,11 +41,8 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
 
-  collect(problems, [&] {
-    Problems later;  // told again where the controllers are made
-    manager_ = read_cell_controllers(file_, later).manager;
-  });
-  const double rate = rate_of(file_, problems);
+  manager_ = described.manager;
+  const double rate = rate_of(file_, described);
   control::LoopOptions loop;
   loop.period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
   loop.limits = manager_.enforce_command_limits;
@@ -64,7 +65,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   planner_ = std::make_unique<Worker>(options_.lock_step);
   for (const std::string& answer : options_.answers) answers_.give(answer);
   build_tags(problems);
-  collect(problems, [&] { build_controllers(problems); });
+  collect(problems, [&] { build_controllers(described, problems); });
   for (const auto& [name, value] : options_.faults)
     collect(problems, [&, n = name, v = value] { loop_->hardware().force(n, v); });
   std::vector<controllers::JointFacts> joints;
@@ -178,9 +179,10 @@ void Cell::build_tags(Problems& problems) {
   }
 }
 
-void Cell::build_controllers(Problems& problems) {
-  ControllerPlan plan = plan_controllers(file_, robots_, *loop_, tags_->command_names(), options_.lock_step,
-                                         observer_, problems);
+void Cell::build_controllers(const ros_files::ControllersFile& described, Problems& problems) {
+  std::vector<PlannedController> plan =
+      plan_controllers(described, robots_, *loop_, {tags_->command_names(), options_.lock_step, file_.budget},
+                       observer_, problems);
   chosen_controllers_ = start_controllers(std::move(plan), file_, robots_, *loop_, observer_, problems);
   if (auto* io = loop_->controllers().find(kIoController))
     tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(io));
@@ -308,11 +310,15 @@ Problems Cell::load_controller(const std::string& name, const std::string& type,
     source.controllers = {file};
     source.launched = nullptr;
   }
-  ControllerPlan plan = plan_controllers(source, robots_, *loop_, {}, options_.lock_step, nobody, problems);
+  ros_files::ControllersFile described;
+  if (type.empty()) described = read_cell_controllers(source, problems);
+  problems.throw_if_errors();
+  std::vector<PlannedController> plan =
+      plan_controllers(described, robots_, *loop_, {{}, options_.lock_step, file_.budget}, nobody, problems);
   std::vector<std::string> known;
-  for (PlannedController& planned : plan.controllers) {
+  for (PlannedController& planned : plan) {
     known.push_back(planned.context.name);
-    if (type.empty() ? planned.context.name != name : &planned != &plan.controllers.front()) continue;
+    if (type.empty() ? planned.context.name != name : &planned != &plan.front()) continue;
     if (!type.empty()) {
       planned.context.name = name;
       planned.context.type = type;

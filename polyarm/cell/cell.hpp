@@ -36,6 +36,7 @@
 #include "polyarm/cell/task.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/ros_files/controllers_file.hpp"
 
 namespace polyarm::cell {
 
@@ -266,7 +267,7 @@ class Cell {
  private:
   void start_hardware();
   bool shut_hardware_down(Nanoseconds patience);
-  void build_controllers(Problems& problems);
+  void build_controllers(const ros_files::ControllersFile& described, Problems& problems);
   void offer_named_states();
   void build_tags(Problems& problems);
   void build_programs(Problems& problems);

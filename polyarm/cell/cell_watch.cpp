@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "polyarm/cell/build.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/program_tests.hpp"
 #include "polyarm/realtime/refusals.hpp"

@@ -12,6 +12,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
@@ -41,7 +42,9 @@ class Checker {
     if (!problems_.has_errors()) {
       std::vector<std::string> notes;
       load_plugins(file_, problems_);
-      robots_ = resolve_robots(file_, catalogue_, false, problems_, notes);
+      ros_files::ControllersFile controllers;
+      collect(problems_, [&] { controllers = read_cell_controllers(file_, problems_); });
+      robots_ = resolve_robots(file_, controllers.joint_limits, catalogue_, false, problems_, notes);
       files();
       programs();
       points();
@@ -63,12 +66,6 @@ class Checker {
         Problems found;
         signals_ = signals::parse_signals(read_file(beside(file_.signals)), beside(file_.signals), found);
         for (const Problem& problem : found.list()) problems_.add(problem);
-      });
-    if (!file_.controllers.empty())
-      collect(problems_, [&] {
-        Problems warnings;
-        read_cell_controllers(file_, warnings);
-        for (const Problem& problem : warnings.list()) problems_.add(problem);
       });
   }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/build.hpp"
+#include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -249,12 +249,18 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots) {
 
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes) {
-  CellRobots out;
-  std::vector<ros_files::JointLimitsSource> limits;
+  ros_files::ControllersFile described;
   collect(problems, [&] {
-    Problems later;  // told again where the controllers are made
-    limits = read_cell_controllers(file, later).joint_limits;
+    Problems other;  // nothing but limits is wanted of these files
+    described = read_cell_controllers(file, other);
   });
+  return resolve_robots(file, described.joint_limits, catalogue, real, problems, notes);
+}
+
+CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
+                          const description::Catalogue& catalogue, bool real, Problems& problems,
+                          std::vector<std::string>& notes) {
+  CellRobots out;
   for (const RobotEntry& entry : file.robots) {
     try {
       out.push_back(resolve(file, limits, entry, catalogue, real, problems, notes));

@@ -11,6 +11,7 @@
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/motion/robot_motion.hpp"
 #include "polyarm/ros_files/manager_parameters.hpp"
+#include "polyarm/ros_files/parameter_file.hpp"
 
 namespace polyarm::cell {
 
@@ -44,7 +45,12 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots);
 
 /// Loads models and tools and picks drivers. Drivers of real hardware are taken where `real` says so, else
 /// something simulated plays their part, which a note tells. Problems are added with their places; a robot
-/// that cannot be had is left out. `notes` gets one line for every replaced component.
+/// that cannot be had is left out. `notes` gets one line for every replaced component. `limits`: those of the
+/// controllers' files.
+CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
+                          const description::Catalogue& catalogue, bool real, Problems& problems,
+                          std::vector<std::string>& notes);
+/// The same for who has not read the controllers' files; they are read for their limits alone.
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes);
 

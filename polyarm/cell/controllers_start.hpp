@@ -1,0 +1,33 @@
+#pragma once
+/// Which of a cell's controllers start, and who of them moves a robot.
+#include <string>
+#include <vector>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/controllers_plan.hpp"
+#include "polyarm/cell/observer.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/control/control_loop.hpp"
+#include "polyarm/controllers/diff_drive_controller.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
+
+namespace polyarm::cell {
+
+/// Loads and configures the planned controllers, those that others are chained to first, and starts what can
+/// run together; who has to stay inactive is told. What is wrong joins the problems. Returns those that were
+/// chosen, also where their hardware is not there yet: they are to start when it is armed.
+std::vector<std::string> start_controllers(std::vector<PlannedController> plan, const CellFile& file,
+                                           const CellRobots& robots, control::ControlLoop& loop,
+                                           Observer& observer, Problems& problems);
+
+/// The active controller that follows trajectories of all joints of the robot in the model's order; null if
+/// none. `or_inactive`: one that is configured will do, since it is started when the robot is armed.
+controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
+                                                                 const control::ControllerManager& manager,
+                                                                 bool or_inactive = false);
+
+/// The controller that drives the wheels of the robot; null if none.
+controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
+                                                     const control::ControllerManager& manager);
+
+}  // namespace polyarm::cell
