@@ -7,11 +7,13 @@
 #include <string>
 
 #include "polyarm/cell/cell_file.hpp"
+#include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {
 namespace {
 
+using test::error_of;
 using test::Folder;
 using test::Json;
 using test::LockStepCell;
@@ -30,9 +32,6 @@ class JogTest : public ::testing::Test {
     cell->run(0.05);
   }
   double joint(const std::string& name) { return cell->value_of("states", "arm/" + name + "/position"); }
-  std::string error_of(const Json& answer) {
-    return answer.value("ok", true) ? "none" : answer["error"]["code"].get<std::string>();
-  }
   /// Bends the arm, so that its TCP can go anywhere.
   void bend() {
     const Json answer = cell->result({{"request", "jog"},

@@ -10,11 +10,13 @@
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/trajectory/path_joint.hpp"
 #include "polyarm/trajectory/timing.hpp"
+#include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
 namespace {
 
+using test::error_of;
 using test::FailingMock;
 using test::Json;
 using test::LockStepCell;
@@ -31,10 +33,6 @@ follow:
     command_interfaces: [position]
     state_interfaces: [position, velocity]
 )";
-
-std::string error_of(const Json& answer) {
-  return answer.contains("error") ? answer["error"].value("code", "") : "none";
-}
 
 class MotionRequests : public ::testing::Test {
  protected:

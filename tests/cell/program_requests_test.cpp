@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
 namespace {
 
+using test::error_of;
 using test::Folder;
 using test::Json;
 using test::LockStepCell;
@@ -44,9 +46,6 @@ class ProgramRequests : public ::testing::Test {
   }
   Json load(const std::string& file) { return cell->ask({{"request", "program.load"}, {"file", file}}); }
   Json ask(const std::string& request) { return cell->ask({{"request", request}}); }
-  static std::string error_of(const Json& answer) {
-    return answer.contains("error") ? answer["error"].value("code", "") : "none";
-  }
   double joint(const std::string& name) { return cell->value_of("states", "arm/" + name + "/position"); }
   void until(const std::string& wanted, double most = 60) {
     for (double t = 0; word() != wanted && t < most; t += 0.02) cell->run(0.02);
