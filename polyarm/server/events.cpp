@@ -245,6 +245,31 @@ Text PlanEvents::full() {
   return any ? tell() : nullptr;
 }
 
+void ProgramEvents::watch() {
+  told_->on = true;
+  cell_.requests().handle(R"({"request": "program.watch", "rate": 10})",
+                          [watch = std::weak_ptr(told_)](const std::string& line) {
+                            const auto to = watch.lock();
+                            if (!to) return false;
+                            Json answer = Json::parse(line, nullptr, false);
+                            to->on = answer.value("ok", false);
+                            if (!to->on) return false;
+                            Json& result = answer["result"];
+                            result["event"] = "program";
+                            to->text = text_of(result);
+                            return to->fresh = true;
+                          });
+}
+
+Text ProgramEvents::changes(double now) {
+  constexpr double kAgain = 1;
+  if (!told_->on && cell_.program() && now - asked_ >= kAgain) {
+    asked_ = now;
+    watch();
+  }
+  return std::exchange(told_->fresh, false) ? told_->text : nullptr;
+}
+
 Text log_event(const Journal& journal, std::uint64_t after) {
   Json lines = Json::array();
   for (const Journal::Line& line : journal.lines())

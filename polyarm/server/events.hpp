@@ -1,6 +1,7 @@
 #pragma once
 /// What changes in a cell, told as JSON events. Cell thread.
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -72,6 +73,29 @@ class PlanEvents {
 
   cell::Cell& cell_;
   std::vector<Way> ways_;  ///< by robot
+};
+
+/// Where the program stands: {"event": "program", …} with what the request `program.watch` answers.
+class ProgramEvents {
+ public:
+  explicit ProgramEvents(cell::Cell& cell) : cell_(cell) {}
+  /// What is new at `now`, s; null: nothing. Has the cell tell it once there is a program; where that is
+  /// refused, again a second later.
+  Text changes(double now);
+  /// What was told last; null: nothing yet.
+  Text full() const { return told_->text; }
+
+ private:
+  void watch();
+
+  /// What the answers come to, as long as it lives.
+  struct Told {
+    Text text;
+    bool fresh = false, on = false;
+  };
+  cell::Cell& cell_;
+  double asked_ = 0;
+  std::shared_ptr<Told> told_ = std::make_shared<Told>();
 };
 
 /// Lines after number `after`, {"event": "log"}; null: none.

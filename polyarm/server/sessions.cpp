@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 60;
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kPlansEvery = 0.05, kLogEvery = 0.1, kProgramAgain = 1, kPointsEvery = 0.2;
+                 kPlansEvery = 0.05, kLogEvery = 0.1, kPointsEvery = 0.2;
 
 /// One that is connected, as the cell thread knows it.
 struct Seat {
@@ -65,7 +65,7 @@ class Sessions::Work {
     parts_.emplace(cell);
     plans_.emplace(cell);
     status_.clear();
-    program_ = std::make_shared<ProgramWatch>();
+    program_.emplace(cell);
     for (auto& [number, seat] : seats_) seat.greeted = false;
   }
 
@@ -117,11 +117,6 @@ class Sessions::Work {
 
  private:
   using Handler = Json (Work::*)(Seat&, const Json&);
-  struct ProgramWatch {
-    std::string text;
-    bool fresh = false, on = false;
-    double again = 0;
-  };
 
   // --- coming and going
 
@@ -493,27 +488,8 @@ class Sessions::Work {
     if (due(told_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
     if (due(told_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
-    if (!program_->on && cell_->program() && due(program_->again, kProgramAgain)) watch_program();
-    if (std::exchange(program_->fresh, false)) broadcast(Kind::program, program_event());
+    broadcast(Kind::program, program_->changes(now_));
   }
-
-  /// The cell tells where its program stands, whenever that changes.
-  void watch_program() {
-    program_->on = true;
-    cell_->requests().handle(R"({"request": "program.watch", "rate": 10})",
-                             [watch = std::weak_ptr(program_)](const std::string& line) {
-                               const auto to = watch.lock();
-                               if (!to) return false;
-                               Json answer = Json::parse(line, nullptr, false);
-                               to->on = answer.value("ok", false);
-                               if (!to->on) return false;
-                               Json& result = answer["result"];
-                               result["event"] = "program";
-                               to->text = dump(result);
-                               return to->fresh = true;
-                             });
-  }
-  Text program_event() const { return std::make_shared<const std::string>(program_->text); }
 
   /// All there is, to who has just come.
   void greet(Seat& seat) {
@@ -528,7 +504,7 @@ class Sessions::Work {
     put(Kind::tags, tags_->full());
     put(Kind::parts, parts_->full());
     put(Kind::plan, plans_->full());
-    if (!program_->text.empty()) put(Kind::program, program_event());
+    put(Kind::program, program_->full());
   }
 
   void send_frames() {
@@ -560,7 +536,7 @@ class Sessions::Work {
   std::optional<TagEvents> tags_;
   std::optional<PartEvents> parts_;
   std::optional<PlanEvents> plans_;
-  std::shared_ptr<ProgramWatch> program_;
+  std::optional<ProgramEvents> program_;
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_told_ = 0, alarms_told_ = 0;
