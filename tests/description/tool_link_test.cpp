@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
         Hand{"ToolZero", "d f:m hand; d f:t tool0; hand s:f1 left; hand s:f2 right", "tool0"},
         Hand{"PrefixedToolZero", "d f:m hand; d f:t left_tool0; hand s:f1 left; hand s:f2 right",
              "left_tool0"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& test) { return test.param.name; });
 
 TEST(ToolLinkSaid, ComesBeforeEverything) {
   RobotModel model = robot_of(std::string(kArm) + "d f:t tool0; d s:f1 left");
