@@ -65,6 +65,17 @@ void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
                    "cell: a fault of its hardware stops everything; group: this robot alone");
 }
 
+/// Who has written `on:` and nothing behind it did not mean the ground.
+std::string read_carrier(const std::string& name, const Yaml& yaml) {
+  const std::vector<std::string> keys = yaml.keys();
+  if (std::find(keys.begin(), keys.end(), "on") == keys.end()) return {};
+  std::string carrier = yaml["on"].text("");
+  if (carrier.empty())
+    throw Error(Problem{"bad-carrier", yaml.key_location("on"), "'on' of '" + name + "' names no robot",
+                        "name the robot that carries it, or take 'on' away"});
+  return carrier;
+}
+
 RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
   RobotEntry robot;
   robot.name = name;
@@ -86,7 +97,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
-  collect(problems, [&] { robot.on = yaml["on"].text(""); });
+  collect(problems, [&] { robot.on = read_carrier(name, yaml); });
   read_thread(yaml["thread"], robot, problems);
   read_on_fault(yaml["on_fault"], robot, problems);
   collect(problems, [&] {
@@ -107,16 +118,20 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
 
 /// What is carried says where in its carrier's root link it stands.
 void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
-  std::vector<std::string> names;
-  for (const RobotEntry& robot : robots) names.push_back(robot.name);
   for (RobotEntry& robot : robots) {
     if (robot.on.empty()) continue;
+    std::vector<std::string> others;
+    for (const RobotEntry& other : robots)
+      if (other.name != robot.name) others.push_back(other.name);
     const auto carrier = std::find_if(robots.begin(), robots.end(),
                                       [&](const RobotEntry& each) { return each.name == robot.on; });
     if (carrier == robots.end())
       problems.error("unknown-robot", robot.where,
                      "'" + robot.name + "' stands on '" + robot.on + "', which there is none of" +
-                         did_you_mean(robot.on, names));
+                         did_you_mean(robot.on, others));
+    else if (carrier->name == robot.name)
+      problems.error("bad-carrier", robot.where, "'" + robot.name + "' stands on itself",
+                     "name another robot, or take 'on' away");
     else if (!carrier->on.empty())
       problems.error(
           "bad-carrier", robot.where,

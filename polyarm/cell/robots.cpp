@@ -202,6 +202,18 @@ void check_start(const CellRobot& robot, Problems& problems) {
                        "widen the range so that the start is inside");
 }
 
+/// Who is carried is fixed to its carrier, and cannot stand free.
+void check_carried(const CellRobot& robot, Problems& problems) {
+  if (robot.entry.on.empty()) return;
+  for (const HardwareBlock& block : robot.blocks)
+    if (const auto base = block.info->parameters.find("base");
+        base != block.info->parameters.end() && base->second == "free")
+      problems.error("bad-carrier", robot.entry.where,
+                     "'" + robot.entry.name + "' stands on '" + robot.entry.on +
+                         "', and by its description it stands free",
+                     "take 'on' away, or <param name=\"base\">free</param> out of its description");
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
                                    const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
@@ -223,6 +235,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   robot->start = start_of(robot->model, robot->joints);
   check_start(*robot, problems);
   choose_drivers(*robot, real, notes);
+  check_carried(*robot, problems);
   robot->facts = motion_facts(*robot, file.motion.tcp, std::move(workspace));
   return robot;
 }

@@ -47,9 +47,15 @@ class Line {
       }
       if (count == kMostInLine || text.size() > kLongest)
         throw Error("bad-substitution", "the line has too many $(…), or they make it too long");
-      text.replace(open, close + 1 - open,
-                   value_of(split_words(text.substr(open + 2, close - open - 2), " \t")));
+      const std::string value = value_of(split_words(text.substr(open + 2, close - open - 2), " \t"));
+      if (value.find_first_of("\r\n") != std::string::npos)
+        throw Error("bad-substitution",
+                    "'" + text.substr(open, close + 1 - open) + "' stands for more than one line",
+                    "give it a value of one line");
+      text.replace(open, close + 1 - open, value);
     }
+    if (const std::size_t open = text.find("$("); open != std::string::npos)
+      throw Error("bad-substitution", "'" + text.substr(open) + "' has no end", "write ')' behind it");
     return text + std::string(whole_.substr(end));
   }
 

@@ -109,6 +109,33 @@ TEST(MovingBase, WhatCarriesNobodyIsAnError) {
   EXPECT_NE(problem("  a: {model: universal_robots/ur3, on: b}\n  b: {model: universal_robots/ur3, on: a}\n")
                 .find("which stands on"),
             std::string::npos);
+  for (const auto& [on, what] : {std::pair{"a", "'a' stands on itself"},
+                                 {"", "'on' of 'a' names no robot"},
+                                 {"\"\"", "names no robot"}}) {
+    const std::string told = problem(std::string("  a: {model: universal_robots/ur3, on: ") + on + "}\n");
+    EXPECT_NE(told.find(what), std::string::npos) << told;
+  }
+  const std::string near = problem("  a: {model: universal_robots/ur3, on: c}\n");
+  EXPECT_EQ(near.find("did you mean"), std::string::npos) << "not itself: " << near;
+}
+
+TEST(MovingBase, WhoStandsFreeIsNotCarried) {
+  Folder folder;
+  const std::string free =
+      "<robot name='cart'><link name='l'/><ros2_control name='c' type='system'><hardware>"
+      "<plugin>mock_components/GenericSystem</plugin><param "
+      "name='base'>free</param></hardware></ros2_control></robot>";
+  folder.write("cart.urdf", free);
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  cart: {model: cart.urdf, hardware: declared, on: arm}\n"
+               "  arm: {model: " +
+                   test::kSixAxes + "}\n");
+  try {
+    LockStepCell cell(read_cell_file(folder.path()));
+    FAIL() << "was taken";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("by its description it stands free"), std::string::npos) << e.what();
+  }
 }
 
 TEST(MovingBase, OfAnArmIsFixed) {

@@ -15,6 +15,7 @@ ParameterSubstitution named() {
             if (name == "tf_prefix") return "left_";
             if (name == "which") return "tf_prefix";
             if (name == "empty") return "";
+            if (name == "lines") return "1\nevil: 2";
             return std::nullopt;
           },
           [](const std::string& package) -> std::filesystem::path {
@@ -45,7 +46,10 @@ TEST(ParameterSubstitution, WhatHasNoValueIsToldWithItsPlaceAndStays) {
                                    {"a: 1\nb: $(command rm -r x)", "bad-substitution"},
                                    {"a: 1\nb: $(find-pkg-share nowhere)", "no-package"},
                                    {"a: 1\nb: $(env POLYARM_SURELY_NOT_SET)", "no-variable"},
-                                   {"a: 1\nb: $()", "bad-substitution"}}) {
+                                   {"a: 1\nb: $()", "bad-substitution"},
+                                   {"a: 1\nb: $(var tf_prefix", "bad-substitution"},
+                                   {"a: 1\nb: $(var $(var which)", "bad-substitution"},
+                                   {"a: 1\nb: $(var lines)", "bad-substitution"}}) {
     Problems problems;
     EXPECT_EQ(replaced(text, problems), text);
     ASSERT_EQ(problems.list().size(), 1u) << text;
