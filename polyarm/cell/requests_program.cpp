@@ -264,6 +264,8 @@ Poll program_edited(Cell& cell, const Json& arguments) {
 
 Poll program_from(Cell& cell, const Json& arguments) {
   const double line = number_argument(arguments, "line", 0);
+  if (!cell.arming().armed())  // else it would begin by itself as soon as somebody arms the cell
+    throw Error("disarmed", "no program begins: real hardware that nobody has armed", "polyarm control arm");
   const Task* const task = cell.program();
   if (task && cell.program_begun() && !task->ended() && !task->interpreter().paused())
     throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");

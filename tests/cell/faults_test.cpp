@@ -304,7 +304,8 @@ TEST(Arming, NoOtherRequestEnablesWhatIsDisarmed) {
   run(*cell, 0.05);
   const auto state = [&] { return ask(*cell, {{"request", "hardware.list"}})["result"][0]["state"]; };
   for (const Json& request : {Json{{"request", "hardware.state"}, {"name", "drives"}, {"state", "active"}},
-                              Json{{"request", "hardware.recover"}, {"name", "drives"}}}) {
+                              Json{{"request", "hardware.recover"}, {"name", "drives"}},
+                              Json{{"request", "program.from"}, {"program", "job"}, {"confirmed", true}}}) {
     EXPECT_EQ(ask(*cell, request)["error"]["code"], "disarmed") << request;
     EXPECT_NE(state(), "active") << request;
   }
