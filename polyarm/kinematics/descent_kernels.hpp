@@ -10,9 +10,8 @@ struct DescentKernels {
   using Measure = void (*)(const DescentArm&, const DescentTask*, Descents&);
   Descend whole, task;
   Measure measure_whole, measure_task;
-  void (*ends)(const DescentArm&, Descents&);
+  void (*ends)(const DescentArm&, const EndTable&);
   void (*near)(const FeatureTable&, const float*, const float*, NearPoints&);
-  void (*places)(const EndSeen&, Descents&, EndPlaces&);
   bool (*single)(const DescentArm&, const DescentRules&, const double* target, SingleDescent&);
 };
 

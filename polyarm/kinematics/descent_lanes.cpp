@@ -46,8 +46,8 @@ bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules
   return arm.single.possible && kernels_for(set).single(arm, rules, target, one);
 }
 
-void find_ends(const DescentArm& arm, Descents& all) noexcept {
-  kKernels.ends(arm, all);
+void see_ends(const DescentArm& arm, const EndTable& table) noexcept {
+  kKernels.ends(arm, table);
 }
 
 void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noexcept {
@@ -56,10 +56,6 @@ void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noex
 
 void find_near(const FeatureTable& table, const float* at, const float* beyond, NearPoints& out) noexcept {
   kKernels.near(table, at, beyond, out);
-}
-
-void see_places(const EndSeen& seen, Descents& ends, EndPlaces& out) noexcept {
-  kKernels.places(seen, ends, out);
 }
 
 }  // namespace polyarm::kinematics

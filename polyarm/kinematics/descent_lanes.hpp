@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "polyarm/kinematics/arm_geometry.hpp"
@@ -110,21 +111,27 @@ bool descend_alone(const DescentArm& arm, const DescentRules& rules, const doubl
                    SingleDescent& one) noexcept;
 bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const double* target,
                    SingleDescent& one) noexcept;
-/// Where the eight arms end, into Descents::target.
-void find_ends(const DescentArm& arm, Descents& all) noexcept;
-/// How a table of ends sees them: without the turn of a first joint about its own axis.
+/// How a table of ends sees them: without the turns of a first and a last joint about their own axes.
 struct EndSeen {
   Vec3 point;  ///< of the last axis, from the TCP, as seen behind that axis, whose z it is
-  bool first_turns = false;
+  bool first_turns = false, last_turns = false;
   Rotation base;  ///< from the world into the frame of the first axis
   Vec3 first_point;
 };
-struct alignas(64) EndPlaces {
-  double numbers[9][kDescents];  ///< the point, the last axis, what is beside it
-  double turn[kDescents];        ///< that was left out, rad
+/// Joint states and what is seen of where they end, in rows; `count` of them, a multiple of kDescents. Blocks
+/// are kDescents rows: of one number those of all its rows, then the next number.
+struct EndTable {
+  EndSeen seen;
+  std::size_t count = 0;
+  const double* states = nullptr;  ///< blocks, joint after joint
+  const bool* still = nullptr;     ///< joints that have the same value in all rows
+  double place_weight = 1;         ///< of lengths against directions
+  /// The point, the last axis, what is beside it, but what turns leave out: number after number of all rows.
+  float* numbers = nullptr;
+  double* turn = nullptr;    ///< that was left out, rad; where first_turns
+  double* beside = nullptr;  ///< blocks of three; where last_turns
 };
-/// `ends` from find_ends().
-void see_places(const EndSeen& seen, Descents& ends, EndPlaces& out) noexcept;
+void see_ends(const DescentArm& arm, const EndTable& table) noexcept;
 /// Errors and spread at `x`, nothing else.
 void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noexcept;
 
@@ -132,7 +139,7 @@ void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noex
 struct FeatureTable {
   static constexpr std::size_t kFeatures = 9;
   std::size_t count = 0, used = 0;
-  std::vector<float> rows;  ///< feature after feature
+  std::unique_ptr<float[]> rows;  ///< feature after feature
 };
 inline constexpr std::size_t kNearGroups = 16;
 /// Of each sixteenth of the table the point nearest to `at` that is not nearer than `beyond` (squared, of

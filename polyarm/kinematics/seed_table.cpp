@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "polyarm/kinematics/random.hpp"
 
@@ -110,64 +111,101 @@ SeedTable::Range SeedTable::range(std::size_t k) const noexcept {
   return {low, high - low};
 }
 
-/// place() and features() of eight ends, into rows from `row` on.
-void SeedTable::enter(Descents& all, std::size_t row) {
-  const EndSeen seen{point_in_end_, first_turns_, transposed(arm_.first_turn), arm_.first_point};
-  EndPlaces at;
-  see_places(seen, all, at);
-  std::size_t f = 0;
-  for (std::size_t i = 0; i < std::size(at.numbers); ++i) {
-    if ((i == 2 && first_turns_) || (i > 5 && last_turns_)) continue;
-    float* const to = table_.rows.data() + f++ * table_.count + row;
-    const double weight = i < 3 ? kPlaceWeight : 1.0;
+namespace {
+
+/// Points that fill a cube of so many dimensions evenly, in blocks of kDescents: of one dimension those of
+/// all points, then the next dimension. Each is an additive sequence (the R-sequence: powers of the root of
+/// x^(d+1) = x + 1; Roberts 2018).
+void write_points(std::size_t dimensions, std::size_t count, double* to) {
+  std::array<double, Chain::kMostMoving> step{}, unit;
+  unit.fill(0.5);
+  const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
+  double power = 1;
+  for (std::size_t k = 0; k < dimensions; ++k) step[k] = power /= root;
+  for (std::size_t row = 0; row < count; row += kDescents, to += dimensions * kDescents)
+    // Joint beside joint: each joint's next number waits for the one before.
     for (std::size_t lane = 0; lane < kDescents; ++lane)
-      to[lane] = static_cast<float>(weight * at.numbers[i][lane]);
-  }
-  for (std::size_t lane = 0; lane < kDescents; ++lane) {
-    turn_[row + lane] = at.turn[lane];
-    beside_[row + lane] = {at.numbers[6][lane], at.numbers[7][lane], at.numbers[8][lane]};
+      for (std::size_t k = 0; k < dimensions; ++k) {
+        double at = unit[k] + step[k];
+        at -= at >= 1 ? 1.0 : 0.0;
+        to[k * kDescents + lane] = unit[k] = at;
+      }
+}
+
+constexpr std::size_t kKept = 512;  // points; as many as NumericSettings asks for
+
+template <std::size_t kDimensions>
+const double* kept_points() {
+  static const std::array<double, kKept* kDimensions> kPoints = [] {
+    std::array<double, kKept * kDimensions> out;
+    write_points(kDimensions, kKept, out.data());
+    return out;
+  }();
+  return kPoints.data();
+}
+
+/// The same of arms with two to seven joints, whatever the arm: worked out once. Null: of others.
+const double* kept_points(std::size_t dimensions) {
+  switch (dimensions) {
+    case 2:
+      return kept_points<2>();
+    case 3:
+      return kept_points<3>();
+    case 4:
+      return kept_points<4>();
+    case 5:
+      return kept_points<5>();
+    case 6:
+      return kept_points<6>();
+    default:
+      return nullptr;
   }
 }
+
+}  // namespace
 
 void SeedTable::fill(std::size_t size) {
   const std::size_t m = arm_.joints;
   table_.count = size;
   table_.used = (first_turns_ ? 2 : 3) + 3 + (last_turns_ ? 0 : 3);
-  table_.rows.resize(size * FeatureTable::kFeatures);
-  states_.resize(size * m);
-  turn_.resize(size);
-  beside_.resize(size);
-  Descents all{};
-  const auto free = [&](std::size_t k) {
-    return (first_turns_ && k == first_joint_) || (last_turns_ && k == last_joint_);
-  };
-  std::size_t dimensions = 0;
-  for (std::size_t k = 0; k < m; ++k) dimensions += !free(k);
-  // Each joint's numbers are an additive sequence, which fills the space evenly (the R-sequence: powers of
-  // the root of x^(d+1) = x + 1; Roberts 2018).
-  std::array<double, Chain::kMostMoving> step{}, unit;
-  unit.fill(0.5);
-  const double root = generalized_golden(std::max<std::size_t>(1, dimensions));
-  double power = 1;
-  for (std::size_t k = 0; k < m; ++k)
-    if (!free(k)) step[k] = power /= root;
+  // Every number is written before it is read.
+  table_.rows = std::make_unique_for_overwrite<float[]>(size * table_.used);
+  numbers_ = std::make_unique_for_overwrite<double[]>(size * (m + 4));
+  double *const states = numbers_.get(), *const turn = states + size * m, *const beside = turn + size;
+  states_ = states, turn_ = turn, beside_ = beside;
+  std::array<bool, Chain::kMostMoving> still{};
   std::array<Range, Chain::kMostMoving> wide{};
-  for (std::size_t k = 0; k < m; ++k)
-    if (!free(k)) wide[k] = range(k);
-  for (std::size_t row = 0; row < size; row += kDescents) {
-    // Joint beside joint: each joint's next number waits for the one before.
-    for (std::size_t lane = 0; lane < kDescents; ++lane) {
-      double* const state = states_.data() + (row + lane) * m;
-      for (std::size_t k = 0; k < m; ++k) {
-        double at = unit[k] + step[k];
-        at -= at >= 1 ? 1.0 : 0.0;
-        unit[k] = at;
-        all.x[k][lane] = state[k] = wide[k].low + at * wide[k].width;
-      }
-    }
-    find_ends(arm_, all);
-    enter(all, row);
+  std::size_t dimensions = 0;
+  for (std::size_t k = 0; k < m; ++k) {
+    still[k] = (first_turns_ && k == first_joint_) || (last_turns_ && k == last_joint_);
+    if (!still[k]) wide[k] = range(k), ++dimensions;
   }
+  const double* points = size <= kKept ? kept_points(dimensions) : nullptr;
+  std::vector<double> drawn;
+  if (!points) {
+    drawn.resize(size * dimensions);
+    write_points(dimensions, size, drawn.data());
+    points = drawn.data();
+  }
+  double* to = states;
+  for (std::size_t row = 0; row < size; row += kDescents)
+    for (std::size_t k = 0; k < m; ++k, to += kDescents) {
+      if (still[k]) {
+        std::fill_n(to, kDescents, 0.0);
+        continue;
+      }
+      for (std::size_t lane = 0; lane < kDescents; ++lane)
+        to[lane] = wide[k].low + points[lane] * wide[k].width;
+      points += kDescents;
+    }
+  see_ends(arm_, {{point_in_end_, first_turns_, last_turns_, transposed(arm_.first_turn), arm_.first_point},
+                  size,
+                  states,
+                  still.data(),
+                  kPlaceWeight,
+                  table_.rows.get(),
+                  turn,
+                  beside});
 }
 
 SeedTable::Place SeedTable::place(const Rotation& rotation, const Vec3& position) const noexcept {
@@ -234,8 +272,13 @@ void SeedTable::next(Search& search, double* x) const noexcept {
   if (search.next < kNearGroups) {
     const std::size_t group = search.order[search.next++];
     const auto row = static_cast<std::size_t>(search.near.index[group]);
-    std::copy_n(states_.data() + row * m, m, x);
-    if (last_turns_) x[last_joint_] = last_ratio_ * angle_about(search.toward, beside_[row], search.beside);
+    const std::size_t block = row / kDescents, lane = row % kDescents;
+    for (std::size_t k = 0; k < m; ++k) x[k] = states_[(block * m + k) * kDescents + lane];
+    if (last_turns_) {
+      const double* const at = beside_ + 3 * kDescents * block + lane;
+      const Vec3 beside{at[0], at[kDescents], at[2 * kDescents]};
+      x[last_joint_] = last_ratio_ * angle_about(search.toward, beside, search.beside);
+    }
     if (first_turns_) x[first_joint_] = first_ratio_ * within_a_turn(search.turn - turn_[row]);
   } else {
     Random random(7);

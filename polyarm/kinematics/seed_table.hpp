@@ -8,7 +8,7 @@
 /// Const after construction, any thread; nothing after it allocates.
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "polyarm/kinematics/descent_lanes.hpp"
 
@@ -46,7 +46,6 @@ class SeedTable {
   void find_symmetry();
   void fill(std::size_t size);
   std::array<float, FeatureTable::kFeatures> features(const Place& place) const noexcept;
-  void enter(Descents& all, std::size_t row);
   struct Range {
     double low = 0, width = 0;
   };
@@ -59,9 +58,9 @@ class SeedTable {
   std::size_t first_joint_ = 0, last_joint_ = 0;
   Vec3 point_in_end_;  ///< a point of the last axis, from the TCP, as seen behind that axis, whose z it is
   FeatureTable table_;
-  std::vector<double> states_;  ///< row after row
-  std::vector<double> turn_;    ///< of each row's pose about the first axis
-  std::vector<Vec3> beside_;
+  /// Each row's state, of its pose the turn about the first axis, and what is beside the last (as EndTable).
+  std::unique_ptr<double[]> numbers_;
+  const double *states_ = nullptr, *turn_ = nullptr, *beside_ = nullptr;
 };
 
 }  // namespace polyarm::kinematics
