@@ -3,6 +3,11 @@
 //
 //   build/release/bench/ik_catalogue [POSES] [PART OF A NAME] > docs/ik-catalogue.md
 //
+// `ik_catalogue setup [PART OF A NAME | =WAY]` measures instead how long it takes from a chain to a solver
+// that is ready, of every robot: least and median of 60 solvers, in us; then the first question and the
+// median of 200 (all branches); last of each way the worst. The first question is a new solver's, so that
+// work put off until it is asked would show.
+//
 // Poses are those of random joint states within limits (POSES of each robot, 500 by default), each with a
 // random seed. An answer counts that the chain's own forward kinematics confirms to 1e-8 m and 1e-7 rad,
 // within limits. Times are of single calls, median, with the clock's some 20 ns; other work on the machine
@@ -14,6 +19,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "bench/ik_words.hpp"
@@ -103,7 +110,73 @@ Row measure(const description::RobotModel& model, int poses) {
 
 }  // namespace
 
+namespace {
+
+struct Setup {
+  double least_us = 0, median_us = 0, first_us = 0, all_us = 0;
+};
+
+Setup measure_setup(const Chain& chain) {
+  constexpr int kSolvers = 60, kPoses = 200;
+  Setup out;
+  std::vector<double> made_us, first_us, all_us;
+  Random random(61);
+  std::vector<double> q(chain.joints()), seed(chain.joints());
+  IkSolutions found;
+  const auto draw = [&] {
+    for (std::size_t j = 0; j < chain.joints(); ++j)
+      q[j] = random_value(chain, j, random), seed[j] = random_value(chain, j, random);
+    return chain.forward(q);
+  };
+  for (int i = 0; i < kSolvers; ++i) {
+    std::optional<InverseKinematics> arm;
+    made_us.push_back(microseconds([&] { arm.emplace(chain); }));
+    const Pose target = draw();
+    first_us.push_back(microseconds([&] { arm->solve_all(target, seed, found); }));
+  }
+  const InverseKinematics arm(chain);
+  for (int i = 0; i < kPoses; ++i) {
+    const Pose target = draw();
+    all_us.push_back(microseconds([&] { arm.solve_all(target, seed, found); }));
+  }
+  out.least_us = *std::min_element(made_us.begin(), made_us.end());
+  out.median_us = median(made_us);
+  out.first_us = median(first_us);
+  out.all_us = median(all_us);
+  return out;
+}
+
+void print_setups(const description::Catalogue& catalogue, const std::string& part) {
+  struct Worst {
+    int robots = 0;
+    double us = 0;
+    std::string robot;
+  };
+  std::map<std::string, Worst> worst;
+  for (const std::string& robot : catalogue.names()) {
+    if (!part.starts_with('=') && robot.find(part) == std::string::npos) continue;
+    const auto model = catalogue.load(robot);
+    const Chain chain(model, model.tool_link());
+    const std::string way = words(InverseKinematics(chain).way());
+    if (part.starts_with('=') && !way.starts_with(part.substr(1))) continue;
+    const Setup here = measure_setup(chain);
+    fmt::print("{:45} {:12} {:6.1f} {:6.1f}   {:6.1f} {:6.1f}\n", robot, way, here.least_us, here.median_us,
+               here.first_us, here.all_us);
+    Worst& most = worst[way];
+    ++most.robots;
+    if (here.median_us > most.us) most.us = here.median_us, most.robot = robot;
+  }
+  for (const auto& [way, most] : worst)
+    fmt::print("{}: {} robots, at most {:.1f} us ({})\n", way, most.robots, most.us, most.robot);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "setup") {
+    print_setups(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}), argc > 2 ? argv[2] : "");
+    return 0;
+  }
   const int poses = argc > 1 ? std::max(1, std::atoi(argv[1])) : 500;
   const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
   fmt::print(
