@@ -56,8 +56,9 @@ double gap(std::initializer_list<const JointAxis*> axes) {
 /// into line. Axes are counted from 1, as people do.
 class Look {
  public:
-  Look(const ArmGeometry& arm, double tolerance)
-      : arm_(arm), angle_(tolerance), length_(tolerance * length_between_axes(arm)) {}
+  /// `length` is length_between_axes() of the arm.
+  Look(const ArmGeometry& arm, double tolerance, double length)
+      : arm_(arm), angle_(tolerance), length_(tolerance * length) {}
 
   bool meet(int a, int b) const { return gap({&axis(a), &axis(b)}) <= length_; }
   bool meet(int a, int b, int c) const { return gap({&axis(a), &axis(b), &axis(c)}) <= length_; }
@@ -132,8 +133,7 @@ bool places_points(const Look& look) {
   return first && second && (look.slanted(1, 2) || look.slanted(2, 3));
 }
 
-ArmFamily family_of(const ArmGeometry& arm, double tolerance) {
-  const Look look(arm, tolerance);
+ArmFamily family_of(const Look& look) {
   if (look.meet(4, 5, 6)) {
     const ArmFamily family = shoulder_of(look, look.meeting(4, 5, 6));
     if (family != ArmFamily::none) return family;
@@ -150,9 +150,30 @@ ArmFamily family_of(const ArmGeometry& arm, double tolerance) {
   return ArmFamily::none;
 }
 
+/// Of an arm that one axis has to be searched along: which, from which end. The point where two axes meet
+/// that the first three reach for goes round the axis that is searched along; the smaller that circle, the
+/// smoother is what is left of the pose, and the less of it is out of reach.
+void choose_search(const Look& from_base, const Look& from_tool, ArmFamily& family, bool& turn_round) {
+  constexpr double kClearly = 0.9;
+  double least = kInfinity;
+  for (const bool last : {false, true})
+    for (const bool turned : {false, true}) {
+      const Look& look = turned ? from_tool : from_base;
+      const int first = last ? 4 : 5, along = last ? 6 : 4;  // of the two that meet
+      if (!look.meet(first, first + 1) || !places_points(look)) continue;
+      const Vec3 at = look.meeting(first, first + 1);
+      if (!look.off(along, at) || (last && !look.off(3, at))) continue;
+      const double lever = distance_to(look.axis(along), at);
+      if (!(lever < kClearly * least)) continue;
+      least = lever;
+      family = last ? ArmFamily::search_4_meets_5 : ArmFamily::search_5_meets_6;
+      turn_round = turned;
+    }
+}
+
 void idealise(SixAxisClass& out) {
   const ArmGeometry seen = out.ideal;
-  const Look look(seen, kLooseTolerance);
+  const Look look(seen, kLooseTolerance, 0);  // asked for places and directions only
   Idealiser ideal(out);
   switch (out.family) {
     case ArmFamily::wrist_2_parallel_3:
@@ -179,9 +200,14 @@ void idealise(SixAxisClass& out) {
       ideal.align({2, 3, 4});
       return;
     case ArmFamily::search_5_meets_6:
-      ideal.meet({5, 6}, look.meeting(5, 6));
+    case ArmFamily::search_4_meets_5:
+      if (out.family == ArmFamily::search_5_meets_6)
+        ideal.meet({5, 6}, look.meeting(5, 6));
+      else
+        ideal.meet({4, 5}, look.meeting(4, 5));
       if (look.parallel(1, 2)) ideal.align({1, 2});
-      if (Look(seen, kMeetsForSure).meet(1, 2)) ideal.meet({1, 2}, look.meeting(1, 2));
+      if (Look(seen, kMeetsForSure, length_between_axes(seen)).meet(1, 2))
+        ideal.meet({1, 2}, look.meeting(1, 2));
       return;
     default:
       break;
@@ -196,7 +222,7 @@ bool quartic(ArmFamily family) noexcept {
 }
 
 bool searched(ArmFamily family) noexcept {
-  return family == ArmFamily::search_5_meets_6;
+  return family == ArmFamily::search_5_meets_6 || family == ArmFamily::search_4_meets_5;
 }
 
 const char* describe(ArmFamily family) {
@@ -219,6 +245,8 @@ const char* describe(ArmFamily family) {
       return "axes 1, 2 and 3 parallel, axes 5 and 6 meet";
     case ArmFamily::search_5_meets_6:
       return "axes 5 and 6 meet, solved for one value of axis 4 after another";
+    case ArmFamily::search_4_meets_5:
+      return "axes 4 and 5 meet, solved for one value of axis 6 after another";
     case ArmFamily::none:
       return "no three neighbouring axes meet or are parallel";
   }
@@ -235,10 +263,16 @@ SixAxisClass classify(const ArmGeometry& arm, double tolerance) {
   if (arm.count != 6) return out;
   for (std::size_t i = 0; i < arm.count; ++i)
     if (arm.axes[i].slides) return out;
+  const Look from_base(arm, tolerance, length_between_axes(arm));
+  const ArmFamily forward = family_of(from_base);
+  if (effort(forward) == 0) return seen_as(arm, forward, false);
   const ArmGeometry from_tool = reversed(arm);
-  const ArmFamily forward = family_of(arm, tolerance), backward = family_of(from_tool, tolerance);
-  const bool turn_round = effort(backward) < effort(forward);
-  return seen_as(arm, turn_round ? backward : forward, turn_round);
+  const Look turned(from_tool, tolerance, length_between_axes(from_tool));
+  const ArmFamily backward = family_of(turned);
+  bool turn_round = effort(backward) < effort(forward);
+  ArmFamily family = turn_round ? backward : forward;
+  if (searched(family)) choose_search(from_base, turned, family, turn_round);
+  return seen_as(arm, family, turn_round);
 }
 
 SixAxisClass seen_as(const ArmGeometry& arm, ArmFamily family, bool from_tool) noexcept {

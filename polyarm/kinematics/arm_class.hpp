@@ -19,6 +19,7 @@ enum class ArmFamily {
   parallel_234,            ///< three parallel axes and nothing else: a quartic
   parallel_123_5_meets_6,
   search_5_meets_6,  ///< two axes that meet and nothing else: closed for each value of axis 4
+  search_4_meets_5,  ///< the same for each value of axis 6
   none
 };
 /// In words, for a person: "a spherical wrist, axes 2 and 3 parallel".

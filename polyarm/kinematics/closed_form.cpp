@@ -187,9 +187,12 @@ SixAxisForm form_of(const SixAxisClass& known, bool wary) {
       f.p34 = flattened(f.p34, f.h[1]);
       break;
     case ArmFamily::search_5_meets_6:
+    case ArmFamily::search_4_meets_5:
       f.shoulder = shoulder_of(arm, f.least_length);
       take_points(f, arm);
       f.to_56 = center - point(4);
+      f.to_45 = point(4) - center;
+      f.beside_5 = beside(f.h[4]);
       f.edge = 0;  // samples on either side part solutions well enough
       break;
     default:

@@ -68,6 +68,7 @@ struct SixAxisForm {
   Rotation tool_rotation;  ///< of the tool at zero
   Shoulder shoulder;       ///< of families whose first three axes are of any kind
   Vec3 p56, to_56;         ///< from a point of axis 5 to one of axis 6; from axis 4 to where both meet
+  Vec3 to_45, beside_5;    ///< from axis 6 to where axes 4 and 5 meet; a unit vector square to axis 5
   double from_5[4] = {};   ///< (c5, s5) from what axes 2 to 4 leave alone, row after row
 };
 /// `known` has a family. With `wary`, what is nearly singular, in view of how far the
@@ -243,10 +244,10 @@ void solve_branches_portably(const BranchJob& job, Branches& out) noexcept;
 
 /// At most so many blocks come out of a search.
 inline constexpr std::size_t kSearchBlocks = 40;
-/// For families of searched(): axis 4 at 64 values side by side, for each the up to four ways of the first
-/// three axes to reach where axes 5 and 6 meet, and one step of descent from there; where that step stays
-/// nearby, descent goes on to the end. Returns how many of `out` are filled; branches that repeat each other
-/// or are not exact are among them.
+/// For families of searched(): axis 4 (or 6) at 64 values side by side, for each the up to four ways of the
+/// first three axes to reach where axes 5 and 6 (or 4 and 5) meet, and one step of descent from there; where
+/// that step stays nearby, descent goes on to the end. Returns how many of `out` are filled; branches that
+/// repeat each other or are not exact are among them.
 std::size_t search_branches(const BranchJob& job, std::span<Branches> out) noexcept;
 
 /// How close eight joint states are to a singularity: the direction in joint space (a unit vector) that moves

@@ -22,6 +22,16 @@ Vec3 nearest_point(const JointAxis& a, const JointAxis& b) noexcept {
   return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
 }
 
+/// Whether neighbouring axes are parallel or square to each other, to what descriptions are rounded to.
+bool right_angled(const ArmGeometry& arm) noexcept {
+  constexpr double kRounded = 2e-5;  // rad
+  for (std::size_t i = 0; i + 1 < arm.count; ++i) {
+    const Vec3 &a = arm.axes[i].direction, &b = arm.axes[i + 1].direction;
+    if (std::min(std::abs(dot(a, b)), norm(cross(a, b))) > kRounded) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void InverseKinematics::Arm::read(const Chain& chain) {
@@ -126,7 +136,13 @@ void InverseKinematics::Arm::find_six() {
   } else {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
-    if (searched(found.family)) return find_general(false);
+    if (searched(found.family)) {
+      // The polynomial's roots have next to nothing that the search of an arm of right angles has not
+      // (docs/measure.md).
+      constexpr double kRounded = 1e-6;  // m
+      if (found.worst_gap > kRounded || !right_angled(geometry)) find_general(false);
+      return;
+    }
     if (found.exact() || found_of_own_states(kOwnStates) == kOwnStates) return;
     // What axes miss may be little beside the arm and much beside the lengths that its solution hangs on.
     const std::string nearly = report;
@@ -351,6 +367,8 @@ void InverseKinematics::Arm::find_seven() {
   SixAxisClass best;
   for (const std::size_t k : kOrder) {
     SixAxisClass common = classify(locked(geometry, k, kValues[0]));
+    const int less = effort(common.family) - effort(best.family);
+    if (less > 0 || (less == 0 && (best.exact() || !common.exact()))) continue;
     for (const double value : kValues) {
       if (value == kValues[0] || common.family == ArmFamily::none) continue;
       const SixAxisClass other = classify(locked(geometry, k, value));
@@ -358,8 +376,6 @@ void InverseKinematics::Arm::find_seven() {
         common.family = ArmFamily::none;
     }
     if (common.family == ArmFamily::none) continue;
-    const int less = effort(common.family) - effort(best.family);
-    if (less > 0 || (less == 0 && (best.exact() || !common.exact()))) continue;
     best = common;
     spare = static_cast<int>(k);
     if (effort(best.family) == 0 && best.exact()) break;

@@ -68,7 +68,8 @@ enum class IkWay {
 
 struct IkTask;
 
-/// The inverse kinematics of one arm. Built once (some us in closed form, 100 us else; allocates), then const
+/// The inverse kinematics of one arm. Built once (some us in closed form, 10 to 25 us else, 100 where the
+/// polynomial is tried out; allocates), then const
 /// and without hidden state: any thread. solve() and solve_all() allocate nothing, throw nothing and read no
 /// clock; their time is bounded.
 class InverseKinematics {

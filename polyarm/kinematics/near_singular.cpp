@@ -230,7 +230,8 @@ void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t 
   if (nearly_count == 0) return;
   LeastMotions flat;
   see_motions({out.nearly.data(), nearly_count}, false, flat);
-  for (std::size_t k = 0; k < nearly_count; ++k) look_beside(asked, out.nearly[k], flat, k, false, since, out);
+  for (std::size_t k = 0; k < nearly_count; ++k)
+    look_beside(asked, out.nearly[k], flat, k, false, since, out);
 }
 
 /// Of up to eight joint states.
@@ -250,6 +251,7 @@ void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValue
                                          std::size_t since, Gathered& out) const noexcept {
   constexpr double kFar = 0.02, kFlat = 0.002, kSteps[] = {3, 10, 40, 150};
   constexpr double kWide[] = {0.03, 0.08, 0.16, 0.35}, kWidest[] = {0.6, 1, 1.5, 2.2};
+  constexpr double kFlatter = 1e-4, kOfRoot[] = {1, 2, 4, 8};  // where three meet they part with the root
   const std::size_t n = geometry.count;
   const double least = flat.least[lane];
   if (least > kFar) return;
@@ -264,10 +266,11 @@ void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValue
     if (axis == static_cast<int>(held)) axis = -1;
   relaxing.all_move = false;
   WaitingStates waiting;
-  for (int width = 0; width < (least < kFlat ? 3 : 2); ++width) {
+  for (int width = 0; width < (least < kFlatter ? 4 : least < kFlat ? 3 : 2); ++width) {
     Branches branches;
     for (std::size_t k = 0; k < kBranches; ++k) {
-      const double size = width == 2   ? kWidest[k / 2]
+      const double size = width == 3   ? kOfRoot[k / 2] * std::sqrt(least)
+                          : width == 2 ? kWidest[k / 2]
                           : width == 1 ? kWide[k / 2]
                                        : std::clamp(kSteps[k / 2] * least, 1e-4, 0.4);
       const double step = k % 2 ? size : -size;

@@ -34,6 +34,7 @@ constexpr ArmFamily kFamilies[] = {
     ArmFamily::parallel_234,
     ArmFamily::parallel_123_5_meets_6,
     ArmFamily::search_5_meets_6,
+    ArmFamily::search_4_meets_5,
 };
 
 TEST(ArmGeometry, LeadsWhereTheChainLeads) {
@@ -115,9 +116,28 @@ TEST(ArmClass, StillSeesThemInACalibratedArmAndSaysHowFarOff) {
     EXPECT_FALSE(seen.exact());
     EXPECT_LT(seen.worst_gap, 1e-3);
     EXPECT_LT(seen.worst_angle, 1e-3);
+    if (family == ArmFamily::search_4_meets_5) continue;  // whose other end is left as it is
     const SixAxisClass ideal = classify(seen.ideal, 1e-9);
     EXPECT_EQ(ideal.family, family);
   }
+}
+
+/// The point that is reached for goes round the axis that is searched along: of two ways the one where it
+/// goes round in the smaller circle, if that is clearly smaller.
+TEST(ArmClass, SearchesAlongTheAxisWhereLessIsLeftToMove) {
+  const auto seen = [](double wrist) {
+    const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    const Vec3 hand{0.4, 0, 0.7 - wrist};
+    return classify(geometry(test::robot_of_axes(
+        "arm",
+        {{z, {}}, {y, {0, 0, 0.3}}, {y, {0, 0, 0.6}}, {x, {0.1, 0, 0.7}}, {y, {0.4, 0, 0.7}}, {x, hand}},
+        {hand, {}})));
+  };
+  // From axis 3 to the shoulder, where axes 1 and 2 meet, it is 0.3 m.
+  EXPECT_EQ(seen(0.08).family, ArmFamily::search_4_meets_5);
+  EXPECT_FALSE(seen(0.08).from_tool);
+  EXPECT_EQ(seen(0.4).family, ArmFamily::search_5_meets_6);
+  EXPECT_TRUE(seen(0.4).from_tool);
 }
 
 TEST(ArmClass, SaysWhatIsMissing) {

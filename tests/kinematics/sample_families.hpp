@@ -81,6 +81,10 @@ inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics
     case ArmFamily::search_5_meets_6:
       a[5].point = a[4].point;
       break;
+    case ArmFamily::search_4_meets_5:
+      a[4].point = a[3].point;
+      a[1].point = a[0].point;  // by itself it is solved as any six axes are
+      break;
     default:
       break;
   }
@@ -94,6 +98,13 @@ inline std::vector<AxisRow> random_axes(kinematics::ArmFamily family, kinematics
   arm.tool_position = a[5].point;
   const auto seen = kinematics::classify(arm, clearly);
   if (seen.family != family || seen.from_tool) return random_axes(family, random, clearly);
+  // Nor may there be another way to search, by chance, that is taken instead.
+  const auto alike = [&](const kinematics::SixAxisClass& other, bool from_tool) {
+    return other.family == family && other.from_tool == from_tool;
+  };
+  if (kinematics::searched(family) &&
+      !(alike(kinematics::classify(arm), false) && alike(kinematics::classify(reversed(arm)), true)))
+    return random_axes(family, random, clearly);
   return a;
 }
 
