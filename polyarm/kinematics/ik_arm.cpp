@@ -178,30 +178,76 @@ int found_again(const ArmGeometry& arm, GeneralSix& six, int needed, int enough)
 
 }  // namespace
 
+/// Whether `value(axis)` is what state `q` has there, but for whole turns.
+template <typename Value>
+bool InverseKinematics::Arm::is_state(const JointValues& q, const Value& value) const noexcept {
+  double worst = 0;
+  for (std::size_t a = 0; a < geometry.count; ++a) {
+    const double d = value(a) - q[geometry.axes[a].joint];
+    worst = std::max(worst, std::abs(geometry.axes[a].slides ? d : std::remainder(d, kTurn)));
+  }
+  return worst < 1e-3;
+}
+
 /// Of a few states within limits, how many are among the answers to their poses.
 int InverseKinematics::Arm::found_of_own_states(int states) const noexcept {
   Random random(8);
   int out = 0;
-  std::array<double, Chain::kMaxJoints> q{}, seed{};
+  JointValues q{}, seed{};
   for (int i = 0; i < states; ++i) {
     for (std::size_t j = 0; j < joints; ++j) {
       q[j] = random_value(*described, j, random);
       seed[j] = random_value(*described, j, random);
     }
-    Gathered found;
-    gather(described->forward({q.data(), joints}), {seed.data(), joints}, false, found);
-    bool there = false;
-    for (std::size_t k = 0; k < found.count; ++k) {
-      double worst = 0;
-      for (std::size_t a = 0; a < geometry.count; ++a) {
-        const double d = found.all[k].value[a] - q[geometry.axes[a].joint];
-        worst = std::max(worst, std::abs(geometry.axes[a].slides ? d : std::remainder(d, kTurn)));
-      }
-      there |= worst < 1e-3;
+    const Pose target = described->forward({q.data(), joints});
+    if (branches_hold(target, q, seed)) {
+      ++out;
+      continue;
     }
+    Gathered found;
+    gather(target, {seed.data(), joints}, false, found);
+    bool there = false;
+    for (std::size_t k = 0; k < found.count; ++k)
+      there |= is_state(q, [&](std::size_t a) { return found.all[k].value[a]; });
     out += there;
   }
   return out;
+}
+
+/// Whether the ideal arm's branches, improved, hold state `q` of its pose: then no search beside
+/// singularities is needed to tell that it is found.
+bool InverseKinematics::Arm::branches_hold(const Pose& target, const JointValues& q,
+                                           const JointValues& seed) const noexcept {
+  AxisValues at;
+  for (std::size_t i = 0; i < geometry.count; ++i) at[i] = seed[geometry.axes[i].joint];
+  BranchJob job;
+  constexpr int kPatient = 14, kAtOnce = 4;  // steps
+  job.form = known.exact() ? &wary : &first;
+  job.arm = &lanes;
+  job.target = {rotation_of(normalized(target.rotation)), target.position};
+  job.to_arm = to_arm;
+  job.seed = job.near = at.data();
+  job.limits = &limits;
+  job.worth_polishing = worth_polishing;
+  const double position2 = settings.position_tolerance * settings.position_tolerance,
+               orientation2 = settings.orientation_tolerance * settings.orientation_tolerance;
+  const auto hold = [&](const Branches& found) {
+    for (std::size_t k = 0; k < kBranches; ++k) {
+      const bool good = (found.inside >> k & 1u) != 0 && found.position_error2[k] <= position2 &&
+                        found.orientation_error2[k] <= orientation2;
+      if (good && is_state(q, [&](std::size_t a) { return found.value[a][k]; })) return true;
+    }
+    return false;
+  };
+  if (known.exact()) job.most_steps = kAtOnce;
+  Branches found;
+  solve_branches(job, found);
+  if (hold(found)) return true;
+  if (known.exact()) return false;
+  job.patience = kPatient;
+  job.form = &form;
+  solve_branches(job, found);
+  return hold(found);
 }
 
 void InverseKinematics::Arm::find_general(bool both_ends) {

@@ -133,6 +133,10 @@ struct InverseKinematics::Arm {
   void find_six();
   /// @param both_ends the algebra is all there is: from both ends, where it suits both.
   void find_general(bool both_ends);
+  using JointValues = std::array<double, Chain::kMaxJoints>;
+  template <typename Value>
+  bool is_state(const JointValues& q, const Value& value) const noexcept;
+  bool branches_hold(const Pose& target, const JointValues& q, const JointValues& seed) const noexcept;
   int found_of_own_states(int states) const noexcept;
   void find_sliding();
   void find_fewer();

@@ -144,7 +144,7 @@ const double* kept_points() {
   return kPoints.data();
 }
 
-/// The same of arms with two to seven joints, whatever the arm: worked out once. Null: of others.
+/// The same of two to six dimensions, whatever the arm: worked out once. Null: of others.
 const double* kept_points(std::size_t dimensions) {
   switch (dimensions) {
     case 2:
