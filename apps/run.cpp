@@ -466,8 +466,7 @@ bool is_robot(const std::string& named) {
   const fs::path path = named;
   if (fs::is_regular_file(path, error)) return path.extension() == ".urdf" || path.extension() == ".xacro";
   if (named.empty() || fs::exists(path, error)) return false;
-  const std::vector<std::string> robots = open_catalogue().names();
-  return std::find(robots.begin(), robots.end(), named) != robots.end();
+  return open_catalogue().find(named).has_value();
 }
 
 }  // namespace

@@ -22,6 +22,15 @@ std::string name_of(const fs::path& file) {
   return file.parent_path().filename().string() + "/" + file.stem().string();
 }
 
+/// Are these a maker and a model with a slash between them, and no way to another folder?
+bool is_whole_name(const std::string& name) {
+  const std::size_t slash = name.find('/');
+  if (slash == std::string::npos || name.find('/', slash + 1) != std::string::npos) return false;
+  for (const std::string& part : {name.substr(0, slash), name.substr(slash + 1)})
+    if (part.empty() || part == "." || part == "..") return false;
+  return true;
+}
+
 /// What is in a folder; nothing where it cannot be listed.
 std::vector<fs::path> content_of(const fs::path& folder) {
   std::vector<fs::path> out;
@@ -84,16 +93,30 @@ std::vector<std::string> Catalogue::names() const {
   return out;
 }
 
+std::optional<fs::path> Catalogue::find(const std::string& name) const {
+  std::error_code error;
+  if (is_whole_name(name)) {
+    for (const fs::path& folder : folders_)
+      for (const char* extension : {".yaml", ".urdf"})
+        if (fs::path file = folder / (name + extension); fs::is_regular_file(file, error)) return file;
+    return std::nullopt;
+  }
+  std::optional<fs::path> out;
+  for (const fs::path& file : robot_files(folders_)) {
+    if (!equal_ignoring_case(file.stem().string(), name)) continue;
+    if (out) return std::nullopt;
+    out = file;
+  }
+  return out;
+}
+
 RobotModel Catalogue::load(const std::string& wanted) const {
-  std::vector<fs::path> matches;
+  if (const auto file = find(wanted)) return read_entry(*file);
   std::vector<std::string> all;
   for (const fs::path& file : robot_files(folders_)) {
     all.push_back(name_of(file));
-    if (name_of(file) == wanted) return read_entry(file);
-    if (equal_ignoring_case(file.stem().string(), wanted)) matches.push_back(file);
     all.push_back(file.stem().string());
   }
-  if (matches.size() == 1) return read_entry(matches.front());
   if (all.empty())
     throw Error("no-catalogue", "the catalogue of robots was not found",
                 "set POLYARM_ROBOTS to the folder robots/ of Polyarm");

@@ -30,6 +30,9 @@ class Catalogue {
   /// Every robot, by name. Reads every file; throws Error for one that cannot be read.
   std::vector<CatalogueEntry> entries() const;
   std::vector<std::string> names() const;
+  /// The file of the robot called `maker/model`, or `model` alone where that is clear; no file is read, and
+  /// of a whole name only its own is looked for.
+  std::optional<std::filesystem::path> find(const std::string& name) const;
   /// The robot called `maker/model`, or `model` alone where that is clear. Throws Error("unknown-robot") with
   /// near names.
   RobotModel load(const std::string& name) const;

@@ -249,6 +249,20 @@ TEST(Catalogue, TakesABareModelWhereItIsClear) {
             catalogue().load("universal_robots/ur3").provenance.model);
 }
 
+TEST(Catalogue, FindsOneRobotWithoutReadingAny) {
+  const polyarm::test::Folder mine, theirs;
+  const std::string own = mine.write("acme/one.yaml", "no robot file at all");
+  theirs.write("acme/one.urdf", ""), theirs.write("acme/two.urdf", "");
+  theirs.write("other/two.yaml", ""), theirs.write("beside.yaml", "");
+  const Catalogue both({mine.path(), theirs.path()});
+  EXPECT_EQ(both.find("acme/one"), own) << "an earlier folder hides a later one";
+  EXPECT_EQ(both.find("ONE"), own) << "a model alone";
+  EXPECT_EQ(both.find("acme/two"), theirs.path() / "acme/two.urdf");
+  for (const char* name : {"two", "acme", "acme/three", "Acme/one", "", "/", "acme/", "/one", "acme//one",
+                           "acme/one.yaml", "../acme/one", "acme/..", "./beside", "acme/one/"})
+    EXPECT_FALSE(both.find(name)) << name;
+}
+
 TEST(Catalogue, NamesTheNearestRobot) {
   try {
     catalogue().load("universal_robots/ur3x");
