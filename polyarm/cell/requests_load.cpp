@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/build.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/checker.hpp"
@@ -131,6 +130,17 @@ Poll program_load(Cell& cell, const Json& arguments) {
   };
 }
 
+/// Have files of the program that stands ready been written since they were read? Throws Error with what is
+/// wrong in them now.
+bool written_since(Cell& cell) {
+  const program::Interpreter& read = cell.program()->interpreter();
+  const program::Program now = program::load_program(read.program().file);
+  if (now.lines != read.program().lines || now.included.size() != read.program().included.size()) return true;
+  for (std::size_t i = 0; i < now.included.size(); ++i)
+    if (now.included[i].lines != read.program().included[i].lines) return true;
+  return false;
+}
+
 Poll program_start(Cell& cell, const Json& arguments) {
   require_may_begin(cell);
   if (!cell.program())
@@ -142,6 +152,11 @@ Poll program_start(Cell& cell, const Json& arguments) {
   if (!(passes >= 0 && passes < 1e15 && passes == std::floor(passes)))
     throw Error("bad-argument", "'passes' is " + format_number(passes), "a whole number; 0: no limit");
   if (!cell.all_idle()) throw Error("moving", "a robot still moves", "wait until it has arrived");
+  if (flag_argument(arguments, "as_saved") && written_since(cell)) {
+    const fs::path file = cell.program()->interpreter().program().file;
+    cell.prepare_program(fs::proximate(file, cell.file().folder).string(), 0);  // looked for in there
+    cell.program()->interpreter().resume();
+  }
   program::Interpreter& interpreter = cell.program()->interpreter();
   if (passes > 0) interpreter.limit_passes(static_cast<std::uint64_t>(passes));
   if (flag_argument(arguments, "paused")) interpreter.pause_here();
@@ -195,10 +210,10 @@ const std::vector<RequestRow>& load_rows() {
         false},
        program_load},
       {{"program.start",
-        {{"passes", kNumber}, {"paused", kFlag}},
+        {{"passes", kNumber}, {"paused", kFlag}, {"as_saved", kFlag}},
         kProgram,
         "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
-        "front of its first line",
+        "front of its first line, `as_saved` reads it anew where its file has been written since",
         true},
        program_start},
       {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},

@@ -73,6 +73,20 @@ TEST_F(ProgramRequests, ALoadedProgramBeginsWhenSomebodySaysSo) {
   EXPECT_EQ(error_of(ask("program.start")), "program-begun");
 }
 
+TEST_F(ProgramRequests, WhatStandsReadyMayBeginAsItWasSavedSince) {
+  ASSERT_TRUE(load("work.script")["ok"].get<bool>());
+  folder.write("work.script", "load work_data\nmoveto B\nmoveto Nowhere\n");
+  const Json as_saved{{"request", "program.start"}, {"as_saved", true}};
+  EXPECT_EQ(error_of(cell->ask(as_saved)), "unknown-name");
+  EXPECT_EQ(word(), "ready") << "as it was";
+  folder.write("work.script", "load work_data\nmoveto B\n");
+  const Json begun = cell->ask(as_saved);
+  ASSERT_TRUE(begun["ok"].get<bool>()) << begun;
+  until("finished");
+  EXPECT_NEAR(joint("joint_1"), -0.3, 1e-6) << "B";
+  EXPECT_EQ(state()["passes"], 0) << "it has no loop any more";
+}
+
 TEST_F(ProgramRequests, ACellWithoutAProgramSaysSoAndBeginsOneAtALine) {
   const Json now = state();
   EXPECT_EQ(now["state"], "none");
