@@ -3,20 +3,22 @@ import { resume } from '../../state/actions';
 import { attempt, mayMove, status } from '../../state/cell';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
+import { chosen } from './Choice';
 
-/** One that stands ready begins; one that has ended begins anew, from its file. */
+/** One that stands ready begins, as its file is now; one that has ended, or was chosen here, anew from its file. */
 function start(): void {
   const it = status.peek()?.program;
-  if (!it) return;
-  if (it.ready) void attempt('program.start');
-  else void attempt('program.from', { program: it.file, confirmed: true });
+  const other = chosen.peek();
+  if (other) void attempt('program.from', { program: other, confirmed: true });
+  else if (it?.ready) void attempt('program.start', { as_saved: true });
+  else if (it) void attempt('program.from', { program: it.file, confirmed: true });
 }
 
 /** Start, or pause and go on, in one big key; step and end beside it. */
 export function Keys() {
   const now = status.value;
   const it = now?.program;
-  const disabled = !mayMove.value || !it || now.state === 'fault';
+  const disabled = !mayMove.value || (!it && !chosen.value) || now?.state === 'fault';
   const ended = it ? it.ended || it.ready : true;
   const paused = it?.paused ?? false;
   const held = now?.state === 'held';

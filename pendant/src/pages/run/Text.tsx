@@ -1,15 +1,19 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { request, status } from '../../state/cell';
+import { base, fileName, sameFile } from '../program/documents';
+import { chosen } from './Choice';
 import { shortName } from './Now';
 
-/** The program's text with the line that runs, kept in sight. */
+/** The text of the program that runs or that Start begins, with the line that runs, kept in sight. */
 export function Text() {
   const program = status.value?.program;
-  const file = program ? shortName(program.file) : '';
+  const going = !!program && !program.ended && !program.ready;
+  const file = (!going && chosen.value) || (program ? shortName(program.file) : '');
   const [lines, setLines] = useState<string[]>([]);
   const list = useRef<HTMLOListElement>(null);
-  const ended = program ? program.ended || program.ready : true;
+  const ended = !going;
+  const hash = sameFile(file, fileName.value) ? base.value : '';  // it may be saved from here
   useEffect(() => {
     setLines([]);
     if (!file) return;
@@ -17,7 +21,7 @@ export function Text() {
       (got) => setLines(got.text.split('\n')),
       () => undefined,
     );
-  }, [file, ended]);
+  }, [file, ended, hash]);
   const line = ended ? -1 : (program?.line ?? -1);
   useEffect(() => {
     const box = list.current;

@@ -2,6 +2,7 @@
 import { t } from '../../i18n';
 import { RobotView } from '../../view3d/RobotView';
 import { WatchOnly } from '../../shell/Control';
+import { Choice } from './Choice';
 import { Figures } from './Figures';
 import { Keys } from './Keys';
 import { Now } from './Now';
@@ -17,6 +18,7 @@ export default function RunPage() {
       </div>
       <section class="run-panel" aria-label={t('run.title')}>
         <Now />
+        <Choice />
         <Keys />
         <Figures />
         <Text />
