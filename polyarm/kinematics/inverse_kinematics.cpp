@@ -79,6 +79,8 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
+  // What is free of six axes is not of fewer: those that stand still leave but few members of the family.
+  if (branches.free != 0 && geometry.count < 6) along_families(job, before, out);
 }
 
 /// All that the search along axis 4 ends in, and what descent finds around the seed.
@@ -210,10 +212,14 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     for (std::size_t j = since; j < out.count && !known_already; ++j) {
       Candidate& other = out.all[j];
       known_already = same(job, other.value, one.value, out.count > kCrowd);
-      // Descent to where solutions meet may have ended early: the one with more digits stays.
-      if (known_already && largest_change(other.value, one.value, n) < kSharper &&
-          one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2))
-        other = one;
+      if (!known_already) continue;
+      // Descent to where solutions meet may have ended early: the one with more digits stays. Of members of
+      // a family it is the one nearest to the seed.
+      const bool stays =
+          largest_change(other.value, one.value, n) < kSharper
+              ? !(one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2))
+              : !(one.distance2 < other.distance2);
+      if (!stays) other = one;
     }
     if (!known_already) out.take(one);
   }
