@@ -120,7 +120,7 @@ struct BranchJob {
   int patience = 4;            ///< steps after which only small errors are worth more
   int most_steps = 30;         ///< of descent
   double good_enough = 1e-11;  ///< errors smaller than this are not worked on, m and rad
-  /// Errors up to this are those of an ideal arm's answers on the true one, m and rad; 0: not asked for.
+  /// How far the true arm is from the ideal one that has the form, m and rad; 0: what strayed is not asked for.
   double ideal = 0;
 };
 
@@ -133,8 +133,8 @@ struct Branches {
   alignas(64) double distance2[kBranches];           ///< weighted, from BranchJob::near
   std::uint32_t inside = ~0u;                        ///< branches within limits (bits)
   std::uint32_t free = 0;                            ///< branches in which an angle was free (bits)
-  /// Branches with BranchJob::ideal errors at first which descent took far, or not to the end (bits): there
-  /// may be other solutions near, or none.
+  /// Branches of an arm that is not quite ideal near which there may be other solutions, or none (bits): what
+  /// descent from the ideal arm's answers tells, and what there is where that has no answer.
   std::uint32_t strayed = 0;
 };
 

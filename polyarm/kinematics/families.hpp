@@ -10,10 +10,6 @@
 
 namespace POLYARM_LANES {
 
-constexpr double squared(double a) {
-  return a * a;
-}
-
 /// Eight targets: the columns of their rotations, and their positions.
 struct LaneTarget {
   struct {

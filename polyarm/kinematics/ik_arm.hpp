@@ -38,7 +38,12 @@ struct Gathered {
   /// Branches that came close to the pose and are not exact.
   std::array<AxisValues, 8> nearly;
   std::size_t nearly_count = 0;
+  /// Exact ones outside of limits: others near them may be within.
+  std::array<AxisValues, 8> outside;
+  std::size_t outside_count = 0;
   bool spread = false;  ///< where there is no more room, the one most like another goes
+  /// Of members of a family the one nearest to the seed stays, else the one that came first.
+  bool nearest_stays = false;
 
   const Candidate& best() const noexcept {
     std::size_t out = 0;
@@ -47,6 +52,7 @@ struct Gathered {
     return all[out];
   }
   void replace_most_alike(const Candidate& one) noexcept;
+  void take_outside(const AxisValues& one, std::size_t axes) noexcept;
   void take(const Candidate& one) noexcept {
     if (count < all.size()) {
       all[count++] = one;
@@ -166,7 +172,9 @@ struct InverseKinematics::Arm {
                    Gathered& out) const noexcept;
   void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
                           Gathered& out) const noexcept;
-  void along_families(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  /// @param least_edge SixAxisForm::edge is at least that.
+  void along_families(const BranchJob& job, double least_edge, std::size_t before,
+                      Gathered& out) const noexcept;
   void along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes, std::uint32_t branches_of_it,
                     std::size_t before, Gathered& out) const noexcept;
   void put_on_limits(const BranchJob& job, const AxisValues& state, std::size_t before,

@@ -72,6 +72,8 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   Branches branches;
   job.form = &wary_form;
   solve_branches(job, branches);
+  // Two branches that differ by a hundredth of a radian may be one as far as tolerances go.
+  out.nearest_stays = true;
   if (branches.free == 0) return sift(job, branches, before, out);
   // Of a family the member nearest to the seed stands for others that hardly differ: so it comes first.
   offer_alone(job, out.seed, out);
@@ -80,7 +82,7 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   solve_branches(job, branches);
   sift(job, branches, before, out);
   // What is free of six axes is not of fewer: those that stand still leave but few members of the family.
-  if (branches.free != 0 && geometry.count < 6) along_families(job, before, out);
+  if (branches.free != 0 && geometry.count < 6) along_families(job, 0, before, out);
 }
 
 /// All that the search along axis 4 ends in, and what descent finds around the seed.
@@ -193,7 +195,9 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     out.beyond_limits |= one.exact && !inside;
     for (std::size_t i = 0; i < n; ++i) one.value[i] = branches.value[i][k];
     if (!inside) {
-      if (one.exact && !out.at_limit) put_on_limits(job, one.value, since, out);
+      if (!one.exact || out.at_limit) continue;
+      out.take_outside(one.value, n);
+      put_on_limits(job, one.value, since, out);
       continue;
     }
     if (!one.exact && size < kNearly * kNearly && out.nearly_count < out.nearly.size())
@@ -213,13 +217,10 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
       Candidate& other = out.all[j];
       known_already = same(job, other.value, one.value, out.count > kCrowd);
       if (!known_already) continue;
-      // Descent to where solutions meet may have ended early: the one with more digits stays. Of members of
-      // a family it is the one nearest to the seed.
-      const bool stays =
-          largest_change(other.value, one.value, n) < kSharper
-              ? !(one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2))
-              : !(one.distance2 < other.distance2);
-      if (!stays) other = one;
+      // Descent to where solutions meet may have ended early: the one with more digits stays.
+      const bool alike = largest_change(other.value, one.value, n) < kSharper;
+      const bool sharper = one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2);
+      if (alike ? sharper : out.nearest_stays && one.distance2 < other.distance2) other = one;
     }
     if (!known_already) out.take(one);
   }

@@ -13,8 +13,19 @@ namespace POLYARM_LANES {
 
 inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
 inline constexpr double kLargestTurn = 0.3;   // rad in one step of the polish
+/// Where the second step is longer than this part of the first the way is bent as much as it is long: what it
+/// leads to may be one of several. (A thirtieth and less elsewhere.) Shorter second steps are rounding, rad.
+inline constexpr double kMostOfTheStepBefore = 0.1, kLeastBend = 1e-7;
+/// Errors on the true arm, in BranchJob::ideal: up to these are those of an ideal arm's answers, of poses
+/// just beyond its reach, of poses not far beyond; and of what descent from there leads so near to that there
+/// may be a solution.
+inline constexpr double kAnswer = 30, kNearAnswer = 300, kAroundAnswer = 3000, kNearlyThere = 100;
 
 inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
+
+constexpr double squared(double a) {
+  return a * a;
+}
 
 POLYARM_INLINE void turn_pair(const LaneAngle& a, Lane& u, Lane& v) {
   const Lane was = u;
@@ -103,9 +114,10 @@ POLYARM_INLINE void solve_definite(Lane (&a)[6][6], Lane (&b)[6]) {
 }
 
 /// One step of damped least squares (damping proportional to the squared error: Chan and Lawrence 1988) of
-/// all branches. `moves`: which axes may. Returns by how much axis `watched` moves.
+/// all branches. `moves`: which axes may. Returns by how much axis `watched` moves; `largest`: what the axis
+/// that turns most would, if steps had no end.
 POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTarget& target, LaneAngle* q,
-                            std::size_t watched = 0) {
+                            std::size_t watched = 0, Lane* largest = nullptr) {
   const std::size_t n = arm.count;
   LaneVec axis[kMost], origin[kMost];
   LaneFrame frame{splat(arm.turn[0].x), splat(arm.turn[0].y), splat(arm.turn[0].z), splat(arm.step[0])};
@@ -153,6 +165,7 @@ POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTar
     step[k] = d;
     if (!arm.slides[k]) most = most_of(most, magnitude(d));
   }
+  if (largest) *largest = most;
   const Lane part = select(below(splat(kLargestTurn), most), kLargestTurn * inverse(most), splat(1.0));
   for (std::size_t k = 0; k < n; ++k) {
     if (!moves[k]) continue;
@@ -243,34 +256,57 @@ POLYARM_INLINE LaneAngle angle_at(const LaneArm& arm, std::size_t axis, double v
 
 /// Which of the angles are far from where they began.
 POLYARM_INLINE LaneMask far_from(const LaneArm& arm, const LaneAngle* begin, const LaneAngle* q) {
-  constexpr double kCosineOfFar = 0.99875;  // 0.05 rad
+  constexpr double kCosineOfFar = 0.995;  // 0.1 rad
   LaneMask out{};
   for (std::size_t i = 0; i < arm.count; ++i)
     if (!arm.slides[i]) out |= below(begin[i].s * q[i].s + begin[i].c * q[i].c, splat(kCosineOfFar));
   return out;
 }
 
+/// How good a state is to begin with, of an arm that is not quite ideal: an answer of the ideal arm, or what
+/// it has nearest to a pose beyond its reach.
+struct Beginning {
+  LaneMask answer{}, near{}, around{};
+  LaneAngle q[kMost];
+};
+POLYARM_INLINE Beginning beginning_of(const BranchJob& job, const LaneAngle* q, Lane error2) {
+  Beginning out;
+  const auto within = [&](double times) { return below(error2, splat(squared(times * job.ideal))); };
+  out.answer = within(kAnswer);
+  out.near = within(kNearAnswer) & ~out.answer;
+  out.around = within(kAroundAnswer) & ~out.answer;
+  std::copy(q, q + job.arm->count, out.q);
+  return out;
+}
+
+/// Descent from answers of the ideal arm led far, round a bend or not to the end; or there is something where
+/// the ideal arm has no answer, but nearly one.
+POLYARM_INLINE std::uint32_t strayed(const BranchJob& job, const Beginning& begin, const LaneAngle* q,
+                                     const Lane* largest, Lane error2) {
+  const LaneMask unfinished = below(splat(1e-18), error2);
+  const LaneMask bent = below(most_of(kMostOfTheStepBefore * largest[0], splat(kLeastBend)), largest[1]);
+  const LaneMask found = below(error2, splat(squared(kNearlyThere * job.ideal)));
+  return bits_of((begin.answer & (unfinished | bent | far_from(*job.arm, begin.q, q))) | begin.near |
+                 (begin.around & found));
+}
+
 POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const bool* moves, Branches& out) {
   Lane position, orientation;
   double worth = job.worth_polishing;
-  LaneAngle begin[kMost];
-  LaneMask ideal{};
+  Beginning begin;
+  Lane largest[3]{};
   for (int i = 0;; ++i) {
     measure(*job.arm, q, job.target, position, orientation);
-    if (i == 0 && job.ideal > 0) {
-      ideal = below(most_of(position, orientation), splat(job.ideal * job.ideal));
-      std::copy(q, q + job.arm->count, begin);
-    }
+    if (i == 0 && job.ideal > 0) begin = beginning_of(job, q, most_of(position, orientation));
     store(position, out.position_error2);
     store(orientation, out.orientation_error2);
     if (i >= job.patience) worth = std::min(worth, 1e-4);
     if (i == job.most_steps || !worth_more(position, orientation, job.good_enough, worth)) break;
-    descend(*job.arm, moves, job.target, q);
+    descend(*job.arm, moves, job.target, q, 0, &largest[std::min(i, 2)]);
   }
   out.strayed = 0;
-  if (bits_of(ideal) == 0) return;
-  const LaneMask unfinished = below(splat(1e-18), most_of(position, orientation));
-  out.strayed = bits_of(ideal & (unfinished | far_from(*job.arm, begin, q)));
+  if (bits_of(begin.around | begin.answer) != 0)
+    out.strayed = strayed(job, begin, q, largest, most_of(position, orientation));
 }
 
 }  // namespace POLYARM_LANES

@@ -16,8 +16,9 @@ constexpr double kFollows = 0.1;  ///< rad
 constexpr int kRelaxing = 4;
 /// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
 constexpr double kParted = 12;
+constexpr double kEdgeOfStrayed =
+    0.01;                            ///< at least, where descent strayed: 0.1 rad from wrists' singularities
 constexpr double kWider = 30;        ///< the same where branches have come close and no further
-constexpr double kIdeal = 300;       ///< up to so many are errors of the ideal arm's answers
 constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
 constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
 
@@ -66,10 +67,11 @@ void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisFor
   SixAxisForm telling;
   if (spare >= 0) telling = telling_of(strict_form);
   job.form = spare >= 0 ? &telling : &first;
-  job.ideal = kIdeal * (known.worst_gap + known.worst_angle * std::max(1.0, lanes.size));
+  job.ideal = (known.worst_gap + known.worst_angle * std::max(1.0, lanes.size));
   solve_branches(job, branches);
   job.ideal = 0;
-  if (branches.free == 0 && branches.strayed == 0) return sift(job, branches, before, out);
+  const bool strayed = branches.strayed != 0;
+  if (branches.free == 0 && !strayed) return sift(job, branches, before, out);
   job.patience = 14;
   around_seed(job, before, out);
   job.form = &strict_form;
@@ -82,7 +84,7 @@ void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisFor
   solve_branches(job, branches);
   sift(job, branches, before, out);
   if (spare >= 0) return;
-  along_families(job, before, out);
+  along_families(job, strayed ? kEdgeOfStrayed : 0, before, out);
   look_for_twins(job, before, out);
 }
 
@@ -132,6 +134,16 @@ void Gathered::replace_most_alike(const Candidate& one) noexcept {
   if (goes < count) all[goes] = one;
 }
 
+void Gathered::take_outside(const AxisValues& one, std::size_t axes) noexcept {
+  constexpr double kSame = 1e-4;
+  for (std::size_t k = 0; k < outside_count; ++k) {
+    double most = 0;
+    for (std::size_t i = 0; i < axes; ++i) most = std::max(most, std::abs(one[i] - outside[k][i]));
+    if (most < kSame) return;
+  }
+  if (outside_count < outside.size()) outside[outside_count++] = one;
+}
+
 /// Descent from all that wait.
 void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& waiting, std::size_t before,
                                          Gathered& out) const noexcept {
@@ -148,13 +160,14 @@ void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& 
 }
 
 /// Every kind of family that the ideal arm has here, with what is nearly singular for it counted in.
-void InverseKinematics::Arm::along_families(const BranchJob& asked, std::size_t before,
+void InverseKinematics::Arm::along_families(const BranchJob& asked, double least_edge, std::size_t before,
                                             Gathered& out) const noexcept {
   BranchJob job = asked;
   SixAxisForm loose = wary;
   loose.wary = false;
-  loose.edge = std::min(0.1, (out.nearly_count > 0 ? kWider : 1) * kParted *
-                                 std::max(known.worst_gap / lanes.size, known.worst_angle));
+  loose.edge = std::clamp((out.nearly_count > 0 ? kWider : 1) * kParted *
+                              std::max(known.worst_gap / lanes.size, known.worst_angle),
+                          least_edge, 0.1);
   loose.edge_slope = std::sqrt(loose.edge / (1 - loose.edge));
   loose.least_sine = std::max(loose.least_sine, 1.2 * std::sqrt(loose.edge));
   job.form = &loose;
@@ -213,7 +226,7 @@ void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked,
 void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr std::size_t kMostLookedAt = 24;
-  const std::size_t nearly_count = out.nearly_count;
+  const std::size_t nearly_count = out.nearly_count, outside_count = out.outside_count;
   bool walked = false;
   for (std::size_t from = since, more = 0; from < out.count && from < since + kMostLookedAt; from += more) {
     more = std::min(kBranches, out.count - from);
