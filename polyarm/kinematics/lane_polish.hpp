@@ -14,7 +14,7 @@ namespace POLYARM_LANES {
 inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
 inline constexpr double kLargestTurn = 0.3;   // rad in one step of the polish
 /// Where the second step is longer than this part of the first the way is bent as much as it is long: what it
-/// leads to may be one of several. (A thirtieth and less elsewhere.) Shorter second steps are rounding, rad.
+/// leads to may be one of several. Shorter second steps than the other are rounding, rad.
 inline constexpr double kMostOfTheStepBefore = 0.1, kLeastBend = 1e-7;
 /// Errors on the true arm, in BranchJob::ideal: up to these are those of an ideal arm's answers, of poses
 /// just beyond its reach, of poses not far beyond; and of what descent from there leads so near to that there
