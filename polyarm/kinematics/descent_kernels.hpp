@@ -13,6 +13,8 @@ struct DescentKernels {
   void (*ends)(const DescentArm&, const EndTable&);
   void (*near)(const FeatureTable&, const float*, const float*, NearPoints&);
   bool (*single)(const DescentArm&, const DescentRules&, const double* target, SingleDescent&);
+  void (*states)(const FeatureTable&, const float*, const StatesWanted&, StatesNear&);
+  int (*slide)(const DescentArm&, const SlideRules&, Slides&);
 };
 
 namespace lanes_portable {

@@ -46,6 +46,10 @@ bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules
   return arm.single.possible && kernels_for(set).single(arm, rules, target, one);
 }
 
+int slide(const DescentArm& arm, const SlideRules& rules, Slides& all) noexcept {
+  return kKernels.slide(arm, rules, all);
+}
+
 void see_ends(const DescentArm& arm, const EndTable& table) noexcept {
   kKernels.ends(arm, table);
 }
@@ -56,6 +60,11 @@ void measure(const DescentArm& arm, const DescentTask* task, Descents& all) noex
 
 void find_near(const FeatureTable& table, const float* at, const float* beyond, NearPoints& out) noexcept {
   kKernels.near(table, at, beyond, out);
+}
+
+void find_states(const FeatureTable& table, const float* values, const StatesWanted& wanted,
+                 StatesNear& out) noexcept {
+  kKernels.states(table, values, wanted, out);
 }
 
 }  // namespace polyarm::kinematics

@@ -111,6 +111,36 @@ bool descend_alone(const DescentArm& arm, const DescentRules& rules, const doubl
                    SingleDescent& one) noexcept;
 bool descend_alone(InstructionSet set, const DescentArm& arm, const DescentRules& rules, const double* target,
                    SingleDescent& one) noexcept;
+
+/// Eight states of an arm of seven turning axes that slide along their self-motions, the curves of joint
+/// states that leave the pose alone, to where these come nearest to the seed.
+struct alignas(64) Slides {
+  static constexpr std::size_t kJoints = 7;
+  double x[kJoints][kDescents];
+  double along[kJoints][kDescents];  ///< the curve's direction, of length 1; at first any
+  double target[12][kDescents];      ///< as Descents::target
+  double slope[kDescents];           ///< of half the squared distance, one step ago
+  double stride[kDescents];          ///< of the last step, rad
+  double size2[kDescents];           ///< square of the error, lengths and rad
+  double steps[kDescents];
+  std::uint32_t working = 0;  ///< bits: the others are not looked at
+  std::uint32_t done = 0;     ///< bits, of those at work
+  std::uint32_t settled =
+      0;  ///< bits, of those done: at an end or out of patience, not as others promise more
+
+  void restart(std::size_t lane) noexcept { slope[lane] = stride[lane] = steps[lane] = 0; }
+};
+struct SlideRules {
+  std::array<double, Slides::kJoints> lower, upper, seed, weight;  ///< weights of squared distances
+  double size2 = 0;                                                ///< of errors, as exact as is asked for
+  double stride = 0;     ///< rad: steps as short are no longer worth it
+  double best = 1e300;   ///< square of a distance: slides that do not promise less are done
+  int steps = 1;         ///< at most so many
+  double patience = 40;  ///< steps after which a slide is done
+};
+/// Goes on until a slide is done, or all steps are. What is done has not moved in the last step. Returns the
+/// steps.
+int slide(const DescentArm& arm, const SlideRules& rules, Slides& all) noexcept;
 /// How a table of ends sees them: without the turns of a first and a last joint about their own axes.
 struct EndSeen {
   Vec3 point;  ///< of the last axis, from the TCP, as seen behind that axis, whose z it is
@@ -149,5 +179,22 @@ struct NearPoints {
   alignas(64) std::int32_t index[kNearGroups];
 };
 void find_near(const FeatureTable& table, const float* at, const float* beyond, NearPoints& out) noexcept;
+
+/// What find_states() looks for: states whose ends are near a place, and whose joints near a seed's.
+struct StatesWanted {
+  std::array<float, FeatureTable::kFeatures> place;
+  float place_weight = 1;             ///< of squares, against those of joint values
+  std::size_t first = 0, joints = 0;  ///< these joints count, each one row of `values`
+  std::array<float, 8> seed{}, weight{}, period{}, over_period{};  ///< no period: zero
+};
+inline constexpr std::size_t kStateGroups = 128;
+/// Of every 128th state from each on the best: its row and what it costs.
+struct StatesNear {
+  alignas(64) float cost[kStateGroups];
+  alignas(64) std::int32_t row[kStateGroups];
+};
+/// `values`: of all joints, one after the other, as long as the table, a multiple of 128.
+void find_states(const FeatureTable& table, const float* values, const StatesWanted& wanted,
+                 StatesNear& out) noexcept;
 
 }  // namespace polyarm::kinematics

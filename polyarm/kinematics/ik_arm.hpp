@@ -9,6 +9,7 @@
 #include "polyarm/kinematics/general_six.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
 #include "polyarm/kinematics/numeric_ik.hpp"
+#include "polyarm/kinematics/self_motion.hpp"
 #include "polyarm/kinematics/sliding_arm.hpp"
 #include "polyarm/kinematics/spare_end.hpp"
 #include "polyarm/kinematics/srs_arm.hpp"
@@ -109,6 +110,7 @@ struct InverseKinematics::Arm {
   std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
   std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
   std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
+  std::optional<SelfMotion> curves;           ///< of seven turning axes that neither suits
   LaneArm lanes;
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
@@ -128,6 +130,12 @@ struct InverseKinematics::Arm {
   bool formed() const noexcept { return known.family != ArmFamily::none || general || sliding; }
   /// Solved by the polynomial alone.
   bool algebraic() const noexcept { return general && known.family == ArmFamily::none; }
+  /// The nearest is found along curves of states, as nothing shorter leads to it.
+  bool slides_along() const noexcept {
+    const auto slides = [](const JointAxis& axis) { return axis.slides; };
+    return formed() && spare >= 0 && !srs && !end &&
+           std::none_of(geometry.axes.begin(), geometry.axes.begin() + geometry.count, slides);
+  }
   bool solvable() const noexcept { return geometry.count > 0; }
   void read(const Chain& chain);
   std::string describe_known() const;
@@ -167,6 +175,8 @@ struct InverseKinematics::Arm {
   void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
              Gathered& out) const noexcept;
   void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
+  bool offer_slides(const BranchJob& job, const Pose& target, std::span<const double> seed,
+                    Gathered& out) const noexcept;
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,
                    Gathered& out) const noexcept;

@@ -125,6 +125,18 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
   offer(nearly, {&state, 1}, out.count, out);
 }
 
+/// Where curves of joint states that lead to the pose come nearest to the seed. False where others may well
+/// be nearer.
+bool InverseKinematics::Arm::offer_slides(const BranchJob& job, const Pose& target,
+                                          std::span<const double> seed, Gathered& out) const noexcept {
+  std::array<AxisValues, SelfMotion::kMost> states;
+  bool doubtful = false;
+  const std::size_t count =
+      curves->nearest({target.position, normalized(target.rotation)}, seed, states, doubtful);
+  for (std::size_t k = 0; k < count && out.count == 0; ++k) offer_alone(job, states[k], out);
+  return !doubtful && out.count > 0;
+}
+
 /// All roots of the polynomial of degree 16.
 void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept {
   std::array<GeneralSix::State, GeneralSix::kMost> roots;
@@ -245,7 +257,8 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
     if (nearest_only && end &&
         end->nearest({target.position, normalized(target.rotation)}, seed.data(), state))
       offer_alone(job, state, out);
-    if (out.count == 0) sample(job, at, nearest_only, out);
+    const bool sure = nearest_only && curves && offer_slides(job, target, seed, out);
+    if (out.count == 0 || (curves && !sure && !searched(known.family))) sample(job, at, nearest_only, out);
   }
   if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }
@@ -362,6 +375,10 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   const bool closed =
       arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic() && !arm->weak;
   if (!closed || arm->settings.parts_of_poses) arm->add_numeric();
+  if (arm->slides_along())
+    arm->curves =
+        SelfMotion::of(arm->numeric->core(), arm->geometry, arm->limits, searched(arm->known.family));
+  if (arm->curves) arm->report += "; the nearest by sliding along curves of states that leave the pose alone";
   arm_ = std::move(arm);
 }
 

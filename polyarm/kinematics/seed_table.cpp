@@ -271,15 +271,7 @@ void SeedTable::next(Search& search, double* x) const noexcept {
   if (search.next == kNearGroups && search.rounds < kRounds) advance(search);
   if (search.next < kNearGroups) {
     const std::size_t group = search.order[search.next++];
-    const auto row = static_cast<std::size_t>(search.near.index[group]);
-    const std::size_t block = row / kDescents, lane = row % kDescents;
-    for (std::size_t k = 0; k < m; ++k) x[k] = states_[(block * m + k) * kDescents + lane];
-    if (last_turns_) {
-      const double* const at = beside_ + 3 * kDescents * block + lane;
-      const Vec3 beside{at[0], at[kDescents], at[2 * kDescents]};
-      x[last_joint_] = last_ratio_ * angle_about(search.toward, beside, search.beside);
-    }
-    if (first_turns_) x[first_joint_] = first_ratio_ * within_a_turn(search.turn - turn_[row]);
+    read(search, static_cast<std::size_t>(search.near.index[group]), x);
   } else {
     Random random(7);
     random.skip(m * search.drawn++);
@@ -287,13 +279,29 @@ void SeedTable::next(Search& search, double* x) const noexcept {
       const Range wide = range(k);
       x[k] = wide.low + random.unit() * wide.width;
     }
+    bring_inside(x);
   }
+}
+
+void SeedTable::read(const Search& search, std::size_t row, double* x) const noexcept {
+  const std::size_t block = row / kDescents, lane = row % kDescents;
+  for (std::size_t k = 0; k < arm_.joints; ++k) x[k] = value(row, k);
+  if (last_turns_) {
+    const double* const at = beside_ + 3 * kDescents * block + lane;
+    const Vec3 beside{at[0], at[kDescents], at[2 * kDescents]};
+    x[last_joint_] = last_ratio_ * angle_about(search.toward, beside, search.beside);
+  }
+  if (first_turns_) x[first_joint_] = first_ratio_ * within_a_turn(search.turn - turn_[row]);
+  bring_inside(x);
+}
+
+void SeedTable::bring_inside(double* x) const noexcept {
   for (const std::size_t k : {first_joint_, last_joint_}) {
     // A whole turn on may be inside where this turn is not.
     if (x[k] > arm_.upper[k] && x[k] - 2 * kPi >= arm_.lower[k]) x[k] -= 2 * kPi;
     if (x[k] < arm_.lower[k] && x[k] + 2 * kPi <= arm_.upper[k]) x[k] += 2 * kPi;
   }
-  for (std::size_t k = 0; k < m; ++k) x[k] = std::clamp(x[k], arm_.lower[k], arm_.upper[k]);
+  for (std::size_t k = 0; k < arm_.joints; ++k) x[k] = std::clamp(x[k], arm_.lower[k], arm_.upper[k]);
 }
 
 }  // namespace polyarm::kinematics

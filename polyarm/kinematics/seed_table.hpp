@@ -37,6 +37,17 @@ class SeedTable {
   /// The next best state, in the arm's inner units; from the table as long as it has near ones, then random.
   void next(Search& search, double* x) const noexcept;
 
+  std::size_t size() const noexcept { return table_.count; }
+  const FeatureTable& places() const noexcept { return table_; }
+  /// The table's states are all over these joints' ranges; the first and the last may follow from the pose.
+  double value(std::size_t row, std::size_t joint) const noexcept {
+    return states_[(row / kDescents * arm_.joints + joint) * kDescents + row % kDescents];
+  }
+  bool first_turns() const noexcept { return first_turns_; }
+  bool last_turns() const noexcept { return last_turns_; }
+  /// One state of the table, its first and last joint as the search's target has them.
+  void read(const Search& search, std::size_t row, double* x) const noexcept;
+
  private:
   struct Place {
     Vec3 point, toward, beside;
@@ -51,6 +62,7 @@ class SeedTable {
   };
   Range range(std::size_t joint) const noexcept;  ///< that states of the table are in
   void advance(Search& search) const noexcept;
+  void bring_inside(double* x) const noexcept;
 
   const DescentArm& arm_;
   bool first_turns_ = false, last_turns_ = false;  ///< so that their part in a pose can be split off
