@@ -51,7 +51,6 @@ NumericSettings InverseKinematics::Arm::numeric_settings() const {
   out.position_tolerance = settings.position_tolerance;
   out.orientation_tolerance = settings.orientation_tolerance;
   out.weights = settings.weights;
-  if (slides_along()) out.seeds = SelfMotion::kTable;
   return out;
 }
 

@@ -175,7 +175,7 @@ struct InverseKinematics::Arm {
   void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
              Gathered& out) const noexcept;
   void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
-  bool offer_slides(const BranchJob& job, const Pose& target, std::span<const double> seed,
+  bool offer_slides(const BranchJob& job, const Pose& target, std::span<const double> seed, bool nearest_only,
                     Gathered& out) const noexcept;
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,

@@ -125,16 +125,23 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
   offer(nearly, {&state, 1}, out.count, out);
 }
 
-/// Where curves of joint states that lead to the pose come nearest to the seed. False where others may well
-/// be nearer.
+/// Where curves of joint states that lead to the pose come nearest to the seed, and where not the nearest
+/// only is wanted, states all over them. False where others may well be nearer.
 bool InverseKinematics::Arm::offer_slides(const BranchJob& job, const Pose& target,
-                                          std::span<const double> seed, Gathered& out) const noexcept {
+                                          std::span<const double> seed, bool nearest_only,
+                                          Gathered& out) const noexcept {
+  const Pose pose{target.position, normalized(target.rotation)};
   std::array<AxisValues, SelfMotion::kMost> states;
   bool doubtful = false;
-  const std::size_t count =
-      curves->nearest({target.position, normalized(target.rotation)}, seed, states, doubtful);
-  for (std::size_t k = 0; k < count && out.count == 0; ++k) offer_alone(job, states[k], out);
-  return !doubtful && out.count > 0;
+  const std::size_t count = curves->nearest(pose, seed, states, doubtful);
+  for (std::size_t k = 0; k < count && (out.count == 0 || !nearest_only); ++k)
+    offer_alone(job, states[k], out);
+  if (nearest_only) return !doubtful && out.count > 0;
+  // Some of them are no new ones.
+  std::array<AxisValues, IkSolutions::kCapacity + 16> all;
+  BranchJob nearly = job;
+  offer(nearly, {all.data(), curves->spread(pose, seed, all)}, 0, out);
+  return out.count > 0;
 }
 
 /// All roots of the polynomial of degree 16.
@@ -257,8 +264,10 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
     if (nearest_only && end &&
         end->nearest({target.position, normalized(target.rotation)}, seed.data(), state))
       offer_alone(job, state, out);
-    const bool sure = nearest_only && curves && offer_slides(job, target, seed, out);
-    if (out.count == 0 || (curves && !sure && !searched(known.family))) sample(job, at, nearest_only, out);
+    bool sure = false;
+    if (curves && (nearest_only || searched(known.family)))
+      sure = offer_slides(job, target, seed, nearest_only, out) || searched(known.family);
+    if (out.count == 0 || (curves && !sure)) sample(job, at, nearest_only, out);
   }
   if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }

@@ -8,7 +8,11 @@ namespace polyarm::kinematics {
 
 namespace {
 
-constexpr int kDescentSteps = 4;                      // which need not end
+constexpr int kDescentSteps = 4;  // which need not end
+constexpr int kPatientSteps = 8;
+constexpr double kSettled2 = 1e-10;                   // squared error: what is left is polished by others
+constexpr double kSpread = 0.15;                      // rad: of states all over the curves
+constexpr double kOnCurve2 = 1e-6;                    // squared error: they are on a curve
 constexpr double kApart = 0.1;                        // rad: starts that are nearer to another are left out
 constexpr double kNearCurve2 = 0.1;                   // squared error: slides may begin
 constexpr double kExact = 1e-11;                      // lengths and rad
@@ -20,7 +24,7 @@ constexpr double kDoubtful = 0.3;  // of all slides: where so many end nowhere, 
 constexpr double kFar = 1e4;       // rad: of seeds further out sines have fewer digits
 constexpr int kMostSteps = 400;
 constexpr std::size_t kJoints = Slides::kJoints;
-constexpr std::size_t kMostStarts = 192;
+constexpr std::size_t kMostStarts = 448;
 
 /// Where limits leave a whole turn.
 double nearest_turn(double value, double near, double lower, double upper) noexcept {
@@ -41,6 +45,7 @@ struct SelfMotion::Question {
 struct SelfMotion::Start {
   std::array<double, kJoints> x;
   double cost;
+  double size2 = 0;  ///< of the error
 
   double far_from(const Start& other) const noexcept {
     double most = 0;
@@ -57,6 +62,11 @@ struct SelfMotion::Starts {
   std::array<const Start*, kMostStarts> order;
   std::size_t count = 0;
 
+  void drop_off_curve(double size2) noexcept {
+    const auto off = [&](const Start& one) { return one.size2 > size2; };
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    count = static_cast<std::size_t>(std::remove_if(all.begin(), end, off) - all.begin());
+  }
   /// The nearest to the seed, each away from those before.
   std::span<const Start* const> apart(double distance, std::size_t most) noexcept {
     for (std::size_t k = 0; k < count; ++k) order[k] = &all[k];
@@ -75,7 +85,8 @@ struct SelfMotion::Starts {
 struct SelfMotion::Found {
   std::array<Start, kMost> all;
   std::size_t count = 0;
-  std::size_t lost = 0;  ///< slides that ended nowhere
+  std::size_t lost = 0;                               ///< slides that ended nowhere
+  std::array<const Start*, 2 * kDescents> lost_from;  ///< of the first so many, where they began
 
   /// Nearest first, each once.
   void take(const Start& one) noexcept {
@@ -119,6 +130,15 @@ std::optional<SelfMotion> SelfMotion::of(const NumericCore& core, const ArmGeome
   return out;
 }
 
+bool SelfMotion::read(const Pose& target, std::span<const double> seed, Question& out) const noexcept {
+  if (!core_->read(target, nullptr, seed, out.numeric)) return false;
+  for (std::size_t k = 0; k < kJoints; ++k) {
+    out.seed[k] = seed[core_->arm.chain_joint[k]];
+    if (std::abs(out.seed[k]) > kFar) return false;
+  }
+  return true;
+}
+
 double SelfMotion::distance2(const Question& question, const double* x) const noexcept {
   double sum = 0;
   for (std::size_t k = 0; k < kJoints; ++k) {
@@ -150,11 +170,13 @@ void SelfMotion::descend_from(const Question& question, int steps, Descents& all
     for (std::size_t k = 0; k < kJoints; ++k) one.x[k] = all.x[k][lane];
     unwind(question, one.x.data());
     one.cost = distance2(question, one.x.data());
+    one.size2 = all.position2[lane] + all.orientation2[lane];
   }
 }
 
 /// The states of the table that are nearest to the seed, in view of how far their ends are from the target.
-void SelfMotion::find_near(const Question& question, const StatesWanted& wanted, States& out) const noexcept {
+void SelfMotion::find_near(const Question& question, const StatesWanted& wanted, std::size_t most,
+                           States& out) const noexcept {
   StatesNear near;
   find_states(core_->table.places(), values_.data(), wanted, near);
   for (std::size_t i = 0; i < kStateGroups; ++i) {
@@ -169,12 +191,13 @@ void SelfMotion::find_near(const Question& question, const StatesWanted& wanted,
         out.all[i].cost += weight_[k] * (x[k] - question.seed[k]) * (x[k] - question.seed[k]);
     out.order[i] = static_cast<std::uint8_t>(i);
   }
-  std::nth_element(out.order.begin(), out.order.begin() + static_cast<std::ptrdiff_t>(descents_) - 1,
+  std::nth_element(out.order.begin(), out.order.begin() + static_cast<std::ptrdiff_t>(most) - 1,
                    out.order.end(), [&](auto a, auto b) { return out.all[a].cost < out.all[b].cost; });
 }
 
 /// From the seed, and from states of the table whose end is near the target and which are near the seed.
-void SelfMotion::start_near_seed(const Question& question, Starts& out) const noexcept {
+void SelfMotion::start_near_seed(const Question& question, std::size_t descents, int steps,
+                                 Starts& out) const noexcept {
   StatesWanted wanted;
   wanted.place = question.search.at;
   const SeedTable& table = core_->table;
@@ -193,11 +216,11 @@ void SelfMotion::start_near_seed(const Question& question, Starts& out) const no
   for (const double factor : factors_) {
     wanted.place_weight = static_cast<float>(factor);
     States states;
-    find_near(question, wanted, states);
-    for (std::size_t i = 0; i < descents_; ++i) {
+    find_near(question, wanted, descents, states);
+    for (std::size_t i = 0; i < descents; ++i) {
       core_->set_state(states.all[states.order[i]].x.data(), lane, all);
       if (++lane < kDescents) continue;
-      descend_from(question, kDescentSteps, all, out);
+      descend_from(question, steps, all, out);
       lane = 0;
     }
   }
@@ -205,7 +228,6 @@ void SelfMotion::start_near_seed(const Question& question, Starts& out) const no
 
 /// From the states whose ends are nearest to the target, wherever the seed is, and patiently.
 void SelfMotion::start_anywhere(const Question& question, Starts& out) const noexcept {
-  constexpr int kPatientSteps = 8;
   SeedTable::Search search = question.search;
   Descents all;
   core_->set_targets(question.numeric, all);
@@ -232,6 +254,7 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
     std::fill_n(all.target[i], kDescents, question.numeric.target[i]);
   std::size_t next = 0;
   all.working = 0;
+  std::array<const Start*, kDescents> at{};
   const auto begin = [&](std::size_t lane) {
     const bool more = next < starts.size();
     const Start& from = *starts[more ? next : 0];
@@ -240,6 +263,7 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
       // Any direction, but seldom one that is square to the curve.
       all.along[k][lane] = weight_[k] * (rules.seed[k] - from.x[k]) + 1e-3 * static_cast<double>(k + 1);
     }
+    at[lane] = &from;
     all.restart(lane);
     all.working = more ? all.working | 1u << lane : all.working & ~(1u << lane);
     next += more;
@@ -257,11 +281,34 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
         out.take(one);
         rules.best = out.all[0].cost;
       } else if (all.settled >> lane & 1) {
+        if (out.lost < out.lost_from.size()) out.lost_from[out.lost] = at[lane];
         ++out.lost;
       }
       begin(lane);
     }
   }
+}
+
+/// Of slides that ended nowhere, as they do near singularities: where their starts lead without sliding, if
+/// that is nearer than what others have found; lanes without work have the seed.
+void SelfMotion::settle_lost(const Question& question, Found& out) const noexcept {
+  const std::size_t count = std::min(out.lost, out.lost_from.size());
+  Starts settled;
+  Descents all;
+  core_->set_targets(question.numeric, all);
+  core_->set_states(question.numeric.seed.data(), all);
+  std::size_t lane = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Start& from = *out.lost_from[i];
+    if (out.count > 0 && from.cost >= out.all[0].cost) continue;
+    core_->set_state(from.x.data(), lane, all);
+    if (++lane < kDescents) continue;
+    descend_from(question, kPatientSteps, all, settled);
+    lane = 0;
+  }
+  if (lane > 0) descend_from(question, kPatientSteps, all, settled);
+  for (std::size_t i = 0; i < settled.count; ++i)
+    if (settled.all[i].size2 < kSettled2) out.take(settled.all[i]);
 }
 
 /// Where the curve that is nearest comes so near to the seed that no other can come nearer.
@@ -287,19 +334,16 @@ std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed
                                 bool& doubtful) const noexcept {
   Question question;
   doubtful = false;
-  if (!core_->read(target, nullptr, seed, question.numeric)) return 0;
-  for (std::size_t k = 0; k < kJoints; ++k) {
-    question.seed[k] = seed[core_->arm.chain_joint[k]];
-    if (std::abs(question.seed[k]) > kFar) return 0;
-  }
+  if (!read(target, seed, question)) return 0;
   Found found;
   if (!look_here(question, found)) {
     core_->begin_search(question.numeric, question.search);
     Starts starts;
-    start_near_seed(question, starts);
+    start_near_seed(question, descents_, kDescentSteps, starts);
     found.lost = 0;
     const std::span<const Start* const> from = starts.apart(kApart, slides_);
     slide_from(question, from, kPatience, found);
+    settle_lost(question, found);
     doubtful = static_cast<double>(found.lost) >= kDoubtful * static_cast<double>(from.size());
     if (found.count == 0) {
       start_anywhere(question, starts);
@@ -309,6 +353,21 @@ std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed
   for (std::size_t j = 0; j < found.count; ++j)
     std::copy(found.all[j].x.begin(), found.all[j].x.end(), out[j].begin());
   return found.count;
+}
+
+std::size_t SelfMotion::spread(const Pose& target, std::span<const double> seed,
+                               std::span<State> out) const noexcept {
+  Question question;
+  if (!read(target, seed, question)) return 0;
+  core_->begin_search(question.numeric, question.search);
+  Starts starts;
+  start_near_seed(question, kStateGroups - 1, kPatientSteps, starts);
+  start_anywhere(question, starts);
+  starts.drop_off_curve(kOnCurve2);
+  const std::span<const Start* const> found = starts.apart(kSpread, out.size());
+  for (std::size_t j = 0; j < found.size(); ++j)
+    std::copy(found[j]->x.begin(), found[j]->x.end(), out[j].begin());
+  return found.size();
 }
 
 }  // namespace polyarm::kinematics

@@ -17,7 +17,6 @@ class SelfMotion {
  public:
   using State = std::array<double, ArmGeometry::kMostAxes>;
   static constexpr std::size_t kMost = 4;
-  static constexpr std::size_t kTable = 2048;  ///< states that `core` should have; a multiple of 128
 
   /// Nothing where an axis slides or a joint drives more than one. Keeps a reference to `core`. With
   /// `thorough`, of twice as many starts.
@@ -31,6 +30,9 @@ class SelfMotion {
   /// be nearer ones. Allocates nothing.
   std::size_t nearest(const Pose& target, std::span<const double> seed, std::span<State, kMost> out,
                       bool& doubtful) const noexcept;
+  /// States all over the curves, nearest to `seed` first: 0.15 rad and more from each other, within limits
+  /// and within 1e-3 of the target (lengths and rad). Returns how many.
+  std::size_t spread(const Pose& target, std::span<const double> seed, std::span<State> out) const noexcept;
 
  private:
   struct Question;
@@ -38,15 +40,18 @@ class SelfMotion {
   struct States;
   struct Starts;
   struct Found;
+  bool read(const Pose& target, std::span<const double> seed, Question& out) const noexcept;
   double distance2(const Question& question, const double* x) const noexcept;
   void unwind(const Question& question, double* x) const noexcept;
   bool look_here(const Question& question, Found& out) const noexcept;
   void descend_from(const Question& question, int steps, Descents& all, Starts& out) const noexcept;
-  void find_near(const Question& question, const StatesWanted& wanted, States& out) const noexcept;
-  void start_near_seed(const Question& question, Starts& out) const noexcept;
+  void find_near(const Question& question, const StatesWanted& wanted, std::size_t most,
+                 States& out) const noexcept;
+  void start_near_seed(const Question& question, std::size_t descents, int steps, Starts& out) const noexcept;
   void start_anywhere(const Question& question, Starts& out) const noexcept;
   void slide_from(const Question& question, std::span<const Start* const> starts, double patience,
                   Found& out) const noexcept;
+  void settle_lost(const Question& question, Found& out) const noexcept;
 
   const NumericCore* core_ = nullptr;
   /// What squares of lengths and directions count beside squares of radians, in one choice of states after

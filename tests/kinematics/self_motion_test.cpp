@@ -10,6 +10,7 @@
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/inverse.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/kinematics/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
 
 namespace polyarm::kinematics {
@@ -67,11 +68,32 @@ Compared compare(const std::string& name, int poses, const IkSettings& settings)
   return out;
 }
 
-TEST(SelfMotion, TheNearestOfASearchedArmIsExactInsideLimitsAndNoFurtherThanWhatSamplesShow) {
+/// Of a searched arm samples are no longer what solve_all() looks at: descents from many seeds are.
+TEST(SelfMotion, TheNearestOfASearchedArmIsExactInsideLimitsAndNoFurtherThanWhatManyDescentsShow) {
   for (const char* name : kSearched) {
-    const Compared found = compare(name, 100, {});
-    EXPECT_LE(found.further, 2) << name;
-    EXPECT_GT(found.gained, 0.01) << name;
+    const Chain chain = chain_of(name);
+    const InverseKinematics arm(chain);
+    NumericSettings settings;
+    settings.searches = 400;
+    const NumericIk descents(chain, settings);
+    Random random(3);
+    IkSolution nearest;
+    IkSolutions all;
+    int further = 0;
+    double gained = 0;
+    constexpr int kPoses = 200;
+    for (int i = 0; i < kPoses; ++i) {
+      const std::vector<double> q = drawn(chain, random), seed = drawn(chain, random);
+      const Pose target = chain.forward(q);
+      const std::string what = std::string(name) + ", pose " + std::to_string(i);
+      ASSERT_EQ(arm.solve(target, seed, nearest), IkOutcome::solved) << what;
+      expect_answer(chain, target, nearest, what);
+      if (descents.solve_all(target, seed, all) != IkOutcome::solved) continue;
+      further += nearest.distance > all[0].distance + 1e-6;
+      gained += (all[0].distance - nearest.distance) / kPoses;
+    }
+    EXPECT_LE(further, 4) << name;
+    EXPECT_GT(gained, 0) << name;
   }
 }
 
@@ -114,6 +136,41 @@ TEST(SelfMotion, FromASeedNearbyNothingIsFurtherThanTheStateThatThePoseIsOf) {
       further += one.distance > std::sqrt(away2) + 1e-6;
     }
     EXPECT_LE(further, 1) << name;
+  }
+}
+
+/// Most of a curve's states are none that a sample would show, and nearly all that samples show are near one.
+TEST(SelfMotion, AllSolutionsOfASearchedArmAreSpreadOverItsCurves) {
+  for (const char* name : kSearched) {
+    const Chain chain = chain_of(name);
+    const InverseKinematics arm(chain);
+    Random random(11);
+    IkSolutions all;
+    IkSolution nearest;
+    std::size_t found = 0, near_own = 0;
+    constexpr int kPoses = 60;
+    for (int i = 0; i < kPoses; ++i) {
+      const std::vector<double> q = drawn(chain, random), seed = drawn(chain, random);
+      const Pose target = chain.forward(q);
+      ASSERT_EQ(arm.solve_all(target, q, all), IkOutcome::solved) << name << ", pose " << i;
+      const auto is_near = [&](const IkSolution& one) {
+        double most = 0;
+        for (std::size_t k = 0; k < q.size(); ++k)
+          if (chain.moves_tcp(k)) most = std::max(most, std::abs(one.q[k] - q[k]));
+        return most < 0.3;
+      };
+      near_own += std::any_of(all.begin(), all.end(), is_near);
+      ASSERT_EQ(arm.solve_all(target, seed, all), IkOutcome::solved) << name << ", pose " << i;
+      arm.solve(target, seed, nearest);
+      EXPECT_LE(all[0].distance, nearest.distance + 1e-6);
+      for (const IkSolution& one : all) {
+        expect_answer(chain, target, one, name);
+        if (&one != all.begin()) EXPECT_GE(one.distance, (&one - 1)->distance);
+      }
+      found += all.count;
+    }
+    EXPECT_GE(found, kPoses * 10u) << name;
+    EXPECT_GE(near_own, kPoses - 1u) << name;
   }
 }
 
