@@ -207,6 +207,26 @@ POLYARM_INLINE bool worth_more(Lane position, Lane orientation, double good_enou
   return bits_of(below(splat(good_enough * good_enough), worst) & below(worst, splat(worth * worth))) != 0;
 }
 
+/// An arm of five axes or fewer comes to few poses: some of the branches that the six axes have end close by,
+/// and stay there.
+struct Staying {
+  LaneMask stays{};
+  Lane last{};
+
+  /// Whether all that is worth more stays where it is. Called for each step.
+  POLYARM_INLINE bool over(const BranchJob& job, int step, Lane position, Lane orientation, double worth) {
+    constexpr int kFirstSteps = 3;
+    constexpr double kLess = 0.9;    // of the squared error, in one step: else it is no descent
+    constexpr double kClose = 1e-4;  // m and rad: descent from further off may be slow at first
+    if (job.arm->count > 5 || step < kFirstSteps) return false;
+    const Lane left = most_of(position, orientation);
+    if (step > kFirstSteps) stays |= ~below(left, kLess * last) & below(left, splat(kClose * kClose));
+    last = left;
+    const Lane moving = select(stays, splat(0.0), left);
+    return !worth_more(moving, moving, job.good_enough, worth);
+  }
+};
+
 /// To the next whole number above; for |a| < 2^51.
 POLYARM_INLINE Lane whole_above(Lane a) {
   const Lane near = rounded(a);
@@ -292,6 +312,7 @@ POLYARM_INLINE std::uint32_t strayed(const BranchJob& job, const Beginning& begi
 
 POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const bool* moves, Branches& out) {
   Lane position, orientation;
+  Staying staying;
   double worth = job.worth_polishing;
   Beginning begin;
   Lane largest[3]{};
@@ -301,6 +322,7 @@ POLYARM_INLINE void check_and_polish(const BranchJob& job, LaneAngle* q, const b
     store(position, out.position_error2);
     store(orientation, out.orientation_error2);
     if (i >= job.patience) worth = std::min(worth, 1e-4);
+    if (staying.over(job, i, position, orientation, worth)) break;
     if (i == job.most_steps || !worth_more(position, orientation, job.good_enough, worth)) break;
     descend(*job.arm, moves, job.target, q, 0, &largest[std::min(i, 2)]);
   }
