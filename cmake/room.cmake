@@ -6,10 +6,17 @@ option(POLYARM_TOGETHER "compile several source files at a time" ON)
 set(POLYARM_ROOMS_TOGETHER cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files trajectory)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
-    recording ros_files links messages plugins program ros2 base)
+    recording ros_files links messages plugins program ros2 base description motion trajectory sensors drivers)
+# So many at a time that each takes a compiler some seconds.
+set(POLYARM_TESTS_BY_SIX base control controllers data description drivers hardware kinematics messages motion pca9685
+    program ros_files sensors servos signals trajectory)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+    set(batch 4)
+    if(target MATCHES "^test_" AND name IN_LIST POLYARM_TESTS_BY_SIX)
+      set(batch 6)
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
     # Of what stands in another file: a name hidden, a type without linkage "in a header".
     target_compile_options(${target} PRIVATE -Wno-shadow -Wno-subobject-linkage)
   endif()

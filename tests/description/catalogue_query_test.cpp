@@ -4,7 +4,7 @@
 
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::catalogue_query_test {
 namespace {
 
 CatalogueEntry robot(const std::string& name, const std::string& maker, int axes, std::optional<double> reach,
@@ -99,4 +99,4 @@ TEST(CatalogueQuery, SortsEitherWayWithUnknownFiguresLast) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::catalogue_query_test

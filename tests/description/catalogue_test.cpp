@@ -14,7 +14,7 @@
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::catalogue_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -438,4 +438,4 @@ TEST(RobotFileFuzz, DamagedTextEndsInAModelOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::catalogue_test

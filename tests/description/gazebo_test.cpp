@@ -3,7 +3,7 @@
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::gazebo_test {
 namespace {
 
 using test::has;
@@ -128,4 +128,4 @@ TEST(GazeboFuzz, DamagedTextEndsInAModelOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::gazebo_test

@@ -12,7 +12,7 @@
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::kinematic_table_test {
 namespace {
 
 using test::has;
@@ -172,4 +172,4 @@ TEST(KinematicTable, ErrorsNameTheRow) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::kinematic_table_test

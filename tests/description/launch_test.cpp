@@ -3,7 +3,7 @@
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::launch_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -50,4 +50,4 @@ TEST(LaunchFile, ThatMentionsNothingGivesNoNames) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::launch_test

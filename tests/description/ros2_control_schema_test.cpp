@@ -5,7 +5,7 @@
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::ros2_control_schema_test {
 namespace {
 
 using test::has;
@@ -435,4 +435,4 @@ TEST(Ros2ControlFuzz, DamagedTextEndsInAModelOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::ros2_control_schema_test

@@ -2,7 +2,7 @@
 
 #include "polyarm/description/urdf.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::ros2_control_test {
 namespace {
 
 std::string robot(const std::string& blocks) {
@@ -106,4 +106,4 @@ TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::ros2_control_test

@@ -8,7 +8,7 @@
 #include "polyarm/base/file.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::scene_file_test {
 namespace {
 
 using test::has;
@@ -277,4 +277,4 @@ TEST(ExampleScenes, HoldAsManyPartsAsTheyDescribe) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::scene_file_test

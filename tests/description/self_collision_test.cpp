@@ -12,7 +12,7 @@
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::self_collision_test {
 namespace {
 
 /// Two links side by side on a base, of which the second hangs on three sliding joints.
@@ -149,4 +149,4 @@ TEST(PlainUrdf, HasNothingThatOthersDoNotRead) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::self_collision_test

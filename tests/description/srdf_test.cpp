@@ -10,7 +10,7 @@
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::srdf_test {
 namespace {
 
 using test::has;
@@ -274,4 +274,4 @@ TEST(SrdfFuzz, DamagedTextEndsInAModelOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::srdf_test

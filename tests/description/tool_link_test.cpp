@@ -7,7 +7,7 @@
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::tool_link_test {
 namespace {
 
 /// A robot in lines "parent joint child": a joint turns, slides where its name begins with s:, is fixed with
@@ -115,4 +115,4 @@ TEST(ToolLinkSaid, TheEndEffectorOfAnSrdfHangsThere) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::tool_link_test

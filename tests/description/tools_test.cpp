@@ -4,7 +4,7 @@
 
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::tools_test {
 namespace {
 
 using test::has;
@@ -123,4 +123,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::tools_test

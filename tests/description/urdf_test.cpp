@@ -6,7 +6,7 @@
 
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::urdf_test {
 namespace {
 
 using test::has;
@@ -250,7 +250,8 @@ std::vector<Bad> bad_files() {
        "xacro", "expanded"},
       {"UnknownHardwareJoint",
        links_and(joint("elbow", "a", "b") +
-                 "<ros2_control name=\"h\" type=\"system\"><hardware><plugin>p</plugin></hardware>\n<joint name=\"elbw\"/>\n" +
+                 "<ros2_control name=\"h\" type=\"system\"><hardware><plugin>p</plugin></hardware>\n<joint "
+                 "name=\"elbw\"/>\n" +
                  "</ros2_control>\n"),
        6, "unknown-joint", "did you mean 'elbow'"},
   };
@@ -473,4 +474,4 @@ TEST(UrdfFuzz, DamagedTextEndsInAModelOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::urdf_test

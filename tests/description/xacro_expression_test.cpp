@@ -8,7 +8,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/xacro_value.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::xacro_expression_test {
 namespace {
 
 std::string value(const std::string& expression) {
@@ -183,4 +183,4 @@ TEST(XacroExpressions, NothingInThemRunsCodeOrTakesForEver) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::xacro_expression_test

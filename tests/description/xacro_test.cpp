@@ -8,7 +8,7 @@
 #include <fstream>
 #include <random>
 
-namespace polyarm::description {
+namespace polyarm::description::xacro_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -446,4 +446,4 @@ TEST(Xacro, RandomlyChangedFilesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::xacro_test

@@ -5,7 +5,7 @@
 #include "polyarm/base/error.hpp"
 #include "tests/description/support.hpp"
 
-namespace polyarm::description {
+namespace polyarm::description::xacro_yaml_test {
 namespace {
 
 using test::has;
@@ -101,4 +101,4 @@ TEST(XacroYamlFuzz, DamagedTextEndsInAValueOrAnError) {
 }
 
 }  // namespace
-}  // namespace polyarm::description
+}  // namespace polyarm::description::xacro_yaml_test

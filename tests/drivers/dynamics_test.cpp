@@ -17,7 +17,7 @@
 #include "polyarm/description/catalogue.hpp"
 #include "tests/kinematics/sample_trees.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::kinematics::dynamics_test {
 namespace {
 
 using description::JointType;
@@ -250,5 +250,5 @@ TEST(DynamicsAndMuJoCo, AgreeOnEveryArmOfTheCatalogue) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::kinematics::dynamics_test
 #endif

@@ -6,7 +6,7 @@
 #include "tests/drivers/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::mock_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -347,4 +347,4 @@ TEST(Mock, CyclesAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::mock_test

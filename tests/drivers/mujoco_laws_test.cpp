@@ -5,7 +5,7 @@
 #include "drivers/mujoco/component.hpp"
 #include "tests/drivers/rig.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::mujoco_laws_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -405,5 +405,5 @@ TEST(MujocoFingers, TheyCentreWhatTheyGrip) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::mujoco_laws_test
 #endif

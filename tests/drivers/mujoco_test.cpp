@@ -10,7 +10,7 @@
 #include "tests/drivers/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::mujoco_test {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -582,6 +582,6 @@ TEST(Mujoco, StepAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::mujoco_test
 
 #endif

@@ -3,7 +3,7 @@
 #include "drivers/mujoco/component.hpp"
 #include "tests/drivers/rig.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::rolling_test {
 namespace {
 
 constexpr double kRadius = 0.03, kTrack = 0.1;
@@ -114,6 +114,6 @@ TEST(Rolling, AWallStopsItAndIsTold) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::rolling_test
 
 #endif

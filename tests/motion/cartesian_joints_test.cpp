@@ -18,7 +18,7 @@
 #include "tests/support/path_laws.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::cartesian_joints_test {
 namespace {
 
 using kinematics::Chain;
@@ -86,7 +86,7 @@ std::pair<double, double> off_path(const Chain& chain, const trajectory::Path& j
   double position = 0, turn = 0;
   for (int n = 0; n <= samples; ++n) {
     const double s = path.length() * n / samples;
-    const Pose is = chain.forward(test::point_at(joints, s).q), should = path.at(s).pose;
+    const Pose is = chain.forward(polyarm::test::point_at(joints, s).q), should = path.at(s).pose;
     position = std::max(position, norm(is.position - should.position));
     turn = std::max(turn, angle_between(is.rotation, should.rotation));
   }
@@ -110,7 +110,7 @@ TEST(ArmDerivatives, AreThoseOfTheJacobian) {
   Draw draw(1);
   std::vector<Chain> chains;
   for (const char* name : kArms) chains.push_back(arm(name));
-  const auto gantry = test::gantry();
+  const auto gantry = polyarm::test::gantry();
   chains.emplace_back(gantry, static_cast<int>(gantry.links.size()) - 1,
                       Pose{{1, 2, 3}, from_axis_angle({0.6, 0, 0.8}, 1)});
   for (const Chain& chain : chains) {
@@ -178,10 +178,10 @@ TEST_P(OnAnyArm, TheTcpStaysOnItsPathAndTheJointsAreSmooth) {
     turn = std::max(turn, r);
     ASSERT_LE(p, 1e-7) << k;
     ASSERT_LE(r, 1e-7) << k;
-    test::expect_continuous(*joints, 1e-6);
+    polyarm::test::expect_continuous(*joints, 1e-6);
     if (testing::Test::HasFatalFailure()) return;
     for (int n = 0; n <= 500; ++n) {
-      const Values at = test::point_at(*joints, path.length() * n / 500).q;
+      const Values at = polyarm::test::point_at(*joints, path.length() * n / 500).q;
       for (std::size_t j = 0; j < at.size(); ++j) {
         ASSERT_GE(at[j], chain.lower()[j] - 1e-8);
         ASSERT_LE(at[j], chain.upper()[j] + 1e-8);
@@ -204,12 +204,12 @@ TEST_P(OnAnyArm, ThirdDerivativesGoOnBetweenBreaks) {
     std::unique_ptr<const trajectory::PolynomialPath> joints;
     if (!code_of([&] { joints = joints_along(chain, made.sections[0], q); }).empty()) continue;
     ++looked;
-    test::expect_derivatives(*joints, 40, 3e-4);
+    polyarm::test::expect_derivatives(*joints, 40, 3e-4);
     const double length = joints->length();
     double most = 0, jump = 0;
     Values before;
     for (int n = 0; n <= 20000; ++n) {
-      const auto at = test::point_at(*joints, length * n / 20000);
+      const auto at = polyarm::test::point_at(*joints, length * n / 20000);
       for (std::size_t j = 0; j < at.third.size(); ++j) {
         most = std::max(most, std::abs(at.third[j]));
         if (n > 0) jump = std::max(jump, std::abs(at.third[j] - before[j]));
@@ -232,7 +232,7 @@ TEST_P(OnAnyArm, TheSameQuestionHasTheSameAnswer) {
       code_of([&] { made.push_back(joints_along(chain, path.sections[0], q)); });
     }
     if (made.size() < 2) continue;
-    test::RealtimeGuard guard;
+    polyarm::test::RealtimeGuard guard;
     bool same = made[0]->length() == made[1]->length();
     double a[kinematics::Chain::kMaxJoints], b[kinematics::Chain::kMaxJoints];
     for (int n = 0; n <= 1000; ++n) {
@@ -260,12 +260,12 @@ TEST_P(OnAnyArm, KeepsARadiusAtTheTcpOfJointLines) {
     const auto made = trajectory::joint_lines(waypoints, options);
     ASSERT_EQ(made.sections.size(), 1u);
     const trajectory::Path& path = *made.sections[0];
-    test::expect_continuous(path);
+    polyarm::test::expect_continuous(path);
     const auto breaks = path.breaks();
     ASSERT_EQ(breaks.size(), 4u);
     double furthest = 0;
     for (int n = 0; n <= 1000; ++n) {
-      const Values q = test::point_at(path, breaks[1] + (breaks[2] - breaks[1]) * n / 1000).q;
+      const Values q = polyarm::test::point_at(path, breaks[1] + (breaks[2] - breaks[1]) * n / 1000).q;
       furthest = std::max(furthest, norm(chain.forward(q).position - chain.forward(b).position));
     }
     ASSERT_LE(furthest, radius);
@@ -388,7 +388,7 @@ TEST(CartesianJoints, PassASingularityAsideSlowlyButOnThePath) {
   EXPECT_LE(r, 1e-7);
   double fastest = 0;
   for (int n = 0; n <= 10000; ++n)
-    for (const double d : test::point_at(*joints, joints->length() * n / 10000).first)
+    for (const double d : polyarm::test::point_at(*joints, joints->length() * n / 10000).first)
       fastest = std::max(fastest, std::abs(d));
   std::printf("beside the singularity: %zu pieces, up to %.0f rad/m\n", joints->pieces(), fastest);
 }
@@ -404,15 +404,16 @@ TEST(CartesianJoints, GoOnFromSectionToSection) {
   ASSERT_EQ(made.sections.size(), 2u);
   ASSERT_EQ(made.warnings.size(), 1u);
   const auto& first = *made.sections[0];
-  EXPECT_EQ(test::point_at(first, first.length()).q, test::point_at(*made.sections[1], 0).q);
-  const Values back = test::point_at(*made.sections[1], 99).q;
+  EXPECT_EQ(polyarm::test::point_at(first, first.length()).q,
+            polyarm::test::point_at(*made.sections[1], 0).q);
+  const Values back = polyarm::test::point_at(*made.sections[1], 99).q;
   for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(back[j], kBent[j], 1e-9);
   EXPECT_EQ(code_of([&] { joints_along(ur, builder.build(), Values(5)); }), "wrong-size");
 }
 
 /// A five-joint arm can follow only paths that its joints can: those it has made itself.
 TEST(CartesianJoints, OfFewerThanSixJointsFollowWhatTheyCan) {
-  const auto model = test::five();
+  const auto model = polyarm::test::five();
   const Chain five(model, static_cast<int>(model.links.size()) - 1);
   const Values q{0.3, 0.4, 0.9, 0.5, 0.2};
   const Pose start = five.forward(q);
@@ -420,7 +421,7 @@ TEST(CartesianJoints, OfFewerThanSixJointsFollowWhatTheyCan) {
   const auto round =
       CartesianPathBuilder(start).arc_about({0, 0, 0}, {0, 0, 1}, 1.5, ArcOrientation::tangent).build();
   const auto joints = joints_along(five, round.sections[0], q);
-  EXPECT_NEAR(test::point_at(*joints, joints->length()).q[0], 1.8, 1e-6);
+  EXPECT_NEAR(polyarm::test::point_at(*joints, joints->length()).q[0], 1.8, 1e-6);
   Pose tilted = start;
   tilted.rotation = from_axis_angle({0, 0, 1}, 0.5) * tilted.rotation;
   EXPECT_EQ(
@@ -495,4 +496,4 @@ TEST(CartesianJoints, WholeCatalogue) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::cartesian_joints_test

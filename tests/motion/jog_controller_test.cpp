@@ -10,7 +10,7 @@
 #include "tests/motion/jog_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::jog_controller_test {
 namespace {
 
 using controllers::Verdict;
@@ -23,7 +23,7 @@ class JogControllerTest : public ::testing::Test {
       : model(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load("universal_robots/ur5e")),
         chain(model, model.tool_link()) {
     std::vector<controllers::JointFacts> joints;
-    const std::vector<AxisLimits> axes = test::axis_limits(model);
+    const std::vector<AxisLimits> axes = polyarm::test::axis_limits(model);
     for (std::size_t j = 0; j < axes.size(); ++j) {
       controllers::JointFacts facts{
           "arm/" + chain.names()[j], false,       axes[j].lower, axes[j].upper, axes[j].velocity,
@@ -180,7 +180,7 @@ TEST_F(JogControllerTest, StepsAddUpAndAreDoneOnce) {
 
 TEST_F(JogControllerTest, AllocatesAndLocksNothing) {
   const Pose there = chain.forward(std::vector<double>{0.2, -1.1, 1.5, -1.9, -1.4, 0.5});
-  const test::RealtimeGuard guard;
+  const polyarm::test::RealtimeGuard guard;
   for (std::uint32_t session = 1; session < 40; ++session) {
     JogCommand command = joint(0.3, session);
     command.wish.kind = static_cast<Kind>(session % 5);
@@ -196,4 +196,4 @@ TEST_F(JogControllerTest, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::jog_controller_test

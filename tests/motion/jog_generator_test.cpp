@@ -12,12 +12,12 @@
 #include "tests/motion/jog_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::jog_generator_test {
 namespace {
 
-using test::JogRig;
-using test::joint_wish;
-using test::tcp_wish;
+using polyarm::test::JogRig;
+using polyarm::test::joint_wish;
+using polyarm::test::tcp_wish;
 using Kind = JogWish::Kind;
 
 const std::vector<std::string> kArms = {"universal_robots/ur5e", "kuka/kr_10_r1100_2",
@@ -245,7 +245,7 @@ TEST(JogGenerator, AllocatesAndLocksNothing) {
     rig.start(rig.middle());
     for (int i = 0; i < 40; ++i) {
       const JogWish wish = random_wish(rig, engine);
-      const test::RealtimeGuard guard;
+      const polyarm::test::RealtimeGuard guard;
       for (int k = 0; k < 30; ++k) rig.generator.step(wish, rig.limits);
       ASSERT_EQ(guard.violations(), "") << arm;
     }
@@ -253,4 +253,4 @@ TEST(JogGenerator, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::jog_generator_test

@@ -11,7 +11,7 @@
 
 #include "tests/motion/arm_moves.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::move_plan_test {
 namespace {
 
 using test::Arm;
@@ -437,4 +437,4 @@ TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::move_plan_test

@@ -18,7 +18,7 @@
 #include "tests/motion/arm_moves.hpp"
 #include "tests/support/limit_extrema.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::program_laws_test {
 namespace {
 
 using test::Arm;
@@ -255,4 +255,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, ProgramLaws,
                          });
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::program_laws_test

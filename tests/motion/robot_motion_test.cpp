@@ -13,7 +13,7 @@
 #include "polyarm/controllers/controller_rig.hpp"
 #include "tests/motion/arm_moves.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::robot_motion_test {
 namespace {
 
 using controllers::ControllerRig;
@@ -279,4 +279,4 @@ TEST(RobotMotion, WhereOneInStepCannotGoNobodyGoes) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::robot_motion_test

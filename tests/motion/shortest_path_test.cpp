@@ -13,7 +13,7 @@
 #include "polyarm/trajectory/timing.hpp"
 #include "tests/support/slow_timing.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::shortest_path_test {
 namespace {
 
 /// Lines and arcs with blends of 1 to 4 cm, before the robot.
@@ -52,10 +52,10 @@ TEST(ShortestPath, OfLinesArcsAndBlendsIsWithinFivePercentOfASlowOptimiser) {
     } catch (const Error&) {
       continue;  // cannot be followed, which is not what this is about
     }
-    test::SlowOptions options;
+    polyarm::test::SlowOptions options;
     options.intervals = 600;
     options.rounds = 2;
-    const double slow = test::SlowTiming(*path, limits, options).duration();
+    const double slow = polyarm::test::SlowTiming(*path, limits, options).duration();
     EXPECT_LE(time_path(*path, limits).profile.duration(), 1.05 * slow) << k;
     ++compared;
   }
@@ -63,4 +63,4 @@ TEST(ShortestPath, OfLinesArcsAndBlendsIsWithinFivePercentOfASlowOptimiser) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::shortest_path_test

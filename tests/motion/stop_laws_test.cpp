@@ -20,7 +20,7 @@
 #include "tests/support/arm_stop_moments.hpp"
 #include "tests/support/slow_stop.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::stop_laws_test {
 namespace {
 
 using namespace trajectory;
@@ -133,12 +133,12 @@ TEST_P(StopLaws, TheTcpStaysOnItsPathAndTheJointsWithinTheirLimits) {
 /// for braking than at its ends, and that was taken for none. And stops from moments beside it.
 TEST(StopTimes, AreNearTheShortestThereIs) {
   for (const std::uint64_t seed : {2001, 2019}) {
-    const test::StopMoment m = test::moment_of_an_arm(seed);
+    const polyarm::test::StopMoment m = polyarm::test::moment_of_an_arm(seed);
     PathOverride o(m.path, m.limits, kPeriod);
     o.begin(m.time, m.factor);
     const StoppingWay stop = o.stopping();
     ASSERT_TRUE(stop.known);
-    const double shortest = test::SlowStop(m.path, m.limits).search(m.time, m.factor);
+    const double shortest = polyarm::test::SlowStop(m.path, m.limits).search(m.time, m.factor);
     std::printf("stop %llu: %.4f s, the shortest found %.4f s\n", (unsigned long long)seed, stop.time,
                 shortest);
     EXPECT_LE(stop.time, 1.1 * shortest) << seed;
@@ -159,4 +159,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, StopLaws,
                          });
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::stop_laws_test

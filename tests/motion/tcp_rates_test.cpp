@@ -16,7 +16,7 @@
 #include "tests/support/path_laws.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::tcp_rates_test {
 namespace {
 
 using kinematics::Chain;
@@ -37,7 +37,8 @@ Chain ur5e() {
 TEST(TcpRates, AreTheDerivativesOfWhereTheTcpIs) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> even(-1, 1);
-  for (const auto& model : {test::ur3(), test::seven(), test::five(), test::gantry()}) {
+  for (const auto& model :
+       {polyarm::test::ur3(), polyarm::test::seven(), polyarm::test::five(), polyarm::test::gantry()}) {
     const Chain chain = chain_of(model);
     std::vector<trajectory::JointWaypoint> waypoints(5);
     for (auto& w : waypoints) {
@@ -48,21 +49,21 @@ TEST(TcpRates, AreTheDerivativesOfWhereTheTcpIs) {
     ASSERT_EQ(made.sections.size(), 1u);
     const std::shared_ptr<const trajectory::Path> joints = std::move(made.sections[0]);
     const TcpPath moves(chain, joints, TcpPart::translation), turns(chain, joints, TcpPart::rotation);
-    test::expect_derivatives(moves, 9, 1e-4);
-    test::expect_continuous(moves, 1e-7);
+    polyarm::test::expect_derivatives(moves, 9, 1e-4);
+    polyarm::test::expect_continuous(moves, 1e-7);
     const double h = 1e-5;
     for (int n = 1; n < 200; ++n) {
       const double s = joints->length() * n / 200;
       const auto near = [&](double b) { return std::abs(b - s) < 2 * h; };
       if (std::any_of(joints->breaks().begin(), joints->breaks().end(), near)) continue;
-      const Pose at = chain.forward(test::point_at(*joints, s).q);
-      const Values told = test::point_at(moves, s).q;
+      const Pose at = chain.forward(polyarm::test::point_at(*joints, s).q);
+      const Values told = polyarm::test::point_at(moves, s).q;
       ASSERT_LE(norm(at.position - Vec3{told[0], told[1], told[2]}), 1e-12);
-      const Quaternion turned = chain.forward(test::point_at(*joints, s + h).q).rotation *
-                                inverse(chain.forward(test::point_at(*joints, s - h).q).rotation);
+      const Quaternion turned = chain.forward(polyarm::test::point_at(*joints, s + h).q).rotation *
+                                inverse(chain.forward(polyarm::test::point_at(*joints, s - h).q).rotation);
       const Vec3 rate = 1 / (2 * h) * to_rotation_vector(turned);
-      const auto here = test::point_at(turns, s), low = test::point_at(turns, s - h),
-                 high = test::point_at(turns, s + h);
+      const auto here = polyarm::test::point_at(turns, s), low = polyarm::test::point_at(turns, s - h),
+                 high = polyarm::test::point_at(turns, s + h);
       ASSERT_LE(norm(rate - Vec3{here.first[0], here.first[1], here.first[2]}), 1e-7);
       for (std::size_t k = 0; k < 3; ++k) {
         ASSERT_NEAR((high.first[k] - low.first[k]) / (2 * h), here.second[k], 1e-5);
@@ -86,8 +87,8 @@ TEST(TcpRates, AlongAPathOfTheTcpAreThoseOfThePath) {
   const std::shared_ptr<const trajectory::Path> joints = joints_along(ur, path, q);
   const TcpPath moves(ur, joints, TcpPart::translation), turns(ur, joints, TcpPart::rotation);
   double worst[3] = {0, 0, 0};
-  test::PathPoint at = test::point_at(moves, 0), turn = at;
-  test::RealtimeGuard guard;
+  polyarm::test::PathPoint at = polyarm::test::point_at(moves, 0), turn = at;
+  polyarm::test::RealtimeGuard guard;
   for (int n = 0; n < 2000; ++n) {
     const double s = path.length() * (n + 0.5) / 2000;
     moves.at(s, {at.q, at.first, at.second, at.third});
@@ -111,4 +112,4 @@ TEST(TcpRates, AlongAPathOfTheTcpAreThoseOfThePath) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::tcp_rates_test

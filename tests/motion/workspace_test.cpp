@@ -10,7 +10,7 @@
 #include "polyarm/trajectory/path_joint.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::motion::workspace_test {
 namespace {
 
 WorkspaceZone plane(const char* name, const Vec3& point, const Vec3& normal) {
@@ -43,7 +43,8 @@ TEST(Workspace, RefusesWhatIsNone) {
 
 /// Against a search that looks at every ten-thousandth of the path.
 TEST(Workspace, FindsTheFirstPlaceWhereAPathLeavesIt) {
-  const kinematics::Chain chain(test::ur3(), static_cast<int>(test::ur3().links.size()) - 1);
+  const kinematics::Chain chain(polyarm::test::ur3(),
+                                static_cast<int>(polyarm::test::ur3().links.size()) - 1);
   std::mt19937_64 engine(5);
   std::uniform_real_distribution<double> even(-1, 1);
   int left = 0, stayed = 0;
@@ -86,4 +87,4 @@ TEST(Workspace, FindsTheFirstPlaceWhereAPathLeavesIt) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion
+}  // namespace polyarm::motion::workspace_test

@@ -4,7 +4,7 @@
 #include "tests/sensors/far_sides.hpp"
 #include "tests/support/driving_process.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::process_test {
 namespace {
 
 /// The process tells what it measures; true when it becomes that.
@@ -53,4 +53,4 @@ TEST(SensorProcess, KilledAReceiverIsFreeAndAfterAStandstillTheLastFixCounts) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::process_test

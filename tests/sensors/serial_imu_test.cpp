@@ -4,7 +4,7 @@
 #include "tests/sensors/rig.hpp"
 #include "tests/support/waiting_component.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::serial_imu_test {
 namespace {
 
 using sensors::SerialImu;
@@ -237,4 +237,4 @@ TEST(SerialImu, ReadingNeitherAllocatesNorThrows) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::serial_imu_test

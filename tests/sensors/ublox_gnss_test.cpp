@@ -4,7 +4,7 @@
 #include "tests/sensors/rig.hpp"
 #include "tests/support/waiting_component.hpp"
 
-namespace polyarm::test {
+namespace polyarm::test::ublox_gnss_test {
 namespace {
 
 using sensors::UbloxGnss;
@@ -239,4 +239,4 @@ TEST(UbloxGnss, ReadingNeitherAllocatesNorThrows) {
 }
 
 }  // namespace
-}  // namespace polyarm::test
+}  // namespace polyarm::test::ublox_gnss_test

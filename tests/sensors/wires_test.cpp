@@ -8,7 +8,7 @@
 #include "drivers/sensors/wit.hpp"
 #include "tests/sensors/far_sides.hpp"
 
-namespace polyarm::sensors {
+namespace polyarm::sensors::wires_test {
 namespace {
 
 using test::Bytes;
@@ -206,4 +206,4 @@ TEST(UbxWire, PayloadsOfAnyBytesAreReadWithoutHarm) {
 }
 
 }  // namespace
-}  // namespace polyarm::sensors
+}  // namespace polyarm::sensors::wires_test

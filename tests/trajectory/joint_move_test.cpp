@@ -8,7 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::joint_move_test {
 namespace {
 
 struct Case {
@@ -232,4 +232,4 @@ TEST(JointMove, RefusesWhatIsNoMove) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::joint_move_test

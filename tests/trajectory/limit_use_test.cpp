@@ -10,7 +10,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/trajectory/splines.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::limit_use_test {
 namespace {
 
 const MotionLimits kLimits{2, 5, 50, -1, -4};
@@ -90,4 +90,4 @@ TEST(LimitUse, SaysByHowMuchLongerItHasToTake) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::limit_use_test

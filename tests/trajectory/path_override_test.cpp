@@ -15,7 +15,7 @@
 #include "tests/support/stop_moments.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::path_override_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -236,4 +236,4 @@ TEST(PathOverride, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::path_override_test

@@ -11,7 +11,7 @@
 #include "tests/support/realtime_guard.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::path_trajectory_test {
 namespace {
 
 TimedPath some(std::uint64_t seed) {
@@ -79,4 +79,4 @@ TEST(PathTrajectory, SamplingAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::path_trajectory_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::point_chunks_test {
 namespace {
 
 std::vector<TrajectoryPoint> points_of(std::vector<double> TrajectoryPoint::*field,
@@ -72,4 +72,4 @@ TEST(PointChunks, TimesThatDoNotIncreaseAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::point_chunks_test

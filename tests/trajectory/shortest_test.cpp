@@ -11,7 +11,7 @@
 #include "tests/support/slow_timing.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::shortest_test {
 namespace {
 
 /// Velocities of 1.5 to 4.5 rad/s, reached within 1/8 to 1/2 s, accelerations within 1/30 to 1/5 s.
@@ -131,4 +131,4 @@ TEST(ShortestTime, OfAxesThatArriveTogetherIsNeverLongerThanWhatIsFoundByTrying)
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::shortest_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::splines_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -152,4 +152,4 @@ TEST(Splines, AVelocityAtTheEndNeedsPermission) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::splines_test

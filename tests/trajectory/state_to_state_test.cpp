@@ -13,7 +13,7 @@
 #include "tests/support/realtime_guard.hpp"
 #include "tests/support/state_cases.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::state_to_state_test {
 namespace {
 
 using namespace test::states;
@@ -329,4 +329,4 @@ TEST(StateToState, PlansInTheControlCycle) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::state_to_state_test

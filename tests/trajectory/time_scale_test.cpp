@@ -8,7 +8,7 @@
 
 #include "polyarm/trajectory/joint_move.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::time_scale_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -127,4 +127,4 @@ TEST(TimeScale, JumpsWhenNothingMoves) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::time_scale_test

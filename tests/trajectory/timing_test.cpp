@@ -14,7 +14,7 @@
 
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::timing_test {
 namespace {
 
 using test::blended_lines;
@@ -478,4 +478,4 @@ TEST(Timing, RefusesWhatItCannotPlan) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::timing_test

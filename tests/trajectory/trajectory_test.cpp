@@ -32,7 +32,7 @@ std::atomic<int> allocations{0};
   std::free(memory);
 }
 
-namespace polyarm::trajectory {
+namespace polyarm::trajectory::trajectory_test {
 namespace {
 
 constexpr std::size_t kCount = Trajectory::kCoefficients;
@@ -131,4 +131,4 @@ TEST(Trajectory, RefusesSegmentsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::trajectory::trajectory_test
