@@ -59,7 +59,7 @@ void print_text(const cell::CheckResult& result) {
 }  // namespace
 
 int run_check(int argc, char** argv) {
-  CLI::App app("Finds every error of a cell's files; nothing moves", "polyarm check");
+  CommandLine app("Finds every error of a cell's files; nothing moves", "polyarm check");
   std::string path;
   cell::Overrides overrides;
   cell::CheckOptions options;
@@ -78,7 +78,7 @@ int run_check(int argc, char** argv) {
       examples({"polyarm check examples/pick_and_place",
                 "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +
       "\nExit codes: 0 no errors, 1 errors, 2 wrong command line\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   load_plugins(plugins);
   const cell::CheckResult result = cell::check(path, overrides, open_catalogue(), options);
   if (as_json)

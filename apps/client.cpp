@@ -40,7 +40,7 @@ std::filesystem::path find_cell(const std::string& name) {
 }
 }  // namespace
 
-void ClientOptions::add_to(CLI::App& app) {
+void ClientOptions::add_to(CommandLine& app) {
   app.add_option("--cell", cell, "which cell, where several run");
   app.add_flag("--json", json, "the answer as the cell gives it");
 }
@@ -155,9 +155,9 @@ std::string shown(const Json& value) {
   return value.dump();
 }
 
-int run_actions(CLI::App& app, int argc, char** argv, const std::function<int()>& act) {
-  app.require_subcommand(1);
-  if (const auto code = parse(app, argc, argv)) return *code;
+int run_actions(CommandLine& app, int argc, char** argv, const std::function<int()>& act) {
+  app.require_subcommand();
+  if (const auto code = app.parse(argc, argv)) return *code;
   return act();
 }
 

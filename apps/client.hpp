@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 struct ClientOptions {
   std::string cell;
   bool json = false;
-  void add_to(CLI::App& app);
+  void add_to(CommandLine& app);
 };
 
 /// A connection. Throws Error("no-cell") when no cell runs, or several do and none is named.
@@ -57,7 +57,7 @@ void print_table(const std::vector<std::string>& headings, const std::vector<std
 std::string shown(const Json& value);
 
 /// A verb whose first word chooses an action; each has its own options.
-int run_actions(CLI::App& app, int argc, char** argv, const std::function<int()>& act);
+int run_actions(CommandLine& app, int argc, char** argv, const std::function<int()>& act);
 
 /// Set by Ctrl-C while a verb follows something.
 bool interrupted();

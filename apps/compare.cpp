@@ -141,8 +141,8 @@ int compare(CompareArguments& a) {
 }  // namespace
 
 int run_compare(int argc, char** argv) {
-  CLI::App app("Runs one program on several robots, in simulation: who can, how fast, how near to limits",
-               "polyarm compare");
+  CommandLine app("Runs one program on several robots, in simulation: who can, how fast, how near to limits",
+                  "polyarm compare");
   CompareArguments a;
   app.add_option("program", a.program, "a cell (folder or cell.yaml), or a script of a cell")->required();
   app.add_option("--robots", a.robots, "models of the catalogue, or NAME=MODEL in a cell of several robots")
@@ -150,7 +150,7 @@ int run_compare(int argc, char** argv) {
       ->required();
   app.add_option("--program", a.options.overrides.program, "another program of the cell");
   app.add_option("--hardware", a.options.overrides.hardware, "declared, mock or mujoco")
-      ->check(hardware_name());
+      ->check(wrong_hardware, "NAME");
   app.add_option("--cycles", a.options.cycles, "passes of the outermost while (3)");
   app.add_option("--seconds", a.options.seconds, "of cell time at most (3600)");
   app.add_option("-j,--jobs", a.jobs, "so many at a time (as many as there are processors)");
@@ -160,7 +160,7 @@ int run_compare(int argc, char** argv) {
                        "universal_robots/ur3,abb/irb_120,fanuc/lr_mate_200id",
                        "polyarm compare my_cell/fast.script --robots kuka/kr_6_r900,staubli/tx2_60 --json"}) +
              "\nExit codes: 0 all can run it, 1 some cannot, 2 wrong command line\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   load_plugins(a.plugins);
   return compare(a);
 }

@@ -60,11 +60,11 @@ void print_fish() {
 }  // namespace
 
 int run_completion(int argc, char** argv) {
-  CLI::App app("Prints shell completion", "polyarm completion");
+  CommandLine app("Prints shell completion", "polyarm completion");
   std::string shell = "bash";
-  app.add_option("shell", shell, "bash, zsh or fish")->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  app.add_option("shell", shell, "bash, zsh or fish")->one_of({"bash", "zsh", "fish"});
   app.footer(examples({"source <(polyarm completion bash)"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (shell == "fish")
     print_fish();
   else if (shell == "zsh")

@@ -311,8 +311,8 @@ class Console {
 }  // namespace
 
 int run_console(int argc, char** argv) {
-  CLI::App app("Menus: start a simulation, choose a robot, teach and edit points, move, run scripts",
-               "polyarm console");
+  CommandLine app("Menus: start a simulation, choose a robot, teach and edit points, move, run scripts",
+                  "polyarm console");
   ConsoleArguments a;
   app.add_option(
       "cell", a.cell,
@@ -320,14 +320,14 @@ int run_console(int argc, char** argv) {
       "this folder where it is left out");
   app.add_option("--robot", a.robot, "the robot that is selected first: MODEL of the catalogue");
   app.add_option("--hardware", a.hardware, "mock (exact, without physics), mujoco, or what the cell declares")
-      ->check(hardware_name());
+      ->check(wrong_hardware, "NAME");
   app.add_flag("--pendant", a.pendant, "the simulation serves the pendant to a browser, too");
   app.footer(examples({"polyarm console", "polyarm console examples/pick_and_place",
                        "polyarm console ~/first", "polyarm console < answers.txt"}) +
              "\nEvery question can be answered from a pipe, a line each; the end of it ends the console.\n"
              "Ctrl-C stops the robot on its path.\n"
              "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 told to end\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (!a.robot.empty()) open_catalogue().load(a.robot);  // a name that is wrong is told now
   return Console(a).run();
 }

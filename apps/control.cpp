@@ -56,8 +56,8 @@ Json parameters_of(const std::vector<std::string>& words) {
       out[word.substr(0, equals)] = list;
     } else if (value.starts_with('[') && value.ends_with(']')) {  // [a, b] without quotes
       Json items = Json::array();
-      for (std::string item : CLI::detail::split(value.substr(1, value.size() - 2), ','))
-        items.push_back(CLI::detail::trim_copy(item));
+      for (const std::string& item : split_fields(value.substr(1, value.size() - 2), ','))
+        items.push_back(item);
       out[word.substr(0, equals)] = items;
     } else {
       out[word.substr(0, equals)] = value;
@@ -88,8 +88,8 @@ void tell_motion(const std::string& action, const Json& result) {
   }
 }
 
-int act(const CLI::App& app, const Arguments& a) {
-  const std::string action = app.get_subcommands().front()->get_name();
+int act(const CommandLine& app, const Arguments& a) {
+  const std::string action = app.subcommand();
   Client client(a.client.cell);
   Json request{{"request", "control." + action}};
   if (action == "switch")
@@ -281,22 +281,22 @@ int arm(const Arguments& a) {
 }  // namespace
 
 int run_control(int argc, char** argv) {
-  CLI::App app("Controllers of a running cell: what they are, and switching them", "polyarm control");
+  CommandLine app("Controllers of a running cell: what they are, and switching them", "polyarm control");
   Arguments a;
   const auto add = [&](const char* name, const char* text) {
-    CLI::App* sub = app.add_subcommand(name, text);
+    CommandLine* sub = app.add_subcommand(name, text);
     a.client.add_to(*sub);
     return sub;
   };
   add("list", "the controllers, their states and what they claim");
   add("types", "the controller types that there are");
   add("chains", "which controllers work through which");
-  CLI::App* change = add("switch", "stop and start controllers in one step, between two cycles");
+  CommandLine* change = add("switch", "stop and start controllers in one step, between two cycles");
   change->add_option("-a,--activate", a.activate, "start these");
   change->add_option("-d,--deactivate", a.deactivate, "stop these");
   change->add_option("--strictness", a.strictness, "strict, best_effort, auto (with their chains), force");
   change->add_flag("--dry", a.dry, "only say what would happen, or why not");
-  CLI::App* load = add("load", "make and configure a controller");
+  CommandLine* load = add("load", "make and configure a controller");
   load->add_option("name", a.name, "as in the controllers file, or a new name with --type")->required();
   load->add_option("--type", a.type, "for one that no file describes");
   load->add_option("--file", a.file, "a controllers file that describes it, instead of the cell's own");
@@ -304,7 +304,7 @@ int run_control(int argc, char** argv) {
   add("configure", "unconfigured to inactive")->add_option("name", a.name)->required();
   add("cleanup", "inactive to unconfigured")->add_option("name", a.name)->required();
   add("unload", "take a controller away that is not active")->add_option("name", a.name)->required();
-  CLI::App* state = add("state", "take a controller to a state");
+  CommandLine* state = add("state", "take a controller to a state");
   state->add_option("name", a.name)->required();
   state->add_option("state", a.state, "unconfigured, inactive or active")->required();
   add("arm", "let real hardware move: shows where it is measured and expected, and asks you");
@@ -313,7 +313,7 @@ int run_control(int argc, char** argv) {
       ->add_option("--category", a.category, "1: then switch the drives off; 2 (otherwise): hold");
   add("resume", "go on after a hold")
       ->add_flag("--anyway", a.anyway, "also where the robot was moved while it was held");
-  CLI::App* back = add("back", "from a hold slowly back along the planned path, and held again");
+  CommandLine* back = add("back", "from a hold slowly back along the planned path, and held again");
   back->add_option("--time", a.seconds, "by so many seconds of the plan (1)");
   back->add_option("--distance", a.distance,
                    "by so much along the path: metres of the TCP's paths, of moves of joints radians");
@@ -327,14 +327,14 @@ int run_control(int argc, char** argv) {
   add("go", "go on after a pause");
   add("step", "one statement of a paused program")
       ->add_option("how", a.how, "into functions, over them (otherwise), or out of this one")
-      ->check(CLI::IsMember({"into", "over", "out"}));
-  CLI::App* stop_at = add("break", "pause in front of lines; without any: which there are");
+      ->one_of({"into", "over", "out"});
+  CommandLine* stop_at = add("break", "pause in front of lines; without any: which there are");
   stop_at->add_option("at", a.places, "LINE or FILE:LINE");
   stop_at->add_flag("--clear", a.clear, "none of those before");
-  CLI::App* from =
+  CommandLine* from =
       add("from",
           "a program that is paused or has ended begins at a line; shows what it takes for given, and asks");
-  from->add_option("line", a.line)->check(CLI::PositiveNumber)->required();
+  from->add_option("line", a.line)->positive()->required();
   from->add_flag("--yes", a.yes, "do not ask");
   add("end", "end the program; its `on stop` is done");
   app.footer(
@@ -346,7 +346,7 @@ int run_control(int argc, char** argv) {
                 "polyarm control back --time 0.5", "polyarm control program --follow",
                 "polyarm control break 12 && polyarm control step into"}));
   return run_actions(app, argc, argv, [&] {
-    const std::string action = app.get_subcommands().front()->get_name();
+    const std::string action = app.subcommand();
     if (is_about_program(action)) return act_on_program(action, a);
     return action == "arm" ? arm(a) : act(app, a);
   });

@@ -238,7 +238,7 @@ constexpr Action kActions[] = {
     {"undo", "take the last change back, or the last N", undo_changes},
 };
 
-void add_arguments(CLI::App& sub, const std::string& action, DataArguments& a) {
+void add_arguments(CommandLine& sub, const std::string& action, DataArguments& a) {
   sub.add_option("file", a.file, "the data set's file; its ending may be left out")->required();
   if (action == "get" || action == "set") sub.add_option("name", a.name)->required();
   if (action == "delete") sub.add_option("name", a.name, "left out: the whole file");
@@ -262,7 +262,7 @@ void add_arguments(CLI::App& sub, const std::string& action, DataArguments& a) {
 }  // namespace
 
 int run_data(int argc, char** argv) {
-  CLI::App app("Data sets: variables and points in text files", "polyarm data");
+  CommandLine app("Data sets: variables and points in text files", "polyarm data");
   DataArguments arguments;
   TeachArguments teach;
   for (const Action& action : kActions)
@@ -274,7 +274,7 @@ int run_data(int argc, char** argv) {
                        "polyarm data frame points table --from corner along aside",
                        "polyarm data tool points gripper --from t1 t2 t3 t4"}));
   return run_actions(app, argc, argv, [&] {
-    const std::string word = app.get_subcommands().front()->get_name();
+    const std::string word = app.subcommand();
     for (const Action& action : kActions)
       if (word == action.name) return action.run(arguments);
     return run_teaching(word, teach);

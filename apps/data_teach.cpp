@@ -111,17 +111,17 @@ int teach_point(const TeachArguments& a) {
 
 }  // namespace
 
-void add_teaching(CLI::App& app, TeachArguments& a) {
-  CLI::App* frame = app.add_subcommand(
+void add_teaching(CommandLine& app, TeachArguments& a) {
+  CommandLine* frame = app.add_subcommand(
       "frame", "a frame from three points (origin, on x, in the xy plane), or from a pose");
-  CLI::App* tool =
+  CommandLine* tool =
       app.add_subcommand("tool", "a tool's TCP from four and more poses of tool0 with the tip at one point");
-  for (CLI::App* sub : {frame, tool}) {
+  for (CommandLine* sub : {frame, tool}) {
     sub->add_option("file", a.file, "the data set's file")->required();
     sub->add_option("name", a.name, "the point that stands for it")->required();
     sub->add_option("--from", a.from, "points of the file")->required()->expected(1, 100);
   }
-  CLI::App* teach = app.add_subcommand("teach", "where the robot of a running cell stands, as a point");
+  CommandLine* teach = app.add_subcommand("teach", "where the robot of a running cell stands, as a point");
   teach->add_option("file", a.file, "the data set's file")->required();
   teach->add_option("name", a.name, "the point")->required();
   teach->add_option("--robot", a.robot, "which, where the cell has several");

@@ -15,7 +15,7 @@ struct TeachArguments {
   bool yes = false;
 };
 
-void add_teaching(CLI::App& app, TeachArguments& arguments);
+void add_teaching(CommandLine& app, TeachArguments& arguments);
 int run_teaching(const std::string& action, const TeachArguments& arguments);
 
 }  // namespace polyarm::apps

@@ -159,7 +159,7 @@ void print(const RobotModel& model) {
 }  // namespace
 
 int run_describe(int argc, char** argv) {
-  CLI::App app("Says what a robot is", "polyarm describe");
+  CommandLine app("Says what a robot is", "polyarm describe");
   AskedRobot robot;
   bool json_wanted = false, urdf = false;
   robot.add_to(app)->required();
@@ -168,7 +168,7 @@ int run_describe(int argc, char** argv) {
   app.footer(examples({"polyarm describe universal_robots/ur3", "polyarm describe my_robot.urdf --json",
                        "polyarm describe ur.urdf.xacro name:=ur ur_type:=ur5e",
                        "polyarm describe abb/irb_120 --urdf > irb_120.urdf"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
   const RobotModel model = robot.load(warnings, open_catalogue());
   for (const Problem& problem : warnings.list()) fmt::print(stderr, "{}\n", problem.text());

@@ -92,14 +92,14 @@ void print_json(const std::vector<Finding>& findings) {
 }  // namespace
 
 int run_doctor(int argc, char** argv) {
-  CLI::App app("Looks at this machine: what is in the way of a cell, and how to mend it. Changes nothing",
-               "polyarm doctor");
+  CommandLine app("Looks at this machine: what is in the way of a cell, and how to mend it. Changes nothing",
+                  "polyarm doctor");
   bool json = false;
   app.add_flag("--json", json,
                "one object: version, may_simulate, findings (topic, grade, concerns, text, mend)");
   app.footer(examples({"polyarm doctor", "polyarm doctor --json"}) +
              "\nExit codes: 0 cells can be simulated here, 1 something is in the way of that\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   std::vector<Finding> findings = doctor::judge(doctor::look_at(doctor::Place::here()));
   for (const auto& more : {doctor::judge(doctor::measure_clock(1'000'000'000)),
                            doctor::judge(look_at_installation()), doctor::judge(look_at_disk())})

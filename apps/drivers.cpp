@@ -86,7 +86,7 @@ int run_list(bool json) {
   return kOk;
 }
 
-std::atomic<bool> interrupted{false};
+std::atomic<bool> test_interrupted{false};
 
 /// The robot that carries the device: from a description, or one without joints.
 struct Carrier {
@@ -177,10 +177,10 @@ int run_test(TestArguments& a) {
   carrier->context.period = nanoseconds(1 / a.options.rate);
   if (a.options.move && component->real() && !confirmed()) return kUsage;
   struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_handler = [](int) { test_interrupted = true; };
   if (sigaction(SIGINT, &action, nullptr) != 0 || sigaction(SIGTERM, &action, nullptr) != 0)
     throw Error("no-signals", "Ctrl-C cannot be caught, and a trial must be stoppable");
-  a.options.stop = [] { return interrupted.load(); };
+  a.options.stop = [] { return test_interrupted.load(); };
   const doctor::Trial trial = doctor::try_driver(*component, carrier->context, a.options);
   const doctor::Machine machine = doctor::look_at(doctor::Place::here());
   const DriverFacts* facts = component->facts();
@@ -194,26 +194,24 @@ int run_test(TestArguments& a) {
 }  // namespace
 
 int run_drivers(int argc, char** argv) {
-  CLI::App app("Lists drivers, and tries one on its device", "polyarm drivers");
+  CommandLine app("Lists drivers, and tries one on its device", "polyarm drivers");
   bool json = false;
   TestArguments arguments;
   app.add_flag("--json", json, "an array: name, kind, drives, proof, real, parameters, fault");
-  CLI::App* test =
+  CommandLine* test =
       app.add_subcommand("test", "opens and reads a device for some seconds, and writes a report");
   test->add_option("name", arguments.name, "the driver")->required();
   test->add_option("parameters", arguments.parameters, "its parameters, NAME=VALUE");
   test->add_option("--description", arguments.description,
                    "a robot whose <ros2_control> block names the driver: joints and parameters");
-  test->add_option("--seconds", arguments.options.seconds, "how long it is read")
-      ->check(CLI::Range(0.01, 3600.0));
-  test->add_option("--rate", arguments.options.rate, "how often in a second")
-      ->check(CLI::Range(0.1, 10000.0));
+  test->add_option("--seconds", arguments.options.seconds, "how long it is read")->range(0.01, 3600.0);
+  test->add_option("--rate", arguments.options.rate, "how often in a second")->range(0.1, 10000.0);
   test->add_flag("--move", arguments.options.move,
                  "move each joint a little, after you have confirmed it; else nothing moves");
   test->add_option("--report", arguments.report, "file for the report; else driver-NAME.yaml");
   app.footer(examples({"polyarm drivers", "polyarm drivers test serial_imu port=/dev/ttyUSB0 baud=115200",
                        "polyarm drivers test ublox_gnss port=/dev/ttyACM0 --seconds 30"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   return test->parsed() ? run_test(arguments) : run_list(json);
 }
 

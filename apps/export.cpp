@@ -31,9 +31,9 @@ void write_moveit(cell::Cell& cell, const std::filesystem::path& folder, int sam
 }  // namespace
 
 int run_export(int argc, char** argv) {
-  CLI::App app("Writes what other programs are configured with", "polyarm export");
-  app.require_subcommand(1);
-  CLI::App& moveit =
+  CommandLine app("Writes what other programs are configured with", "polyarm export");
+  app.require_subcommand();
+  CommandLine& moveit =
       *app.add_subcommand("moveit", "SRDF, kinematics, limits, controllers and a launch file for MoveIt 2");
   std::string path, folder;
   cell::Overrides overrides;
@@ -43,10 +43,10 @@ int run_export(int argc, char** argv) {
       ->required();
   moveit.add_option("--robot", overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
   moveit.add_option("--samples", samples, "joint states that are tried to find which links never touch")
-      ->check(CLI::Range(100, 1'000'000));
+      ->range(100, 1'000'000);
   app.footer(examples({"polyarm export moveit examples/pick_and_place moveit",
                        "polyarm export moveit my_cell moveit --samples 100000"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   cell::CellFile file = cell::read_cell_file(path, overrides);
   for (cell::RobotEntry& robot : file.robots) robot.hardware = "mock";
   file.doors.clear();

@@ -8,14 +8,14 @@
 namespace polyarm::apps {
 
 int run_fmt(int argc, char** argv) {
-  CLI::App app("Writes programs in one form; comments stay", "polyarm fmt");
+  CommandLine app("Writes programs in one form; comments stay", "polyarm fmt");
   std::vector<std::string> files;
   bool check = false;
   app.add_option("files", files, "scripts")->required();
   app.add_flag("--check", check, "change nothing; exit code 1 where a file would change");
   app.footer(examples({"polyarm fmt cell.script", "polyarm fmt --check *.script"}) +
              "\nA script with errors is left as it is.\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   bool failed = false;
   for (const std::string& file : files) {
     const std::string text = read_file(file);

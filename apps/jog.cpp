@@ -115,7 +115,7 @@ int jog_for(Client& client, const JogArguments& a) {
 }  // namespace
 
 int run_jog(int argc, char** argv) {
-  CLI::App app("Moves a robot of a running cell by hand", "polyarm jog");
+  CommandLine app("Moves a robot of a running cell by hand", "polyarm jog");
   JogArguments a;
   app.add_option("names", a.words, "[CELL] [ROBOT], where there are several")->expected(0, 2);
   auto* joint = app.add_option("--joint", a.joint, "this joint (without keys)");
@@ -125,10 +125,10 @@ int run_jog(int argc, char** argv) {
   auto* time = app.add_option("--for", a.time, "at this speed for so long: 1.5s");
   app.add_option("--frame", a.frame, "base, world, tool, or the name of a point of the cell");
   app.add_option("--hold", a.hold, "s without a repeat of the key until the robot stops")
-      ->check(CLI::Range(0.05, 1.0))
+      ->range(0.05, 1.0)
       ->capture_default_str();
   app.add_option("--first", a.first, "s until the first repeat of a key, as the keyboard is set")
-      ->check(CLI::Range(0.05, 2.0))
+      ->range(0.05, 2.0)
       ->capture_default_str();
   a.client.add_to(app);
   joint->excludes(tcp);
@@ -139,7 +139,7 @@ int run_jog(int argc, char** argv) {
                 "polyarm jog --tcp z --by -20mm --frame tool",
                 "polyarm jog --tcp x --speed 50mm/s --for 2s"}) +
       "\n" + kJogKeys);
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const bool alone = !a.joint.empty() || !a.tcp.empty();
   if (alone == (a.by.empty() && a.time.empty())) {
     fmt::print(stderr,

@@ -21,7 +21,7 @@ struct Common {
   std::vector<double> tcp;
   bool as_json = false;
 
-  void add_to(CLI::App& app) {
+  void add_to(CommandLine& app) {
     robot.add_to(app)->required();
     app.add_option("--tool", tool,
                    "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
@@ -97,16 +97,15 @@ struct PoseQuestion {
   std::string spin;
   bool all = false, position_only = false;
 
-  void add_to(CLI::App& app) {
+  void add_to(CommandLine& app) {
     app.add_option("--xyz", xyz, "position, m")->expected(3)->required();
-    CLI::Option* by_rpy =
-        app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
+    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
     app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");
     app.add_flag("--position-only", position_only, "the TCP's place, however the tool is turned");
     app.add_option("--free-spin", spin, "the tool may turn about its own axis x, y or z")
-        ->check(CLI::IsMember({"x", "y", "z"}));
+        ->one_of({"x", "y", "z"});
     app.add_option("--position-tolerance", position_tolerance,
                    "how far off the TCP may be along the tool's x y z, m (one number: each)")
         ->expected(1, 3);
@@ -171,15 +170,15 @@ std::vector<std::vector<double>> all_solutions(const kinematics::ArmSolver& arm,
 }  // namespace
 
 int run_fk(int argc, char** argv) {
-  CLI::App app("Forward kinematics: where the TCP is for given joint values, in the base frame",
-               "polyarm fk");
+  CommandLine app("Forward kinematics: where the TCP is for given joint values, in the base frame",
+                  "polyarm fk");
   Common common;
   std::vector<double> joints;
   common.add_to(app);
   app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);
   app.footer(examples({"polyarm fk universal_robots/ur3 --joints 0 -1.2 1.5 -1.9 -1.57 0",
                        "polyarm fk abb/irb_120 --tool suction_cup --json"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const Loaded robot = load(common);
   if (joints.empty()) joints = robot.home;
   check_size(joints, *robot.chain, "--joints");
@@ -200,7 +199,8 @@ int run_fk(int argc, char** argv) {
 }
 
 int run_ik(int argc, char** argv) {
-  CLI::App app("Inverse kinematics: joint values that put the TCP at a pose in the base frame", "polyarm ik");
+  CommandLine app("Inverse kinematics: joint values that put the TCP at a pose in the base frame",
+                  "polyarm ik");
   Common common;
   PoseQuestion question;
   common.add_to(app);
@@ -212,7 +212,7 @@ int run_ik(int argc, char** argv) {
        "polyarm ik franka/fer_panda --xyz 0.4 0 0.4 --rpy 3.1416 0 0 --free-spin z",
        "polyarm ik universal_robots/ur5e --xyz 0.4 0 0.3 --position-only",
        "polyarm ik abb/irb_120 --xyz 0.4 0 0.3 --rpy 3.1416 0 0 --orientation-tolerance 0.1 0.1 0"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const Loaded robot = load(common);
   if (question.seed.empty()) question.seed = robot.home;
   check_size(question.seed, *robot.chain, "--seed");

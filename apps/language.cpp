@@ -7,12 +7,12 @@
 namespace polyarm::apps {
 
 int run_language(int argc, char** argv) {
-  CLI::App app("The language of programs: its words and functions", "polyarm language");
-  CLI::App* page = app.add_subcommand("page", "the reference page, as docs/language-reference.md has it");
-  CLI::App* list = app.add_subcommand("words", "every word and function, one a line");
-  app.require_subcommand(1);
+  CommandLine app("The language of programs: its words and functions", "polyarm language");
+  CommandLine* page = app.add_subcommand("page", "the reference page, as docs/language-reference.md has it");
+  CommandLine* list = app.add_subcommand("words", "every word and function, one a line");
+  app.require_subcommand();
   app.footer(examples({"polyarm language words", "polyarm language page"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (page->parsed()) fmt::print("{}", program::language_reference());
   if (!list->parsed()) return kOk;
   for (const program::Word& word : program::words())

@@ -120,14 +120,14 @@ void print_joint_states(const Json& m) {
 }  // namespace
 
 int run_send(int argc, char** argv) {
-  CLI::App app("Gives a message to a controller of a running cell", "polyarm send");
+  CommandLine app("Gives a message to a controller of a running cell", "polyarm send");
   SendArguments a;
   app.add_option("controller", a.to, "a controller, controller/input, or a topic of ROS")->required();
   app.add_option("file", a.file,
                  "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
       ->required();
   app.add_option("--rate", a.rate, "again and again, Hz; a stream of documents (---) one after the other")
-      ->check(CLI::PositiveNumber);
+      ->positive();
   app.add_flag("--once", a.once, "once, whatever the rate");
   app.add_flag("--goal", a.goal, "as a goal: feedback and result are shown, Ctrl-C cancels");
   a.client.add_to(app);
@@ -135,25 +135,25 @@ int run_send(int argc, char** argv) {
                        "polyarm send joint_trajectory_controller goal.yaml --goal",
                        "polyarm send /cmd_vel '{linear: {x: 0.1}}' --rate 10",
                        "polyarm send /MyRobot/JointA_EffortController/command '{data: 2.5}'"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   catch_interrupts();
   return send(a);
 }
 
 int run_watch(int argc, char** argv) {
-  CLI::App app("Shows what a controller of a running cell puts out", "polyarm watch");
+  CommandLine app("Shows what a controller of a running cell puts out", "polyarm watch");
   ClientOptions options;
   std::string name;
   double rate = 10;
   int count = 0;
   app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")
       ->required();
-  app.add_option("--rate", rate, "messages a second at most")->check(CLI::PositiveNumber);
+  app.add_option("--rate", rate, "messages a second at most")->positive();
   app.add_option("--count", count, "end after so many");
   options.add_to(app);
   app.footer(examples(
       {"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   catch_interrupts();
   Client client(options.cell);
   client.send({{"request", "watch"}, {"name", name}, {"rate", rate}});

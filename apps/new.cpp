@@ -110,20 +110,18 @@ std::string find_option() {
 }  // namespace
 
 int run_new(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Writes a starting point for hardware or a controller of your own: it compiles, its test passes, "
       "its cell runs",
       "polyarm new");
   std::string kind, name, vendor, folder;
-  app.add_option("kind", kind, "hardware or controller")
-      ->required()
-      ->check(CLI::IsMember({"hardware", "controller"}));
+  app.add_option("kind", kind, "hardware or controller")->required()->one_of({"hardware", "controller"});
   app.add_option("name", name, "its name: my_arm, which makes the type MyArm")->required();
   app.add_option("--vendor", vendor, "the first part of its full name, VENDOR/TYPE; NAME where not given");
   app.add_option("--folder", folder, "the folder to make; ./NAME where not given");
   app.footer(examples({"polyarm new hardware my_arm --vendor acme",
                        "polyarm new controller follow_me --folder ~/follow_me"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const Names names = names_of(kind, name, vendor);
   const fs::path where = folder.empty() ? fs::path(names.name) : fs::path(folder);
   write(where, names);

@@ -1,38 +1,8 @@
 #include "apps/options.hpp"
 
-#include <algorithm>
-#include <cctype>
-
 #include "polyarm/plugins/plugins.hpp"
 
 namespace polyarm::apps {
-
-namespace {
-bool is_named_value(const std::string& word) {
-  const auto at = word.find(":=");
-  return at != std::string::npos && at > 0 &&
-         std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(at),
-                     [](unsigned char c) { return std::isalnum(c) || c == '_'; });
-}
-}  // namespace
-
-std::optional<int> parse(CLI::App& app, int argc, char** argv) {
-  try {
-    std::vector<std::string> words(argv + 1, argv + argc);
-    // An option that takes many values would take what stands behind them, too.
-    if (std::find(words.begin(), words.end(), "--") == words.end()) {
-      const auto named = std::stable_partition(words.begin(), words.end(),
-                                               [](const std::string& word) { return !is_named_value(word); });
-      if (named != words.end()) words.insert(named, "--");
-    }
-    std::reverse(words.begin(), words.end());
-    app.parse(std::move(words));
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);
-    return code == 0 ? kOk : kUsage;
-  }
-}
 
 std::string examples(std::initializer_list<const char*> lines) {
   std::string out = "Examples:\n";
@@ -40,19 +10,15 @@ std::string examples(std::initializer_list<const char*> lines) {
   return out;
 }
 
-CLI::Validator hardware_name() {
-  return {[](const std::string& name) -> std::string {
-            for (const char* known : {"declared", "mock", "mujoco"})
-              if (name == known) return {};
-            return name.find('/') != std::string::npos
-                       ? ""
-                       : "'" + name + "' is not declared, mock, mujoco or VENDOR/TYPE";
-          },
-          "NAME"};
+std::string wrong_hardware(const std::string& name) {
+  for (const char* known : {"declared", "mock", "mujoco"})
+    if (name == known) return {};
+  if (name.find('/') != std::string::npos) return {};
+  return "'" + name + "' is not declared, mock, mujoco or VENDOR/TYPE";
 }
 
-void add_plugin_option(CLI::App& app, std::vector<std::string>& folders) {
-  app.add_option("--plugins", folders, "folder with plugins; may be repeated")->check(CLI::ExistingDirectory);
+void add_plugin_option(CommandLine& app, std::vector<std::string>& folders) {
+  app.add_option("--plugins", folders, "folder with plugins; may be repeated")->existing_folder();
 }
 
 void load_plugins(const std::vector<std::string>& folders) {
@@ -75,8 +41,8 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
   return out;
 }
 
-CLI::Option* AskedRobot::add_to(CLI::App& app, const std::string& what) {
-  CLI::Option* robot = app.add_option("robot", name, what);
+Option* AskedRobot::add_to(CommandLine& app, const std::string& what) {
+  Option* robot = app.add_option("robot", name, what);
   app.add_option("arguments", arguments, "NAME:=VALUE of a description in xacro");
   app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
   return robot;

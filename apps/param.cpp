@@ -121,10 +121,10 @@ int act(const std::string& action, const Arguments& a) {
 }  // namespace
 
 int run_param(int argc, char** argv) {
-  CLI::App app("Parameters of the controllers of a running cell", "polyarm param");
+  CommandLine app("Parameters of the controllers of a running cell", "polyarm param");
   Arguments a;
   const auto add = [&](const char* name, const char* text) {
-    CLI::App* sub = app.add_subcommand(name, text);
+    CommandLine* sub = app.add_subcommand(name, text);
     sub->add_option("controller", a.name)->required();
     a.client.add_to(*sub);
     return sub;
@@ -139,7 +139,7 @@ int run_param(int argc, char** argv) {
   app.footer(examples({"polyarm param list joint_trajectory_controller",
                        "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
                        "polyarm param dump pid > pid.yaml", "polyarm param load pid pid.yaml"}));
-  return run_actions(app, argc, argv, [&] { return act(app.get_subcommands().front()->get_name(), a); });
+  return run_actions(app, argc, argv, [&] { return act(app.subcommand(), a); });
 }
 
 }  // namespace polyarm::apps

@@ -32,7 +32,7 @@ struct Request {
   std::vector<std::string> exports;
   double rate = 0, tolerance = 1e-6;
 
-  void add_to(CLI::App& app);
+  void add_to(CommandLine& app);
   /// Gives back to the moves what the command line took for more of --from.
   void part();
 };
@@ -47,7 +47,7 @@ void Request::part() {
   from.erase(rest, from.end());
 }
 
-void Request::add_to(CLI::App& app) {
+void Request::add_to(CommandLine& app) {
   app.add_option("what", words,
                  "a JointTrajectory file (YAML or JSON), or [CELL] and moves: movej P, movel P, movec VIA P, "
                  "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
@@ -55,7 +55,7 @@ void Request::add_to(CLI::App& app) {
   app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
   app.add_option("--of", of, "of a cell with several robots: which");
   app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
-  app.add_option("--data", data, "data file with more points; may be repeated")->check(CLI::ExistingFile);
+  app.add_option("--data", data, "data file with more points; may be repeated")->existing_file();
   app.add_option("--from", from, "where to start, home by default: a place like P, or joint values, rad or m")
       ->expected(-1);
   app.add_option("--blend", pace.blend,
@@ -68,9 +68,8 @@ void Request::add_to(CLI::App& app) {
   app.add_option("--csv", csv, "write them as a table, at --rate (250 Hz)");
   app.add_option("--export", exports, "write a JointTrajectory, FILE.yaml or FILE.json; may be repeated");
   app.add_option("--rate", rate, "Hz of --csv and --export; without it an export has the fewest points")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")
-      ->check(CLI::PositiveNumber);
+      ->positive();
+  app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")->positive();
   app.add_flag("--ros1", ros1, "exports have secs and nsecs");
   app.add_flag("--json", as_json, "one JSON object");
 }
@@ -333,8 +332,8 @@ int show(const PlannedMotion& motion, const Request& request) {
 }  // namespace
 
 int run_plan(int argc, char** argv) {
-  CLI::App app("Plans a motion without moving: its duration, what bounds it where, and a plot",
-               "polyarm plan");
+  CommandLine app("Plans a motion without moving: its duration, what bounds it where, and a plot",
+                  "polyarm plan");
   Request request;
   request.add_to(app);
   app.footer(
@@ -346,7 +345,7 @@ int run_plan(int argc, char** argv) {
            "movel 'by(0,0,-200mm)' movel 'by(200mm,0,0)' --blend 20mm --speed 250mm/s",
            "polyarm plan examples/pick_and_place movel Pick movel Place --blend 20mm"}) +
       "\nExit codes: 0 planned and within limits, 1 not, 2 wrong command line\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   request.part();
   const auto require_words = [&] {
     if (request.words.empty())

@@ -58,8 +58,8 @@ void print_text() {
 }  // namespace
 
 int run_plugins(int argc, char** argv) {
-  CLI::App app("Lists plugins: what they bring, where they are, and what was refused and why",
-               "polyarm plugins");
+  CommandLine app("Lists plugins: what they bring, where they are, and what was refused and why",
+                  "polyarm plugins");
   std::vector<std::string> folders;
   std::string cell;
   bool as_json = false;
@@ -69,7 +69,7 @@ int run_plugins(int argc, char** argv) {
   app.footer(
       examples({"polyarm plugins", "polyarm plugins my_cell", "polyarm plugins --plugins my_arm/build"}) +
       "\nExit codes: 0 nothing was refused, 1 something was, 2 wrong command line\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   load_plugins(folders);
   Problems problems;
   cell::load_plugins(cell.empty() ? cell::CellFile{} : cell::read_cell_file(cell), problems);

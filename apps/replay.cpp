@@ -60,19 +60,18 @@ nlohmann::json json_of(const cell::Replay& replay) {
 }  // namespace
 
 int run_replay(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Plays the last cycles before a fault again: what happened when, and the recorded commands on a "
       "simulated robot beside what was measured",
       "polyarm replay");
   std::string folder, hardware = "mock";
   bool json = false;
   app.add_option("folder", folder, "the folder that was told with the fault: .state/faults/0001")->required();
-  app.add_option("--hardware", hardware, "what plays the robot: mock or mujoco")
-      ->check(CLI::IsMember({"mock", "mujoco"}));
+  app.add_option("--hardware", hardware, "what plays the robot: mock or mujoco")->one_of({"mock", "mujoco"});
   app.add_flag("--json", json);
   app.footer(examples({"polyarm replay examples/r6bot/.state/faults/0001",
                        "polyarm replay .state/failures/0003 --hardware mujoco --json"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const cell::Replay replay = cell::replay_record(folder, hardware);
   if (json)
     fmt::print("{}\n", json_of(replay).dump());

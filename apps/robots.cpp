@@ -41,7 +41,7 @@ struct Wanted {
   std::string axes, reach, payload, mass;
   description::CatalogueQuery query;
 
-  void add_to(CLI::App& app) {
+  void add_to(CommandLine& app) {
     app.add_option("filter", query.text, "only robots whose name or model contains this");
     app.add_option("--maker", query.maker, "only this maker's (fanuc, 'Universal Robots')");
     app.add_option("--axes", axes, "how many axes: 6, 4..6, '>=7'");
@@ -66,7 +66,7 @@ struct Wanted {
 };
 
 int list_robots(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Finds robots of the catalogue; `add` adds one, `remove` removes one that was added, `picture` draws "
       "one, `page` writes of all",
       "polyarm robots");
@@ -79,7 +79,7 @@ int list_robots(int argc, char** argv) {
   app.footer(
       examples({"polyarm robots --maker fanuc --sort -payload",
                 "polyarm robots --axes 6 --reach '>=1.2' --payload 5..12", "polyarm robots ur --json"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const auto found = find_robots(open_catalogue().entries(), wanted.parsed());
   nlohmann::json list = nlohmann::json::array();
   for (const description::CatalogueEntry& robot : found) {

@@ -47,11 +47,11 @@ void check(const description::RobotModel& model, Problems& problems) {
 }  // namespace
 
 int run_robots_add(int argc, char** argv) {
-  CLI::App app("Adds a description of your own to the catalogue", "polyarm robots add");
+  CommandLine app("Adds a description of your own to the catalogue", "polyarm robots add");
   AskedRobot robot;
   std::string name, folder;
   bool replace = false;
-  robot.add_to(app, "URDF, xacro or robot file")->required()->check(CLI::ExistingFile);
+  robot.add_to(app, "URDF, xacro or robot file")->required()->existing_file();
   app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
   app.add_option("--folder", folder,
                  "where to (by default ~/.config/polyarm/robots, which is always looked at)");
@@ -59,7 +59,7 @@ int run_robots_add(int argc, char** argv) {
   app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one",
                        "polyarm robots add ur.urdf.xacro name:=ur ur_type:=ur5e --name acme/cell_ur",
                        "polyarm robots add arm.urdf --folder my_cell/robots"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   Problems problems;
   description::RobotModel model = robot.load(problems, description::Catalogue({}));
   check(model, problems);
@@ -81,14 +81,14 @@ int run_robots_add(int argc, char** argv) {
 }
 
 int run_robots_remove(int argc, char** argv) {
-  CLI::App app("Takes a robot that `polyarm robots add` has added out of the catalogue",
-               "polyarm robots remove");
+  CommandLine app("Takes a robot that `polyarm robots add` has added out of the catalogue",
+                  "polyarm robots remove");
   std::string name, folder;
   app.add_option("name", name, "maker/model")->required();
   app.add_option("--folder", folder, "where from (by default ~/.config/polyarm/robots)");
   app.footer(
       examples({"polyarm robots remove acme/one", "polyarm robots remove acme/one --folder my_cell/robots"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const std::filesystem::path where =
       folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
   if (where.empty()) throw Error("no-folder", "there is no home folder that robots are in", "say --folder");

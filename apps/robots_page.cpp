@@ -96,14 +96,14 @@ void write(const fs::path& file, const std::string& text) {
 }  // namespace
 
 int run_robots_picture(int argc, char** argv) {
-  CLI::App app("Draws a robot as SVG", "polyarm robots picture");
+  CommandLine app("Draws a robot as SVG", "polyarm robots picture");
   AskedRobot robot;
   std::vector<double> joints;
   robot.add_to(app)->required();
   app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);
   app.footer(examples({"polyarm robots picture kuka/kr_16_2 > kr16.svg",
                        "polyarm robots picture my_arm.urdf --joints 0 -1 1 0 0 0 > arm.svg"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
   const RobotModel model = robot.load(warnings, open_catalogue());
   if (joints.empty()) joints = home_of(model);
@@ -116,16 +116,16 @@ int run_robots_picture(int argc, char** argv) {
 }
 
 int run_robots_page(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Writes pages of the whole catalogue: an index, one page for each maker, one picture for each robot",
       "polyarm robots page");
   std::string folder, catalogue_folder;
   app.add_option("folder", folder, "where to; files of the same names are written over")->required();
   app.add_option("--catalogue", catalogue_folder, "of this folder of robots (the catalogue by default)")
-      ->check(CLI::ExistingDirectory);
+      ->existing_folder();
   app.footer(
       examples({"polyarm robots page docs/robots", "polyarm robots page pages --catalogue my/robots"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const description::Catalogue catalogue =
       catalogue_folder.empty() ? open_catalogue() : description::Catalogue({catalogue_folder});
   std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>> makers;

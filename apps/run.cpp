@@ -46,7 +46,7 @@ struct RunArguments {
   int line = 0;
 };
 
-void add_options(CLI::App& app, RunArguments& a) {
+void add_options(CommandLine& app, RunArguments& a) {
   app.add_option("cell", a.cell,
                  "folder with a cell.yaml, a cell file, a launch file of ROS 1, or a robot: a URDF, xacro or "
                  "catalogue name");
@@ -59,7 +59,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--program", a.overrides.program, "another program: a script, beside the cell or anywhere");
   app.add_option("--hardware", a.overrides.hardware,
                  "declared, mock, mujoco or a plugin's VENDOR/TYPE, for every robot")
-      ->check(hardware_name());
+      ->check(wrong_hardware, "NAME");
   app.add_flag("--real", a.cell_options.real,
                "drive the hardware that the cell declares as real; it moves after you type 'arm'");
   app.add_flag(
@@ -70,7 +70,7 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_flag("--fast", a.run.fast, "in lock-step, as fast as the machine allows; repeatable");
   app.add_option("--cycles", a.cell_options.cycles,
                  "end after this many passes of the program's outermost while");
-  app.add_option("--seconds", a.run.seconds, "end after this much cell time")->check(CLI::NonNegativeNumber);
+  app.add_option("--seconds", a.run.seconds, "end after this much cell time")->not_negative();
   app.add_flag("--json", a.json, "one JSON object per line on stdout, the result last");
   app.add_flag("--quiet,-q", a.quiet, "only the result");
   app.add_option("--fault", a.faults,
@@ -85,7 +85,7 @@ void add_options(CLI::App& app, RunArguments& a) {
       "--continue", a.goes_on,
       "go on where a run was cut off, by a loss of power or otherwise, with its data; says where and asks");
   app.add_option("--from", a.line, "begin at this line of the program; says what it takes for given and asks")
-      ->check(CLI::PositiveNumber);
+      ->positive();
   app.add_flag("--yes", a.yes, "do not ask");
   app.add_flag("--stay", a.run.stay, "the cell stays when its program has ended: polyarm control from LINE");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
@@ -94,18 +94,17 @@ void add_options(CLI::App& app, RunArguments& a) {
   app.add_option("--record", a.record.file,
                  "record into this MCAP file what happens, for Foxglove and others");
   app.add_option("--record-rate", a.record.rate, "cycles a second in the recording (100)")
-      ->check(CLI::Range(0.1, 10'000.0));
+      ->range(0.1, 10'000.0);
   app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
-  app.add_option_function<double>(
+  app.add_option_function(
          "--budget", [&a](double ms) { a.overrides.budget = nanoseconds(ms * 1e-3); },
          "ms that a callback in the control loop may take; longer ones are told at once")
-      ->check(CLI::Range(0.001, 1000.0));
-  app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")
-      ->check(CLI::Range(0, 99));
+      ->range(0.001, 1000.0);
+  app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")->range(0, 99);
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");
   app.footer(
       examples({"polyarm run examples/pick_and_place",
@@ -472,10 +471,10 @@ bool is_robot(const std::string& named) {
 }  // namespace
 
 int run_run(int argc, char** argv) {
-  CLI::App app("Runs a cell: simulates, executes its program, reports", "polyarm run");
+  CommandLine app("Runs a cell: simulates, executes its program, reports", "polyarm run");
   RunArguments arguments;
   add_options(app, arguments);
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (!arguments.description.empty() && arguments.cell.find(":=") != std::string::npos)
     arguments.arguments.insert(arguments.arguments.begin(), std::exchange(arguments.cell, ""));
   if (arguments.description.empty() && is_robot(arguments.cell))

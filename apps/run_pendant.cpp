@@ -72,11 +72,11 @@ void print_code(const std::string& link) {
 
 }  // namespace
 
-void add_pendant_options(CLI::App& app, PendantArguments& a) {
+void add_pendant_options(CommandLine& app, PendantArguments& a) {
   app.add_flag("--pendant", a.on, "serve the pendant to a browser on this machine, and print its link");
   app.add_option("--port", a.port, "of the pendant; 0: any that is free. Not stated: 8765, or another")
-      ->check(CLI::Range(0, 65535));
-  app.add_option_function<std::string>(
+      ->range(0, 65535);
+  app.add_option_function(
          "--listen",
          [&a](const std::string& address) {
            a.listens = a.on = true;

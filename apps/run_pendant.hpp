@@ -1,9 +1,9 @@
 #pragma once
 /// `polyarm run --pendant`: the options, the server, and the link that a person opens.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
+#include "apps/command_line.hpp"
 #include "polyarm/server/pendant.hpp"
 
 namespace polyarm::apps {
@@ -13,7 +13,7 @@ struct PendantArguments {
   int port = -1;  ///< not stated: 8765, or any where that is taken
   std::string listen, page;
 };
-void add_pendant_options(CLI::App& app, PendantArguments& arguments);
+void add_pendant_options(CommandLine& app, PendantArguments& arguments);
 
 /// The catalogue outlives it. Throws Error.
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,

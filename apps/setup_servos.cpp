@@ -90,11 +90,9 @@ int run(const SetupArguments& a) {
 }  // namespace
 
 int run_setup(int argc, char** argv) {
-  CLI::App app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
+  CommandLine app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
   SetupArguments a;
-  app.add_option("device", a.family, "feetech or dynamixel")
-      ->required()
-      ->check(CLI::IsMember({"feetech", "dynamixel"}));
+  app.add_option("device", a.family, "feetech or dynamixel")->required()->one_of({"feetech", "dynamixel"});
   app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
   app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
   app.add_option("--joints", a.joints,
@@ -115,14 +113,14 @@ int run_setup(int argc, char** argv) {
   back_up->excludes(restore);
   app.add_option("--highest-id", a.options.highest_id, "look for ids up to this one");
   app.add_option("--answer-timeout-ms", a.timeout_ms, "how long a servo may take to answer")
-      ->check(CLI::Range(1.0, 10000.0))
+      ->range(1.0, 10000.0)
       ->capture_default_str();
   app.add_option("--answer", a.answers, "answer to a question, in order; may be repeated");
   app.footer(examples({"polyarm setup feetech --scan", "polyarm setup feetech --calibration so101.yaml",
                        "polyarm setup dynamixel --joints waist,shoulder,elbow,wrist --baud 1000000",
                        "polyarm setup feetech --restore servo_backup.yaml"}) +
              "\nThe joints keep still all the while; torque goes off after a yes, never on.\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (a.joints.empty() && a.family == "feetech") a.joints = kSo101Joints;
   if (a.joints.empty() && !a.scan && a.restore.empty()) {
     fmt::print(stderr, "polyarm setup: which joints? say --joints base,shoulder,… from base to tip\n");

@@ -8,11 +8,11 @@ namespace polyarm::apps {
 namespace {
 
 /// A verb that asks one question and prints the answer.
-int ask(CLI::App& app, int argc, char** argv, const char* request,
+int ask(CommandLine& app, int argc, char** argv, const char* request,
         const std::function<void(const Json&)>& print) {
   ClientOptions options;
   options.add_to(app);
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   const Json result = Client(options.cell).ask({{"request", request}});
   if (options.json)
     fmt::print("{}\n", result.dump(1));
@@ -108,16 +108,16 @@ void print_limits(const Json& limits) {
 }  // namespace
 
 int run_hardware(int argc, char** argv) {
-  CLI::App app("Hardware components of a running cell", "polyarm hardware");
+  CommandLine app("Hardware components of a running cell", "polyarm hardware");
   ClientOptions options;
   std::string name, state;
-  CLI::App* list = app.add_subcommand("list", "the components, their states and rates");
-  CLI::App* change =
+  CommandLine* list = app.add_subcommand("list", "the components, their states and rates");
+  CommandLine* change =
       app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
-  CLI::App* recover = app.add_subcommand("recover", "bring a component back that has failed");
-  CLI::App* reload =
+  CommandLine* recover = app.add_subcommand("recover", "bring a component back that has failed");
+  CommandLine* reload =
       app.add_subcommand("reload", "make a component anew from its description as the file is now");
-  for (CLI::App* sub : {list, change, recover, reload}) options.add_to(*sub);
+  for (CommandLine* sub : {list, change, recover, reload}) options.add_to(*sub);
   change->add_option("name", name)->required();
   change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();
   recover->add_option("name", name)->required();
@@ -125,7 +125,7 @@ int run_hardware(int argc, char** argv) {
   app.footer(examples({"polyarm hardware list", "polyarm hardware state R6Bot inactive",
                        "polyarm hardware recover R6Bot", "polyarm hardware reload R6Bot"}));
   return run_actions(app, argc, argv, [&] {
-    const std::string action = app.get_subcommands().front()->get_name();
+    const std::string action = app.subcommand();
     Json request{{"request", "hardware." + action}};
     if (!name.empty()) request["name"] = name;
     if (!state.empty()) request["state"] = state;
@@ -146,7 +146,7 @@ int run_hardware(int argc, char** argv) {
 }
 
 int run_interfaces(int argc, char** argv) {
-  CLI::App app("Every state and command interface of a running cell", "polyarm interfaces");
+  CommandLine app("Every state and command interface of a running cell", "polyarm interfaces");
   app.footer(examples({"polyarm interfaces", "polyarm interfaces --cell r6bot --json"}));
   return ask(app, argc, argv, "interfaces", [](const Json& result) {
     std::vector<std::vector<std::string>> rows;
@@ -159,13 +159,13 @@ int run_interfaces(int argc, char** argv) {
 }
 
 int run_health(int argc, char** argv) {
-  CLI::App app("How the control loop of a running cell is doing", "polyarm health");
+  CommandLine app("How the control loop of a running cell is doing", "polyarm health");
   app.footer(examples({"polyarm health", "polyarm health --json"}));
   return ask(app, argc, argv, "health", print_health);
 }
 
 int run_limits(int argc, char** argv) {
-  CLI::App app("Which limits took hold of commands in a running cell", "polyarm limits");
+  CommandLine app("Which limits took hold of commands in a running cell", "polyarm limits");
   app.footer(examples({"polyarm limits", "polyarm limits --json"}));
   return ask(app, argc, argv, "limits", print_limits);
 }

@@ -66,24 +66,24 @@ Json json_of(const std::string& text) {
 }  // namespace
 
 int run_tags(int argc, char** argv) {
-  CLI::App app("Tags and links of a running cell", "polyarm tags");
+  CommandLine app("Tags and links of a running cell", "polyarm tags");
   ClientOptions options;
   std::vector<std::string> names;
   std::string name, value;
-  CLI::App* list =
+  CommandLine* list =
       app.add_subcommand("list", "every tag, or those named (variables of data, too), and the links");
-  CLI::App* set = app.add_subcommand("set", "change a tag once");
-  CLI::App* forced = app.add_subcommand("force", "a tag keeps the value for as long as this command runs");
-  for (CLI::App* sub : {list, set, forced}) options.add_to(*sub);
+  CommandLine* set = app.add_subcommand("set", "change a tag once");
+  CommandLine* forced = app.add_subcommand("force", "a tag keeps the value for as long as this command runs");
+  for (CommandLine* sub : {list, set, forced}) options.add_to(*sub);
   list->add_option("names", names);
-  for (CLI::App* sub : {set, forced}) {
+  for (CommandLine* sub : {set, forced}) {
     sub->add_option("name", name)->required();
     sub->add_option("value", value, "true, false, a number (with its unit), or a text")->required();
   }
   app.footer(examples({"polyarm tags list", "polyarm tags list PartHeld Vacuum",
                        "polyarm tags set Vacuum true", "polyarm tags force PartHeld true"}));
   return run_actions(app, argc, argv, [&]() -> int {
-    const std::string action = app.get_subcommands().front()->get_name();
+    const std::string action = app.subcommand();
     Json request{{"request", "tags." + action}};
     if (action == "list") {
       if (!names.empty()) request["names"] = names;

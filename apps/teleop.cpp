@@ -233,24 +233,22 @@ class Teleop {
 }  // namespace
 
 int run_teleop(int argc, char** argv) {
-  CLI::App app("Drives a base of a running cell from the keyboard", "polyarm teleop");
+  CommandLine app("Drives a base of a running cell from the keyboard", "polyarm teleop");
   TeleopArguments a;
   app.add_option("controller", a.name, "the base's controller, or its topic, where there are several");
-  app.add_option("--speed", a.speed, "m/s to begin with (the controller's limit, 0.5 at most)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--turn", a.turn, "rad/s to begin with (the controller's limit, 1 at most)")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--speed", a.speed, "m/s to begin with (the controller's limit, 0.5 at most)")->positive();
+  app.add_option("--turn", a.turn, "rad/s to begin with (the controller's limit, 1 at most)")->positive();
   app.add_option("--hold", a.hold, "s without a repeat of the key until the base stops")
-      ->check(CLI::Range(0.05, 1.0))
+      ->range(0.05, 1.0)
       ->capture_default_str();
   app.add_option("--first", a.first, "s until the first repeat of a key, as the keyboard is set")
-      ->check(CLI::Range(0.05, 2.0))
+      ->range(0.05, 2.0)
       ->capture_default_str();
   app.add_option("--cell", a.client.cell, "which cell, where several run");
   app.footer(examples({"polyarm teleop", "polyarm teleop jetbot_base_controller --speed 0.01",
                        "polyarm teleop --cell lab"}) +
              "\n" + kKeys);
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   Client client(a.client.cell);
   const Base base = choose_base(bases_of(client), a.name);
   Teleop teleop(client, base, a);

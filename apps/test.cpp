@@ -193,8 +193,8 @@ int run_all(const std::vector<cell::ProgramTest>& tests, const TestArguments& a)
 }  // namespace
 
 int run_test(int argc, char** argv) {
-  CLI::App app("Runs the tests of programs: each in a simulated cell of its own, in lock-step",
-               "polyarm test");
+  CommandLine app("Runs the tests of programs: each in a simulated cell of its own, in lock-step",
+                  "polyarm test");
   TestArguments a;
   app.add_option("path", a.path,
                  "a file of tests (*.script), or a folder with such files beside their cells");
@@ -204,7 +204,7 @@ int run_test(int argc, char** argv) {
                  "also write the results to this file, as continuous integration reads them");
   app.add_option("--robot", a.options.overrides.robot, "with another robot");
   app.add_option("--hardware", a.options.overrides.hardware, "declared, mock or mujoco")
-      ->check(hardware_name());
+      ->check(wrong_hardware, "NAME");
   app.add_option("--seconds", a.options.seconds, "of cell time that a test may take (600)");
   app.add_option("--patience", a.patience, "seconds of wall time after which a test is killed (300)");
   app.add_flag("--json", a.json, "one JSON object a line, for each test");
@@ -215,7 +215,7 @@ int run_test(int argc, char** argv) {
       examples({"polyarm test examples", "polyarm test my_cell --only \"blue parts\" --junit results.xml",
                 "polyarm test examples/sorting --robot abb/irb_120"}) +
       "\nExit codes: 0 all passed, 1 some failed or could not be read, 2 wrong command line\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   load_plugins(a.plugins);
   Problems problems;
   std::vector<cell::ProgramTest> tests = cell::find_tests(a.path, problems);

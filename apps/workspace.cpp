@@ -81,21 +81,20 @@ Subject in_cell(const std::string& folder, const std::string& name) {
 }  // namespace
 
 int run_workspace(int argc, char** argv) {
-  CLI::App app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
+  CommandLine app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
   AskedRobot robot;
   std::string folder, tool = "none", orientation = "down", image, data;
   std::vector<double> rpy;
   WorkspaceQuestion question;
   robot.add_to(app, "catalogue name, or a URDF, xacro or robot file; with --cell one of its robots");
   app.add_option("--cell", folder, "a cell: its robot where it stands, with its tool, limits and workspace")
-      ->check(CLI::ExistingPath);
-  app.add_option("--plane", question.plane, "xz (the default), xy or yz")
-      ->check(CLI::IsMember({"xz", "xy", "yz"}));
+      ->existing_path();
+  app.add_option("--plane", question.plane, "xz (the default), xy or yz")->one_of({"xz", "xy", "yz"});
   app.add_option("--at", question.at, "where the plane lies along its third axis, m (0)");
-  app.add_option("--resolution", question.resolution, "cells along an edge (80)")->check(CLI::Range(2, 2000));
+  app.add_option("--resolution", question.resolution, "cells along an edge (80)")->range(2, 2000);
   app.add_option("--tool", tool, "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
   app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
-      ->check(CLI::IsMember({"any", "down", "home"}));
+      ->one_of({"any", "down", "home"});
   app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad")->expected(3);
   app.add_option("--image", image, "picture, .svg or .png");
   app.add_option("--data", data, "table, .csv: position, reached, manipulability, joint values");
@@ -104,7 +103,7 @@ int run_workspace(int argc, char** argv) {
        "polyarm workspace --cell my_cell --plane xy --at 0.1 --image cell.svg",
        "polyarm workspace abb/irb_120 --plane xy --at 0.2 --data irb.csv",
        "polyarm workspace kuka/lbr_iiwa_7_r800 --orientation any --resolution 60 --image iiwa.png"}));
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (!image.empty()) image_of(image, {}, question, {});
   if (robot.name.empty() && folder.empty())
     throw Error("no-robot", "no robot is named", "say universal_robots/ur5e, or --cell and a folder");

@@ -8,7 +8,7 @@
 namespace polyarm::apps {
 
 int run_xacro(int argc, char** argv) {
-  CLI::App app("Expands a description in xacro to URDF", "polyarm xacro");
+  CommandLine app("Expands a description in xacro to URDF", "polyarm xacro");
   std::string file, output;
   std::vector<std::string> arguments, packages;
   bool deps = false, args = false;
@@ -24,7 +24,7 @@ int run_xacro(int argc, char** argv) {
                        "ur_description=~/ws/src/ur_description"}) +
              "\n$(find NAME) looks above the file for a package.xml, beside it, and where POLYARM_PACKAGES,\n"
              "ROS_PACKAGE_PATH and AMENT_PREFIX_PATH say.\n");
-  if (const auto code = parse(app, argc, argv)) return *code;
+  if (const auto code = app.parse(argc, argv)) return *code;
   description::XacroOptions options;
   options.arguments = named_values(arguments);
   for (const std::string& word : packages) {

@@ -1,19 +1,16 @@
-# Rooms whose files, and test programs whose files, may be compiled together, some at a time: a clean build takes
-# half the time, a change in one file a few seconds more. Names without a name space of their own that two files of
-# one folder share must mean the same thing. Off where one edits (preset dev).
-option(POLYARM_TOGETHER "compile several source files at a time" ON)
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
 set(POLYARM_ROOMS_TOGETHER cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files trajectory)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
     recording ros_files links messages plugins program ros2 base description motion trajectory sensors drivers)
 # So many at a time that each takes a compiler some seconds.
-set(POLYARM_TESTS_BY_SIX base control controllers data description drivers hardware kinematics messages motion pca9685
-    program ros_files sensors servos signals trajectory)
+set(POLYARM_BY_SIX test_base test_cell test_control test_controllers test_data test_description test_drivers test_hardware
+    test_kinematics test_links test_messages test_motion test_pca9685 test_plugins test_program test_recording test_ros2
+    test_ros_files test_sensors test_servos test_signals test_trajectory polyarm polyarm_cell polyarm_server)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
     set(batch 4)
-    if(target MATCHES "^test_" AND name IN_LIST POLYARM_TESTS_BY_SIX)
+    if(target IN_LIST POLYARM_BY_SIX)  # less optimized
       set(batch 6)
     endif()
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
@@ -22,6 +19,7 @@ function(polyarm_together target name rooms)
   endif()
 endfunction()
 
+set(POLYARM_ROOMS_AROUND_CELL cell recording server)
 # A room is a folder of headers and sources side by side, one static library, and one test program.
 #
 #   polyarm_room(kinematics USES base description LIBRARIES Eigen3::Eigen)
@@ -37,8 +35,8 @@ function(polyarm_room name)
     polyarm_together(polyarm_${name} ${name} "${POLYARM_ROOMS_TOGETHER}")
     target_include_directories(polyarm_${name} PUBLIC ${PROJECT_SOURCE_DIR})
     target_link_libraries(polyarm_${name} PUBLIC ${uses} ${ROOM_LIBRARIES})
-    if("nlohmann_json::nlohmann_json" IN_LIST ROOM_LIBRARIES)
-      polyarm_precompiled(polyarm_${name} polyarm_json_headers)
+    if(name IN_LIST POLYARM_ROOMS_AROUND_CELL)
+      polyarm_around_cell(polyarm_${name})
     else()
       polyarm_precompiled(polyarm_${name} polyarm_library_headers)
     endif()
@@ -51,16 +49,20 @@ endfunction()
 
 # Tests are compiled in the least time, but for those that reckon much.
 set(POLYARM_RECKONING_TESTS kinematics trajectory motion catalogue)
+set(POLYARM_CELL_TESTS cell live plugins links recording ros2 scenario server)
 set(test_options "")
 set(reckoning_test_options "")
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT POLYARM_SANITIZE)
   set(test_options -O0)
   set(reckoning_test_options -O1)
 endif()
+set(cell_test_options ${test_options})
 if(POLYARM_TESTS)
-  foreach(kind test reckoning_test)
-    polyarm_program_headers(polyarm_${kind}_headers "fmt::fmt;GTest::gtest;nlohmann_json::nlohmann_json"
-                            <gtest/gtest.h> <nlohmann/json.hpp>)
+  polyarm_program_headers(polyarm_test_headers "fmt::fmt;GTest::gtest" <gtest/gtest.h>)
+  polyarm_program_headers(polyarm_reckoning_test_headers "fmt::fmt;GTest::gtest" <gtest/gtest.h>)
+  polyarm_program_headers(polyarm_cell_test_headers "polyarm_cell_uses;GTest::gtest" <gtest/gtest.h>
+                          ${POLYARM_CELL_HEADERS})
+  foreach(kind test reckoning_test cell_test)
     target_compile_options(polyarm_${kind}_headers PRIVATE ${${kind}_options})
   endforeach()
 endif()
@@ -68,6 +70,8 @@ function(polyarm_compiled_as_test target name)
   set(kind test)
   if(name IN_LIST POLYARM_RECKONING_TESTS)
     set(kind reckoning_test)
+  elseif(name IN_LIST POLYARM_CELL_TESTS)
+    set(kind cell_test)
   endif()
   target_compile_options(${target} PRIVATE ${${kind}_options})
   polyarm_precompiled(${target} polyarm_${kind}_headers)

@@ -17,7 +17,7 @@ using motion::JogCommand;
 using motion::JogHold;
 using Kind = motion::JogWish::Kind;
 
-constexpr Nanoseconds kRenewEvery = 50'000'000, kTellEvery = 100'000'000;
+constexpr Nanoseconds kRenewEvery = 50'000'000, kTellJogEvery = 100'000'000;
 constexpr double kMostHold = 10;
 
 std::string short_name(const controllers::JointFacts& joint) {
@@ -25,7 +25,7 @@ std::string short_name(const controllers::JointFacts& joint) {
 }
 
 /// A number in SI, or a text with its unit.
-double quantity(const Json& value, const std::string& of, Dimension dimension) {
+double jog_quantity(const Json& value, const std::string& of, Dimension dimension) {
   if (value.is_number()) {
     const double number = value.get<double>();
     if (std::isfinite(number)) return number;
@@ -56,7 +56,7 @@ motion::JogValues joint_values(const CellRobot& robot, const Json& map, bool rat
     const bool slides = robot.facts->chain.slides(j);
     const Dimension dimension = rates ? (slides ? Dimension::speed : Dimension::angular_speed)
                                       : (slides ? Dimension::length : Dimension::angle);
-    out[j] = quantity(value, key, dimension);
+    out[j] = jog_quantity(value, key, dimension);
   }
   return out;
 }
@@ -73,7 +73,7 @@ motion::Twist twist_values(const Json& map, bool rates) {
     const auto k = static_cast<std::size_t>(found - names.begin());
     const Dimension dimension = k < 3 ? (rates ? Dimension::speed : Dimension::length)
                                       : (rates ? Dimension::angular_speed : Dimension::angle);
-    out[k] = quantity(value, key, dimension);
+    out[k] = jog_quantity(value, key, dimension);
   }
   return out;
 }
@@ -245,7 +245,7 @@ Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
       renewed = cell.now();
       jogging.send(i, session, command);
     }
-    if (cell.now() - told < kTellEvery) return Progress{};
+    if (cell.now() - told < kTellJogEvery) return Progress{};
     told = cell.now();
     return Progress::more(std::move(out));
   };

@@ -9,6 +9,10 @@ target_include_directories(polyarm_message_model PUBLIC ${PROJECT_SOURCE_DIR})
 target_link_libraries(polyarm_message_model PRIVATE OpenSSL::Crypto)
 add_executable(polyarm_message_generator ${messages}/generator/main.cpp)
 target_link_libraries(polyarm_message_generator PRIVATE polyarm_message_model)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")  # it reads one list once
+  target_compile_options(polyarm_message_model PRIVATE -O0)
+  target_compile_options(polyarm_message_generator PRIVATE -O0)
+endif()
 add_custom_command(OUTPUT ${made}/types.hpp ${made}/types.cpp
   COMMAND polyarm_message_generator ${messages}/interfaces.list ${made}
   DEPENDS polyarm_message_generator ${messages}/interfaces.list COMMENT "Making the messages of interfaces.list")

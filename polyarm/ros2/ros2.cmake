@@ -22,5 +22,5 @@ set_target_properties(polyarm_door_ros2 PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRE
 target_include_directories(polyarm_door_ros2 PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_link_libraries(polyarm_door_ros2 PRIVATE polyarm_ros2_wire fmt::fmt nlohmann_json::nlohmann_json)
 polyarm_together(polyarm_door_ros2 ros2 "${POLYARM_ROOMS_TOGETHER}")
-polyarm_precompiled(polyarm_door_ros2 polyarm_json_headers)
+polyarm_around_cell(polyarm_door_ros2)
 install(TARGETS polyarm_door_ros2 LIBRARY DESTINATION lib/polyarm)

@@ -296,7 +296,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   Work& work_;
-  ws::stream<beast::tcp_stream> stream_;
+  ws::stream<beast::tcp_stream, false> stream_;
   std::shared_ptr<Stream> client_;
   beast::flat_buffer buffer_;
   bool open_ = false, closing_ = false, writing_ = false, goes_away_ = false;

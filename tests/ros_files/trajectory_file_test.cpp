@@ -230,7 +230,7 @@ TEST(TrajectoryFile, WhatIsWrittenReadsBackToTheBit) {
           EXPECT_EQ(nanoseconds(back.points[i].time_from_start), nanoseconds(m.points[i].time_from_start));
         }
       }
-    EXPECT_NO_THROW((void)nlohmann::json::parse(to_json(m)));
+    EXPECT_TRUE(nlohmann::json::accept(to_json(m)));
   }
 }
 

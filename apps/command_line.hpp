@@ -1,0 +1,102 @@
+#pragma once
+/// The command line of a verb: what it takes, and where that goes. CLI11 reads it; its templates are
+/// command_line.cpp's alone, since they cost a compiler seconds in each file that sees them.
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace polyarm::apps {
+
+/// An option or a positional, as long as its command line lives; what fails a check is a wrong command line.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option* required();
+  /// So many values; -1: one or more.
+  Option* expected(int count);
+  Option* expected(int least, int most);
+  /// Between the values of one word.
+  Option* delimiter(char character);
+  Option* excludes(Option* other);
+  Option* needs(Option* other);
+  /// --help says the value it has now.
+  Option* capture_default_str();
+  Option* type_name(const std::string& name);
+
+  Option* range(int low, int high);
+  Option* range(double low, double high);
+  Option* positive();
+  Option* not_negative();
+  Option* one_of(std::initializer_list<const char*> words);
+  Option* existing_file();
+  Option* existing_folder();
+  Option* existing_path();
+  /// `wrong` returns what is wrong with a value, or nothing; `name` stands for a value in --help.
+  Option* check(std::function<std::string(const std::string&)> wrong, const std::string& name);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// Declares options, then reads the words of a command line into the variables that were given with them,
+/// which must outlive it.
+class CommandLine {
+ public:
+  CommandLine(const std::string& description, const std::string& name);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  Option* add_option(const std::string& names, std::string& value, const std::string& help = {});
+  Option* add_option(const std::string& names, double& value, const std::string& help = {});
+  Option* add_option(const std::string& names, int& value, const std::string& help = {});
+  Option* add_option(const std::string& names, unsigned& value, const std::string& help = {});
+  Option* add_option(const std::string& names, std::size_t& value, const std::string& help = {});
+  Option* add_option(const std::string& names, std::filesystem::path& value, const std::string& help = {});
+  Option* add_option(const std::string& names, std::vector<std::string>& value, const std::string& help = {});
+  Option* add_option(const std::string& names, std::vector<double>& value, const std::string& help = {});
+  Option* add_option_function(const std::string& names, const std::function<void(const std::string&)>& take,
+                              const std::string& help);
+  Option* add_option_function(const std::string& names, const std::function<void(double)>& take,
+                              const std::string& help);
+  Option* add_flag(const std::string& names, bool& value, const std::string& help = {});
+  Option* add_flag_callback(const std::string& names, const std::function<void()>& act,
+                            const std::string& help);
+
+  CommandLine* add_subcommand(const std::string& name, const std::string& help);
+  /// One subcommand has to be named.
+  void require_subcommand();
+  /// Text below the options in --help.
+  void footer(const std::string& text);
+
+  /// On --help or a wrong line it prints and returns the exit code to end with.
+  std::optional<int> parse(int argc, char** argv);
+
+  // After parse():
+  /// The subcommand that was named; it must have been required.
+  std::string subcommand() const;
+  /// This subcommand was named.
+  bool parsed() const;
+  /// How often an option was named.
+  std::size_t count(const std::string& option) const;
+
+ private:
+  struct State;
+  explicit CommandLine(std::unique_ptr<State> state);
+  Option* kept(CLI::Option* option);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace polyarm::apps
