@@ -51,7 +51,7 @@ bool moves(const description::RobotModel& model, std::size_t link) {
 double lowest_point(const CellRobot& robot) {
   double lowest = std::numeric_limits<double>::infinity();
   if (stands_free(robot)) return lowest;
-  const kinematics::Chain& chain = robot.facts->chain;
+  const kinematics::Chain chain(robot.model, robot.model.root, robot.entry.base);
   std::vector<Pose> poses(chain.links());
   chain.link_poses(robot.start, poses);
   for (std::size_t i = 0; i < robot.model.links.size(); ++i) {
