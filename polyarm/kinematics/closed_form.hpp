@@ -120,7 +120,8 @@ struct BranchJob {
   int patience = 4;            ///< steps after which only small errors are worth more
   int most_steps = 30;         ///< of descent
   double good_enough = 1e-11;  ///< errors smaller than this are not worked on, m and rad
-  /// How far the true arm is from the ideal one that has the form, m and rad; 0: what strayed is not asked for.
+  /// How far the true arm is from the ideal one that has the form, m and rad; 0: what strayed is not asked
+  /// for.
   double ideal = 0;
 };
 

@@ -36,12 +36,12 @@ struct DescentArm {
   std::vector<Axis> axes;
   Rotation first_turn;  ///< of the first axis' frame
   Vec3 first_point;
-  Rotation last_turn;                                      ///< from the frame behind the last axis to the TCP
-  std::size_t joints = 0;                                  ///< that move the TCP
+  Rotation last_turn;      ///< from the frame behind the last axis to the TCP
+  std::size_t joints = 0;  ///< that move the TCP
   std::array<std::size_t, Chain::kMostMoving> chain_joint;  ///< their places in a joint state
   std::array<double, Chain::kMostMoving> unit;              ///< rad or m of one unit
   std::array<double, Chain::kMostMoving> lower, upper;      ///< +-1e9: none, or further than a whole turn
-  double length = 1;                                       ///< m
+  double length = 1;                                        ///< m
   /// The same with the joints side by side, for descend_alone(); what is left of eight is zero.
   struct alignas(64) Single {
     bool possible = false;  ///< at most eight axes, each with a joint of its own that it follows one to one
@@ -74,7 +74,7 @@ struct alignas(64) Descents {
   double least[kDescents];         ///< the least error so far (squared)
   double stuck[kDescents];         ///< steps that hardly helped
   double pull[Chain::kMostMoving][kDescents];  ///< what joints would do if the pose did not matter
-  std::uint32_t converged = 0, stale = 0;     ///< bits
+  std::uint32_t converged = 0, stale = 0;      ///< bits
 
   void restart(std::size_t lane) noexcept {
     least[lane] = 1e300;

@@ -39,9 +39,6 @@ struct Gathered {
   /// Branches that came close to the pose and are not exact.
   std::array<AxisValues, 8> nearly;
   std::size_t nearly_count = 0;
-  /// Exact ones outside of limits: others near them may be within.
-  std::array<AxisValues, 8> outside;
-  std::size_t outside_count = 0;
   bool spread = false;  ///< where there is no more room, the one most like another goes
   /// Of members of a family the one nearest to the seed stays, else the one that came first.
   bool nearest_stays = false;
@@ -53,7 +50,6 @@ struct Gathered {
     return all[out];
   }
   void replace_most_alike(const Candidate& one) noexcept;
-  void take_outside(const AxisValues& one, std::size_t axes) noexcept;
   void take(const Candidate& one) noexcept {
     if (count < all.size()) {
       all[count++] = one;

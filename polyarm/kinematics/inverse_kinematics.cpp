@@ -108,9 +108,9 @@ void InverseKinematics::Arm::offer(BranchJob& job, std::span<const AxisValues> s
   job.worth_polishing = sliding ? 10 : 1;
   job.patience = 8;
   Branches branches;
-  for (std::size_t first = 0; first < states.size(); first += kBranches) {
+  for (std::size_t from = 0; from < states.size(); from += kBranches) {
     for (std::size_t k = 0; k < kBranches; ++k) {
-      const AxisValues& state = states[std::min(first + k, states.size() - 1)];
+      const AxisValues& state = states[std::min(from + k, states.size() - 1)];
       for (std::size_t i = 0; i < geometry.count; ++i) branches.value[i][k] = state[i];
     }
     branches.free = 0;
@@ -214,9 +214,7 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     out.beyond_limits |= one.exact && !inside;
     for (std::size_t i = 0; i < n; ++i) one.value[i] = branches.value[i][k];
     if (!inside) {
-      if (!one.exact || out.at_limit) continue;
-      out.take_outside(one.value, n);
-      put_on_limits(job, one.value, since, out);
+      if (one.exact && !out.at_limit) put_on_limits(job, one.value, since, out);
       continue;
     }
     if (!one.exact && size < kNearly * kNearly && out.nearly_count < out.nearly.size())

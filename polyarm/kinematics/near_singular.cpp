@@ -16,8 +16,8 @@ constexpr double kFollows = 0.1;  ///< rad
 constexpr int kRelaxing = 4;
 /// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
 constexpr double kParted = 12;
-constexpr double kEdgeOfStrayed =
-    0.01;                            ///< at least, where descent strayed: 0.1 rad from wrists' singularities
+/// At least, where descent strayed: 0.1 rad from wrists' singularities.
+constexpr double kEdgeOfStrayed = 0.01;
 constexpr double kWider = 30;        ///< the same where branches have come close and no further
 constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
 constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
@@ -134,16 +134,6 @@ void Gathered::replace_most_alike(const Candidate& one) noexcept {
   if (goes < count) all[goes] = one;
 }
 
-void Gathered::take_outside(const AxisValues& one, std::size_t axes) noexcept {
-  constexpr double kSame = 1e-4;
-  for (std::size_t k = 0; k < outside_count; ++k) {
-    double most = 0;
-    for (std::size_t i = 0; i < axes; ++i) most = std::max(most, std::abs(one[i] - outside[k][i]));
-    if (most < kSame) return;
-  }
-  if (outside_count < outside.size()) outside[outside_count++] = one;
-}
-
 /// Descent from all that wait.
 void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& waiting, std::size_t before,
                                          Gathered& out) const noexcept {
@@ -226,7 +216,7 @@ void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked,
 void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr std::size_t kMostLookedAt = 24;
-  const std::size_t nearly_count = out.nearly_count, outside_count = out.outside_count;
+  const std::size_t nearly_count = out.nearly_count;
   bool walked = false;
   for (std::size_t from = since, more = 0; from < out.count && from < since + kMostLookedAt; from += more) {
     more = std::min(kBranches, out.count - from);

@@ -12,9 +12,10 @@ namespace polyarm::kinematics {
 
 /// One question in the kernel's terms.
 struct NumericQuestion {
-  std::array<double, 12> target;               ///< as Descents::target
-  std::optional<DescentTask> task;             ///< none: the whole pose
-  std::array<double, Chain::kMostMoving> seed;  ///< of the joints that move, in the arm's units, within limits
+  std::array<double, 12> target;    ///< as Descents::target
+  std::optional<DescentTask> task;  ///< none: the whole pose
+  std::array<double, Chain::kMostMoving>
+      seed;  ///< of the joints that move, in the arm's units, within limits
   bool walls = true;
 };
 

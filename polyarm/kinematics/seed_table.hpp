@@ -41,7 +41,11 @@ class SeedTable {
   const FeatureTable& places() const noexcept { return table_; }
   /// The table's states are all over these joints' ranges; the first and the last may follow from the pose.
   double value(std::size_t row, std::size_t joint) const noexcept {
-    return states_[(row / kDescents * arm_.joints + joint) * kDescents + row % kDescents];
+    return eight_values(row, joint)[row % kDescents];
+  }
+  /// Of the eight rows that `row` is one of, whose number is a multiple of eight.
+  const double* eight_values(std::size_t row, std::size_t joint) const noexcept {
+    return states_ + (row / kDescents * arm_.joints + joint) * kDescents;
   }
   bool first_turns() const noexcept { return first_turns_; }
   bool last_turns() const noexcept { return last_turns_; }

@@ -123,10 +123,13 @@ std::optional<SelfMotion> SelfMotion::of(const NumericCore& core, const ArmGeome
     out.turns_[k] = out.upper_[k] - out.lower_[k] >= 2 * std::numbers::pi;
   }
   const std::size_t size = core.table.size();
-  out.values_.resize(kJoints * size);
-  for (std::size_t row = 0; row < size; ++row)
-    for (std::size_t k = 0; k < kJoints; ++k)
-      out.values_[k * size + row] = static_cast<float>(core.table.value(row, k));
+  out.values_ = std::make_unique_for_overwrite<float[]>(kJoints * size);
+  for (std::size_t row = 0; row < size; row += kDescents)
+    for (std::size_t k = 0; k < kJoints; ++k) {
+      const double* const from = core.table.eight_values(row, k);
+      for (std::size_t lane = 0; lane < kDescents; ++lane)
+        out.values_[k * size + row + lane] = static_cast<float>(from[lane]);
+    }
   return out;
 }
 
@@ -178,7 +181,7 @@ void SelfMotion::descend_from(const Question& question, int steps, Descents& all
 void SelfMotion::find_near(const Question& question, const StatesWanted& wanted, std::size_t most,
                            States& out) const noexcept {
   StatesNear near;
-  find_states(core_->table.places(), values_.data(), wanted, near);
+  find_states(core_->table.places(), values_.get(), wanted, near);
   for (std::size_t i = 0; i < kStateGroups; ++i) {
     std::array<double, Chain::kMaxJoints> x;
     core_->table.read(question.search, static_cast<std::size_t>(near.row[i]), x.data());

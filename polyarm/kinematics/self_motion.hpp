@@ -4,6 +4,7 @@
 /// Descents from states of a table lead onto the curves, eight side by side, and from there each slides to
 /// where the distance is least. Used inside this room only.
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -60,7 +61,7 @@ class SelfMotion {
   std::size_t descents_ = 0, slides_ = 0;  ///< of each choice; of all
   std::array<double, Slides::kJoints> lower_{}, upper_{}, weight_{};
   std::array<bool, Slides::kJoints> turns_{};  ///< limits leave more than one turn
-  std::vector<float> values_;                  ///< of the table's states, joint after joint
+  std::unique_ptr<float[]> values_;            ///< of the table's states, joint after joint
 };
 
 }  // namespace polyarm::kinematics

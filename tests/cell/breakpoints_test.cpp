@@ -52,7 +52,9 @@ TEST(WhereLinesAre, FollowAnyEdits) {
     const std::vector<int> where = where_lines_are(before, after);
     for (std::size_t i = 0; i < before.size(); ++i) {
       const auto found = std::find(after.begin(), after.end(), before[i]);
-      if (found != after.end()) EXPECT_EQ(where[i], found - after.begin() + 1) << "round " << round;
+      if (found != after.end()) {
+        EXPECT_EQ(where[i], found - after.begin() + 1) << "round " << round;
+      }
     }
     EXPECT_TRUE(std::all_of(where.begin(), where.end(),
                             [&](int line) { return line >= 0 && line <= static_cast<int>(after.size()); }));

@@ -65,7 +65,9 @@ TEST(GeneralSix, TellsFromOneStateWhatSolvingPosesWouldTell) {
           const GeneralSix::Finds told = tried.finds(q, target, 1e-3);
           const std::size_t count = six.solve(target, found);
           EXPECT_EQ(told == GeneralSix::Finds::it, among({found.data(), count}, q)) << family;
-          if (told == GeneralSix::Finds::nothing_ever) EXPECT_EQ(count, 0U) << family;
+          if (told == GeneralSix::Finds::nothing_ever) {
+            EXPECT_EQ(count, 0U) << family;
+          }
           found_it += told == GeneralSix::Finds::it;
           never += told == GeneralSix::Finds::nothing_ever;
         }

@@ -204,7 +204,7 @@ TEST(ScrewChain, MayBeCalledInTheControlCycle) {
 }
 
 TEST(ScrewChain, RefusesMoreJointsThanItHasRoomFor) {
-  EXPECT_THROW(ScrewChain({}, 33, {}, {}), Error);
+  EXPECT_THROW(ScrewChain({}, Chain::kMaxJoints + 1, {}, {}), Error);
 }
 
 }  // namespace

@@ -165,7 +165,9 @@ TEST(SelfMotion, AllSolutionsOfASearchedArmAreSpreadOverItsCurves) {
       EXPECT_LE(all[0].distance, nearest.distance + 1e-6);
       for (const IkSolution& one : all) {
         expect_answer(chain, target, one, name);
-        if (&one != all.begin()) EXPECT_GE(one.distance, (&one - 1)->distance);
+        if (&one != all.begin()) {
+          EXPECT_GE(one.distance, (&one - 1)->distance);
+        }
       }
       found += all.count;
     }

@@ -137,8 +137,9 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
   const Finished c = run_command({"run", "--description", copy.file("c.urdf"), "--fast", "--seconds", "1"});
   EXPECT_EQ(c.exit_code, 0) << c.output;
   if (c.output.find("Tail: the plugin acme/Unheard is not installed, replaced by physics") !=
-      std::string::npos)
+      std::string::npos) {
     EXPECT_NE(c.output.find("R6: played by physics, as the other joints"), std::string::npos) << c.output;
+  }
 }
 
 TEST(Run, TakesARobotWhereACellMayStand) {
