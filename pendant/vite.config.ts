@@ -4,8 +4,8 @@ import { defineConfig } from 'vite';
 export default defineConfig({
   base: '/',
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
-  // A test reads the language's reference page.
-  server: { fs: { allow: ['..'] } },
+  // A test reads the language's reference page; by number, for a machine need not know the name localhost.
+  server: { host: '127.0.0.1', fs: { allow: ['..'] } },
   build: {
     target: 'es2021',
     modulePreload: { polyfill: false },

@@ -60,9 +60,11 @@ Related related_of(const rtps::WriteParams& params) {
   return {guid_of(identity.writer_guid()), static_cast<std::int64_t>(identity.sequence_number().to64long())};
 }
 
-/// Where a peer is, which may be told by its name.
-rtps::Locator_t locator_of(const std::string& peer) {
+/// Where a peer is, which may be told by its name. `localhost` is this machine whatever its files say (RFC
+/// 6761).
+rtps::Locator_t locator_of(const std::string& told) {
   rtps::Locator_t out;
+  const std::string peer = told == "localhost" ? "127.0.0.1" : told;
   if (IPLocator::isIPv4(peer) && IPLocator::setIPv4(out, peer)) return out;
   const auto found = IPLocator::resolveNameDNS(peer).first;
   if (found.empty() || !IPLocator::setIPv4(out, *found.begin()))

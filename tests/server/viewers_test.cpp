@@ -113,7 +113,7 @@ TEST_F(ViewersTest, AClientOfOthersReadsWhatItIsTold) {
     Json said;
     std::atomic<bool> over{false};
     std::thread client([&] {
-      said = test::node(folder_of_peers, "watch.mjs 'ws://localhost:" + std::to_string(pendant->port()) +
+      said = test::node(folder_of_peers, "watch.mjs 'ws://127.0.0.1:" + std::to_string(pendant->port()) +
                                              "/?token=secret' " + protocol + " https://app.foxglove.dev");
       over = true;
     });
