@@ -13,10 +13,14 @@ export async function launch() {
   const server = await chromium.launchServer({
     executablePath,
     headless: true,
+    host: '127.0.0.1',  // a machine need not know the name localhost
     args: ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
       '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', `--disk-cache-dir=${folder}`],
   });
-  const browser = await chromium.connect(server.wsEndpoint());
+  const browser = await chromium.connect(server.wsEndpoint()).catch(async (error) => {
+    await server.kill().catch(() => undefined);  // else it keeps the cases from ending
+    throw error;
+  });
   return {
     browser,
     /** Kills all of its processes at once, as when its machine loses power. */
