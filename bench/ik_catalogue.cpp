@@ -108,10 +108,6 @@ Row measure(const description::RobotModel& model, int poses) {
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 struct Setup {
   double least_us = 0, median_us = 0, first_us = 0, all_us = 0;
 };

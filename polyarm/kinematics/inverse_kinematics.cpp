@@ -85,7 +85,7 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   if (branches.free != 0 && geometry.count < 6) along_families(job, 0, before, out);
 }
 
-/// All that the search along axis 4 ends in, and what descent finds around the seed.
+/// All that the search along one axis ends in, and what descent finds around the seed.
 void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
                                        Gathered& out) const noexcept {
   // Once more as many where the search looks closer in places.

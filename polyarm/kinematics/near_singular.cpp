@@ -16,9 +16,9 @@ constexpr double kFollows = 0.1;  ///< rad
 constexpr int kRelaxing = 4;
 /// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
 constexpr double kParted = 12;
+constexpr double kWider = 30;  ///< the same where branches have come close and no further
 /// At least, where descent strayed: 0.1 rad from wrists' singularities.
 constexpr double kEdgeOfStrayed = 0.01;
-constexpr double kWider = 30;        ///< the same where branches have come close and no further
 constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
 constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
 
@@ -67,7 +67,7 @@ void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisFor
   SixAxisForm telling;
   if (spare >= 0) telling = telling_of(strict_form);
   job.form = spare >= 0 ? &telling : &first;
-  job.ideal = (known.worst_gap + known.worst_angle * std::max(1.0, lanes.size));
+  job.ideal = known.worst_gap + known.worst_angle * std::max(1.0, lanes.size);
   solve_branches(job, branches);
   job.ideal = 0;
   const bool strayed = branches.strayed != 0;
