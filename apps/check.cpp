@@ -2,15 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "apps/options.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::apps {
 
 namespace {
 
 using nlohmann::json;
+
+/// Problems that are told; of the others the number.
+constexpr std::size_t kMostTold = bounds::kProblemsTold;
+
+std::span<const Problem> first_of(const std::vector<Problem>& problems) {
+  return std::span(problems).first(std::min(problems.size(), kMostTold));
+}
 
 json json_of(const Problem& p) {
   return {{"code", p.code},
@@ -24,7 +34,7 @@ json json_of(const Problem& p) {
 
 void print_json(const cell::CheckResult& result) {
   json problems = json::array(), points = json::array();
-  for (const Problem& problem : result.problems) problems.push_back(json_of(problem));
+  for (const Problem& problem : first_of(result.problems)) problems.push_back(json_of(problem));
   for (const cell::PointReport& point : result.points)
     points.push_back({{"name", point.name},
                       {"file", point.where.file},
@@ -34,6 +44,8 @@ void print_json(const cell::CheckResult& result) {
                       {"joints", point.joints}});
   const json out = {{"result", result.has_errors() ? "failed" : "ok"},
                     {"problems", problems},
+                    {"problems_left_out", result.problems.size() - problems.size()},
+                    {"notes", result.notes},
                     {"points", points},
                     {"moves", result.moves},
                     {"reached", result.reached.file.empty() ? "" : result.reached.text()}};
@@ -42,10 +54,12 @@ void print_json(const cell::CheckResult& result) {
 
 void print_text(const cell::CheckResult& result) {
   int errors = 0, warnings = 0;
-  for (const Problem& problem : result.problems) {
-    fmt::print("{}\n", problem.text());
+  for (const Problem& problem : first_of(result.problems)) fmt::print("{}\n", problem.text());
+  for (const Problem& problem : result.problems)
     ++(problem.severity == Severity::error ? errors : warnings);
-  }
+  if (result.problems.size() > kMostTold)
+    fmt::print("and {} more problems\n", result.problems.size() - kMostTold);
+  for (const std::string& note : result.notes) fmt::print("note: {}\n", note);
   int reached = 0;
   for (const cell::PointReport& point : result.points) reached += point.reachable ? 1 : 0;
   if (!result.points.empty()) fmt::print("{} of {} points can be reached\n", reached, result.points.size());
@@ -73,7 +87,7 @@ int run_check(int argc, char** argv) {
   app.add_flag("--dry", options.dry,
                "run the program in lock-step simulation; list contacts, limits and parts by line");
   app.add_option("--cycles", options.cycles, "passes of the dry run");
-  app.add_flag("--json", as_json, "one JSON object: result, problems, points, moves, reached");
+  app.add_flag("--json", as_json, "one JSON object: result, problems, notes, points, moves, reached");
   app.footer(
       examples({"polyarm check examples/pick_and_place",
                 "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +

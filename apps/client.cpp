@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "apps/ending.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
@@ -107,14 +108,18 @@ Json Client::receive(int timeout_ms) {
 }
 
 Json Client::result_of(const Json& answer) {
-  if (answer.value("ok", false)) return answer.value("result", Json());
-  const Json error = answer.value("error", Json::object());
+  if (flag_of(part(answer, {"ok"}))) return part(answer, {"result"});
+  const Json &error = part(answer, {"error"}), &all = part(error, {"all"});
+  const auto said = [](const Json& each, const char* key, const char* otherwise) {
+    const std::string out = text_of(part(each, {key}));
+    return out.empty() ? std::string(otherwise) : out;
+  };
   std::vector<Problem> problems;
-  for (const Json& each : error.contains("all") ? error["all"] : Json::array({error}))
-    problems.push_back({each.value("code", "refused"),
-                        {each.value("where", ""), 0, 0},
-                        each.value("what", "the cell refused"),
-                        each.value("advice", "")});
+  for (const Json& each : all.is_array() ? all : Json::array({error}))
+    problems.push_back({said(each, "code", "refused"),
+                        {said(each, "where", ""), 0, 0},
+                        said(each, "what", "the cell refused"),
+                        said(each, "advice", "")});
   throw Error(std::move(problems));
 }
 
@@ -155,6 +160,30 @@ std::string shown(const Json& value) {
   return value.dump();
 }
 
+const Json& part(const Json& from, std::initializer_list<const char*> path) {
+  static const Json none;
+  const Json* at = &from;
+  for (const char* key : path) {
+    if (!at->is_object()) return none;
+    const auto found = at->find(key);
+    if (found == at->end()) return none;
+    at = &*found;
+  }
+  return *at;
+}
+
+double number_of(const Json& value) {
+  return value.is_number() ? value.get<double>() : 0;
+}
+
+std::string text_of(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : "";
+}
+
+bool flag_of(const Json& value) {
+  return value.is_boolean() ? value.get<bool>() : value.is_number() && value.get<double>() != 0;
+}
+
 int run_actions(CommandLine& app, int argc, char** argv, const std::function<int()>& act) {
   app.require_subcommand();
   if (const auto code = app.parse(argc, argv)) return *code;
@@ -168,9 +197,16 @@ bool interrupted() {
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { interrupt = true; };
+  // Who closes the terminal has gone, and who reads the output no more, too: what moves for this verb ends.
+  for (const int number : {SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2}) sigaction(number, &action, nullptr);
   action.sa_flags = SA_RESETHAND;  // a second one ends the verb, whatever the cell does
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
+  struct sigaction unread {};
+  unread.sa_handler = [](int) {
+    interrupt = true;
+    write_to_nobody();
+  };
+  sigaction(SIGPIPE, &unread, nullptr);
 }
 
 }  // namespace polyarm::apps

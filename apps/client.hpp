@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -55,6 +56,13 @@ class Client {
 void print_table(const std::vector<std::string>& headings, const std::vector<std::vector<std::string>>& rows);
 /// A JSON value as a person reads it.
 std::string shown(const Json& value);
+
+/// The value at `path` within an answer; null where there is none, or something else is on the way.
+const Json& part(const Json& from, std::initializer_list<const char*> path);
+// What an answer says, whatever kind it has: a missing or other value is 0, empty or false.
+double number_of(const Json& value);
+std::string text_of(const Json& value);
+bool flag_of(const Json& value);
 
 /// A verb whose first word chooses an action; each has its own options.
 int run_actions(CommandLine& app, int argc, char** argv, const std::function<int()>& act);

@@ -1,12 +1,16 @@
 #include "apps/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <deque>
 #include <utility>
 
 #include "apps/verb.hpp"
+#include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
 
@@ -24,6 +28,59 @@ bool is_named_value(const std::string& word) {
   return at != std::string::npos && at > 0 &&
          std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(at),
                      [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+
+/// Before the words become numbers, so that what is wrong is said in our words.
+CLI::Option* of_numbers(CLI::Option* option, bool whole, bool natural) {
+  option->check(CLI::Validator(
+      [whole, natural](std::string& value) {
+        const auto number = parse_number(value);
+        const bool fits = number && (!whole || *number == std::floor(*number)) && (!natural || *number >= 0);
+        if (fits) return std::string{};
+        return "'" + value + "' was given, " +
+               (natural ? "a whole number of at least 0"
+                : whole ? "a whole number"
+                        : "a number") +
+               " was expected";
+      },
+      "", "type"));
+  return option;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> out;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) out.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) out.push_back("-" + name);
+  }
+  return out;
+}
+
+/// The part of the command line that was understood last: a subcommand, or the verb.
+const CLI::App& innermost(const CLI::App& app) {
+  const auto inner = app.get_subcommands();
+  return inner.empty() ? app : innermost(*inner.front());
+}
+
+/// Words that nothing takes, with what was likely meant; empty where there are none.
+std::string not_understood(const CLI::App& app) {
+  const std::vector<std::string> rest = app.remaining(true);
+  const CLI::App& at = innermost(app);
+  std::string out;
+  for (const std::string& word : rest) {
+    if (word.size() < 2 || word.front() != '-') continue;
+    const std::string name = word.substr(0, word.find('='));
+    out += "there is no option '" + name + "'" + did_you_mean(name, option_names(at)) + "\n";
+  }
+  if (!out.empty() || rest.empty()) return out;
+  std::vector<std::string> parts;
+  for (const CLI::App* part : at.get_subcommands([](const CLI::App*) { return true; }))
+    parts.push_back(part->get_name());
+  if (!parts.empty())
+    return "there is no '" + at.get_name() + " " + rest.front() + "'" + did_you_mean(rest.front(), parts) +
+           " (" + join(parts, ", ") + ")\n";
+  return "'" + join(rest, "' '") + "': nothing takes " + (rest.size() == 1 ? "this word" : "these words") +
+         ", or it is given twice\n";
 }
 
 }  // namespace
@@ -61,23 +118,37 @@ Option* Option::type_name(const std::string& name) {
   return this;
 }
 Option* Option::range(int low, int high) {
-  option_->check(CLI::Range(low, high));
-  return this;
+  return range(static_cast<double>(low), static_cast<double>(high));
 }
 Option* Option::range(double low, double high) {
-  option_->check(CLI::Range(low, high));
-  return this;
+  return bounded([=](double n) { return n >= low && n <= high; },
+                 "from " + format_number(low) + " to " + format_number(high));
 }
 Option* Option::positive() {
-  option_->check(CLI::PositiveNumber);
-  return this;
+  return bounded([](double n) { return n > 0; }, "above 0");
 }
 Option* Option::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
+  return bounded([](double n) { return n >= 0; }, "of at least 0");
+}
+/// What is no number at all is told by the check of the option's type, which comes first.
+Option* Option::bounded(const std::function<bool(double)>& fits, const std::string& which) {
+  option_->check(CLI::Validator(
+      [=](std::string& value) {
+        const auto number = parse_number(value);
+        return number && fits(*number) ? std::string{}
+                                       : "'" + value + "' was given, a number " + which + " was expected";
+      },
+      "", "bounds"));
   return this;
 }
 Option* Option::one_of(std::initializer_list<const char*> words) {
-  option_->check(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())));
+  const std::vector<std::string> all(words.begin(), words.end());
+  option_->check(CLI::Validator(
+      [all](std::string& value) {
+        if (std::find(all.begin(), all.end(), value) != all.end()) return std::string{};
+        return "there is no '" + value + "'" + did_you_mean(value, all) + " (" + join(all, ", ") + ")";
+      },
+      "{" + join(all, ",") + "}"));
   return this;
 }
 Option* Option::existing_file() {
@@ -113,16 +184,16 @@ Option* CommandLine::add_option(const std::string& names, std::string& value, co
   return kept(state_->app->add_option(names, value, help));
 }
 Option* CommandLine::add_option(const std::string& names, double& value, const std::string& help) {
-  return kept(state_->app->add_option(names, value, help));
+  return kept(of_numbers(state_->app->add_option(names, value, help), false, false));
 }
 Option* CommandLine::add_option(const std::string& names, int& value, const std::string& help) {
-  return kept(state_->app->add_option(names, value, help));
+  return kept(of_numbers(state_->app->add_option(names, value, help), true, false));
 }
 Option* CommandLine::add_option(const std::string& names, unsigned& value, const std::string& help) {
-  return kept(state_->app->add_option(names, value, help));
+  return kept(of_numbers(state_->app->add_option(names, value, help), true, true));
 }
 Option* CommandLine::add_option(const std::string& names, std::size_t& value, const std::string& help) {
-  return kept(state_->app->add_option(names, value, help));
+  return kept(of_numbers(state_->app->add_option(names, value, help), true, true));
 }
 Option* CommandLine::add_option(const std::string& names, std::filesystem::path& value,
                                 const std::string& help) {
@@ -134,7 +205,7 @@ Option* CommandLine::add_option(const std::string& names, std::vector<std::strin
 }
 Option* CommandLine::add_option(const std::string& names, std::vector<double>& value,
                                 const std::string& help) {
-  return kept(state_->app->add_option(names, value, help));
+  return kept(of_numbers(state_->app->add_option(names, value, help), false, false));
 }
 Option* CommandLine::add_option_function(const std::string& names,
                                          const std::function<void(const std::string&)>& take,
@@ -143,8 +214,9 @@ Option* CommandLine::add_option_function(const std::string& names,
 }
 Option* CommandLine::add_option_function(const std::string& names, const std::function<void(double)>& take,
                                          const std::string& help) {
-  return kept(state_->app->add_option_function<double>(
-      names, [take](const double& value) { take(value); }, help));
+  return kept(of_numbers(state_->app->add_option_function<double>(
+                             names, [take](const double& value) { take(value); }, help),
+                         false, false));
 }
 Option* CommandLine::add_flag(const std::string& names, bool& value, const std::string& help) {
   return kept(state_->app->add_flag(names, value, help));
@@ -179,6 +251,13 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     state_->app->parse(std::move(words));
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
+    const bool asks = e.get_exit_code() == 0;  // for help
+    const std::string wrong = asks ? std::string{} : not_understood(*state_->app);
+    if (!wrong.empty()) {
+      fmt::print(stderr, "{}{} --help says what there is.\n", wrong,
+                 innermost(*state_->app).get_display_name());
+      return kUsage;
+    }
     const int code = state_->app->exit(e);
     return code == 0 ? kOk : kUsage;
   }

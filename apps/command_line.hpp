@@ -46,6 +46,8 @@ class Option {
   Option* check(std::function<std::string(const std::string&)> wrong, const std::string& name);
 
  private:
+  Option* bounded(const std::function<bool(double)>& fits, const std::string& which);
+
   CLI::Option* option_;
 };
 

@@ -45,7 +45,7 @@ int open_log(const fs::path& log) {
     if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
   } catch (const Error&) {
   }
-  const int fd = ::open(log.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_APPEND | O_CLOEXEC, 0644);
+  const int fd = ::open(log.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   return fd >= 0 ? fd : ::open("/dev/null", O_WRONLY | O_CLOEXEC);
 }
 

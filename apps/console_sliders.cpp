@@ -10,6 +10,7 @@
 #include "apps/console_move.hpp"
 #include "apps/jog_keys.hpp"
 #include "apps/keyboard.hpp"
+#include "apps/terminal.hpp"
 
 namespace polyarm::apps {
 
@@ -134,19 +135,19 @@ class Sliders {
   }
 
   void show() const {
-    std::string out = fmt::format("\r\x1b[{}A", joints_.size() + 2);
+    std::string out = own_return() + own_escape(fmt::format("[{}A", joints_.size() + 2));
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const Json& limits = state_["limits"][joints_[i]];
-      out += "\x1b[K" +
+      out += own_escape("[K") +
              fitting(fmt::format(" {}{:<22.22} {} {:>11}  at {:>11}", i == chosen_ ? '>' : ' ', joints_[i],
                                  range_bar(sliders_[i], limits, kBar), joint_text(sliders_[i], slides(i)),
                                  joint_text(at(i), slides(i)))) +
              "\n";
     }
-    out += "\x1b[K" +
+    out += own_escape("[K") +
            fitting(fmt::format("at {:.0f} % of the speed limits, profile {}", 100 * kSpeeds[speed_],
                                shown(state_["profile"]))) +
-           "\n\x1b[K" + fitting(problem_.empty() ? "" : "held back: " + problem_) + "\n";
+           "\n" + own_escape("[K") + fitting(problem_.empty() ? "" : "held back: " + problem_) + "\n";
     std::fputs(out.c_str(), stdout);
     std::fflush(stdout);
   }

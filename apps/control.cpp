@@ -28,16 +28,16 @@ void list(const Json& controllers) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& c : controllers)
     rows.push_back({shown(c["name"]), shown(c["type"]),
-                    shown(c["state"]) + (c["chained"].get<bool>() ? " (chained)" : "") +
-                        (c.value("stale", false) ? " (nothing new comes)" : ""),
-                    fmt::format("{:g} Hz", c["rate"].get<double>()), shown(c["claimed"])});
+                    shown(c["state"]) + (flag_of(c["chained"]) ? " (chained)" : "") +
+                        (flag_of(part(c, {"stale"})) ? " (nothing new comes)" : ""),
+                    fmt::format("{:g} Hz", number_of(c["rate"])), shown(c["claimed"])});
   print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
 }
 
 void tell_switch(const Json& result, bool dry) {
   if (!result.value("ok", true)) {
     fmt::print("refused: {}{}\n", shown(result["reason"]),
-               result["advice"].get<std::string>().empty() ? "" : " (" + shown(result["advice"]) + ")");
+               text_of(result["advice"]).empty() ? "" : " (" + shown(result["advice"]) + ")");
     return;
   }
   fmt::print("{} {}; {} {}\n", dry ? "would stop" : "stopped", shown(result["stop"]),
@@ -77,11 +77,11 @@ double percent_of(const std::string& text) {
 /// What became of a request that moves or stops.
 void tell_motion(const std::string& action, const Json& result) {
   if (action == "override") {
-    fmt::print("override {:g} %\n", result["percent"].get<double>());
+    fmt::print("override {:g} %\n", number_of(result["percent"]));
   } else if (action == "back") {
     fmt::print("stepped back, {} again\n", shown(result["state"]));
     for (const auto& [joint, way] : result["joints"].items())
-      fmt::print("  {} {:+.4f}\n", joint, way.get<double>());
+      fmt::print("  {} {:+.4f}\n", joint, number_of(way));
   } else {
     fmt::print("asked to {}\n", shown(result["asked"]));
     if (result.contains("inactive")) fmt::print("switched off {}\n", shown(result["inactive"]));
@@ -115,7 +115,7 @@ int act(const CommandLine& app, const Arguments& a) {
   } else if (action == "chains") {
     for (const Json& link : result)
       fmt::print("{} → {} through {}{}\n", shown(link["from"]), shown(link["to"]), shown(link["reference"]),
-                 link["active"].get<bool>() ? "" : " (inactive)");
+                 flag_of(link["active"]) ? "" : " (inactive)");
     if (result.empty()) fmt::print("no controller works through another\n");
   } else if (action == "switch") {
     tell_switch(result, a.dry);
@@ -129,15 +129,14 @@ int act(const CommandLine& app, const Arguments& a) {
 }
 
 std::string place_of(const Json& where) {
-  return fmt::format("{}:{}", std::filesystem::path(where["file"].get<std::string>()).filename().string(),
-                     where["line"].get<int>());
+  return fmt::format("{}:{}", std::filesystem::path(text_of(where["file"])).filename().string(),
+                     static_cast<int>(number_of(where["line"])));
 }
 
 std::string named_values(const Json& values) {
   std::string out;
   for (const Json& value : values)
-    out += (out.empty() ? "" : ", ") + value["name"].get<std::string>() + " = " +
-           value["value"].get<std::string>();
+    out += (out.empty() ? "" : ", ") + text_of(value["name"]) + " = " + text_of(value["value"]);
   return out;
 }
 
@@ -147,12 +146,11 @@ void tell_program(const Json& p) {
     fmt::print("the cell has no program\n");
     return;
   }
-  fmt::print("{} {} at {}: {}\n", p["paused"].get<bool>() ? "paused" : "the program is",
-             p["paused"].get<bool>() ? "" : p["state"].get<std::string>(), place_of(p["where"]),
-             shown(p["source"]));
+  fmt::print("{} {} at {}: {}\n", flag_of(p["paused"]) ? "paused" : "the program is",
+             flag_of(p["paused"]) ? "" : text_of(p["state"]), place_of(p["where"]), shown(p["source"]));
   for (const Json& task : p["tasks"]) {
-    const std::string waits = task["waits_for"].get<std::string>();
-    fmt::print("  {:<10}{}{} {}: {}\n", task["name"].get<std::string>(), task["state"].get<std::string>(),
+    const std::string waits = text_of(task["waits_for"]);
+    fmt::print("  {:<10}{}{} {}: {}\n", text_of(task["name"]), text_of(task["state"]),
                waits.empty() ? "" : " for " + waits, place_of(task["where"]), shown(task["source"]));
     for (const Json& call : task["calls"])
       if (call != task["calls"].back()) fmt::print("            called from {}\n", place_of(call));
@@ -160,10 +158,9 @@ void tell_program(const Json& p) {
       fmt::print("            {}\n", variables);
     std::string use;
     for (const char* key : {"robot", "tool", "frame"})
-      if (!task[key].get<std::string>().empty())
-        use += fmt::format("{} {} ", key, task[key].get<std::string>());
+      if (!text_of(task[key]).empty()) use += fmt::format("{} {} ", key, text_of(task[key]));
     if (!use.empty()) fmt::print("            moves use {}\n", use);
-    if (task.contains("problem")) fmt::print("            {}\n", task["problem"].get<std::string>());
+    if (task.contains("problem")) fmt::print("            {}\n", text_of(task["problem"]));
   }
   if (!p["held"].empty()) fmt::print("  held: {}\n", shown(p["held"]));
   for (const Json& place : p["breakpoints"]) fmt::print("  breakpoint {}\n", place_of(place));
@@ -194,8 +191,7 @@ int begin_from(Client& client, const Arguments& a) {
   else {
     fmt::print("the program begins at {}: {}\n", place_of(seen["where"]), shown(seen["source"]));
     for (const char* key : {"robot", "tool", "frame", "last_point"})
-      if (!seen[key].get<std::string>().empty())
-        fmt::print("  {:<22}{}\n", key, seen[key].get<std::string>());
+      if (!text_of(seen[key]).empty()) fmt::print("  {:<22}{}\n", key, text_of(seen[key]));
     for (const char* key : {"sets", "reads", "variables"})
       if (const std::string values = named_values(seen[key]); !values.empty())
         fmt::print("  {:<22}{}\n", key, values);
@@ -255,7 +251,7 @@ int act_on_program(const std::string& action, const Arguments& a) {
 int arm(const Arguments& a) {
   Client client(a.client.cell);
   const Json seen = client.ask({{"request", "control.arm"}});
-  if (seen.value("armed", false)) {
+  if (flag_of(part(seen, {"armed"}))) {
     fmt::print("armed already\n");
     return kOk;
   }

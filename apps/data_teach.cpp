@@ -89,14 +89,14 @@ int teach_point(const TeachArguments& a) {
   Json request{{"request", "jog.state"}};
   if (!a.robot.empty()) request["robot"] = a.robot;
   const Json state = Client(a.cell).ask(request);
-  if (state.value("moving", false)) throw Error("moving", "the robot moves", "teach where it stands");
+  if (flag_of(part(state, {"moving"}))) throw Error("moving", "the robot moves", "teach where it stands");
   const auto& at = state["position"];
   const auto& turn = state["orientation"];
   data::Point point{{{at[0], at[1], at[2]}, {turn[0], turn[1], turn[2], turn[3]}}, true};
   data::Taught taught{{}, state.value("tool", ""), state.value("model", ""), {}};
   for (const Json& joint : state["names"]) {
-    taught.joints.names.push_back(joint.get<std::string>());
-    taught.joints.positions.push_back(state["joints"][joint.get<std::string>()].get<double>());
+    taught.joints.names.push_back(text_of(joint));
+    taught.joints.positions.push_back(number_of(state["joints"][text_of(joint)]));
   }
   point.taught = std::make_shared<data::Taught>(std::move(taught));
   data::edit_set(a.file, "teach " + a.name, [&](ImportFile& set) {

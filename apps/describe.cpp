@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
+#include "polyarm/description/bodies.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/kinematics/inverse_kinematics.hpp"
@@ -81,6 +82,24 @@ void print_controller_axes(const RobotModel& model) {
              model.provenance.controller_axes);
 }
 
+/// What a joint with <mimic> follows: "-1 * left_finger_joint + 0.02"; empty where it moves by itself.
+std::string mimic_text(const RobotModel& model, const description::Joint& joint) {
+  if (!joint.mimic) return "";
+  const description::Mimic& m = *joint.mimic;
+  std::string out = model.joints[static_cast<std::size_t>(m.joint)].name;
+  if (m.multiplier != 1) out = fmt::format("{:g} * ", m.multiplier) + out;
+  if (m.offset != 0) out += fmt::format(" {} {:g}", m.offset < 0 ? "-" : "+", std::abs(m.offset));
+  return out;
+}
+
+json mimic_json(const RobotModel& model, const description::Joint& joint) {
+  if (!joint.mimic) return nullptr;
+  const description::Mimic& m = *joint.mimic;
+  return {{"joint", model.joints[static_cast<std::size_t>(m.joint)].name},
+          {"multiplier", m.multiplier},
+          {"offset", m.offset}};
+}
+
 json json_of(const RobotModel& model) {
   json out = {{"name", model.name},
               {"maker", model.provenance.maker},
@@ -94,7 +113,9 @@ json json_of(const RobotModel& model) {
               {"mass_kg", mass_of(model)},
               {"controller_axes", controller_axes(model)},
               {"reach_m", optional(model.provenance.reach_m)},
-              {"payload_kg", optional(model.provenance.payload_kg)}};
+              {"payload_kg", optional(model.provenance.payload_kg)},
+              {"without_body", description::links_without_body(model)},
+              {"placeholders", description::placeholders(model)}};
   for (const description::Joint& joint : model.joints) {
     const auto& l = joint.limits;
     out["joints"].push_back({{"name", joint.name},
@@ -106,7 +127,8 @@ json json_of(const RobotModel& model) {
                              {"velocity", optional(l.velocity)},
                              {"effort", optional(l.effort)},
                              {"acceleration", optional(l.acceleration)},
-                             {"jerk", optional(l.jerk)}});
+                             {"jerk", optional(l.jerk)},
+                             {"mimic", mimic_json(model, joint)}});
   }
   for (const description::Link& link : model.links)
     out["links"].push_back({{"name", link.name},
@@ -134,9 +156,9 @@ void print(const RobotModel& model) {
   };
   for (const description::Joint& joint : model.joints)
     if (joint.moves())
-      fmt::print("  {:<28}{:<12}{:>10}{:>10}{:>10}{:>10}\n", joint.name, name(joint.type),
+      fmt::print("  {:<28}{:<12}{:>10}{:>10}{:>10}{:>10}{}\n", joint.name, name(joint.type),
                  text(joint.limits.lower), text(joint.limits.upper), text(joint.limits.velocity),
-                 text(joint.limits.effort));
+                 text(joint.limits.effort), joint.mimic ? "  = " + mimic_text(model, joint) : "");
   if (const auto home = model.named_states.find("home"); home != model.named_states.end()) {
     fmt::print("\n  home:");
     for (const double q : home->second) fmt::print(" {:.4f}", q);
@@ -154,6 +176,9 @@ void print(const RobotModel& model) {
   for (const std::string& note : p.notes) fmt::print("  note: {}\n", note);
   if (const auto links = estimated_masses(model); !links.empty())
     fmt::print("  estimated masses: {}\n", fmt::join(links, ", "));
+  if (const auto links = description::links_without_body(model); !links.empty())
+    fmt::print("  contacts are not detected, collision is a mesh or missing: {}\n", fmt::join(links, ", "));
+  for (const std::string& text : description::placeholders(model)) fmt::print("  note: {}\n", text);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <cstdlib>
 
 #include "apps/jog_keys.hpp"
+#include "apps/terminal.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -20,7 +21,7 @@ namespace polyarm::apps {
 namespace {
 std::atomic<int> interrupts{0};
 std::atomic<bool> ending{false};
-constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 std::array<struct sigaction, kSignals.size()> before;
 }  // namespace
 
@@ -70,11 +71,11 @@ void Dialogue::complain(const Error& error) {
 }
 
 std::string Dialogue::bold(const std::string& text) const {
-  return colour_ ? "\033[1m" + text + "\033[0m" : text;
+  return colour_ ? own_escape("[1m") + text + own_escape("[0m") : text;
 }
 
 std::string Dialogue::dim(const std::string& text) const {
-  return colour_ ? "\033[2m" + text + "\033[0m" : text;
+  return colour_ ? own_escape("[2m") + text + own_escape("[0m") : text;
 }
 
 /// Reads what has come; false where nothing has.

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "apps/ending.hpp"
 #include "apps/options.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
@@ -116,8 +117,9 @@ std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::stri
     out->model.links.resize(1);
     out->model.links.front().name = "base_link";
   } else {
-    Problems warnings;
-    out->model = description::load_robot(description, open_catalogue(), warnings);
+    Problems found;
+    out->model = description::load_robot(description, open_catalogue(), found);
+    found.throw_if_errors();  // the trial is of the hardware
     robot.hardware.push_back(block_for(driver, out->model, description));
     out->context.parameters = robot.hardware.front().parameters;
   }
@@ -177,9 +179,13 @@ int run_test(TestArguments& a) {
   carrier->context.period = nanoseconds(1 / a.options.rate);
   if (a.options.move && component->real() && !confirmed()) return kUsage;
   struct sigaction action {};
-  action.sa_handler = [](int) { test_interrupted = true; };
-  if (sigaction(SIGINT, &action, nullptr) != 0 || sigaction(SIGTERM, &action, nullptr) != 0)
-    throw Error("no-signals", "Ctrl-C cannot be caught, and a trial must be stoppable");
+  action.sa_handler = [](int number) {
+    test_interrupted = true;
+    if (number == SIGPIPE) write_to_nobody();
+  };
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2, SIGALRM})
+    if (sigaction(number, &action, nullptr) != 0)
+      throw Error("no-signals", "Ctrl-C cannot be caught, and a trial must be stoppable");
   a.options.stop = [] { return test_interrupted.load(); };
   const doctor::Trial trial = doctor::try_driver(*component, carrier->context, a.options);
   const doctor::Machine machine = doctor::look_at(doctor::Place::here());

@@ -80,9 +80,9 @@ int jog_by(Client& client, const JogArguments& a) {
     if (answer.is_null())
       throw Error("no-answer", "the cell has not answered for two seconds", "is its process stopped?");
     const Json state = Client::result_of(answer);
-    if (answer.value("more", false)) continue;
+    if (flag_of(part(answer, {"more"}))) continue;
     report(a, state);
-    if (state["done"].get<bool>()) return kOk;
+    if (flag_of(state["done"])) return kOk;
     fmt::print(stderr, "polyarm jog: not all of the way: {}\n", shown(state["reason"]));
     return kFailed;
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/keyboard.hpp"
+#include "apps/terminal.hpp"
 
 namespace polyarm::apps {
 
@@ -166,8 +167,7 @@ class Keys {
 
   /// A metre of the TCP counts as two radians: 50 mm/s go with 0.1 rad/s.
   double scaled(double value) const {
-    const bool slides =
-        of_joints_ ? state_["slides"][static_cast<std::size_t>(axis_)].get<bool>() : axis_ < 3;
+    const bool slides = of_joints_ ? flag_of(state_["slides"][static_cast<std::size_t>(axis_)]) : axis_ < 3;
     return slides ? value : 2 * value;
   }
 
@@ -186,8 +186,8 @@ class Keys {
       Json wanted = request(sign_ * scaled(kSpeeds[speed_]));
       if (session_ != 0) wanted["session"] = session_;
       state_ = ask(std::move(wanted));
-      session_ = state_["session"].get<std::uint32_t>();
-      problem_ = state_["reason"].get<std::string>();
+      session_ = static_cast<std::uint32_t>(number_of(state_["session"]));
+      problem_ = text_of(state_["reason"]);
     } catch (const Error& e) {
       if (e.problems().front().code == "no-answer" || e.problems().front().code == "cell-gone") throw;
       refuse(e);
@@ -228,9 +228,9 @@ class Keys {
         if (answer.is_null()) continue;
         last = Clock::now();
         state_ = Client::result_of(answer);
-        problem_ = state_["reason"].get<std::string>();
+        problem_ = text_of(state_["reason"]);
         show();
-        if (!answer.value("more", false) && state_.contains("done")) break;
+        if (!flag_of(part(answer, {"more"})) && state_.contains("done")) break;
       }
       for (; awaited_ > 0; --awaited_) client_.receive(kPatience);
     } catch (const Error& e) {
@@ -277,26 +277,26 @@ class Keys {
   std::string joint_column(std::size_t i) const {
     if (i >= joints_.size()) return std::string(kJointColumn, ' ');
     const Json value = state_["joints"][joints_[i]];
-    const bool slides = state_["slides"][i].get<bool>(), moves = of_joints_ && axis_ == static_cast<int>(i);
+    const bool slides = flag_of(state_["slides"][i]), moves = of_joints_ && axis_ == static_cast<int>(i);
     return fmt::format("{} {}{:<22.22} {:>11}  {} ", keys_of(i, of_joints_), moves ? '>' : ' ', joints_[i],
-                       joint_text(value.get<double>(), slides),
-                       range_bar(value.get<double>(), state_["limits"][joints_[i]], kBar));
+                       joint_text(number_of(value), slides),
+                       range_bar(number_of(value), state_["limits"][joints_[i]], kBar));
   }
   std::string tcp_column(std::size_t i) const {
     if (i >= 6) return "";
-    const double value = state_[i < 3 ? "position" : "rpy"][i % 3].get<double>();
+    const double value = number_of(state_[i < 3 ? "position" : "rpy"][i % 3]);
     const bool moves = !of_joints_ && axis_ == static_cast<int>(i);
     return fmt::format("{} {}{:<5} {:>11}", keys_of(i, !of_joints_), moves ? '>' : ' ', kTcpNames[i],
                        joint_text(value, i < 3));
   }
 
   void show() const {
-    std::string out = fmt::format("\r\x1b[{}A", rows() + 3);
-    out += fmt::format("\x1b[K{:<{}}{}\n", "     joints", kJointColumn + 5, "TCP in the world");
+    std::string out = own_return() + own_escape(fmt::format("[{}A", rows() + 3));
+    out += fmt::format("{}{:<{}}{}\n", own_escape("[K"), "     joints", kJointColumn + 5, "TCP in the world");
     for (std::size_t i = 0; i < rows(); ++i)
-      out += "\x1b[K" + fitting(joint_column(i) + tcp_column(i)) + "\n";
-    out += "\x1b[K" + fitting(what_moves()) + "\n";
-    out += "\x1b[K" + fitting(!problem_.empty() ? "held back: " + problem_ : told_) + "\n";
+      out += own_escape("[K") + fitting(joint_column(i) + tcp_column(i)) + "\n";
+    out += own_escape("[K") + fitting(what_moves()) + "\n";
+    out += own_escape("[K") + fitting(!problem_.empty() ? "held back: " + problem_ : told_) + "\n";
     std::fputs(out.c_str(), stdout);
     std::fflush(stdout);
   }
@@ -337,7 +337,7 @@ std::string joint_text(double value, bool slides) {
 
 std::string range_bar(double value, const Json& limits, std::size_t width) {
   if (!limits.is_array() || limits.size() != 2) return std::string(width, ' ');
-  const double low = limits[0].get<double>(), high = limits[1].get<double>();
+  const double low = number_of(limits[0]), high = number_of(limits[1]);
   const double share = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0;
   std::string out = "[" + std::string(width - 2, '-') + "]";
   out[1 + static_cast<std::size_t>(std::lround(share * static_cast<double>(width - 3)))] = '|';
@@ -363,14 +363,14 @@ std::string joints_line(const Json& state) {
   for (std::size_t i = 0; i < state["names"].size(); ++i) {
     const std::string name = state["names"][i];
     out += fmt::format("{}{} {}", out.empty() ? "" : "  ", name,
-                       joint_text(state["joints"][name].get<double>(), state["slides"][i].get<bool>()));
+                       joint_text(number_of(state["joints"][name]), flag_of(state["slides"][i])));
   }
   return out;
 }
 
 std::string tcp_line(const Json& state) {
   const auto at = [&](const char* key, std::size_t k, double unit) {
-    return hundredths(state[key][k].get<double>() / unit);
+    return hundredths(number_of(state[key][k]) / unit);
   };
   return fmt::format("x {:.2f} y {:.2f} z {:.2f} mm   roll {:.2f} pitch {:.2f} yaw {:.2f}°",
                      at("position", 0, 1e-3), at("position", 1, 1e-3), at("position", 2, 1e-3),

@@ -3,8 +3,12 @@
 
 #include <cstdio>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 
+#include "apps/reach.hpp"
+#include "apps/terminal.hpp"
 #include "apps/verb.hpp"
 #include "apps/workspace.hpp"
 #include "drivers/mock/mock.hpp"
@@ -24,7 +28,7 @@ const std::vector<Verb>& verbs() {
       {"compare", "which robots can run a program, how fast, how near to their limits", run_compare},
       {"fmt", "write programs in one form; comments stay", run_fmt},
       {"language", "the words and functions of the language; the reference page", run_language},
-      {"new", "write a starting point for hardware or a controller of your own", run_new},
+      {"new", "write a starting point: a cell that runs, hardware or a controller of your own", run_new},
       {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
       {"robots", "list the robots of the catalogue", run_robots},
       {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
@@ -62,7 +66,9 @@ void print_help() {
   fmt::print("polyarm: one runtime for every robot arm\n\nUsage: polyarm VERB [OPTIONS]\n\n");
   for (const Verb& verb : verbs()) fmt::print("  {:<12}{}\n", verb.name, verb.summary);
   fmt::print(
-      "\n  polyarm VERB --help says more, with examples.\n\nExamples:\n"
+      "\n  polyarm VERB --help says more, with examples.\n"
+      "  --allow PATH|host:NAME|secret:NAME, with any verb: let a cell reach this beyond its own folder\n\n"
+      "Examples:\n"
       "  polyarm run examples/pick_and_place\n"
       "  polyarm run examples/sorting --robot abb/irb_120 --fast\n"
       "  polyarm check examples/bin_picking --robot fanuc/lr_mate_200id\n"
@@ -78,11 +84,17 @@ int unknown_verb(const std::string& wrong) {
   return kUsage;
 }
 
+/// Standard error may be closed, which is no reason to end otherwise than told.
+void complain(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+}
+
 }  // namespace
 }  // namespace polyarm::apps
 
 int main(int argc, char** argv) {
   using namespace polyarm;
+  using apps::complain;
 #ifdef M_MXFAST
   // Small pieces are joined with their neighbours when they are freed, each a little: else the next large
   // allocation joins all there are, thousands at once, in one tick of the cell.
@@ -93,6 +105,13 @@ int main(int argc, char** argv) {
   cell::register_door({"ros2",
                        {"domain", "range", "peers", "namespace", "distribution"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
+  apps::guard_terminal();
+  try {
+    apps::take_reach_options(argc, argv);
+  } catch (const Error& e) {
+    complain(std::string("polyarm: ") + e.what() + "\n");
+    return apps::kUsage;
+  }
   if (argc < 2) {
     apps::print_help();
     return apps::kUsage;
@@ -108,9 +127,15 @@ int main(int argc, char** argv) {
     try {
       return verb.run(argc - 1, argv + 1);
     } catch (const Error& e) {
-      fmt::print(stderr, "{}\n", e.what());
+      complain(std::string(e.what()) + "\n");
+    } catch (const std::system_error& e) {
+      if (e.code() == std::errc::broken_pipe || e.code() == std::errc::io_error) return apps::kFailed;
+      complain("polyarm " + wanted + ": unexpected: " + e.what() + "\n");
+    } catch (const nlohmann::json::exception& e) {
+      complain("polyarm " + wanted + ": an answer or a file is not as expected: " + e.what() +
+               " (a cell of another version? see `polyarm version` and restart the cell)\n");
     } catch (const std::exception& e) {
-      fmt::print(stderr, "polyarm {}: unexpected: {}\n", wanted, e.what());
+      complain("polyarm " + wanted + ": unexpected: " + e.what() + "\n");
     }
     return apps::kFailed;
   }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <system_error>
 #include <thread>
 
 #include "apps/client.hpp"
@@ -23,7 +24,8 @@ struct SendArguments {
   bool goal = false, once = false;
 };
 
-std::string text_of(const std::string& file) {
+/// The text of a file, of standard input, or what was given instead of a file.
+std::string text_given(const std::string& file) {
   if (file == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
   const bool says_something = file.find_first_of("{[\n") != std::string::npos ||
                               file.find(": ") != std::string::npos || parse_number(file);
@@ -45,25 +47,54 @@ std::vector<std::string> documents(const std::string& text) {
     }
     begin = end + 1;
   }
+  if (out.size() > 1 && trim(out.back()).empty()) out.pop_back();  // `ros2 topic echo` ends with ---
   return out;
 }
 
-void tell_goal(const Json& line, bool json) {
-  if (json) {
-    fmt::print("{}\n", line.dump());
-  } else if (line.contains("feedback")) {
-    const Json& state = line["feedback"];
-    std::string errors;
-    for (std::size_t j = 0; j < state["joint_names"].size(); ++j)
-      errors += fmt::format("  {} {}", shown(state["joint_names"][j]), shown(state["error"]["positions"][j]));
-    fmt::print("{:>8} s  off by{}\n", shown(state["reference"]["time_from_start"]), errors);
-  } else {
-    fmt::print("goal {} {}{}\n", shown(line["goal"]), shown(line["status"]),
-               line.contains("error") ? " (" + shown(line["error"]) + ")" : "");
-    if (line.contains("joint"))
-      fmt::print("{} is off by {}, allowed are {}\n", shown(line["joint"]), shown(line["off_by"]),
-                 shown(line["tolerance"]));
+/// Names and values of what has no form of its own: "position 0.04  effort 10".
+std::string fields_text(const Json& value, const std::string& name) {
+  constexpr std::size_t kMost = 400;  // characters
+  if (!value.is_object()) return name.empty() ? shown(value) : name + " " + shown(value);
+  std::string out;
+  for (const auto& [key, inner] : value.items()) {
+    if (key == "header" || out.size() > kMost) continue;
+    out += (out.empty() ? "" : "  ") + fields_text(inner, name.empty() ? key : name + "." + key);
   }
+  return out;
+}
+
+/// Each controller has feedback of its own: a trajectory's has joints with errors, a gripper's a position.
+std::string feedback_text(const Json& feedback) {
+  const Json& joints = part(feedback, {"joint_names"});
+  const Json& errors = part(feedback, {"error", "positions"});
+  if (!joints.is_array() || !errors.is_array() || joints.size() != errors.size())
+    return "          " + fields_text(feedback, "");
+  std::string out = fmt::format("{:>8} s  off by", shown(part(feedback, {"reference", "time_from_start"})));
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    out += fmt::format("  {} {}", shown(joints[j]), shown(errors[j]));
+  return out;
+}
+
+void tell_result(const Json& line) {
+  fmt::print("goal {} {}{}\n", shown(part(line, {"goal"})), shown(part(line, {"status"})),
+             line.contains("error") ? " (" + shown(line["error"]) + ")" : "");
+  if (line.contains("reached_goal"))
+    fmt::print("at {}{}{}\n", shown(part(line, {"position"})),
+               flag_of(part(line, {"reached_goal"})) ? ", reached" : ", not reached",
+               flag_of(part(line, {"stalled"})) ? ", stalled" : "");
+  if (line.contains("joint"))
+    fmt::print("{} is off by {}, allowed are {}\n", shown(line["joint"]), shown(part(line, {"off_by"})),
+               shown(part(line, {"tolerance"})));
+  if (line.contains("note")) fmt::print("{}\n", shown(line["note"]));
+}
+
+void tell_goal(const Json& line, bool json) {
+  if (json)
+    fmt::print("{}\n", line.dump());
+  else if (line.contains("feedback"))
+    fmt::print("{}\n", feedback_text(line["feedback"]));
+  else
+    tell_result(line);
   std::fflush(stdout);
 }
 
@@ -77,18 +108,22 @@ int follow(Client& client, const SendArguments& a) {
       client.send({{"request", "goal.cancel"}, {"to", a.to}, {"goal", goal}, {"id", "cancel"}});
     }
     const Json answer = client.receive(100);
-    if (answer.is_null() || answer.value("id", Json()) == "cancel") continue;
+    if (answer.is_null() || part(answer, {"id"}) == "cancel") continue;
     const Json result = Client::result_of(answer);
     if (result.contains("goal")) goal = result["goal"];
-    tell_goal(result, a.client.json);
-    if (answer.value("more", false)) continue;
-    if (result.value("status", "") == "canceled") return kStopped;
-    return result.value("status", "") == "succeeded" ? kOk : kFailed;
+    try {
+      tell_goal(result, a.client.json);
+    } catch (const std::system_error&) {  // nobody reads it: the goal is cancelled in the next round
+    }
+    if (flag_of(part(answer, {"more"}))) continue;
+    const std::string status = text_of(part(result, {"status"}));
+    if (status == "canceled") return kStopped;
+    return status == "succeeded" ? kOk : kFailed;
   }
 }
 
 int send(const SendArguments& a) {
-  const std::vector<std::string> messages = documents(text_of(a.file));
+  const std::vector<std::string> messages = documents(text_given(a.file));
   Client client(a.client.cell);
   if (a.goal) {
     client.send({{"request", "send"}, {"to", a.to}, {"message", messages.front()}, {"goal", true}});
@@ -105,16 +140,52 @@ int send(const SendArguments& a) {
     due += std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / a.rate));
     std::this_thread::sleep_until(due);
   }
-  if (!a.client.json) fmt::print("sent to {}\n", result.value("to", a.to));
+  const std::string to = text_of(part(result, {"to"}));
+  if (!a.client.json) fmt::print("sent to {}\n", to.empty() ? a.to : to);
   return kOk;
 }
 
+bool is_joint_states(const Json& message) {
+  const Json &names = part(message, {"name"}), &positions = part(message, {"position"});
+  return names.is_array() && positions.is_array() && names.size() == positions.size();
+}
+
 void print_joint_states(const Json& m) {
-  std::string line = fmt::format("{:10.3f}", m["header"]["stamp"]["sec"].get<double>() +
-                                                 m["header"]["stamp"]["nanosec"].get<double>() * 1e-9);
+  std::string line = fmt::format("{:10.3f}", number_of(part(m, {"header", "stamp", "sec"})) +
+                                                 number_of(part(m, {"header", "stamp", "nanosec"})) * 1e-9);
   for (std::size_t j = 0; j < m["name"].size(); ++j)
     line += fmt::format("  {} {}", shown(m["name"][j]), shown(m["position"][j]));
   fmt::print("{}\n", line);
+}
+
+void print_message(const Json& message, bool json) {
+  if (json)
+    fmt::print("{}\n", message.dump());
+  else if (is_joint_states(message))
+    print_joint_states(message);
+  else
+    fmt::print("{}\n---\n", message.dump(1));
+  std::fflush(stdout);
+}
+
+/// Seconds without a message after which a watcher is told why.
+constexpr double kPatience = 2;
+
+int watch(Client& client, const std::string& name, double rate, int count, bool json) {
+  client.send({{"request", "watch"}, {"name", name}, {"rate", rate}, {"patience", kPatience}});
+  for (int seen = 0; !interrupted() && (count <= 0 || seen < count);) {
+    const Json answer = client.receive(200);
+    if (answer.is_null()) continue;
+    const Json message = Client::result_of(answer);
+    if (message.contains("waiting")) {
+      fmt::print(stderr, "polyarm watch: {}; {}\n", shown(part(message, {"what"})),
+                 shown(part(message, {"advice"})));
+      continue;
+    }
+    ++seen;
+    print_message(message, json);
+  }
+  return kOk;
 }
 
 }  // namespace
@@ -126,7 +197,9 @@ int run_send(int argc, char** argv) {
   app.add_option("file", a.file,
                  "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
       ->required();
-  app.add_option("--rate", a.rate, "again and again, Hz; a stream of documents (---) one after the other")
+  app.add_option(
+         "--rate", a.rate,
+         "again and again, Hz, until Ctrl-C; of several documents (---) each once, one after the other")
       ->positive();
   app.add_flag("--once", a.once, "once, whatever the rate");
   app.add_flag("--goal", a.goal, "as a goal: feedback and result are shown, Ctrl-C cancels");
@@ -156,21 +229,7 @@ int run_watch(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   catch_interrupts();
   Client client(options.cell);
-  client.send({{"request", "watch"}, {"name", name}, {"rate", rate}});
-  for (int seen = 0; !interrupted() && (count <= 0 || seen < count);) {
-    const Json answer = client.receive(200);
-    if (answer.is_null()) continue;
-    const Json message = Client::result_of(answer);
-    ++seen;
-    if (options.json)
-      fmt::print("{}\n", message.dump());
-    else if (message.contains("name") && message.contains("position"))
-      print_joint_states(message);
-    else
-      fmt::print("{}\n---\n", message.dump(1));
-    std::fflush(stdout);
-  }
-  return kOk;
+  return watch(client, name, rate, count, options.json);
 }
 
 }  // namespace polyarm::apps

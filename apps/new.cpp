@@ -1,13 +1,19 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <filesystem>
+#include <iostream>
 
+#include "apps/new_cell.hpp"
 #include "apps/options.hpp"
 #include "apps/templates.hpp"
+#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -107,28 +113,72 @@ std::string find_option() {
              : "-DCMAKE_PREFIX_PATH=" + here.parent_path().string();
 }
 
+/// Its cell names the folder that it is built into; whoever writes a plugin has it run.
+void approve_builds(const fs::path& build) {
+  const std::string folder = resolved(build).string();
+  try {
+    if (unfit_for_development(folder).empty()) approve({"folder", folder, {}});
+  } catch (const Error& e) {  // without a place for settings it is asked for when it runs
+    fmt::print(stderr, "{}\n", e.what());
+  }
+}
+
+}  // namespace
+
+namespace {
+/// What a person at a terminal says, else what is usual.
+std::string robot_asked(const std::string& usual) {
+  if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return usual;
+  fmt::print("Which robot? A name of `polyarm robots`, or the path of a URDF [{}]: ", usual);
+  std::fflush(stdout);
+  std::string line;
+  std::getline(std::cin, line);
+  const std::string said(trim(line));
+  return said.empty() ? usual : said;
+}
 }  // namespace
 
 int run_new(int argc, char** argv) {
   CommandLine app(
-      "Writes a starting point for hardware or a controller of your own: it compiles, its test passes, "
-      "its cell runs",
+      "Writes a starting point: a cell that runs, or hardware or a controller of your own that compiles, "
+      "with its test",
       "polyarm new");
-  std::string kind, name, vendor, folder;
-  app.add_option("kind", kind, "hardware or controller")->required()->one_of({"hardware", "controller"});
-  app.add_option("name", name, "its name: my_arm, which makes the type MyArm")->required();
-  app.add_option("--vendor", vendor, "the first part of its full name, VENDOR/TYPE; NAME where not given");
+  std::string kind, name, vendor, folder, robot;
+  app.add_option("kind", kind, "cell, hardware or controller")
+      ->required()
+      ->one_of({"cell", "hardware", "controller"});
+  app.add_option("name", name, "its name: my_cell; my_arm, which makes the type MyArm")->required();
+  app.add_option("--robot", robot, "of a cell: universal_robots/ur5e, or the path of a description");
+  app.add_option("--vendor", vendor,
+                 "of hardware or a controller: the first part of its full name, VENDOR/TYPE; NAME where not "
+                 "given");
   app.add_option("--folder", folder, "the folder to make; ./NAME where not given");
-  app.footer(examples({"polyarm new hardware my_arm --vendor acme",
+  app.footer(examples({"polyarm new cell my_cell --robot fanuc/lr_mate_200id",
+                       "polyarm new hardware my_arm --vendor acme",
                        "polyarm new controller follow_me --folder ~/follow_me"}));
   if (const auto code = app.parse(argc, argv)) return *code;
+  if (kind == "cell") {
+    if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' || name.front() == '-')
+      throw Error("bad-name", "'" + name + "' cannot be the name of a cell",
+                  "a word such as my_cell; --folder DIR says where it goes");
+    NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
+                  folder.empty() ? fs::path(name) : fs::path(folder)};
+    std::error_code error;  // a description stays where it is, whatever the cell's folder is
+    if (fs::is_regular_file(asked.robot, error)) asked.robot = fs::absolute(asked.robot).string();
+    return write_new_cell(asked);
+  }
+  if (!robot.empty())
+    throw Error("bad-value", "--robot is for a cell", "polyarm new cell NAME --robot ROBOT");
   const Names names = names_of(kind, name, vendor);
   const fs::path where = folder.empty() ? fs::path(names.name) : fs::path(folder);
   write(where, names);
+  approve_builds(where / "build");
   fmt::print(
       "{} {}/{} is in {}; next:\n  cd {}\n  cmake -S . -B build {}\n  cmake --build build\n"
-      "  ctest --test-dir build --output-on-failure\n  polyarm run .\n",
-      kind, names.vendor, names.type, where.string(), where.string(), find_option());
+      "  ctest --test-dir build --output-on-failure\n  polyarm run .\n"
+      "What you build into {} may run on this machine (polyarm plugins revoke takes that back).\n",
+      kind, names.vendor, names.type, where.string(), where.string(), find_option(),
+      (where / "build").string());
   return kOk;
 }
 

@@ -49,7 +49,15 @@ Option* AskedRobot::add_to(CommandLine& app, const std::string& what) {
 }
 
 description::RobotModel AskedRobot::load(Problems& warnings, const description::Catalogue& catalogue) const {
-  description::RobotModel model = description::load_robot(name, catalogue, warnings, named_values(arguments));
+  Problems found;
+  description::RobotModel model = description::load_robot(name, catalogue, found, named_values(arguments));
+  for (Problem problem : found.list()) {
+    if (problem.severity == Severity::error) {
+      problem.severity = Severity::warning;
+      problem.what += "; `polyarm run` refuses this, kinematics goes on without its hardware";
+    }
+    warnings.add(std::move(problem));
+  }
   description::set_tip(model, tip);
   return model;
 }

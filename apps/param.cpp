@@ -66,7 +66,7 @@ Json changes_among(const Json& wanted, const Json& listed) {
     known.push_back(key);
     const auto found = wanted.find(key);
     if (found == wanted.end() || *found == p["value"]) continue;
-    if (p["changeable"].get<bool>())
+    if (flag_of(p["changeable"]))
       out[key] = *found;
     else
       fmt::print(stderr, "{} stays {}: it cannot be changed while the controller is configured\n", key,
@@ -82,7 +82,7 @@ void print_list(const Json& parameters) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& p : parameters)
     rows.push_back({shown(p["key"]), shown(p["value"]), shown(p["default"]),
-                    p["changeable"].get<bool>() ? "yes" : "", shown(p["text"])});
+                    flag_of(p["changeable"]) ? "yes" : "", shown(p["text"])});
   print_table({"PARAMETER", "VALUE", "DEFAULT", "CHANGEABLE", "WHAT"}, rows);
 }
 

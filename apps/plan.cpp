@@ -9,6 +9,7 @@
 #include "apps/plan_moves.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/motion/cartesian_joints.hpp"
@@ -74,10 +75,20 @@ void Request::add_to(CommandLine& app) {
   app.add_flag("--json", as_json, "one JSON object");
 }
 
+/// A cell may have any name; it says what it is.
+bool is_cell_file(const std::string& word) {
+  std::error_code error;
+  if (!fs::is_regular_file(word, error)) return false;
+  try {
+    return Yaml::load(word)["polyarm"].text("").starts_with("cell/");
+  } catch (const Error&) {  // whoever reads it tells what is wrong with it
+    return false;
+  }
+}
+
 bool is_trajectory_file(const std::string& word) {
   const std::string ending = lower(fs::path(word).extension().string());
-  return (ending == ".yaml" || ending == ".yml" || ending == ".json") &&
-         fs::path(word).filename() != "cell.yaml";
+  return (ending == ".yaml" || ending == ".yml" || ending == ".json") && !is_cell_file(word);
 }
 
 /// The robot that is asked about, and the places that have a name.
@@ -128,6 +139,9 @@ Setting settle(Request& request, Problems& problems) {
   std::vector<std::string> notes;
   out.robots = cell::resolve_robots(out.file, open_catalogue(), false, problems, notes);
   problems.throw_if_errors();
+  Problems faults;
+  cell::add_hardware_faults(out.robots, Severity::warning, faults);
+  for (const Problem& fault : faults.list()) fmt::print(stderr, "{}\n", fault.text());
   out.robot = chosen(out, request.of);
   if (!out.file.program.empty() && !out.file.program.ends_with(".script"))
     read_points(out, out.file.program, out.file.folder, out.file.program_where);

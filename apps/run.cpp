@@ -1,9 +1,9 @@
 #include "polyarm/cell/run.hpp"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -15,7 +15,9 @@
 #include <thread>
 #include <utility>
 
+#include "apps/ending.hpp"
 #include "apps/options.hpp"
+#include "apps/reach.hpp"
 #include "apps/run_output.hpp"
 #include "apps/run_pendant.hpp"
 #include "polyarm/base/file.hpp"
@@ -23,8 +25,10 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/fault_record.hpp"
+#include "polyarm/description/packages.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/recording/cell_recorder.hpp"
+#include "polyarm/ros_files/python_launch.hpp"
 
 namespace polyarm::apps {
 
@@ -43,6 +47,7 @@ struct RunArguments {
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
   bool connects = false;  ///< somebody has just asked for the real hardware: it comes up held
+  bool asks = true;       ///< at the terminal; not when somebody at the pendant has chosen the cell
   int line = 0;
 };
 
@@ -132,8 +137,33 @@ void read_faults(RunArguments& a) {
   }
 }
 
+/// What a Python launch file says in so many words, and the line that runs it here.
+int explain_python_launch(const std::string& path, const std::map<std::string, std::string>& given) {
+  const ros_files::PythonLaunch read =
+      ros_files::read_python_launch(read_file(path), path, given, description::packages_near(path));
+  fmt::print(stderr, "polyarm run: {} is a Python launch file of ROS 2, which is read and not executed\n",
+             path);
+  for (const auto& found : read.descriptions)
+    fmt::print(stderr, "  taken: description  {} (line {})\n", found.file.string(), found.where.line);
+  for (const auto& found : read.parameters)
+    fmt::print(stderr, "  taken: controllers  {} (line {})\n", found.file.string(), found.where.line);
+  for (const auto& argument : read.arguments)
+    if (argument.known)
+      fmt::print(stderr, "  taken: argument     {}:={}{}\n", argument.name, argument.value,
+                 argument.given ? "" : " (its default)");
+  for (const auto& [where, what] : read.not_taken)
+    fmt::print(stderr, "  not taken: {}{}\n", what,
+               where.line > 0 ? fmt::format(" (line {})", where.line) : "");
+  if (read.descriptions.size() > 1)
+    fmt::print(stderr, "it has several descriptions; the first is used below\n");
+  fmt::print(stderr, "type instead:\n  {}\n",
+             read.line().empty() ? description::find_in_launch_file(read_file(path)).line() : read.line());
+  return kUsage;
+}
+
 /// Told when a user names a launch file of ROS 2, which is a program and does not run here.
-int explain_launch_file(const std::string& path) {
+int explain_launch_file(const std::string& path, const std::map<std::string, std::string>& given) {
+  if (path.ends_with(".py")) return explain_python_launch(path, given);
   const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
   fmt::print(stderr, "polyarm run: {} is a launch file of ROS 2; it mentions\n", path);
   for (const std::string& name : hints.descriptions) fmt::print(stderr, "  description  {}\n", name);
@@ -148,15 +178,6 @@ bool runs_here(const std::string& path) {
   return file.extension() == ".launch" || path.ends_with(".launch.xml");
 }
 
-/// The first stops on the path, the second at once; with the third the process ends where it is.
-void on_signal(int number) {
-  if (cell::stops_requested() >= 2) {
-    signal(number, SIG_DFL);
-    raise(number);
-  }
-  cell::request_stop();
-}
-
 /// Ends the process when a cell does not come to its end: threads of plugins may hang.
 class EndsInTime {
  public:
@@ -164,8 +185,8 @@ class EndsInTime {
     std::thread([code, over = over_] {
       std::unique_lock lock(over->mutex);
       if (over->wake.wait_for(lock, std::chrono::seconds(20), [&] { return over->yes; })) return;
-      fmt::print(stderr,
-                 "polyarm run: a thread of a plugin does not come back; the process is ended without it\n");
+      std::fputs("polyarm run: a thread of a plugin does not come back; the process is ended without it\n",
+                 stderr);
       std::fflush(nullptr);
       std::_Exit(code);
     }).detach();
@@ -208,6 +229,7 @@ cell::CellFile open_cell(const RunArguments& a) {
   cell::CellFile file = a.description.empty()
                             ? cell::read_cell_file(a.cell, a.overrides)
                             : cell::cell_from_description(a.description, a.controllers, a.overrides);
+  if (a.description.empty() && a.asks) ask_for_reach(file);
   for (const auto& [name, value] : named_values(a.arguments))
     for (cell::RobotEntry& robot : file.robots) robot.arguments[name] = value;
   if (!a.activate.empty()) file.activate = a.activate;
@@ -218,7 +240,12 @@ cell::CellFile open_cell(const RunArguments& a) {
 std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
   if (a.cell.empty() || description::is_launch_file(a.cell)) return first.problems();
   const cell::CheckResult checked = cell::check(a.cell, a.overrides, open_catalogue(), {});
-  return checked.has_errors() ? checked.problems : first.problems();
+  if (!checked.has_errors()) return first.problems();
+  std::vector<Problem> out = checked.problems;  // and what only a run is refused for
+  for (const Problem& problem : first.problems())
+    if (std::none_of(out.begin(), out.end(), [&](const Problem& p) { return p.text() == problem.text(); }))
+      out.push_back(problem);
+  return out;
 }
 
 int code_of(const cell::RunResult& result) {
@@ -299,6 +326,26 @@ void begin_recording(cell::Cell& cell, const RunArguments& a) {
     cell.recorder()->start(*cell.file().record);
 }
 
+constexpr const char* kNothingReal = "nothing-real";
+
+/// Who says --real expects a robot to move: a cell that only simulates must not look like that.
+void require_something_real(cell::Cell& cell, bool asked) {
+  if (!asked || cell.arming().needed()) return;
+  std::vector<std::string> robots;
+  for (const auto& robot : cell.robots()) robots.push_back(robot->entry.name + " (" + robot->driver + ")");
+  throw Error(Problem{kNothingReal,
+                      {cell.file().path.string()},
+                      "--real, but nothing of this cell is real: " + join(robots, ", "),
+                      "name the driver of the real robot as its 'hardware', or run without --real"});
+}
+
+/// Nothing here needs root, and a fault of a process of root's reaches the whole machine.
+void warn_of_root(cell::Cell& cell) {
+  if (::geteuid() == 0 && cell.arming().needed())
+    cell.tell("this runs as root, with real hardware: run it as a user of the groups that the device needs "
+              "(dialout, i2c), and give priority by rtprio in /etc/security/limits.conf");
+}
+
 /// What a run of one cell came to.
 struct Ended {
   int code = kFailed;
@@ -326,10 +373,13 @@ class OneRun {
 
   Ended run() {
     std::optional<cell::Cell> cell;
+    set_simulated(!a_.cell_options.real);
     try {
       cell::CellFile file = open_cell(a_);
       if (a_.ros2) file.doors["ros2"];
       cell.emplace(file, catalogue_, a_.cell_options, observer_);
+      require_something_real(*cell, a_.cell_options.real);
+      warn_of_root(*cell);
       begin_recording(*cell, a_);
       shown_.settle();
       if (!begins_where_told(*cell, a_)) {
@@ -337,7 +387,10 @@ class OneRun {
         return {kStopped, true, {}, false};
       }
     } catch (const Error& e) {  // nothing has moved
-      return not_built(cell ? e.problems() : all_problems(a_, e));
+      const bool nothing_real = e.problems().front().code == kNothingReal;
+      Ended out = not_built(cell ? e.problems() : all_problems(a_, e));
+      if (nothing_real) out.code = kUsage;
+      return out;
     }
     if (pendant_ && !waits_) cell->let_begin();
     if (pendant_) {
@@ -409,7 +462,7 @@ void take_over(const cell::RestartWish& wish, RunArguments& a) {
   if (!wish.robot.empty()) a.overrides.robot = wish.robot;
   if (!wish.hardware.empty()) a.overrides.hardware = wish.hardware;
   if (!wish.program.empty()) a.overrides.program = wish.program;
-  a.goes_on = false;
+  a.goes_on = a.asks = false;
   a.line = 0;
   a.cell_options.waits = true;
 }
@@ -439,10 +492,7 @@ int execute(RunArguments& a, const std::string& command) {
   const bool whole = a.run.fast;  // a cell in lock-step has time to wait for who reads
   const std::unique_ptr<Output> shown = a.json ? make_json_output(whole) : make_text_output(a.quiet, whole);
   const description::Catalogue catalogue = open_catalogue();
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  stop_on_signals(!a.run.fast);
   a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };
   std::unique_ptr<server::Pendant> pendant;
   if (a.pendant.on) {
@@ -454,6 +504,8 @@ int execute(RunArguments& a, const std::string& command) {
     }
     a.run.doors.push_back(pendant.get());
     a.run.stay = true;
+    if (a.pendant.listens && ::geteuid() == 0)
+      shown->on_note("this runs as root and other machines may reach it: run it as an ordinary user");
     announce(*pendant, a.pendant, *shown);
   }
   return run_until_done(a, command, catalogue, *shown, pendant.get());
@@ -485,7 +537,8 @@ int run_run(int argc, char** argv) {
                "polyarm run: name a cell, or a robot with --description FILE.urdf; see polyarm run --help\n");
     return kUsage;
   }
-  if (description::is_launch_file(named) && !runs_here(named)) return explain_launch_file(named);
+  if (description::is_launch_file(named) && !runs_here(named))
+    return explain_launch_file(named, named_values(arguments.arguments));
   std::string command = "polyarm";
   for (int i = 0; i < argc; ++i) command += std::string(" ") + argv[i];
   return execute(arguments, command);

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/printer.hpp"
+#include "polyarm/base/secrets.hpp"
 
 namespace polyarm::apps {
 
@@ -24,11 +26,13 @@ class TextOutput : public Output {
   TextOutput(bool quiet, bool whole)
       : quiet_(quiet),
         terminal_(::isatty(STDOUT_FILENO) != 0),
-        printer_(STDOUT_FILENO, when_full(whole), gap) {}
+        printer_(STDOUT_FILENO, when_full(whole), gap) {
+    printer_.when_gone(cell::request_stop_once);
+  }
   ~TextOutput() override { printer_.put(cleared()); }
   bool settle() override {
     printer_.put(cleared());
-    return printer_.settle();
+    return printer_.settle() && !printer_.gone();
   }
 
   void on_note(const std::string& text) override { line("         " + text); }
@@ -57,7 +61,7 @@ class TextOutput : public Output {
     if (!terminal_ || quiet_) return;
     const Vec3 rpy = to_rpy(tcp.rotation);
     printer_.put(fmt::format("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
-                             seconds(time), robot, tcp.position.x, tcp.position.y, tcp.position.z, rpy.x,
+                             seconds(time), printable(robot), tcp.position.x, tcp.position.y, tcp.position.z, rpy.x,
                              rpy.y, rpy.z));
     status_ = true;
   }
@@ -67,16 +71,21 @@ class TextOutput : public Output {
     return fmt::format("         {} lines are left out: nobody read this output\n", count);
   }
   const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
-  void line(const std::string& text) { printer_.put(cleared() + text + "\n"); }
+  void line(const std::string& text) { printer_.put(cleared() + printable(text) + "\n"); }
   bool quiet_, terminal_, status_ = false;
   Printer printer_;
 };
 
 class JsonOutput : public Output {
  public:
-  explicit JsonOutput(bool whole) : printer_(STDOUT_FILENO, when_full(whole), gap) {}
-  bool settle() override { return printer_.settle(); }
-  void on_note(const std::string& text) override { put({{"event", "note"}, {"text", text}}); }
+  explicit JsonOutput(bool whole) : printer_(STDOUT_FILENO, when_full(whole), gap) {
+    printer_.when_gone(cell::request_stop_once);
+  }
+  bool settle() override { return printer_.settle() && !printer_.gone(); }
+  /// Without the pendant's token: logs of programs are kept and passed on.
+  void on_note(const std::string& text) override {
+    put({{"event", "note"}, {"text", without_secrets(text)}});
+  }
   void on_line(Nanoseconds t, const std::string& task, const Location& where,
                const std::string& source) override {
     put({{"event", "line"},
@@ -121,8 +130,10 @@ class JsonOutput : public Output {
   }
 
  private:
+  /// On a terminal nothing but ASCII.
   static std::string line(const json& object) {
-    return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+    static const bool terminal = ::isatty(STDOUT_FILENO) != 0;
+    return object.dump(-1, ' ', terminal, json::error_handler_t::replace) + "\n";
   }
   static std::string gap(std::size_t count) {
     return line({{"event", "note"}, {"text", fmt::format("{} lines are left out: nobody read them", count)}});

@@ -7,12 +7,18 @@
 #include <qrencode.h>
 #endif
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "apps/picture.hpp"
+#include "apps/terminal.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/socket_door.hpp"
+#include "polyarm/server/tls.hpp"
 #include "polyarm/server/token.hpp"
 
 namespace polyarm::apps {
@@ -25,11 +31,7 @@ constexpr int kPort = 8765;
 
 /// The token of this user's pendants: in the folder of the local sockets, which is the user's alone.
 std::string token_of_user() {
-  const fs::path folder = cell::SocketDoor::folder_of_user();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  fs::permissions(folder, fs::perms::owner_all, error);
-  return server::kept_token(folder / "pendant.token");
+  return server::kept_token(cell::SocketDoor::own_folder() / "pendant.token");
 }
 
 /// The robot with its joints in the middle of what a picture shows: home where it is known.
@@ -40,7 +42,16 @@ std::string picture(const description::RobotModel& model) {
   return picture_of(model, q);
 }
 
-void open_in_browser(const std::string& link) {
+/// By a page of this user's own that leads on: command lines, which everybody may read, hold no token.
+void open_in_browser(const std::string& target) {
+  const fs::path page = cell::SocketDoor::own_folder() / "open.html";
+  const AsUser user;
+  write_file_atomically(page,
+                        "<!doctype html><meta charset=utf-8><meta name=referrer content=no-referrer>"
+                        "<meta http-equiv=refresh content=\"0;url=" +
+                            target + "\"><title>Polyarm</title>\n",
+                        0600);
+  const std::string link = page.string();
   const pid_t child = ::fork();
   if (child == 0) {
     if (::fork() == 0) ::execlp("xdg-open", "xdg-open", link.c_str(), nullptr);
@@ -61,10 +72,10 @@ void print_code(const std::string& link) {
            (code->data[y * code->width + x] & 1) != 0;
   };
   for (int y = -kQuiet; y < code->width + kQuiet; y += 2) {
-    std::string line = "\033[30;47m";
+    std::string line = own_escape("[30;47m");
     for (int x = -kQuiet; x < code->width + kQuiet; ++x)
       line += dark(x, y) ? (dark(x, y + 1) ? "█" : "▀") : dark(x, y + 1) ? "▄" : " ";
-    std::printf("%s\033[0m\n", line.c_str());
+    fmt::print("{}{}\n", line, own_escape("[0m"));
   }
   std::fflush(stdout);
 #endif
@@ -85,14 +96,48 @@ void add_pendant_options(CommandLine& app, PendantArguments& a) {
          "other machines may open the pendant, too: on all addresses of this one, or on ADDR")
       ->expected(0, 1)
       ->type_name("[ADDR]");
+  app.add_option("--certificate", a.certificate,
+                 "PEM file with the certificate for other machines; not stated: one made for this user");
+  app.add_option("--key", a.key, "PEM file with its key");
+  app.add_flag("--in-clear", a.in_clear,
+               "serve other machines without TLS: whoever is on the way reads the token, and may move the robot");
+  app.add_flag("--role-links", a.links, "print a link for each role: watch, operate, program, administer");
   app.add_flag("--open", a.open, "open the pendant in the browser");
 }
+
+namespace {
+
+/// Where what this user keeps outlives a restart of the machine.
+fs::path data_of_user() {
+  if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data) return fs::path(data) / "polyarm";
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".local/share/polyarm";
+  return cell::SocketDoor::folder_of_user();
+}
+
+std::optional<server::Certificate> certificate_of(const PendantArguments& a) {
+  const bool named = !a.certificate.empty() || !a.key.empty();
+  if (named && (a.certificate.empty() || a.key.empty()))
+    throw Error("bad-option", "--certificate and --key belong together", "state both");
+  if (named && a.in_clear) throw Error("bad-option", "--in-clear uses no certificate", "state one of them");
+  if (!a.listens || a.in_clear) return std::nullopt;
+  if (named) return server::read_certificate(a.certificate, a.key);
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return server::kept_certificate(data_of_user(), host.data());
+}
+
+}  // namespace
 
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
                                               const description::Catalogue& catalogue, cell::Observer& next) {
   server::PendantOptions options;
   options.port = static_cast<std::uint16_t>(a.port < 0 ? kPort : a.port);
   if (a.listens) options.listen = a.listen;
+  if (const auto certificate = certificate_of(a)) {
+    options.certificate = certificate->chain;
+    options.key = certificate->key;
+    options.fingerprint = certificate->fingerprint;
+  }
   options.token = token_of_user();
   if (const char* page = std::getenv("POLYARM_PENDANT_PAGE")) options.page_folder = page;
   options.version = POLYARM_VERSION;
@@ -110,8 +155,18 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
 void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Observer& observer) {
   if (const std::string link = pendant.outside_link(); !link.empty()) {
     observer.on_note("pendant on other machines: " + link);
+    if (a.in_clear)
+      observer.on_note("warning: --in-clear: nothing is encrypted; whoever is on the way reads the token, and "
+                       "may move the robot");
+    else
+      observer.on_note("its certificate, which the browser shows as SHA-256: " + pendant.fingerprint());
+    observer.on_note("to watch alone: " + pendant.link_for(cell::Role::watch));
     if (::isatty(STDOUT_FILENO) != 0) print_code(link);
   }
+  if (a.links)
+    for (const cell::Role role : {cell::Role::watch, cell::Role::operate, cell::Role::program,
+                                  cell::Role::administer})
+      observer.on_note(std::string("link to ") + cell::name(role) + ": " + pendant.link_for(role));
   if (a.open) open_in_browser(pendant.link());
 }
 

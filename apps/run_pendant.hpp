@@ -9,9 +9,9 @@
 namespace polyarm::apps {
 
 struct PendantArguments {
-  bool on = false, open = false, listens = false;
+  bool on = false, open = false, listens = false, in_clear = false, links = false;
   int port = -1;  ///< not stated: 8765, or any where that is taken
-  std::string listen, page;
+  std::string listen, page, certificate, key;
 };
 void add_pendant_options(CommandLine& app, PendantArguments& arguments);
 

@@ -26,13 +26,13 @@ void print_components(const Json& components) {
   for (const Json& c : components)
     rows.push_back({shown(c["name"]), shown(c["type"]), shown(c["plugin"]),
                     shown(c["state"]) + (c.value("being", "").empty() ? "" : ", being " + shown(c["being"])),
-                    fmt::format("{:g} Hz{}", c["rate"].get<double>(), c["async"].get<bool>() ? " async" : ""),
+                    fmt::format("{:g} Hz{}", number_of(c["rate"]), flag_of(c["async"]) ? " async" : ""),
                     std::to_string(c["states"].size()), std::to_string(c["commands"].size())});
   print_table({"COMPONENT", "TYPE", "PLUGIN", "STATE", "RATE", "STATES", "COMMANDS"}, rows);
 }
 
 std::string microseconds(const Json& nanoseconds) {
-  return fmt::format("{:.1f} us", nanoseconds.get<double>() / 1000);
+  return fmt::format("{:.1f} us", number_of(nanoseconds) / 1000);
 }
 
 /// p50, p99 and max.
@@ -51,7 +51,7 @@ void print_parts(const Json& parts) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& p : parts)
     rows.push_back({name_of(p), p.contains("component") ? "component" : "controller",
-                    fmt::format("{:g} Hz", p["rate_hz"].get<double>()), shown(p["turns"]), times(p["cost"]),
+                    fmt::format("{:g} Hz", number_of(p["rate_hz"])), shown(p["turns"]), times(p["cost"]),
                     times(p["period"])});
   fmt::print("\n");
   print_table({"IN THE LOOP", "", "RATE", "TURNS", "COST p50, p99, max", "PERIOD"}, rows);
@@ -61,11 +61,11 @@ void print_threads(const Json& threads) {
   if (threads.empty()) return;
   std::vector<std::vector<std::string>> rows;
   for (const Json& t : threads)
-    rows.push_back({name_of(t),
-                    fmt::format("{:g} Hz{}", t["rate_hz"].get<double>(),
-                                t["own_clock"].get<bool>() ? "" : ", by the loop"),
-                    shown(t["runs"]), shown(t["late"]), shown(t["missed"]), times(t["cost"]),
-                    times(t["wake_up"]), times(t["period"])});
+    rows.push_back(
+        {name_of(t),
+         fmt::format("{:g} Hz{}", number_of(t["rate_hz"]), flag_of(t["own_clock"]) ? "" : ", by the loop"),
+         shown(t["runs"]), shown(t["late"]), shown(t["missed"]), times(t["cost"]), times(t["wake_up"]),
+         times(t["period"])});
   fmt::print("\n");
   print_table({"THREAD OF", "RATE", "RUNS", "LATE", "MISSED", "COST p50, p99, max", "WAKE-UP", "PERIOD"},
               rows);
@@ -73,15 +73,15 @@ void print_threads(const Json& threads) {
 
 void print_health(const Json& h) {
   fmt::print("state     {}{}\n", shown(h["state"]), h["state"] == "running" ? "" : ": " + shown(h["cause"]));
-  fmt::print("override  {:g} %", h["override_percent"].get<double>());
+  fmt::print("override  {:g} %", number_of(h["override_percent"]));
   if (h["allowed_percent"] != 100.0)
-    fmt::print(" of the {:g} % that are allowed now", h["allowed_percent"].get<double>());
+    fmt::print(" of the {:g} % that are allowed now", number_of(h["allowed_percent"]));
   fmt::print("\n");
   if (const Json& stop = h["last_stop"]; !stop.is_null())
-    fmt::print("last stop {:.3f} s at {:.3f} s, category {}: {}\n", stop["time_s"].get<double>(),
-               stop["at_s"].get<double>(), shown(stop["category"]), shown(stop["cause"]));
-  fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", h["rate_hz"].get<double>(),
-             shown(h["cycles"]), shown(h["late"]), h["time_s"].get<double>());
+    fmt::print("last stop {:.3f} s at {:.3f} s, category {}: {}\n", number_of(stop["time_s"]),
+               number_of(stop["at_s"]), shown(stop["category"]), shown(stop["cause"]));
+  fmt::print("loop      {:g} Hz, {} cycles, {} late, {:.3f} s\n", number_of(h["rate_hz"]), shown(h["cycles"]),
+             shown(h["late"]), number_of(h["time_s"]));
   for (const auto& [key, name] :
        {std::pair{"cost", "cost    "}, {"wake_up", "wake-up "}, {"period", "period  "}})
     fmt::print("{}  p50 {}, p99 {}, max {}\n", name, microseconds(h[key]["p50_ns"]),
@@ -101,7 +101,7 @@ void print_limits(const Json& limits) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& l : limits)
     rows.push_back({shown(l["interface"]), shown(l["limit"]), shown(l["count"]), shown(l["asked"]),
-                    shown(l["given"]), fmt::format("{:.3f} s", l["time_s"].get<double>())});
+                    shown(l["given"]), fmt::format("{:.3f} s", number_of(l["time_s"]))});
   print_table({"INTERFACE", "LIMIT", "COUNT", "ASKED", "GIVEN", "LAST AT"}, rows);
 }
 
@@ -136,6 +136,8 @@ int run_hardware(int argc, char** argv) {
       print_components(result);
     } else {
       fmt::print("{} is {}\n", name, shown(result["state"]));
+      if (const Json& with = part(result, {"with"}); !with.empty())
+        fmt::print("with it {}: physics is one component\n", shown(with));
       if (!result.value("stopped", Json::array()).empty())
         fmt::print("stopped {}\n", shown(result["stopped"]));
       for (const Json& warning : result.value("warnings", Json::array())) fmt::print("{}\n", shown(warning));
@@ -152,7 +154,7 @@ int run_interfaces(int argc, char** argv) {
     std::vector<std::vector<std::string>> rows;
     for (const Json& i : result["commands"])
       rows.push_back({"command", shown(i["name"]), shown(i["value"]),
-                      i["claimed_by"].get<std::string>().empty() ? "-" : shown(i["claimed_by"])});
+                      text_of(i["claimed_by"]).empty() ? "-" : shown(i["claimed_by"])});
     for (const Json& i : result["states"]) rows.push_back({"state", shown(i["name"]), shown(i["value"]), ""});
     print_table({"KIND", "INTERFACE", "VALUE", "CLAIMED BY"}, rows);
   });

@@ -7,6 +7,7 @@
 
 #include "apps/client.hpp"
 #include "apps/keyboard.hpp"
+#include "apps/terminal.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -213,7 +214,7 @@ class Teleop {
   }
 
   void show() const {
-    fmt::print("\r\x1b[Kspeed {:.3g} m/s  turn {:.3g} rad/s   {}", speed_, turn_,
+    fmt::print("{}{}speed {:.3g} m/s  turn {:.3g} rad/s   {}", own_return(), own_escape("[K"), speed_, turn_,
                direction_.stands() ? "standing"
                                    : fmt::format("driving {:+.3g} m/s {:+.3g} rad/s",
                                                  direction_.forward * speed_, direction_.left * turn_));

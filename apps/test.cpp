@@ -9,6 +9,7 @@
 
 #include "apps/apart.hpp"
 #include "apps/options.hpp"
+#include "apps/terminal.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/program_tests.hpp"
@@ -162,8 +163,8 @@ void tell(const cell::ProgramTest& test, const Verdict& verdict, const TestArgum
 /// A line that is written over, on a terminal.
 void tell_progress(std::size_t ended, std::size_t failed, std::size_t count, const TestArguments& a) {
   if (a.json || ::isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\r{} of {} tests, {} failed\033[K{}", ended, count, failed,
-             ended == count ? "\n" : "\r");
+  fmt::print(stderr, "{}{} of {} tests, {} failed{}{}", own_return(), ended, count, failed, own_escape("[K"),
+             ended == count ? "\n" : own_return());
   std::fflush(stderr);
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/options.hpp"
+#include "apps/terminal.hpp"
 #include "apps/workspace_map.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -29,7 +30,7 @@ std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vect
 
 /// On a terminal only: "  42 %" over itself.
 void tell_share(double share) {
-  if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r{:4.0f} %{}", 100 * share, share < 1 ? "" : "\n");
+  if (::isatty(STDERR_FILENO)) fmt::print(stderr, "{}{:4.0f} %{}", own_return(), 100 * share, share < 1 ? "" : "\n");
 }
 
 std::string image_of(const std::filesystem::path& file, const WorkspaceMap& map,
@@ -67,6 +68,9 @@ Subject in_cell(const std::string& folder, const std::string& name) {
   const cell::CellFile file = cell::read_cell_file(folder);
   const cell::CellRobots robots = cell::resolve_robots(file, open_catalogue(), false, problems, notes);
   problems.throw_if_errors();
+  Problems faults;
+  cell::add_hardware_faults(robots, Severity::warning, faults);
+  for (const Problem& fault : faults.list()) fmt::print(stderr, "{}\n", fault.text());
   for (const auto& robot : robots) {
     names.push_back(robot->entry.name);
     if (robot->entry.name != name && (!name.empty() || robots.size() > 1)) continue;

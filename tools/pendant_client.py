@@ -13,7 +13,9 @@ import base64
 import hashlib
 import json
 import os
+import select
 import socket
+import ssl
 import struct
 import sys
 import threading
@@ -36,10 +38,13 @@ class Refused(Exception):
 class WebSocket:
     """RFC 6455, client side, without extensions."""
 
-    def __init__(self, host, port, path, headers=(), timeout=10):
+    def __init__(self, host, port, path, headers=(), timeout=10, tls=None):
         self.socket = socket.create_connection((host, port), timeout=timeout)
+        if tls:
+            self.socket = tls.wrap_socket(self.socket, server_hostname=host)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._writing = threading.Lock()
+        self._writing = threading.Lock()  # of a TLS connection it is held for reading, too
+        self._tls = tls is not None
         key = base64.b64encode(os.urandom(16))
         lines = ["GET %s HTTP/1.1" % path, "Host: %s:%d" % (host, port), "Upgrade: websocket",
                  "Connection: Upgrade", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: " + key.decode()]
@@ -58,9 +63,18 @@ class WebSocket:
             self.socket.close()
             raise ConnectionError(status or "closed")
 
+    def _receive(self):
+        if not self._tls:
+            return self.socket.recv(65536)
+        while not self.socket.pending():  # two threads must not use one TLS connection at a time
+            if select.select([self.socket], [], [], 1)[0]:
+                break
+        with self._writing:
+            return self.socket.recv(65536)
+
     def _read(self, count):
         while len(self._rest) < count:
-            got = self.socket.recv(65536)
+            got = self._receive()
             if not got:
                 raise ConnectionError("closed")
             self._rest += got
@@ -117,14 +131,33 @@ class WebSocket:
         self.socket.close()
 
 
-class Pendant:
-    """A connection to a cell. A thread reads; `events` keeps the newest of each kind, `state()` the newest frame."""
+def tls_to(host, port, fingerprint=None):
+    """A TLS context for that server: of the certificate that has the fingerprint ("3A:F1:…", as polyarm prints it),
+    else of one that the machine trusts."""
+    if not fingerprint:
+        return ssl.create_default_context()
+    shown = ssl.get_server_certificate((host, port), timeout=10)
+    there = hashlib.sha256(ssl.PEM_cert_to_DER_cert(shown)).hexdigest()
+    if there.upper() != fingerprint.replace(":", "").upper():
+        raise ConnectionError("the certificate of %s has another fingerprint" % host)
+    context = ssl.create_default_context(cadata=shown)  # that certificate and no other
+    context.check_hostname = False
+    return context
 
-    def __init__(self, link, name="a program", rate=0, on_event=None):
+
+class Pendant:
+    """A connection to a cell. A thread reads; `events` keeps the newest of each kind, `state()` the newest frame.
+    Of an https link `fingerprint` (or POLYARM_FINGERPRINT) is that of the certificate."""
+
+    def __init__(self, link, name="a program", rate=0, on_event=None, fingerprint=None):
         parts = urllib.parse.urlsplit(link)
-        self.base = "http://%s" % parts.netloc
+        self.base = "%s://%s" % (parts.scheme, parts.netloc)
+        self._tls = None
+        if parts.scheme == "https":
+            self._tls = tls_to(parts.hostname, parts.port, fingerprint or os.environ.get("POLYARM_FINGERPRINT"))
         self.token = urllib.parse.parse_qs(parts.query)["token"][0]
-        self._socket = WebSocket(parts.hostname, parts.port, "/ws", [("Authorization", "Bearer " + self.token)])
+        self._socket = WebSocket(parts.hostname, parts.port, "/ws", [("Authorization", "Bearer " + self.token)],
+                                 tls=self._tls)
         self._socket.socket.settimeout(None)
         self._condition = threading.Condition()
         self._answers, self._last, self._closed = {}, 0, None
@@ -151,7 +184,7 @@ class Pendant:
         """Bytes of a path below /api/."""
         request = urllib.request.Request(self.base + path, data=data, method=method,
                                          headers={"Authorization": "Bearer " + self.token})
-        with urllib.request.urlopen(request, timeout=60) as answer:
+        with urllib.request.urlopen(request, timeout=60, context=self._tls) as answer:
             return answer.read()
 
     def tell(self, request, **arguments):

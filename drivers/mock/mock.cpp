@@ -156,8 +156,23 @@ const hardware::DriverFacts* MockComponent::facts() const noexcept {
 }
 
 std::string MockComponent::summary() const {
-  return parts_.empty() ? "its inputs, outputs and sensors hold what they are commanded or began with"
-                        : "mock hardware: states follow commands at once, no physics";
+  if (parts_.empty()) return "its inputs, outputs and sensors hold what they are commanded or began with";
+  std::string out = "mock hardware: states follow commands at once, no physics";
+  if (const std::string joints = commanded_by_effort(); !joints.empty())
+    out += "; efforts move nothing here, they are only given back as states: " + joints +
+           " (physics moves them: --hardware mujoco)";
+  return out;
+}
+
+/// The joints with an effort command, the first few by name.
+std::string MockComponent::commanded_by_effort() const {
+  constexpr std::size_t kNamed = 6;
+  std::vector<std::string> names;
+  for (const Part& part : parts_)
+    if (part.effort_command >= 0) names.push_back(part.name);
+  const std::size_t more = names.size() > kNamed ? names.size() - kNamed : 0;
+  names.resize(names.size() - more);
+  return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 
 CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context) {

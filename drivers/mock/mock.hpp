@@ -62,6 +62,7 @@ class MockComponent : public hardware::Component {
   int command(const std::string& name);
   void move(Part& part, double dt) noexcept;
   int command_named(std::string_view name) const noexcept;
+  std::string commanded_by_effort() const;
 
   std::vector<hardware::InterfaceDescription> states_, commands_;
   std::vector<Part> parts_;

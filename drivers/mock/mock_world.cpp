@@ -86,6 +86,7 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
                   state(name + "presented", 0),
                   state(name + "remaining", 0),
                   state(name + "present", 0),
+                  state(name + "count", 0),
                   state(name + "kind", 0),
                   {},
                   0,
@@ -154,18 +155,19 @@ void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<do
     part.entered = part.in_world = true;
   }
   int kind = 0;
-  bool present = false;
+  int here = 0;
   for (int k = 0; k < feeder.presented; ++k) {
     const auto i = static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(k)]);
     const auto found = std::find(scene_->kinds.begin(), scene_->kinds.end(), scene_->parts[i].kind);
     kind = static_cast<int>(found - scene_->kinds.begin()) + 1;
     const hardware::PartState& part = state_.parts[i];
-    present |= part.in_world && part.held_by < 0 && norm(part.pose.position - feeder.pose.position) < 0.03;
+    if (part.in_world && part.held_by < 0 && norm(part.pose.position - feeder.pose.position) < 0.03) ++here;
   }
   states[static_cast<std::size_t>(feeder.presented_state)] = feeder.presented;
   states[static_cast<std::size_t>(feeder.remaining_state)] =
       static_cast<double>(feeder.parts.size()) - feeder.presented;
-  states[static_cast<std::size_t>(feeder.present_state)] = present ? 1 : 0;
+  states[static_cast<std::size_t>(feeder.present_state)] = here > 0 ? 1 : 0;
+  states[static_cast<std::size_t>(feeder.count_state)] = here;
   states[static_cast<std::size_t>(feeder.kind_state)] = kind;
 }
 

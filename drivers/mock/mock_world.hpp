@@ -38,7 +38,7 @@ class MockWorld {
     Pose grasp;  ///< T_tcp_part
   };
   struct Feeder {
-    int command, presented_state, remaining_state, present_state, kind_state;
+    int command, presented_state, remaining_state, present_state, count_state, kind_state;
     std::vector<int> parts;
     int presented = 0;
     Pose pose;

@@ -17,9 +17,8 @@ double body_speed(const mjModel* m, const mjData* d, int geom) {
   return std::sqrt(mju_dot(v, v, 6));
 }
 
-bool stands_on_floor(const ModelView& view, const Owner& robot, const Owner& floor) {
-  return floor.kind == Kind::floor && robot.kind == Kind::link &&
-         view.robots[static_cast<std::size_t>(robot.index)].base_dof >= 0;
+bool stands_on_floor(const Owner& robot, const Owner& floor) {
+  return floor.kind == Kind::floor && robot.kind == Kind::link && robot.stands;
 }
 }  // namespace
 
@@ -83,24 +82,47 @@ bool ContactReader::is_finding(const Owner& a, const Owner& b, const mjContact& 
   return false;
 }
 
-void ContactReader::note(const Owner& a, const Owner& b, double depth, Nanoseconds now,
+/// Null where newer ones have taken its place.
+hardware::Contact* ContactReader::finding_of(const Pair& pair, hardware::WorldState& out) noexcept {
+  constexpr int kMost = hardware::WorldState::kMaxFindings;
+  if (pair.finding < 0 || pair.finding + kMost < out.finding_count) return nullptr;
+  return &out.findings[static_cast<std::size_t>(pair.finding % kMost)];
+}
+
+int ContactReader::add(const hardware::Contact& contact, hardware::WorldState& out) noexcept {
+  const int number = out.finding_count++;
+  out.findings[static_cast<std::size_t>(number % hardware::WorldState::kMaxFindings)] = contact;
+  return number;
+}
+
+void ContactReader::note(const Owner& a, const Owner& b, double depth, const Vec3& at, Nanoseconds now,
                          hardware::WorldState& out) noexcept {
   Pair* free = nullptr;
   for (Pair& pair : pairs_) {
-    if (pair.a == a.name && pair.b == b.name && step_ - pair.last <= kClearSteps) {
+    if (pair.finding >= 0 && pair.a == a.name && pair.b == b.name) {
+      const bool deepest = pair.last != step_ || depth > pair.depth;
       pair.last = step_;
-      if (pair.finding >= 0 && pair.finding < hardware::WorldState::kMaxFindings) {
-        double& deepest = out.findings[static_cast<std::size_t>(pair.finding)].depth;
-        deepest = std::max(deepest, depth);
+      if (!deepest) return;
+      pair.depth = depth;
+      if (hardware::Contact* found = finding_of(pair, out)) {
+        found->depth = std::max(found->depth, depth);
+        found->position = at;
       }
       return;
     }
-    if (!free && (pair.a < 0 || step_ - pair.last > kClearSteps)) free = &pair;
+    if (!free && pair.finding < 0) free = &pair;
   }
-  const int index = out.finding_count++;
-  if (index < hardware::WorldState::kMaxFindings)
-    out.findings[static_cast<std::size_t>(index)] = {now, a.name, b.name, depth};
-  if (free) *free = {a.name, b.name, step_, index};
+  const int number = add({now, a.name, b.name, depth, at, true}, out);
+  if (free) *free = {a.name, b.name, step_, number, depth};
+}
+
+/// After all contacts of a step.
+void ContactReader::let_go_of_clear_pairs(hardware::WorldState& out) noexcept {
+  for (Pair& pair : pairs_) {
+    if (pair.finding < 0 || step_ - pair.last <= kClearSteps) continue;
+    if (hardware::Contact* found = finding_of(pair, out)) found->now = false;
+    pair = {};
+  }
 }
 
 void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjContact& c, double other_speed,
@@ -167,14 +189,15 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
             held_force_[static_cast<std::size_t>(one.index)] + (sign * force[0]) * vec3(c.frame);
       }
     }
-    if (stands_on_floor(view, a, b) || stands_on_floor(view, b, a)) continue;
+    if (stands_on_floor(a, b) || stands_on_floor(b, a)) continue;
     if (!is_finding(a, b, c, parts)) continue;
     Owner first = a, second = b;
     first.name = name_of(a, parts);
     second.name = name_of(b, parts);
     const bool robot_second = stiff(second.kind) && !stiff(first.kind);
-    note(robot_second ? second : first, robot_second ? first : second, -c.dist, now, out);
+    note(robot_second ? second : first, robot_second ? first : second, -c.dist, vec3(c.pos), now, out);
   }
+  let_go_of_clear_pairs(out);
   for (std::size_t r = 0; r < robots_.size(); ++r)
     if (touched_[r][0] >= 0 && touched_[r][0] == touched_[r][1]) gripped_[r] = touched_[r][0];
 }

@@ -12,7 +12,8 @@ namespace polyarm::drivers {
 /// A finding is a contact of a robot link or tool body (not of its gripping surfaces) with anything, or of a
 /// held part with something that it is not being placed on: it may rest on what supports it from below
 /// (normal within 45 degrees of vertical, less than 2 mm deep), and may touch what it touched when it was
-/// gripped until it has once been clear.
+/// gripped until it has once been clear. Wheels, casters and what else a base on wheels stands on the floor with
+/// may touch the floor. A pair that touches is one finding until it has been clear.
 class ContactReader {
  public:
   ContactReader(std::size_t robots, std::size_t parts);
@@ -31,7 +32,8 @@ class ContactReader {
   struct Pair {
     int a = -1, b = -1;
     std::uint64_t last = 0;
-    int finding = -1;
+    int finding = -1;   // -1: free
+    double depth = 0;   // in the step `last`
   };
   struct Forgiven {
     int name = -1;
@@ -43,8 +45,11 @@ class ContactReader {
   };
   bool is_finding(const Owner& a, const Owner& b, const mjContact& c, const Parts& parts) noexcept;
   bool held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept;
-  void note(const Owner& a, const Owner& b, double depth, Nanoseconds now,
+  void note(const Owner& a, const Owner& b, double depth, const Vec3& at, Nanoseconds now,
             hardware::WorldState& out) noexcept;
+  void let_go_of_clear_pairs(hardware::WorldState& out) noexcept;
+  static hardware::Contact* finding_of(const Pair& pair, hardware::WorldState& out) noexcept;
+  static int add(const hardware::Contact& contact, hardware::WorldState& out) noexcept;
   void wake(const Owner& sleeper, const Owner& other, const mjContact& c, double other_speed,
             Parts& parts) const noexcept;
   void rest(const Owner& part, const Owner& other, const mjContact& c, Parts& parts) const noexcept;

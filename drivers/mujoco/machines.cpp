@@ -33,6 +33,7 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
                   state(f.name + "/presented"),
                   state(f.name + "/remaining"),
                   state(f.name + "/present"),
+                  state(f.name + "/count"),
                   state(f.name + "/kind"),
                   {},
                   0,
@@ -128,15 +129,16 @@ void Machines::read(const Parts& parts, std::span<double> states) const noexcept
     if (index >= 0) states[static_cast<std::size_t>(index)] = value;
   };
   for (const Feeder& f : feeders_) {
-    bool present = false;
+    int here = 0;
     for (int k = 0; k < f.presented; ++k) {
       const auto i = static_cast<std::size_t>(f.parts[static_cast<std::size_t>(k)]);
-      present |=
-          parts.in_world(i) && parts[i].robot < 0 && norm(parts[i].pose.position - f.pose.position) < 0.02;
+      if (parts.in_world(i) && parts[i].robot < 0 && norm(parts[i].pose.position - f.pose.position) < 0.02)
+        ++here;
     }
     set(f.presented_state, f.presented);
     set(f.remaining_state, static_cast<double>(f.parts.size()) - f.presented);
-    set(f.present_state, present ? 1 : 0);
+    set(f.present_state, here > 0 ? 1 : 0);
+    set(f.count_state, here);
     set(f.kind_state, f.presented > 0
                           ? kind_number(*scene_, static_cast<std::size_t>(
                                                      f.parts[static_cast<std::size_t>(f.presented - 1)]))

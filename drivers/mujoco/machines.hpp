@@ -24,7 +24,7 @@ class Machines {
 
  private:
   struct Feeder {
-    int command, presented_state, remaining_state, present_state, kind_state;
+    int command, presented_state, remaining_state, present_state, count_state, kind_state;
     std::vector<int> parts;
     int asked = 0, presented = 0;
     Pose pose;

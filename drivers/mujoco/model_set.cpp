@@ -5,6 +5,7 @@
 
 #include "drivers/mujoco/mjcf.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/description/bodies.hpp"
 
 namespace polyarm::drivers {
 
@@ -160,17 +161,18 @@ void ModelSet::find_places(const hardware::ComponentContext& context, ModelView&
 void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView& view) {
   const mjModel* m = view.m();
   view.owner.assign(static_cast<std::size_t>(m->ngeom), {});
-  const auto own = [&](int geom, Owner::Kind kind, int index, const std::string& called) {
-    if (geom >= 0) view.owner[static_cast<std::size_t>(geom)] = {kind, index, name(called)};
+  const auto own = [&](int geom, Owner::Kind kind, int index, const std::string& called, bool stands = false) {
+    if (geom >= 0) view.owner[static_cast<std::size_t>(geom)] = {kind, index, name(called), stands};
   };
   own(find(m, mjOBJ_GEOM, "floor"), Owner::Kind::floor, 0, "floor");
   for (std::size_t r = 0; r < context.robots.size(); ++r) {
     const hardware::RobotInstance& robot = context.robots[r];
     const int index = static_cast<int>(r);
+    const std::vector<char> stands = description::links_on_the_floor(*robot.model, view.robots[r].base_dof >= 0);
     for (std::size_t l = 0; l < robot.model->links.size(); ++l)
       for (std::size_t s = 0; s < robot.model->links[l].collisions.size(); ++s)
         own(find(m, mjOBJ_GEOM, link_name(r, static_cast<int>(l)) + "_" + std::to_string(s)),
-            Owner::Kind::link, index, robot.name + "/" + robot.model->links[l].name);
+            Owner::Kind::link, index, robot.name + "/" + robot.model->links[l].name, stands[l] != 0);
     for (std::size_t s = 0; robot.tool && s < robot.tool->body.size(); ++s)
       own(find(m, mjOBJ_GEOM, tool_name(r) + "_" + std::to_string(s)), Owner::Kind::tool, index,
           robot.name + "/tool");

@@ -17,6 +17,7 @@ struct Owner {
   Kind kind = Kind::nothing;
   int index = -1;  ///< robot, fixture, or part; of a mover's fixture: the mover
   int name = -1;   ///< index into the names of the world
+  bool stands = false;  ///< a link that may touch the floor: its robot stands or rolls on it
 };
 
 /// One compiled model with its data. Slots and twins are numbered as in the MJCF.

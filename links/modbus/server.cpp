@@ -9,6 +9,7 @@
 #include "links/modbus/context.hpp"
 #include "links/modbus/port.hpp"
 #include "links/modbus/registers.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::modbus {
 
@@ -19,8 +20,6 @@ using signals::LinkNews;
 using signals::LinkTag;
 using signals::LinkValue;
 using Area = LinkTag::Area;
-
-constexpr std::size_t kMostClients = 16;
 
 class Server : public signals::LinkPort {
  public:
@@ -43,7 +42,7 @@ class Server : public signals::LinkPort {
     close();
     context_ = new_context(entry_);
     modbus_set_byte_timeout(context_, 0, 200'000);
-    listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(kMostClients));
+    listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(bounds::kModbusClients));
     if (listening_ < 0) {
       const std::string why = modbus_strerror(errno);
       throw Error("link-lost", entry_.address() + " cannot listen: " + why);
@@ -52,7 +51,7 @@ class Server : public signals::LinkPort {
   }
 
   void close() noexcept override {
-    for (const int client : clients_) ::close(client);
+    for (const Client& client : clients_) ::close(client.socket);
     clients_.clear();
     if (listening_ >= 0) ::close(listening_);
     listening_ = -1;
@@ -65,13 +64,18 @@ class Server : public signals::LinkPort {
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                 LinkNews& news) override {
     for (const LinkValue& write : writes) put(write);
-    const bool asked = serve(patience);
+    const bool asked = serve(now, patience);
     if (asked) asked_at_ = now;
     news.alive = asked_at_ >= 0 && now - asked_at_ <= entry_.timeout;
     for (std::size_t i = 0; i < entry_.tags.size(); ++i) look(i, asked, news);
   }
 
  private:
+  struct Client {
+    int socket = -1;
+    Nanoseconds heard = 0;  ///< when it connected, or asked last
+  };
+
   std::vector<std::uint16_t> words_at(const LinkTag& tag) const {
     if (tag.area == Area::coil) return {table_->tab_bits[tag.address]};
     if (tag.area == Area::discrete) return {table_->tab_input_bits[tag.address]};
@@ -96,37 +100,46 @@ class Server : public signals::LinkPort {
   }
 
   /// Whether anybody asked anything that could be answered.
-  bool serve(Nanoseconds patience) {
+  bool serve(Nanoseconds now, Nanoseconds patience) {
     std::vector<pollfd> waiting{{listening_, POLLIN, 0}};
-    for (const int client : clients_) waiting.push_back({client, POLLIN, 0});
+    for (const Client& client : clients_) waiting.push_back({client.socket, POLLIN, 0});
     if (::poll(waiting.data(), waiting.size(), static_cast<int>(patience / 1'000'000)) <= 0) return false;
     bool asked = false;
     for (std::size_t k = 1; k < waiting.size(); ++k)
-      if (waiting[k].revents != 0) asked |= answer(waiting[k].fd);
-    if (waiting[0].revents != 0) accept();
+      if (waiting[k].revents != 0) asked |= answer(waiting[k].fd, now);
+    if (waiting[0].revents != 0) accept(now);
     return asked;
   }
 
-  void accept() {
+  /// Where all places are taken, whoever has been silent for longest gives up its own: connections that ask
+  /// nothing lock nobody out.
+  void accept(Nanoseconds now) {
     int listening = listening_;
-    const int client = modbus_tcp_pi_accept(context_, &listening);
-    if (client < 0) return;
-    if (clients_.size() < kMostClients)
-      clients_.push_back(client);
-    else
-      ::close(client);
+    const int socket = modbus_tcp_pi_accept(context_, &listening);
+    if (socket < 0) return;
+    if (clients_.size() >= bounds::kModbusClients)
+      leave(std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+              return a.heard < b.heard;
+            })->socket);
+    clients_.push_back({socket, now});
+  }
+
+  void leave(int socket) {
+    ::close(socket);
+    std::erase_if(clients_, [&](const Client& client) { return client.socket == socket; });
   }
 
   /// Who sends what is no request is sent away; what stood in the tables stays.
-  bool answer(int client) {
+  bool answer(int socket, Nanoseconds now) {
     std::uint8_t request[MODBUS_TCP_MAX_ADU_LENGTH];
-    modbus_set_socket(context_, client);
+    modbus_set_socket(context_, socket);
     const int length = modbus_receive(context_, request);
-    if (length > 0 && modbus_reply(context_, request, length, table_) >= 0) return true;
-    if (length > 0 && errno >= MODBUS_ENOBASE) return true;  // it was answered with an exception
-    ::close(client);
-    std::erase(clients_, client);
-    return false;
+    const bool answered = length > 0 && (modbus_reply(context_, request, length, table_) >= 0 ||
+                                         errno >= MODBUS_ENOBASE);  // with an exception
+    if (!answered) leave(socket);
+    for (Client& client : clients_)
+      if (client.socket == socket) client.heard = now;
+    return answered;
   }
 
   void look(std::size_t index, bool asked, LinkNews& news) {
@@ -161,7 +174,7 @@ class Server : public signals::LinkPort {
   modbus_mapping_t* table_ = nullptr;
   modbus_t* context_ = nullptr;
   int listening_ = -1;
-  std::vector<int> clients_;
+  std::vector<Client> clients_;
   std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: what both sides know
   Nanoseconds asked_at_ = -1;
 };

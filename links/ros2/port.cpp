@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "links/ros2/field.hpp"
@@ -52,6 +53,7 @@ class Port : public signals::LinkPort {
 
   void open() override {
     wire_.emplace(options_, distribution_);
+    losses_ = 0;
     const std::string node = name(node_);
     for (auto& [topic, out] : outgoing_)
       out.publisher = wire_->publisher(node, topic, *out.type, {true, out.latched, out.latched ? 1u : 10u});
@@ -71,7 +73,14 @@ class Port : public signals::LinkPort {
 
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
                 LinkNews& news) override {
+    tell_news(news);
+    const Nanoseconds missing = wire_->participant().missing_for().count();
+    if (missing > entry_.timeout)
+      throw Error("link-lost", "the process that speaks ROS 2 has ended and is not back yet");
+    if (calls_were_lost())
+      throw Error("link-lost", "the process that speaks ROS 2 ended while a service was asked");
     for (const LinkValue& write : writes) put(write);
+    if (missing > 0) return std::this_thread::sleep_for(std::chrono::nanoseconds(patience));
     for (auto& [topic, out] : outgoing_)
       if (std::exchange(out.changed, false)) publish(out);
     for (auto& [service, call] : calls_)
@@ -84,6 +93,19 @@ class Port : public signals::LinkPort {
   }
 
  private:
+  void tell_news(LinkNews& news) {
+    for (RemoteNews& each : wire_->take_news())
+      news.notes.push_back(std::move(each.what) + (each.good ? "" : " (" + std::move(each.advice) + ")"));
+  }
+  /// What is published meanwhile waits for the process to be there again. What was asked has no answer any
+  /// more, and whether it was done is not known: the link is lost, and asks again when it is found.
+  bool calls_were_lost() {
+    const std::uint64_t losses = wire_->participant().statistics().losses;
+    if (std::exchange(losses_, losses) == losses) return false;
+    return std::any_of(calls_.begin(), calls_.end(),
+                       [](const auto& call) { return call.second.wanted && call.second.asked; });
+  }
+
   struct Place {
     std::size_t tag;
     Field field;
@@ -269,6 +291,7 @@ class Port : public signals::LinkPort {
   std::map<std::size_t, Field> fields_;           ///< of what goes out, by tag
   std::vector<std::optional<data::Value>> last_;  ///< by tag: what both sides know
   std::optional<Wire> wire_;
+  std::uint64_t losses_ = 0;  ///< of the process that speaks DDS
   LinkNews* news_ = nullptr;  ///< during an exchange
 };
 

@@ -4,7 +4,7 @@ import { chromium } from 'playwright-core';
 
 const [address, folder, ...wanted] = process.argv.slice(2);
 const pages = wanted.length ? wanted : ['run', 'move', 'program', 'points', 'signals', 'plots', 'health', 'cell'];
-const sizes = { desk: [1280, 800], tablet: [1024, 600], phone: [390, 844] };
+const sizes = { desk: [1440, 900], tablet: [1024, 768], phone: [390, 844] };
 mkdirSync(folder, { recursive: true });
 const browser = await chromium.launch({
   executablePath: '/usr/bin/chromium',

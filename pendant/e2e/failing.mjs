@@ -21,17 +21,17 @@ test('a component that fails is said to have, where and why, with what to do', a
   page = await at.open();
   await page.getByRole('button', { name: /^In control/ }).waitFor();
   await until(async () => (await at.goOn(), at.watcher.events.status?.state === 'fault'), 150, 'the fault');
-  await state(page).getByText('a hardware component failed').waitFor();
+  await state(page).getByText('A hardware component failed').waitFor();
   await go(page, 'Health');
   await tab(/^Alarms/);
   await main().getByRole('heading', { name: /^a hardware component failed \(R6Bot/ }).waitFor();
-  await main().getByText(/bring the hardware back/).waitFor();
+  await main().getByText(/Press Recover/).waitFor();
   await picture(page, 'failed');
 });
 
 test('it is recovered, its controllers start after a question, and the cell goes on', async () => {
   await tab('Hardware');
-  await main().getByText('Failed: a hardware component failed').waitFor();
+  await main().getByText('Failed: A hardware component failed').waitFor();
   assert.equal(await main().getByRole('button', { name: 'Activate' }).count(), 0);
   await main().getByRole('button', { name: 'Recover' }).click();
   const question = page.getByRole('dialog', { name: 'Start its controllers again?' });

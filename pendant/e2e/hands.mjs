@@ -199,7 +199,7 @@ test('says why a program that is started ends at once, and begins anew from the 
   await go(page, 'Run');
   // A start while the machine has the cell held is refused in words: it is pressed again.
   const started = async () => (await at.goOn(), await main().getByRole('button', { name: 'Start', exact: true }).click({ timeout: 2000 }).catch(() => undefined));
-  const why = main().getByText('It ended without a pass: “while Repeat” (line 4) did not hold');
+  const why = main().getByText('It ended without a cycle: “while Repeat” (line 4) did not hold');
   await until(async () => (await why.isVisible()) || (await started(), await page.waitForTimeout(500), false), 60, 'the reason');
   await picture(page, 'no-pass');
   await go(page, 'Program');
@@ -224,9 +224,10 @@ test('switches the device off and on, and says what is missing meanwhile', async
   await state(page).getByText('Not ready').waitFor();
   await state(page).getByText(/^mujoco: not active/).waitFor();
   await picture(page, 'not-ready');
-  await button('Activate').click();
+  await main().getByRole('button', { name: 'Activate' }).click();
   await yes();
-  await state(page).getByText('Ready', { exact: true }).waitFor();
+  // The device is there again, and nothing commands it yet.
+  await state(page).getByText(/joint_trajectory_controller: not active/).waitFor();
   await tab('Controllers');
   await button('Switch controllers').click();
   const dialog = page.getByRole('dialog', { name: 'Switch controllers' });
@@ -234,6 +235,7 @@ test('switches the device off and on, and says what is missing meanwhile', async
   await dialog.getByText(/^Will start: .*joint_trajectory_controller/).waitFor();
   await yes();
   await until(async () => (await main().getByText('Active', { exact: true }).count()) === 3, 60, 'three active controllers');
+  await state(page).getByText('Ready', { exact: true }).waitFor();
   await go(page, 'Run');
   await button('Start').click();
   await until(async () => (await at.goOn(), at.watcher.speed() > 0.05), 90, 'the program moving the robot again');

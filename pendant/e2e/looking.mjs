@@ -28,7 +28,7 @@ test('shows a joint as commanded and as measured while it moves, and what both w
   const from = at.watcher.time;
   await until(() => at.watcher.time > from + 3, 60, 'some seconds');
   await button('Pause').click();
-  await button('Go on').waitFor();
+  await button('Resume').waitFor();
   const box = await picture1.boundingBox();
   const seen = [];
   for (let i = 0; i <= 20; ++i) {

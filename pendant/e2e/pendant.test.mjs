@@ -177,13 +177,13 @@ test('a page from elsewhere cannot reach the cell, though the browser has its co
 test('comes back after the server was killed and started again', async () => {
   at.watcher.end();
   await cell.kill();
-  await page.getByRole('alert').getByText('No connection to the cell').waitFor();
+  await page.getByRole('alert').getByText('Reconnecting…').waitFor();
   assert.ok(await page.getByRole('button', { name: 'Z plus', exact: true }).isDisabled(), 'nothing can be jogged');
   await cell.start();
   at.watcher = await new Watcher(cell).start();
   await inControl(page).waitFor();
   await state(page).getByText(/^(Program|Ready|Moving|Held)/).waitFor();
-  await page.getByRole('alert').getByText('No connection to the cell').waitFor({ state: 'detached' });
+  await page.getByRole('alert').getByText('Reconnecting…').waitFor({ state: 'detached' });
 });
 
 test('shows the robot without WebGL, too', async () => {

@@ -73,10 +73,11 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await editor().getByText('let third').click();
   await page.getByRole('button', { name: 'Breakpoint at line 6', pressed: true }).waitFor();
   await picture(page, 'breakpoint');
-  await button('Go on').click();
+  await at.bar().getByRole('button', { name: 'Resume' }).click();
   await until(async () => (await at.goOn(), !now().paused), 60, 'going on');
   await pausedAt(6);
   await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await until(() => now().ended, 30, 'the end of the program');
   // A start while a robot still comes to rest is refused in words: it is pressed again.
   await until(async () => {
@@ -124,7 +125,7 @@ test('moves a breakpoint with its line while lines are written above, and what r
   await button('Undo').click();
   await steps.getByRole('button', { name: /^7\s*New value third.*Breakpoint$/ }).waitFor();
   await shownAs('Text');
-  await button('Go on').click();
+  await at.bar().getByRole('button', { name: 'Resume' }).click();
   await pausedAt(6);
   await page.reload();
   await page.getByRole('button', { name: /^In control/ }).waitFor();
@@ -141,6 +142,7 @@ test('moves a breakpoint with its line while lines are written above, and what r
 
 test('keeps breakpoints of a program that is not begun for its start, over a new scene, and takes them off', async () => {
   await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await until(async () => (await at.goOn(), now().ended), 60, 'the end');
   await openFile('reach.script');
   await pressNumber('30deg');
@@ -161,6 +163,7 @@ test('keeps breakpoints of a program that is not begun for its start, over a new
   await mark(true).click();
   await mark(false).waitFor();
   await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').waitFor();
   await assert.rejects(at.watcher.request('program.break', { at: ['nowhere.script:1'] }), /no program has a file 'nowhere.script'/);
 });

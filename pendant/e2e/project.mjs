@@ -45,8 +45,8 @@ test('points are taught', async () => {
     await page.getByRole('region', { name: 'Teach a point' }).getByRole('textbox', { name: 'Name' }).fill(name);
     await button('Teach').click();
     await said(`${name} is taught`);
-    await button('Numbers').click();
-    const dialog = page.getByRole('dialog', { name: `Numbers of ${name}` });
+    await button('Edit values').click();
+    const dialog = page.getByRole('dialog', { name: `Edit values of ${name}` });
     await dialog.getByRole('textbox', { name: 'Value' }).fill(numbers);
     await dialog.getByRole('button', { name: 'Apply' }).click();
     await said(`${name} is changed`);

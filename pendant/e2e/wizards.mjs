@@ -79,8 +79,8 @@ test('a tool stands among the tools, and is no place to go to', async () => {
   await tools.getByRole('button', { name: /^Cup/ }).click();
   await page.getByText('A tool: the pose of its TCP on the flange.').waitFor();
   assert.equal(await tools.getByRole('listitem').count(), 1);
-  assert.equal(await button('Touch up').count(), 0);
+  assert.equal(await button('Re-teach position').count(), 0);
   await picture(page, 'tool');
   await page.getByRole('button', { name: /^Rest/ }).click();
-  await button('Touch up').waitFor();
+  await button('Re-teach position').waitFor();
 });

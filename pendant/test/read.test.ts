@@ -84,3 +84,18 @@ describe('events', () => {
     expect(readJog({ jog: 3, robot: 'arm', over: true, why: 'lost', text: '' })).toEqual({ jog: 3, robot: 'arm', over: true, why: 'lost', text: '' });
   });
 });
+
+describe('contacts of a status', () => {
+  const told = { state: 'held', cause: 'x', cause_code: 'contact', contacts: { checked: true, touching: true, unchecked: ['a mesh', 3], list: [{ a: 'arm/hand', b: 'table', depth: 0.002, position: [1, 2, 3], now: true }, { a: 'arm/hand', position: ['no'] }] }, can: { resume: { code: 'in-contact', what: 'no' }, back: null } };
+  it('are read with pair, depth and place', () => {
+    const status = readStatus(told, 1);
+    expect(status.causeCode).toBe('contact');
+    expect(status.contacts).toMatchObject({ checked: true, touching: true, unchecked: ['a mesh'] });
+    expect(status.contacts.list[0]).toMatchObject({ a: 'arm/hand', b: 'table', depth: 0.002, at: [1, 2, 3], now: true });
+    expect(status.contacts.list[1]).toMatchObject({ b: '', at: null, now: false });
+    expect(Object.keys(status.cannot)).toEqual(['resume']);
+  });
+  it('are none where a server tells none', () => {
+    for (const contacts of [undefined, null, 3, []]) expect(readStatus({ contacts }, 1).contacts).toEqual({ checked: true, touching: false, unchecked: [], list: [] });
+  });
+});

@@ -2,12 +2,20 @@
 
 #include <algorithm>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm {
 
 namespace {
+/// Of one exception, in what().
+constexpr std::size_t kMostTexts = bounds::kProblemsInText;
+
 std::string all_texts(const std::vector<Problem>& problems) {
   std::string out;
-  for (const Problem& problem : problems) out += (out.empty() ? "" : "\n") + problem.text();
+  for (std::size_t i = 0; i < std::min(problems.size(), kMostTexts); ++i)
+    out += (out.empty() ? "" : "\n") + problems[i].text();
+  if (problems.size() > kMostTexts)
+    out += "\nand " + std::to_string(problems.size() - kMostTexts) + " more problems";
   return out;
 }
 }  // namespace

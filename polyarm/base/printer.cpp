@@ -37,7 +37,13 @@ struct Printer::Work {
       const bool written = write(now);
       lock.lock();
       writing = false;
-      gone = gone || !written;
+      const bool news = !written && !std::exchange(gone, gone || !written);
+      if (news && tell) {
+        const auto told = tell;
+        lock.unlock();
+        told();
+        lock.lock();
+      }
       room.notify_all();
     }
   }
@@ -70,6 +76,7 @@ struct Printer::Work {
   const Full full;
   const Gap gap;
   const std::size_t most;
+  std::function<void()> tell;
   std::mutex mutex;
   std::condition_variable wake, room;
   std::string waiting;
@@ -87,6 +94,16 @@ Printer::~Printer() {
   const std::lock_guard lock(work_->mutex);
   work_->over = true;
   work_->wake.notify_all();
+}
+
+bool Printer::gone() const {
+  const std::lock_guard lock(work_->mutex);
+  return work_->gone;
+}
+
+void Printer::when_gone(std::function<void()> tell) {
+  std::unique_lock lock(work_->mutex);
+  work_->tell = std::move(tell);
 }
 
 void Printer::put(std::string_view text) {

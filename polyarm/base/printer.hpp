@@ -26,6 +26,11 @@ class Printer {
   Printer(const Printer&) = delete;
   Printer& operator=(const Printer&) = delete;
 
+  /// A write has failed: the reader is gone, or the terminal closed.
+  bool gone() const;
+  /// Called once when that happens, in the thread that writes.
+  void when_gone(std::function<void()> tell);
+
   /// A text longer than all that may wait is taken when nothing else waits. After a failed write (a reader
   /// that is gone) nothing more is written.
   void put(std::string_view text);

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm {
 
 namespace {
@@ -86,16 +88,46 @@ std::string format_number(double value) {
   return {text, result.ptr};
 }
 
-std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates) {
+namespace {
+/// The shortest candidate that goes on where `wrong` ends; null: none does, or `wrong` is too short to tell.
+const std::string* completion(std::string_view wrong, std::span<const std::string> candidates) {
+  constexpr std::size_t kLeast = 3;
   const std::string* best = nullptr;
-  std::size_t best_distance = std::max<std::size_t>(1, wrong.size() / 3) + 1;
+  if (wrong.size() < kLeast) return best;
   for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(wrong, candidate);
-    if (distance < best_distance) {
+    const bool begins = candidate.size() > wrong.size() &&
+                        equal_ignoring_case(std::string_view(candidate).substr(0, wrong.size()), wrong);
+    if (begins && (!best || candidate.size() < best->size())) best = &candidate;
+  }
+  return best;
+}
+
+/// Of names such as MAKER/MODEL the last part, where `wrong` has one part only.
+std::string_view comparable(std::string_view candidate, std::string_view wrong) {
+  const auto slash = candidate.rfind('/');
+  return slash == std::string_view::npos || wrong.find('/') != std::string_view::npos
+             ? candidate
+             : candidate.substr(slash + 1);
+}
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates) {
+  constexpr std::size_t kLongest = bounds::kSuggestedBytes, kMostLookedAt = bounds::kSuggestedNames;
+  const std::string* best = nullptr;
+  if (wrong.size() > kLongest) return std::nullopt;
+  std::size_t best_distance = std::max<std::size_t>(1, wrong.size() / 3) + 1;
+  for (const std::string& candidate : candidates.first(std::min(candidates.size(), kMostLookedAt))) {
+    for (const std::string_view name : {std::string_view(candidate), comparable(candidate, wrong)}) {
+      const std::size_t apart = std::max(name.size(), wrong.size()) - std::min(name.size(), wrong.size());
+      const std::size_t distance = apart < best_distance ? edit_distance(wrong, name) : best_distance;
+      if (distance >= best_distance) continue;
       best = &candidate;
       best_distance = distance;
     }
   }
+  // One slip of the pen is likelier than a name that was not written to its end; two are not.
+  if (best_distance > 1)
+    if (const std::string* whole = completion(wrong, candidates)) return *whole;
   if (best) return *best;
   return std::nullopt;
 }

@@ -19,7 +19,9 @@ std::vector<std::string> split_fields(std::string_view s, char separator);
 std::optional<double> parse_number(std::string_view s);
 /// The shortest text that parses back to exactly `value`.
 std::string format_number(double value);
-/// The candidate that `wrong` was most likely meant to be (edit distance, case ignored), if any is near.
+/// The candidate that `wrong` was most likely meant to be, case ignored: by edit distance of the whole name, in
+/// which swapped neighbours count as one, or the name that `wrong` is the beginning of; nothing where none is
+/// near.
 std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates);
 /// "; did you mean 'X'?" or nothing.
 std::string did_you_mean(std::string_view wrong, std::span<const std::string> candidates);

@@ -58,6 +58,10 @@ class Yaml {
   /// A map with `xyz` or `at` (metres) and `rpy` (radians) or `quaternion` (x y z w), or a list of 3, 6 or 7.
   Pose pose() const;
 
+  /// For messages: "'hardware'", the key that the node stands behind; "a list of 2 values", what it is.
+  std::string named() const;
+  std::string kind() const;
+
   /// Every key of this map that is not in `known` becomes a problem with the nearest known name.
   void check_keys(const std::vector<std::string>& known, Problems& problems) const;
 

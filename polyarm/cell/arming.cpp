@@ -51,6 +51,7 @@ void Arming::look_again() {
     if (!loop_.hardware().real(i) || is_real(i)) continue;
     components_.push_back(i);
     armed_ = false;
+    loop_.supervisor().watch_cell = loop_.holds_after_gap();
     slow_down();
     observer_.on_note(loop_.hardware().component_name(i) + " is real hardware now and disarmed");
   }

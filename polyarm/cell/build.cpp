@@ -10,19 +10,56 @@
 
 namespace polyarm::cell {
 
-void load_plugins(const CellFile& file, Problems& problems) {
+namespace {
+/// Calls `look` with each folder that the cell names and that is there.
+template <typename Look>
+void each_folder(const CellFile& file, Problems& problems, Look look) {
   for (const std::string& written : file.plugins) {
     const std::filesystem::path folder = file.folder / written;  // an absolute one stays as it is
     std::error_code error;
     if (std::filesystem::is_directory(folder, error))
-      plugins::load_folder(folder);
+      look(written, folder);
     else
       problems.warning("no-folder", file.plugins_where, "'" + written + "' is no folder with plugins",
                        "build your plugin, or mend 'plugins:'; folders are relative to the file");
   }
+}
+
+void load_the_users(Problems& problems) {
   plugins::load_default_folders();
   for (const plugins::Refusal& refusal : plugins::refused())
     problems.warning("plugin-refused", {refusal.file.string()}, refusal.reason, refusal.advice);
+}
+}  // namespace
+
+void load_plugins(const CellFile& file, Problems& problems) {
+  each_folder(file, problems, [&](const std::string&, const std::filesystem::path& folder) {
+    plugins::load_approved_in(folder);
+    for (const plugins::Library& library : plugins::unapproved())
+      if (library.file.parent_path() == folder)
+        problems.error("plugin-not-approved", {library.file.string()},
+                       "the cell brings native code, which would run with all your rights and which nobody "
+                       "has approved on this machine",
+                       "if you trust where it comes from: polyarm plugins approve " + library.file.string());
+  });
+  load_the_users(problems);
+}
+
+bool look_at_plugins(const CellFile& file, Problems& problems) {
+  load_the_users(problems);
+  bool any = false;
+  each_folder(file, problems, [&](const std::string& written, const std::filesystem::path& folder) {
+    const std::vector<std::filesystem::path> files = plugins::not_loaded_in(folder);
+    if (files.empty()) return;
+    any = true;
+    problems.warning("plugin-not-looked-into", file.plugins_where,
+                     "check loads no native code of a cell: hardware and controllers of '" + written + "' (" +
+                         files.front().filename().string() +
+                         (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : "") +
+                         ") are not looked into",
+                     "if you trust it: polyarm check CELL --plugins " + folder.lexically_normal().string());
+  });
+  return any;
 }
 
 namespace {

@@ -10,9 +10,12 @@
 
 namespace polyarm::cell {
 
-/// Loads the plugins of the cell's folders and of those that are looked through by default. What cannot be
-/// used becomes a warning.
+/// Loads the plugins of the cell's folders, as far as the user has approved them, and of those that are
+/// looked through by default. What cannot be used becomes a warning, what is not approved an error.
 void load_plugins(const CellFile& file, Problems& problems);
+/// The same without those of the cell's folders: no code that a cell brings runs. Warns of each folder whose
+/// libraries were therefore not looked into; true if there is one.
+bool look_at_plugins(const CellFile& file, Problems& problems);
 
 struct Programs {
   std::optional<program::Program> program, plc;

@@ -9,7 +9,9 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/cell/controllers_start.hpp"
 #include "polyarm/cell/floor.hpp"
@@ -29,14 +31,21 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   observers_.add(observer);
   Problems problems;
   std::vector<std::string> notes = file_.notes;
-  load_plugins(file_, problems);
+  if (options_.no_code)
+    look_at_plugins(file_, problems);
+  else
+    load_plugins(file_, problems);
   ros_files::ControllersFile described;
   collect(problems, [&] { described = read_cell_controllers(file_, problems); });
   robots_ = resolve_robots(file_, described.joint_limits, catalogue, options_.real, problems, notes);
+  add_hardware_faults(robots_, Severity::error, problems);
   collect(problems, [&] {
     scene_ = file_.scene.empty() ? scene_without_file(robots_, notes)
-                                 : description::read_scene((file_.folder / file_.scene).string());
+                                 : description::read_scene((file_.folder / file_.scene).string(), problems);
   });
+  unchecked_bodies_ = cell::unchecked_bodies(robots_, scene_);
+  for (const auto& more : {unchecked_bodies_, placeholder_notes(robots_)})
+    notes.insert(notes.end(), more.begin(), more.end());
   for (const std::string& note : notes) observer_.on_note(note);
   parts_ = PartTracker(scene_);
   problems.throw_if_errors();
@@ -49,11 +58,13 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop.measure_parts = !options_.lock_step;
   loop.overrun = file_.loop.overrun;
   loop.overrun_after = file_.loop.overrun_after;
+  loop.stall_holds = file_.loop.stall_holds;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
   loop_ = std::make_unique<control::ControlLoop>(loop);
-  loop_->supervisor().watch_cell = !options_.lock_step;
+  loop_->supervisor().set_contact_stop(options_.allow_contact ? control::ContactStop::none : file_.contact_stop);
   add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager_, problems);
   problems.throw_if_errors();
+  loop_->supervisor().watch_cell = !options_.lock_step && loop_->holds_after_gap();
   start_hardware();
   for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
   arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
@@ -143,6 +154,18 @@ void bound_poses(signals::Signals& signals, const std::vector<motion::WorkspaceZ
 }
 }  // namespace
 
+namespace {
+/// How long a run waits for another one of the same folder, ms: batches come one after the other.
+constexpr int kBatchPatience = 30'000, kLivePatience = 500, kNeverWaits = -1;
+
+/// Robots without a cell have no folder of their own: any number of them run side by side.
+int patience_of(const CellFile& file, bool lock_step) {
+  const std::string kind = file.path.extension().string();
+  const bool has_folder = (kind == ".yaml" || kind == ".yml") && !file.launched;
+  return !has_folder ? kNeverWaits : lock_step ? kBatchPatience : kLivePatience;
+}
+}  // namespace
+
 void Cell::build_tags(Problems& problems) {
   pass_state_ = states_.add("program/pass");
   running_state_ = states_.add("program/running");
@@ -156,11 +179,15 @@ void Cell::build_tags(Problems& problems) {
   collect(problems, [&] {
     if (!file_.signals.empty()) signals_ = signals::load_signals((file_.folder / file_.signals).string());
   });
+  if (!options_.lock_step || options_.links) admit_links(file_, signals_, problems);
+  if (!options_.lock_step) admit_doors(file_, problems);
   const signals::Signals& signals = signals_;
   std::set<std::string> live(signals.live.begin(), signals.live.end());
   if (options_.test) live.clear();  // a test writes to no file of the user's
   files_ = std::make_unique<DataFiles>(store_,
-                                       StateFolder(file_.folder, live, options_.keep, options_.state_folder),
+                                       StateFolder(file_.folder, live, options_.keep, options_.state_folder,
+                                                   patience_of(file_, options_.lock_step),
+                                                   file_.path.filename().string()),
                                        *worker_, options_.lock_step);
   bound_poses(signals_, file_.workspace, *files_);
   for (const signals::LinkEntry& link : signals.links) {  // before the tags that are bound to them
@@ -408,6 +435,7 @@ void Cell::tick(Nanoseconds now) {
   tell_overruns();
   tell_threads();
   if (!started_ && arming_->armed()) send_start_messages();
+  watch_contacts(now, snapshot);  // before moves that a contact ended are forgotten
   watch_stops(now, snapshot);
   requests_->tick();
   follow_strangers(snapshot);
@@ -441,7 +469,9 @@ void Cell::tick(Nanoseconds now) {
   tracking_error_max_ = std::max(tracking_error_max_, snapshot.world.tracking_error);
   tell_changes(now);
   if (!failure_) {
-    watch_contacts(now, snapshot);
+    watch_faults(now, snapshot);
+    watch_groups(now, snapshot);
+    if (const auto note = recorder_.tick(now, *loop_, *worker_)) observer_.on_note(*note);
     watch_for_deadlock(now, snapshot);
     watch_end(now);
   }
@@ -502,6 +532,12 @@ void Cell::set_profile(const std::string& name) {
 motion::JogLimits Cell::jog_limits() const {
   const ProfileEntry& profile = profile_ == "reduced" ? file_.profiles.reduced : file_.profiles.full;
   motion::JogLimits out{profile.joint_speed, profile.tcp_speed, profile.tcp_turning};
+  if (contact_watch_.touching()) {  // out of it slowly
+    constexpr double kJointShare = 0.05, kSpeed = 0.02, kTurning = 0.1;
+    out.joint_share = std::min(out.joint_share, kJointShare);
+    out.tcp_speed = std::min(out.tcp_speed, kSpeed);
+    out.tcp_turning = std::min(out.tcp_turning, kTurning);
+  }
   if (!arming_->first_pass()) return out;
   out.joint_share = std::min(out.joint_share, kReducedProfile.joint_speed);
   out.tcp_speed = std::min(out.tcp_speed, kReducedProfile.tcp_speed);

@@ -17,6 +17,7 @@
 #include "polyarm/cell/breakpoints.hpp"
 #include "polyarm/cell/camera.hpp"
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/contact_watch.hpp"
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/cell/event_log.hpp"
 #include "polyarm/cell/fault_record.hpp"
@@ -64,9 +65,11 @@ struct CellOptions {
   Nanoseconds hardware_patience = 5'000'000'000;
   /// While hardware starts: whether a person has asked to end it. Then what has not come back is left behind.
   std::function<bool()> start_given_up;
-  bool allow_contact = false;  ///< contacts are reported and do not end the run
+  bool allow_contact = false;   ///< contacts are reported and do not end the run
+  bool contact_errors = false;  ///< with that: they are reported as errors, not as warnings
   /// The program begins when somebody asks for it, and the cell goes on when it has ended.
   bool waits = false;
+  bool no_code = false;  ///< plugins that the cell brings are not loaded, approved or not
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
@@ -128,6 +131,13 @@ class Cell {
   bool program_begun() const { return begun_; }
   /// Is the program under way, so that nobody else may move? While it is paused and all stands, it is not.
   bool program_runs() const;
+  /// Of what the program waits for a name that nobody in the cell sets and that comes from a file of which
+  /// the run has a copy: how others come to set it. Empty where there is none.
+  std::string hint_of_live() const;
+  /// The line under way, for whoever blames or tells something: of the program's move that `robot` (its
+  /// index; none: any) is in, else of the statement that the program is in. Empty where no program is under
+  /// way, or a person jogs.
+  Location line_under_way(std::optional<std::size_t> robot = {}) const;
   /// Ends the program where it is: its moves end on their paths. What it does on stop is still done.
   void end_program();
   /// Where programs pause: in the one there is, and in others of the cell's folder once they are begun.
@@ -150,6 +160,8 @@ class Cell {
   std::vector<std::string> held_parts() const { return held_parts_->names(snapshot()); }
   const std::vector<std::string>& held_before() const { return held_before_; }
   bool all_idle() const;
+  /// Is anything left of a motion that a resume goes on with: a program's, or one that somebody sent?
+  bool motion_left() const;
   /// At the end of a run: what lets the program go on later is on the disk.
   void keep_safe_point();
   const std::optional<Failure>& failure() const { return failure_; }
@@ -222,9 +234,18 @@ class Cell {
   // For requests; cell thread.
   StopWatch& stop_watch() { return stop_watch_; }
   const HeldPlace& held_place() const { return held_place_; }
+  /// Where the robots are now is where the next motion begins: what moved them while held counts no more.
+  void forget_pushes() { held_place_.forget(); }
+  /// Contacts so far, and what they are not detected for.
+  const ContactWatch& contacts() const { return contact_watch_; }
+  const std::vector<std::string>& unchecked_bodies() const { return unchecked_bodies_; }
+  control::ContactStop contact_stop() const { return loop_->supervisor().contact_stop(); }
   const JointPlaces& joint_places() const { return joint_places_; }
-  /// Who is told what happens; the one that the cell was built with is the first.
-  Observers& observers() { return observers_; }
+  /// Reports to everybody, and keeps it among the events.
+  Observer& observer() { return observer_; }
+  /// `observer` is told from now on what happens; the one that the cell was built with is the first.
+  void add_observer(Observer& observer) { observers_.add(observer); }
+  void remove_observer(Observer& observer) { observers_.remove(observer); }
   /// What records the cell; null where nothing can. It goes before the cell does.
   Recorder* recorder() { return recording_.get(); }
   void set_recorder(std::unique_ptr<Recorder> recorder) { recording_ = std::move(recorder); }
@@ -287,6 +308,9 @@ class Cell {
   void tick_program(Nanoseconds now);
   void tell_changes(Nanoseconds now);
   void watch_contacts(Nanoseconds now, const control::Snapshot& snapshot);
+  void find_cause(ContactReport& contact) const;
+  int robot_in(const ContactReport& contact) const;
+  Problem problem_of(const ContactReport& contact) const;
   void watch_faults(Nanoseconds now, const control::Snapshot& snapshot);
   void watch_groups(Nanoseconds now, const control::Snapshot& snapshot);
   /// Is the cell brought back by people and programs outside after a fault?
@@ -360,7 +384,9 @@ class Cell {
   Nanoseconds now_ = 0;
   std::size_t pass_state_ = 0, running_state_ = 0, line_state_ = 0, held_state_ = 0, fault_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;
-  int findings_seen_ = 0, contacts_max_ = 0;
+  ContactWatch contact_watch_;
+  std::vector<std::string> unchecked_bodies_;
+  int contacts_max_ = 0;
   double tracking_error_max_ = 0;
   std::uint64_t told_version_ = 0, quiet_version_ = 0;
   Nanoseconds quiet_since_ = 0, ended_at_ = -1;

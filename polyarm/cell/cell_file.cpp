@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/base/printable.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/door_kinds.hpp"
 
 namespace polyarm::cell {
@@ -145,7 +148,7 @@ void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
 LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
   LoopEntry out;
   if (!yaml.defined()) return out;
-  yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after"}, problems);
+  yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after", "stall"}, problems);
   if (yaml.has("priority")) out.priority = whole(yaml, "priority", 0, 0, 99, problems);
   if (yaml.has("cpu")) out.cpu = whole(yaml, "cpu", -1, -1, 1023, problems);
   out.overrun_after = static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems));
@@ -153,6 +156,13 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
     if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
   });
   out.overrun = static_cast<control::Overrun>(read_overrun(yaml, problems));
+  if (yaml.has("stall")) collect(problems, [&] {
+      const std::string stall = yaml["stall"].text();
+      if (stall != "hold" && stall != "report")
+        problems.error("bad-value", yaml["stall"].where(), "stall is '" + shortened(stall) + "'",
+                       "hold or report");
+      out.stall_holds = stall == "hold";
+    });
   return out;
 }
 
@@ -224,9 +234,14 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     cell.program = beside || !std::filesystem::exists(given) ? overrides.program
                                                              : std::filesystem::absolute(given).string();
     cell.program_where = {"--program"};
+    if (!beside) reach().allow_reading(resolved(cell.folder / cell.program).parent_path());
   }
   if (overrides.robot.empty()) return;
   const auto equals = overrides.robot.find('=');
+  const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
+  std::error_code error;  // a description that the user names brings meshes and includes from beside it
+  if (std::filesystem::is_regular_file(model, error))
+    reach().allow_reading(resolved(model).parent_path());
   if (equals == std::string::npos) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
@@ -292,12 +307,15 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
                         {given.string()},
                         "this is a program, and a cell is asked for",
                         "polyarm run CELL --program " + given.string()});
+  reach().enter(cell.folder);
+  allow_remembered(cell.folder);
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
   std::vector<std::string> keys{"polyarm", "rate",    "robots",  "scene",    "controllers", "activate",
                                 "send",    "plugins", "budget",  "signals",  "program",     "plc",
-                                "motion",  "loop",    "profile", "profiles", "workspace",   "record"};
+                                "motion",  "loop",    "profile", "profiles", "workspace",   "record",
+                                "contacts"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -330,6 +348,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
+  cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

@@ -69,6 +69,9 @@ struct LoopEntry {
   std::optional<bool> lock_memory;  ///< by default with a priority
   control::Overrun overrun = control::Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row
+  /// Half a second without cycles, or without the cell thread, holds what moves; by default where something
+  /// is real.
+  std::optional<bool> stall_holds;
 };
 
 /// A robot program or PLC file as the cell names it, and the folder beside which its files are looked for.
@@ -92,6 +95,7 @@ struct CellFile {
       launched;  ///< in place of `controllers`, from a launch file
   MotionEntry motion;
   LoopEntry loop;
+  control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   ProfileEntries profiles;
   std::vector<motion::WorkspaceZone> workspace;  ///< of all robots
   std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules

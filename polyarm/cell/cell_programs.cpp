@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/program_tests.hpp"
+#include "polyarm/program/code.hpp"
 #include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
@@ -86,6 +88,10 @@ void Cell::start_program(program::Program program) {
   context.task = "program";
   context.moves = moves_.get();
   context.standing = [this] { return snapshot().standing; };
+  context.seen_outside = [this](const std::string& name) {
+    const std::string set = store_.set_of(name);
+    return (!set.empty() && files_->is_live(set)) || links_->source_of(name).has_value();
+  };
   context.hold = [this](const std::string& reason, const Location& where) {
     observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
     loop_->supervisor().latch().request(realtime::StopKind::controlled);
@@ -221,6 +227,36 @@ void Cell::place_breakpoints() {
 bool Cell::program_runs() const {
   if (!program_ || !begun_ || program_->ended()) return false;
   return !program_->interpreter().paused() || !snapshot().standing || !all_idle();
+}
+
+std::string Cell::hint_of_live() const {
+  if (!program_ || program_->status().waiting.kind != program::WaitKind::condition) return {};
+  std::set<std::string> set_here;  // by somebody in the cell
+  for (const Task* task : {program_.get(), plc_.get()}) {
+    if (!task) continue;
+    program::for_each_statement(task->interpreter().program().statements, [&](const program::Statement& s) {
+      using Kind = program::Statement::Kind;
+      if (s.kind == Kind::set || s.kind == Kind::set_literal) set_here.insert(s.name);
+      for (const program::Clause& clause : s.clauses) set_here.insert(clause.target);
+    });
+  }
+  for (const std::string& name : program_->status().waiting.names) {
+    const std::string set = store_.set_of(name);
+    if (set.empty() || files_->is_live(set) || set_here.contains(name) || links_->source_of(name)) continue;
+    const std::string file = files_->file_of(set).filename().string();
+    return "nobody in the cell sets '" + name + "', which comes from " + file +
+           ": the run has a copy of that file; where another program writes it, say live: [" +
+           fs::path(file).stem().string() + "] in signals.yaml";
+  }
+  return {};
+}
+
+Location Cell::line_under_way(std::optional<std::size_t> robot) const {
+  if (!program_ || !begun_ || program_->ended() || jogging_->engaged()) return {};
+  const motion::RobotMotion* const motion = robot && moves_ ? motions_[*robot].get() : nullptr;
+  const std::uint64_t move = motion ? motion->move_under_way() : 0;
+  const Location place = move > 0 ? moves_->place_of(*motion, move) : Location{};
+  return place.line > 0 ? place : program_->status().where;
 }
 
 void Cell::end_moves() {

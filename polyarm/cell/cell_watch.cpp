@@ -133,35 +133,6 @@ void Cell::fail(Nanoseconds now, Problem problem) {
   loop_->supervisor().latch().request(realtime::StopKind::controlled);
 }
 
-void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
-  const hardware::WorldState& world = snapshot.world;
-  const auto& names = loop_->hardware().world_names();
-  for (; findings_seen_ < world.finding_count; ++findings_seen_) {
-    if (findings_seen_ >= hardware::WorldState::kMaxFindings) continue;
-    const hardware::Contact& contact = world.findings[static_cast<std::size_t>(findings_seen_)];
-    const auto called = [&](int id) {
-      return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)]
-                                                            : "something";
-    };
-    Problem problem{"contact", program_ ? program_->status().where : Location{},
-                    fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", called(contact.a),
-                                called(contact.b), seconds(contact.time), 1e3 * contact.depth),
-                    "move the points or the obstacle, or run with --allow-contact"};
-    if (options_.allow_contact) {
-      problem.severity = Severity::warning;
-      observer_.on_problem(now, problem);
-    } else if (options_.waits) {  // somebody is there
-      observer_.on_problem(now, problem);
-      loop_->supervisor().latch().request(realtime::StopKind::controlled);
-    } else {
-      fail(now, std::move(problem));
-    }
-  }
-  watch_faults(now, snapshot);
-  watch_groups(now, snapshot);
-  if (const auto note = recorder_.tick(now, *loop_, *worker_)) observer_.on_note(*note);
-}
-
 /// A fault ends what works towards an end; a cell that waits for others is brought back by them.
 void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   const bool fault = snapshot.state == control::RunState::fault;
@@ -214,7 +185,7 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
                     reason.empty() ? "" : ": " + reason, hardware.group(i)),
         "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME"};
     observer_.on_problem(now, problem);
-    group_faults_.push_back(problem);
+    if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // one that comes and goes
     if (waits_for_others()) recorder_.begin(begin_record(*this, problem), now);
   }
 }
@@ -222,7 +193,9 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
 void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
   constexpr std::size_t kKept = 1000;
   if (joint_places_.all().empty()) joint_places_ = JointPlaces(robots_, loop_->table());
-  held_place_.tick(snapshot, joint_places_);
+  held_place_.tick(snapshot, joint_places_, jogging_->engaged() || contact_watch_.touching());
+  if (snapshot.state == control::RunState::stopping && snapshot.cause == control::StopCause::contact)
+    stop_watch_.set_category(loop_->supervisor().contact_stop() == control::ContactStop::cut ? 0 : 1);
   const auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
   if (!stop) return;
   if (stops_.size() >= kKept) stops_.erase(stops_.begin());
@@ -232,6 +205,11 @@ void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
 }
 
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {
+  constexpr Nanoseconds kLongWait = 3'000'000'000;
+  const auto since = program_ && begun_ && !program_->ended() ? program_->waits_since() : std::nullopt;
+  if (since && now - *since == kLongWait / kTick * kTick)
+    if (const std::string hint = hint_of_live(); !hint.empty() && told_warnings_.insert(hint).second)
+      observer_.on_note(program_->status().where.text() + ": " + hint);
   const auto stuck = [](const Task* task) {
     return !task || task->ended() ||
            (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
@@ -243,11 +221,12 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
   quiet_version_ = store_.version();
   if (!quiet) quiet_since_ = now;
   if (now - quiet_since_ < kDeadlockPatience) return;
+  const std::string hint = hint_of_live();
   std::string waiting = program_->sentence();
   if (plc_ && !plc_->ended()) waiting += "; " + plc_->sentence();
   fail(now, {"deadlock", program_->status().where,
              "every task waits, and no clock, link or motion can change what it waits for: " + waiting,
-             "check who is to set these tags"});
+             hint.empty() ? "check who is to set these tags" : hint});
 }
 
 void Cell::watch_end(Nanoseconds now) {

@@ -1,6 +1,9 @@
+#include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/check.hpp"
 
 #include <fmt/format.h>
+
+#include <stdlib.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,13 +12,16 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/controllers_plan.hpp"
+#include "polyarm/cell/frame_check.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/ros_files/controllers_file.hpp"
@@ -41,11 +47,15 @@ class Checker {
     collect(problems_, [&] { file_ = read_cell_file(path, overrides_); });
     if (!problems_.has_errors()) {
       std::vector<std::string> notes;
-      load_plugins(file_, problems_);
+      if (look_at_plugins(file_, problems_)) leave_out_unknown();
+      if (file_.record && !file_.record->file.empty())
+        collect(problems_, [&] { polyarm::reach().check(file_.record->file, Reach::Use::write); });
       ros_files::ControllersFile controllers;
       collect(problems_, [&] { controllers = read_cell_controllers(file_, problems_); });
       robots_ = resolve_robots(file_, controllers.joint_limits, catalogue_, false, problems_, notes);
+      add_hardware_faults(robots_, Severity::error, problems_);
       files();
+      bodies();
       programs();
       points();
     }
@@ -59,14 +69,30 @@ class Checker {
  private:
   std::string beside(const std::string& name) const { return (file_.folder / name).string(); }
 
+  /// What only a plugin knows that is not loaded here is played by the mock, and its controllers do nothing.
+  void leave_out_unknown() {
+    for (RobotEntry& robot : file_.robots)
+      if (robot.hardware.find('/') != std::string::npos && !hardware::driver_available(robot.hardware))
+        robot.hardware = "mock", robot.parameters.clear();
+    file_.activate.clear();
+    file_.send.clear();
+  }
+
   void files() {
-    if (!file_.scene.empty()) collect(problems_, [&] { description::read_scene(beside(file_.scene)); });
+    if (!file_.scene.empty())
+      collect(problems_, [&] { scene_ = description::read_scene(beside(file_.scene), problems_); });
     if (!file_.signals.empty())
       collect(problems_, [&] {
         Problems found;
         signals_ = signals::parse_signals(read_file(beside(file_.signals)), beside(file_.signals), found);
         for (const Problem& problem : found.list()) problems_.add(problem);
       });
+  }
+
+  void bodies() {
+    result_.notes = unchecked_bodies(robots_, scene_);
+    const std::vector<std::string> more = placeholder_notes(robots_);
+    result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 
   void programs() {
@@ -79,7 +105,7 @@ class Checker {
       for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
         known.names.try_emplace(tag);
     });
-    std::filesystem::path script;
+    std::filesystem::path script, plc;
     if (!file_.program.empty())
       collect(problems_, [&] {
         script = data::find_file(file_.program, file_.folder, file_.program_where);
@@ -88,10 +114,13 @@ class Checker {
         else
           script = script_of(std::exchange(script, {}), known);
       });
-    if (!script.empty()) one_program(script, known);
     if (!file_.plc.empty())
-      collect(problems_,
-              [&] { one_program(data::find_file(file_.plc, file_.folder, file_.plc_where), known); });
+      collect(problems_, [&] {
+        plc = data::find_file(file_.plc, file_.folder, file_.plc_where);
+        data_of(plc, known);
+      });
+    if (!script.empty()) one_program(script, known);
+    if (!plc.empty()) one_program(plc, known);
   }
 
   /// Names that only a link or the heartbeat has.
@@ -116,6 +145,7 @@ class Checker {
     known.add(file.values());
     add_names(text, known);
     sets_.push_back(file.values());
+    taken_.insert(from);
     return file;
   }
 
@@ -153,7 +183,7 @@ class Checker {
       } catch (const Error&) {
         continue;  // the checker says so
       }
-      collect(problems_, [&] { data(file, known); });
+      if (!taken_.contains(file)) collect(problems_, [&] { data(file, known); });
     }
   }
 
@@ -199,21 +229,31 @@ class Checker {
   }
 
   void points() {
-    if (robots_.size() != 1) return;
-    const motion::RobotFacts& robot = *robots_.front()->facts;
+    std::set<std::string> later;  // what comes from outside
+    for (const signals::Tag& tag : signals_.tags) later.insert(tag.name);
+    for (const signals::LinkEntry& link : signals_.links)
+      for (const signals::LinkTag& tag : link.tags) later.insert(tag.name);
+    for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
+    FrameCheck frames(sets_, robots_, std::move(later));
+    for (const auto& [path, read] : read_) frames.look_at(read.program);
+    const motion::RobotFacts* const robot = robots_.size() == 1 ? robots_.front()->facts.get() : nullptr;
     for (const data::DataSet& set : sets_)
       for (const data::Entry& entry : set.entries())
-        if (entry.value.is_place()) point(robot, entry);
+        if (entry.value.is_place()) point(robot, entry, frames);
   }
 
-  void point(const motion::RobotFacts& robot, const data::Entry& entry) {
+  /// `robot`: null where there are several, and nobody knows which is meant.
+  void point(const motion::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
-      if (const data::JointState* joints = entry.value.as_joints()) {
-        report.joints = joints_by_name(*robot.model, *joints, entry.name);
-        motion::check_joints(robot, report.joints, entry.name);
-      } else {
-        pose(robot, entry, report);
+      const data::JointState* joints = entry.value.as_joints();
+      if (!joints) frames.in_world(entry);  // its frames exist
+      if (!robot) return;
+      if (joints) {
+        report.joints = joints_by_name(*robot->model, *joints, entry.name);
+        motion::check_joints(*robot, report.joints, entry.name);
+      } else if (!frames.is_no_target(entry.name)) {
+        pose(*robot, entry, frames.meanings(entry), report);
       }
     } catch (const Error& e) {
       Problem problem = e.problems().front();
@@ -225,26 +265,56 @@ class Checker {
     result_.points.push_back(std::move(report));
   }
 
-  void pose(const motion::RobotFacts& robot, const data::Entry& entry, PointReport& report) {
-    const Pose& target = entry.value.as_point()->pose;
+  /// One of what the program may mean by it has to be within reach; its moves are looked at one by one later.
+  void pose(const motion::RobotFacts& robot, const data::Entry& entry, const std::vector<Pose>& meanings,
+            PointReport& report) {
+    std::optional<Error> why;
+    for (const Pose& target : meanings) {
+      try {
+        report.joints = joints_to(robot, target, entry.name);
+        return;
+      } catch (const Error& e) {
+        if (!why) why = e;
+      }
+    }
+    if (why) throw *why;
+  }
+
+  static std::vector<double> joints_to(const motion::RobotFacts& robot, const Pose& target,
+                                       const std::string& name) {
     const double away = norm(target.position - robot.chain.base().position);
     const double reach = robot.model->provenance.reach_m.value_or(robot.chain.reach());
     if (away > robot.chain.reach() + 1e-6)
-      throw Error(
-          "unreachable",
-          fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", entry.name, away, reach),
-          away > 10 ? "this looks like millimetres; points are in metres"
-                    : "move the point or choose a robot that reaches it");
-    report.joints = motion::joints_for(robot, target, robot.home, entry.name);
+      throw Error("unreachable",
+                  fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", name, away, reach),
+                  away > 10 ? "this looks like millimetres; points are in metres"
+                            : "move the point or choose a robot that reaches it");
+    return motion::joints_for(robot, target, robot.home, name);
   }
 
   void together() {
     CellOptions options;
     options.lock_step = true;
-    options.allow_contact = true;
+    options.no_code = true;
+    options.allow_contact = true;  // all of them are listed
+    options.contact_errors = true;
     options.cycles = options_.cycles;
     options.read = [this](const std::filesystem::path& path) { return take_program(path); };
-    options.state_folder = options_.state_folder;
+    const std::filesystem::path scratch = options_.state_folder.empty() ? own_folder() : std::filesystem::path();
+    options.state_folder = scratch.empty() ? options_.state_folder : scratch / "data";
+    check_whole(options);
+    std::error_code ignored;
+    if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
+  }
+
+  /// For data files alone: the cell may be running, and keeps its own in .state.
+  static std::filesystem::path own_folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "polyarm-check-XXXXXX").string();
+    if (!::mkdtemp(pattern.data())) throw Error("unwritable", "no folder can be made like " + pattern);
+    return pattern;
+  }
+
+  void check_whole(const CellOptions& options) {
     Listener listener;
     CellFile file = file_;
     if (!options_.dry)
@@ -279,8 +349,10 @@ class Checker {
   Problems problems_;
   CellFile file_;
   CellRobots robots_;
+  description::Scene scene_;
   signals::Signals signals_;
   std::vector<data::DataSet> sets_;
+  std::set<std::filesystem::path> taken_;  // the files of these
   std::map<std::filesystem::path, ReadProgram> read_;
   CheckResult result_;
 };

@@ -19,6 +19,7 @@ struct PointReport {
 
 struct CheckResult {
   std::vector<Problem> problems;    ///< of every file, in the order of the cell
+  std::vector<std::string> notes;   ///< what contacts are not detected for, and what looks like a placeholder
   std::vector<PointReport> points;  ///< every point of the program's data, for the cell's robot
   std::size_t moves = 0;            ///< of the program, that were looked along
   Location reached;                 ///< where its moves could not be followed any further; empty: to its end
@@ -28,7 +29,7 @@ struct CheckResult {
 struct CheckOptions {
   bool dry = false;  ///< run the program in lock-step and list contacts, limits and parts by line
   std::uint64_t cycles = 0;
-  std::filesystem::path state_folder;  ///< where data files are kept; empty: .state/data of the cell
+  std::filesystem::path state_folder;  ///< where data files are kept; empty: a temporary folder
 };
 
 /// Reads every file of the cell and adds every error and warning; checks every point for reach and joint

@@ -103,7 +103,16 @@ class Planner {
   }
 
   std::vector<PlannedController> plan(const ros_files::ControllersFile& described) {
-    for (const ros_files::ControllerEntry& entry : described.controllers) from_entry(entry);
+    for (const ros_files::ControllerEntry& entry : described.controllers) {
+      Problems own;  // of one controller: the others are planned all the same
+      collect(own, [&] { from_entry(entry); });
+      for (Problem problem : own.list()) {
+        problem.what = "the controller '" + entry.name + "' is left out: " + problem.what;
+        problem.severity = Severity::warning;
+        if (problem.where.file.empty()) problem.where = entry.where;
+        problems_.add(std::move(problem));
+      }
+    }
     const bool moves = std::any_of(plan_.begin(), plan_.end(),
                                    [](const PlannedController& p) { return !is_broadcaster(*p.controller); });
     if (!moves) defaults();

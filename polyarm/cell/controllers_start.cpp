@@ -11,28 +11,11 @@ namespace polyarm::cell {
 
 namespace {
 
-/// What stands in the way of a controller that the cell can do without: one that nobody asked for, where some
-/// are named; that tells of a sensor which this hardware (often a simulated one) does not have; or that
-/// commands a joint in a way which it does not offer, where another controller moves something.
-bool can_be_left_out(const std::string& name, const Problem& problem, const CellFile& file, bool moves) {
-  if (!file.activate.empty())
-    return std::find(file.activate.begin(), file.activate.end(), name) == file.activate.end();
-  return problem.code == "unknown-sensor" || (moves && problem.code == "interface-not-offered");
-}
-
-/// Is there a controller that commands something, and is configured?
-bool anything_moves(const control::ControllerManager& manager) {
-  const auto all = manager.list();
-  return std::any_of(all.begin(), all.end(), [](const control::ListedController& c) {
-    return c.state != hardware::LifecycleState::unconfigured && !c.required_commands.empty();
-  });
-}
-
-void tell_unconfigured(const std::string& name, Problem problem, const CellFile& file, bool moves,
-                       Problems& problems) {
-  if (problem.severity == Severity::error && can_be_left_out(name, problem, file, moves)) {
-    problem.severity = Severity::warning;
+/// A controller that cannot be configured stays out; the others start, as under ros2_control.
+void tell_unconfigured(const std::string& name, Problem problem, Problems& problems) {
+  if (problem.severity == Severity::error && name != kIoController) {
     problem.what = "the controller '" + name + "' is left unconfigured: " + problem.what;
+    problem.severity = Severity::warning;
   }
   problems.add(std::move(problem));
 }
@@ -40,7 +23,7 @@ void tell_unconfigured(const std::string& name, Problem problem, const CellFile&
 /// Configures all that can be: one that is chained to another is tried again when that one stands. Those that
 /// cannot be.
 std::vector<std::string> configure(control::ControllerManager& manager, std::vector<std::string> names,
-                                   const CellFile& file, Problems& problems) {
+                                   Problems& problems) {
   for (bool again = true; again && !names.empty();) {
     again = false;
     std::vector<std::pair<std::string, Problem>> found;
@@ -55,8 +38,7 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
       }
     }
     if (!again || left.empty())
-      for (auto& [name, problem] : found)
-        tell_unconfigured(name, std::move(problem), file, anything_moves(manager), problems);
+      for (auto& [name, problem] : found) tell_unconfigured(name, std::move(problem), problems);
     names = std::move(left);
   }
   return names;
@@ -147,8 +129,7 @@ std::vector<std::string> start_controllers(std::vector<PlannedController> plan, 
       problems.error(
           "unknown-controller", {},
           "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));
-  for (const std::string& name : configure(manager, names, file, problems))
-    std::erase(request.activate, name);
+  for (const std::string& name : configure(manager, names, problems)) std::erase(request.activate, name);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
   if (problems.has_errors()) return {};
   if (file.activate.empty() && !file.launched)

@@ -1,12 +1,27 @@
 #include "polyarm/cell/event_log.hpp"
 
+#include <string_view>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/cell/stops.hpp"
 
 namespace polyarm::cell {
 
 using nlohmann::json;
+
+static_assert(EventLog::kKept == bounds::kEventsKept);
+
+namespace {
+/// What is kept of a text: a list of thousands of values is not kept a thousand times.
+std::string clipped(const std::string& text) {
+  constexpr std::size_t kMost = bounds::kEventBytes;
+  if (text.size() <= kMost) return text;
+  const std::string_view cut = std::string_view(text).substr(0, kMost);
+  return std::string(cut.substr(0, whole_characters(cut))) + "…";
+}
+}  // namespace
 
 void EventLog::keep(json event) {
   events_.push_back({++last_, std::move(event)});
@@ -14,7 +29,7 @@ void EventLog::keep(json event) {
 }
 
 void EventLog::on_note(const std::string& text) {
-  keep({{"event", "note"}, {"text", text}});
+  keep({{"event", "note"}, {"text", clipped(text)}});
   next_.on_note(text);
 }
 
@@ -25,13 +40,13 @@ void EventLog::on_line(Nanoseconds time, const std::string& task, const Location
         {"task", task},
         {"file", where.file},
         {"line", where.line},
-        {"source", source}});
+        {"source", clipped(source)}});
   next_.on_line(time, task, where, source);
 }
 
 void EventLog::on_tag(Nanoseconds time, const std::string& name, const std::string& value,
                       const std::string& who) {
-  keep({{"event", "tag"}, {"time_s", seconds(time)}, {"name", name}, {"value", value}, {"by", who}});
+  keep({{"event", "tag"}, {"time_s", seconds(time)}, {"name", name}, {"value", clipped(value)}, {"by", who}});
   next_.on_tag(time, name, value, who);
 }
 
@@ -40,7 +55,7 @@ void EventLog::on_pose(Nanoseconds time, const std::string& robot, const Pose& t
 }
 
 void EventLog::on_log(Nanoseconds time, const std::string& task, const std::string& text) {
-  keep({{"event", "log"}, {"time_s", seconds(time)}, {"task", task}, {"text", text}});
+  keep({{"event", "log"}, {"time_s", seconds(time)}, {"task", task}, {"text", clipped(text)}});
   next_.on_log(time, task, text);
 }
 
@@ -58,7 +73,7 @@ void EventLog::on_stop(Nanoseconds time, const StopReport& stop) {
 }
 
 void EventLog::on_question(const std::string& text) {
-  keep({{"event", "question"}, {"text", text}});
+  keep({{"event", "question"}, {"text", clipped(text)}});
   next_.on_question(text);
 }
 

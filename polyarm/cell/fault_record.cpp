@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/floor.hpp"
@@ -80,6 +82,15 @@ void write_cycles(std::ostream& out, const FaultRecord& record, const control::B
   }
 }
 
+/// Without secrets, and without what links lead to outside the cell.
+void keep_copy(const fs::path& file, const fs::path& to) {
+  Problems left_out;
+  collect(left_out, [&] {
+    const std::string text = read_file(file, kLargestKept);
+    if (!is_secret(file, text)) write_file_atomically(to, without_secrets(text), 0600);
+  });
+}
+
 }  // namespace
 
 FaultRecord begin_record(Cell& cell, Problem problem) {
@@ -100,12 +111,15 @@ FaultRecord begin_record(Cell& cell, Problem problem) {
 fs::path write_record(const FaultRecord& record, const char* kind) noexcept {
   try {
     const fs::path state = record.cell_folder / ".state";
+    reach().check(state / kind, Reach::Use::write);
     const fs::path folder = next_folder(state / kind);
+    fs::permissions(folder, fs::perms::owner_all);
     write_file_atomically(state / ".gitignore", "*\n");
     for (const auto& entry : fs::directory_iterator(record.cell_folder))
       if (entry.is_regular_file() && entry.file_size() < kLargestKept)
-        fs::copy_file(entry.path(), folder / entry.path().filename());
-    for (const auto& [name, text] : record.files) write_file_atomically(folder / name, text);
+        keep_copy(entry.path(), folder / entry.path().filename());
+    for (const auto& [name, text] : record.files)
+      write_file_atomically(folder / name, without_secrets(text), 0600);
     write_file_atomically(folder / "fault.txt", "polyarm: fault/1\nperiod: " + number(record.period_s) +
                                                     "\n" + record.problem.text() + "\n" +
                                                     (record.stop.empty() ? "" : record.stop + "\n"));

@@ -133,6 +133,8 @@ void CellLinks::take(Running& running, LinkEvent& event) {
                                        entry.tags[event.tag].name + "' is not taken: " + event.text);
     case LinkEvent::Kind::lost:
       return tell("link-lost", "the link '" + entry.name + "' is lost: " + event.text);
+    case LinkEvent::Kind::note:
+      return tell("link-note", "the link '" + entry.name + "': " + event.text);
     case LinkEvent::Kind::found:
       if (running.state.losses > 0) tell("link-found", "the link '" + entry.name + "' is there again");
       return;

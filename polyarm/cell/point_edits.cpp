@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/literal.hpp"
 
@@ -166,8 +167,23 @@ Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
       });
 }
 
+void require_short_name(const std::string& name) {
+  if (name.size() > bounds::kAddedNameBytes)
+    throw Error("too-long", "the name '" + name.substr(0, 40) + "…' has " + std::to_string(name.size()) + " bytes",
+                "a name may have " + std::to_string(bounds::kAddedNameBytes));
+}
+
+void require_room_for(Cell& cell, const std::string& name) {
+  require_short_name(name);
+  if (cell.store().find(name) || cell.store().names().size() < bounds::kDataValues) return;
+  throw Error("too-many",
+              "the cell's data have " + std::to_string(bounds::kDataValues) + " points and variables already",
+              "delete some of them");
+}
+
 Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
                 const data::Value& value, const std::optional<std::string>& group) {
+  require_room_for(cell, name);
   data::check_can_keep(name, value, set);
   if (group) data::check_group(*group);
   return edit_set(

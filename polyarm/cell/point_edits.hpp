@@ -38,6 +38,11 @@ std::string set_for(Cell& cell, const Json& arguments, const std::string& name);
 std::filesystem::path own_file(Cell& cell, const std::string& set);
 std::string file_name(Cell& cell, const std::string& set);
 
+/// Throws Error("too-long") for a name that a request adds and that is longer than names may be.
+void require_short_name(const std::string& name);
+/// The same, and Error("too-many") where it is new and the cell's data are full.
+void require_room_for(Cell& cell, const std::string& name);
+
 /// A set before and after a change of its file.
 struct Edited {
   data::DataSet before, after;

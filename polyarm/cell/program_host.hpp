@@ -41,6 +41,8 @@ class ProgramHost : public program::Host {
     /// Of a test: what runs a program, and the functions of tests; null: it is none.
     std::function<void(const std::string&, const Location&)> run_program;
     std::function<data::Value(std::string_view, std::span<const data::Value>, const Location&)> call;
+    /// Whether others see what is set to a name: a file of the user's, or a link; null: nobody does.
+    std::function<bool(const std::string& name)> seen_outside;
     Answers* answers = nullptr;
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
@@ -51,11 +53,15 @@ class ProgramHost : public program::Host {
   const data::Value* find(std::string_view name) const override;
   std::vector<std::string> names() const override { return c_.store->names(); }
   void set(const std::string& name, data::Value value, const Location& where) override;
+  void end_loop(const std::string& name, const Location& where) override {
+    if (!c_.seen_outside || !c_.seen_outside(name)) set(name, false, where);
+  }
   std::uint64_t data_version() const override { return c_.store->version(); }
 
   program::Handle start_move(const program::Move& move, const Location& where) override;
   program::Progress poll_move(program::Handle handle) override;
   bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
+  bool under_way(program::Handle handle) const override { return c_.moves && c_.moves->under_way(handle); }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }

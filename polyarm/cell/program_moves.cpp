@@ -461,6 +461,18 @@ Location ProgramMoves::place_of(const motion::RobotMotion& motion, std::uint64_t
   return {};
 }
 
+bool ProgramMoves::under_way(program::Handle handle) const {
+  const auto found = asked_.find(handle);
+  if (found == asked_.end()) return false;
+  return std::any_of(found->second.begin(), found->second.end(), [&](const Moves& moves) {
+    const Robot& robot = arms_[moves.arm].robot;
+    if (moves.base)
+      return robot.base && robot.base->state_of(moves.last) == motion::BaseMotion::State::running;
+    return robot.motion && robot.motion->state_of(moves.last) == motion::MoveState::running &&
+           robot.motion->move_under_way() <= moves.last;
+  });
+}
+
 bool ProgramMoves::moving() const {
   return std::any_of(arms_.begin(), arms_.end(), [](const Arm& arm) {
     return (arm.robot.motion && !arm.robot.motion->idle()) || (arm.robot.base && !arm.robot.base->idle());

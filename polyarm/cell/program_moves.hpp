@@ -60,6 +60,8 @@ class ProgramMoves {
   void forget(const motion::RobotMotion& motion);
   /// Where the program asks for a move that is under way; empty for one that is not the program's.
   Location place_of(const motion::RobotMotion& motion, std::uint64_t move) const;
+  /// True until the robot has come to the end of what start() returned this handle for.
+  bool under_way(program::Handle handle) const;
   /// True while something that was asked for has not ended.
   bool moving() const;
 

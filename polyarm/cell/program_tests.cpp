@@ -230,7 +230,12 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
     }
     loop.end();
     out.cell_time_s = seconds(loop.cycle().time);
-    if (const auto problem = task.problem()) out.problems.push_back(*problem);
+    if (const auto problem = task.problem()) {
+      out.problems.push_back(*problem);
+      // What ended the program says more than what the test missed then.
+      const auto& failure = cell.failure();
+      if (failure && failure->problem.text() != problem->text()) out.problems.push_back(failure->problem);
+    }
   } catch (const Error& e) {
     out.problems = e.problems();
   }

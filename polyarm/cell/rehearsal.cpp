@@ -35,7 +35,14 @@ class Stage : public program::Host {
     for (const auto& robot : cell.robots()) arms_.push_back({robot.get(), robot->start, {}, nullptr, false});
   }
 
-  const data::Value* find(std::string_view name) const override { return cell_.store().find(name); }
+  const data::Value* find(std::string_view name) const override {
+    const data::Value* value = cell_.store().find(name);
+    const data::Point* point = value ? value->as_point() : nullptr;
+    if (!point || point->frame().empty()) return value;
+    data::Value& out = in_world_[std::string(name)];
+    out = moves_.in_world(*point);
+    return &out;
+  }
   std::vector<std::string> names() const override { return cell_.store().names(); }
   void set(const std::string& name, data::Value value, const Location&) override {
     cell_.store().set(name, std::move(value), "check");
@@ -83,6 +90,17 @@ class Stage : public program::Host {
     helped_ = true;
     set(name, data::Value(!*now), {});
     return true;
+  }
+  /// The program has failed with the values that there are. A person, a link or the PLC may have set others
+  /// by then, so this is a warning; what the program raises itself is meant.
+  void tell_failure(const program::TaskStatus& status) {
+    out_.reached = status.where;
+    const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
+                                          "refused", "no-robot", "unreachable", "nobody-there"};
+    if (!status.problem || std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
+    Problem problem = *status.problem;
+    problem.severity = Severity::warning;
+    out_.problems.add(std::move(problem));
   }
   bool enough() const { return out_.moves >= kMostMoves; }
   Rehearsal& result() { return out_; }
@@ -136,6 +154,7 @@ class Stage : public program::Host {
         motion::MovePlan plan = motion::plan_moves(facts, arm.at, moves, cell_.plan_options());
         if (with_paths_) keep_paths(arm, facts, plan);
         arm.at = std::move(plan.end);
+        tell_where(arm);
         out_.moves += moves.size();
         arm.waiting.clear();
       } catch (const motion::MoveError& e) {
@@ -174,8 +193,15 @@ class Stage : public program::Host {
         arm.at = motion::joints_for(facts, std::get<Pose>(end.at), arm.at, end.name);
       }
       arm.lost = false;
+      tell_where(arm);
     } catch (const Error&) {  // from the next that can
     }
+  }
+
+  /// What hangs on the robot goes with it.
+  void tell_where(const Arm& arm) {
+    const auto index = static_cast<std::size_t>(&arm - arms_.data());
+    if (cell_.motion(index)) cell_.motion(index)->set_planned(arm.at);
   }
 
   void tell(Problem problem, const Location& where) {
@@ -191,6 +217,7 @@ class Stage : public program::Host {
   Nanoseconds now_ = 0;
   bool helped_ = false, with_paths_ = false;
   std::set<std::pair<std::string, std::string>> told_;
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
   Rehearsal out_;
 };
 
@@ -243,7 +270,7 @@ Rehearsal rehearse(Cell& cell, bool with_paths) {
     for (int step = 0;; ++step) {
       const program::StepResult result = interpreter.step(kStatements);
       if (result.state != program::TaskState::running && result.state != program::TaskState::waiting) {
-        if (result.state == program::TaskState::failed) stage.result().reached = interpreter.overview().where;
+        if (result.state == program::TaskState::failed) stage.tell_failure(interpreter.overview());
         break;
       }
       if (result.executed > 0)

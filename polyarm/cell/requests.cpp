@@ -1,11 +1,17 @@
 #include "polyarm/cell/requests.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/request_roles.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::cell {
 
@@ -42,13 +48,21 @@ const std::vector<Row>& rows() {
   return table;
 }
 
+/// What was wrong may be quoted in it, however long that was.
+std::string clipped(std::string text) {
+  if (text.size() > bounds::kErrorTextBytes) text = text.substr(0, bounds::kErrorTextBytes) + " …";
+  return text;
+}
+
 Json error_json(const Error& error) {
   Json all = Json::array();
-  for (const Problem& problem : error.problems())
+  for (const Problem& problem : error.problems()) {
+    if (all.size() >= bounds::kErrorProblems) break;
     all.push_back({{"code", problem.code},
-                   {"what", problem.what},
-                   {"advice", problem.advice},
-                   {"where", problem.where.text()}});
+                   {"what", clipped(problem.what)},
+                   {"advice", clipped(problem.advice)},
+                   {"where", clipped(problem.where.text())}});
+  }
   Json out = all.front();
   if (all.size() > 1) out["all"] = all;
   return out;
@@ -63,6 +77,21 @@ const std::vector<RequestInfo>& request_table() {
     return out;
   }();
   return table;
+}
+
+bool knows_request(const std::string& name) {
+  const auto& table = rows();
+  return std::any_of(table.begin(), table.end(), [&](const Row& row) { return name == row.info.name; });
+}
+
+Json request_id(const Json& request) {
+  const auto id = request.find("id");
+  if (id == request.end()) return {};
+  const bool is_long = !id->is_number() &&
+                       id->dump(-1, ' ', false, Json::error_handler_t::replace).size() > bounds::kRequestIdBytes;
+  if (is_long)
+    throw Error("bad-request", fmt::format("the 'id' has more than {} bytes", bounds::kRequestIdBytes));
+  return *id;
 }
 
 const char* name(ArgumentType type) {
@@ -117,29 +146,36 @@ class Requests::Work {
   explicit Work(Cell& cell) : cell_(cell) {}
 
   void handle(const std::string& line, Answer answer, const void* from) {
-    Open open;
-    open.answer = std::move(answer);
-    open.from = from;
-    guarded(open, [&] {
-      open.request = parse_request(line);
-      if (const auto id = open.request.find("id"); id != open.request.end()) open.id = *id;
-      open.row = &row_of(open.request);
-      check_arguments(open.request, open.row->info);
-      if (open_.size() >= kMostOpen)
-        throw Error("busy", "more than " + std::to_string(kMostOpen) + " requests are open",
-                    "wait for answers, or end what goes on");
-    });
-    // A refusal waits for its turn, too; a stop never waits.
-    const bool urgent = open.row && open.row->urgent;
-    if (!urgent && open_.size() < 2 * kMostOpen && must_wait(open_.size(), from))
-      return open_.push_back(std::move(open));
-    if (!advance(open)) open_.push_back(std::move(open));
+    begin(std::move(answer), from, line.size(), [&] { return parse_request(line); });
+  }
+  void handle(Json request, std::size_t bytes, Answer answer, const void* from) {
+    begin(std::move(answer), from, bytes, [&] { return std::move(request); });
   }
 
+  void end(const void* from, const Json& id) {
+    for (Open& each : open_)
+      if (each.from == from && each.id == id && !id.is_null()) each.over = true;
+  }
+
+  /// All of few; of many those that there is time for, and the others in the ticks that follow.
   void tick() {
-    for (std::size_t i = 0; i < open_.size(); ++i)
-      if (open_[i].begun || !must_wait(i, open_[i].from)) open_[i].over = advance(open_[i]);
-    std::erase_if(open_, [](const Open& open) { return open.over; });
+    const Nanoseconds until = realtime::monotonic_now() + kTickTime;
+    const std::size_t first = first_ < open_.size() ? first_ : 0;
+    first_ = 0;
+    std::set<const void*> waited_for = askers_before(first);
+    for (std::size_t n = 0; n < open_.size(); ++n) {
+      const std::size_t i = (first + n) % open_.size();
+      if (i == 0) waited_for.clear();
+      if (n > kAlways && realtime::monotonic_now() > until) {
+        first_ = i;
+        break;
+      }
+      if (open_[i].over) continue;
+      if (open_[i].begun || !open_[i].from || !waited_for.contains(open_[i].from))
+        open_[i].over = advance(open_[i]);
+      if (waits(open_[i])) waited_for.insert(open_[i].from);
+    }
+    sweep();
   }
 
   std::size_t open() const { return open_.size(); }
@@ -150,17 +186,94 @@ class Requests::Work {
     const Row* row = nullptr;
     Answer answer;
     const void* from = nullptr;
+    std::size_t bytes = 0;
     Poll poll;
     std::optional<Json> refused;  // to be told when it is its turn
     bool begun = false, answered = false, over = false;
   };
+  /// So many are looked at in each tick whatever time that takes; more for so long.
+  static constexpr std::size_t kAlways = 32;
+  static constexpr Nanoseconds kTickTime = 1'000'000;
 
-  /// Has somebody before place `i` from the same asker not been answered yet?
-  bool must_wait(std::size_t i, const void* from) const {
-    if (!from) return false;
-    for (std::size_t k = 0; k < i; ++k)
-      if (open_[k].from == from && !open_[k].answered && !open_[k].over) return true;
-    return false;
+  template <typename Parse>
+  void begin(Answer answer, const void* from, std::size_t bytes, Parse parse) {
+    Open open;
+    open.answer = std::move(answer);
+    open.from = from;
+    open.bytes = bytes;
+    guarded(open, [&] {
+      open.request = parse();
+      open.id = request_id(open.request);
+      open.row = &row_of(open.request);
+      check_arguments(open.request, open.row->info);
+      require_room(open);
+    });
+    if (open.refused) {
+      open.request = Json();
+      open.bytes = 0;
+    }
+    // A refusal waits for its turn, too; a stop never waits.
+    const bool urgent = open.row && open.row->urgent;
+    if (urgent) overtake(from);
+    if (!urgent && open_.size() < 2 * bounds::kOpenRequests && must_wait(from)) return keep(std::move(open));
+    if (!advance(open)) keep(std::move(open));
+  }
+
+  /// What the same asker sent before its stop, and has not begun, must not move what was stopped.
+  void overtake(const void* from) {
+    for (Open& each : open_)
+      if (from && each.from == from && !each.begun && !each.refused && each.row &&
+          role_needed(each.row->info.name, each.request) == Role::operate)
+        each.refused = error_json(Error(
+            "overtaken",
+            std::string("'") + each.row->info.name + "' is refused: a stop came after it and was taken first",
+            "send it again if it is still wanted"));
+  }
+
+  void keep(Open open) {
+    bytes_ += open.bytes;
+    open_.push_back(std::move(open));
+  }
+
+  void sweep() {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < std::min(first_, open_.size()); ++i) before += open_[i].over ? 1 : 0;
+    first_ -= before;
+    std::erase_if(open_, [&](const Open& open) {
+      if (open.over) bytes_ -= open.bytes;
+      return open.over;
+    });
+  }
+
+  /// Nobody's requests keep those of others out, until all are too many. Stops are begun at once.
+  void require_room(const Open& open) const {
+    if (open.row->urgent) return;
+    const auto refuse = [](std::size_t most, const char* whose) {
+      throw Error("busy", fmt::format("more than {} requests{} are open", most, whose),
+                  "wait for answers, or end what goes on");
+    };
+    if (open_.size() >= bounds::kOpenRequests) refuse(bounds::kOpenRequests, "");
+    if (bytes_ + open.bytes > bounds::kOpenRequestBytes)
+      throw Error("busy", fmt::format("the requests that are open have more than {} bytes",
+                                      bounds::kOpenRequestBytes),
+                  "wait for answers");
+    const auto own = [&](const Open& each) { return each.from == open.from; };
+    if (open.from && static_cast<std::size_t>(std::count_if(open_.begin(), open_.end(), own)) >=
+                         bounds::kOpenRequestsOfOne)
+      refuse(bounds::kOpenRequestsOfOne, " of one connection");
+  }
+
+  /// Has one of the same asker to be answered before the next is begun?
+  static bool waits(const Open& open) { return open.from && !open.answered && !open.over; }
+  bool must_wait(const void* from) const {
+    return from && std::any_of(open_.begin(), open_.end(),
+                               [&](const Open& each) { return each.from == from && waits(each); });
+  }
+  std::set<const void*> askers_before(std::size_t place) const {
+    std::set<const void*> out;
+    for (std::size_t i = 0; i < place; ++i)
+      if (waits(open_[i])) out.insert(open_[i].from);
+    return out;
   }
 
   /// Runs `step`; what it throws becomes the refusal of the request.
@@ -201,12 +314,20 @@ class Requests::Work {
 
   Cell& cell_;
   std::vector<Open> open_;
+  std::size_t bytes_ = 0;  // of the requests in there
+  std::size_t first_ = 0;  // where the next tick goes on
 };
 
 Requests::Requests(Cell& cell) : work_(std::make_unique<Work>(cell)) {}
 Requests::~Requests() = default;
 void Requests::handle(const std::string& line, Answer answer, const void* from) {
   work_->handle(line, std::move(answer), from);
+}
+void Requests::handle(nlohmann::json request, std::size_t bytes, Answer answer, const void* from) {
+  work_->handle(std::move(request), bytes, std::move(answer), from);
+}
+void Requests::end(const void* from, const nlohmann::json& id) {
+  work_->end(from, id);
 }
 void Requests::tick() {
   work_->tick();

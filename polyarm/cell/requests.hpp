@@ -3,6 +3,7 @@
 /// ROS) carry its requests as text and own nothing.
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,11 @@ std::string request_reference();
 /// Brackets outside texts nested deeper (64) than any request has: copying and printing JSON recurses.
 bool nested_too_deep(const std::string& line);
 
+/// Is there one of that name?
+bool knows_request(const std::string& name);
+/// The `id` of a request; null: none. Throws Error("bad-request") for what is too long to be kept.
+nlohmann::json request_id(const nlohmann::json& request);
+
 /// Takes an answer, one JSON object without line ends; false when nobody listens any more.
 using Answer = std::function<bool(const std::string& line)>;
 
@@ -46,13 +52,14 @@ using Answer = std::function<bool(const std::string& line)>;
 /// answered (a `watch` or goal: when it has been answered first); only control.hold and control.stop pass.
 class Requests {
  public:
-  /// More requests than this are not kept open at the same time; the next is refused.
-  static constexpr std::size_t kMostOpen = 1000;
-
   explicit Requests(Cell& cell);
   ~Requests();
   /// `from` tells askers apart (an address that is unique while the asker is there); null: nobody waits.
   void handle(const std::string& line, Answer answer, const void* from = nullptr);
+  /// The same of one that was read from so many bytes already.
+  void handle(nlohmann::json request, std::size_t bytes, Answer answer, const void* from = nullptr);
+  /// What this asker has open under this id (not null) ends without a further answer.
+  void end(const void* from, const nlohmann::json& id);
   /// Once each tick: goes on with what takes time.
   void tick();
   std::size_t open() const;

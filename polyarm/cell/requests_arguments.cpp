@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
@@ -72,8 +73,7 @@ hardware::LifecycleState state_argument(const Json& arguments) {
 }
 
 bool nested_too_deep(const std::string& line) {
-  constexpr int kDeepest = 64;
-  int depth = 0;
+  std::size_t depth = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
@@ -81,8 +81,8 @@ bool nested_too_deep(const std::string& line) {
     if (c == '"') quoted = !quoted;
     if (quoted) continue;
     if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kDeepest) return true;
+    if ((c == ']' || c == '}') && depth > 0) --depth;
+    if (depth > bounds::kRequestNesting) return true;
   }
   return false;
 }

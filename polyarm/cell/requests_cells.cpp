@@ -8,12 +8,15 @@
 #include <thread>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::cell {
 
@@ -30,6 +33,7 @@ class Scratch {
     std::string pattern = (fs::temp_directory_path() / "polyarm-XXXXXX").string();
     if (!mkdtemp(pattern.data())) throw Error("unwritable", "there is no place for temporary files");
     path_ = pattern;
+    reach().allow(path_);
   }
   ~Scratch() {
     std::error_code error;
@@ -121,16 +125,63 @@ fs::path stage_program(const fs::path& original, const std::string& text, const 
   return staged;
 }
 
+/// What the program touches when physics plays it. Bounded: whoever waits for it looks on.
+void add_contacts(const CellFile& file, const description::Catalogue& catalogue, const fs::path& folder,
+                  const fs::path& state, Json& out) {
+  constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
+  struct Contacts : Observer {
+    std::vector<Problem> found;
+    void on_problem(Nanoseconds, const Problem& problem) override {
+      if (problem.code == "contact") found.push_back(problem);
+    }
+  } contacts;
+  CellOptions options;
+  options.lock_step = true;
+  options.allow_contact = options.contact_errors = true;
+  options.no_code = true;
+  options.cycles = 1;
+  options.state_folder = state;
+  Json& told = out["contacts"];
+  try {
+    if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
+      told = {{"checked", false}, {"seconds", 0}, {"whole", false}};
+      told["unchecked"] = Json::array({"contacts are not looked for here, as the program writes live data files of yours: "
+                           "polyarm check --dry runs it"});
+      return;
+    }
+    Cell cell(file, catalogue, options, contacts);
+    const Json facts = contacts_json(cell);
+    told = {{"checked", facts["checked"]}, {"unchecked", facts["unchecked"]}, {"seconds", 0}, {"whole", false}};
+    if (!facts["checked"].get<bool>()) return;
+    control::ControlLoop& loop = cell.loop();
+    const Nanoseconds until = realtime::monotonic_now() + kPatience;
+    loop.begin();
+    while (!cell.finished() && !cell.failure() && loop.cycle().time < kMost && realtime::monotonic_now() < until) {
+      const Nanoseconds next = loop.cycle().time + Cell::kTick;
+      cell.tick(loop.cycle().time);
+      while (loop.cycle().time < next) loop.step_next();
+    }
+    loop.end();
+    told["seconds"] = seconds(loop.cycle().time);
+    told["whole"] = cell.finished();
+    for (Json& problem : problems_json(contacts.found, folder)) out["problems"].push_back(std::move(problem));
+  } catch (const Error&) {  // what keeps it from running is told already
+    if (told.is_null()) told = {{"checked", false}, {"unchecked", Json::array()}, {"seconds", 0}, {"whole", false}};
+  }
+}
+
 Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,
              const std::string& text) {
   const Scratch scratch;
   const fs::path folder = scratch.path() / "program";
   fs::create_directory(folder);
   file.program = stage_program(original, text, folder).string();
+  const CellFile physics = file;
   for (RobotEntry& robot : file.robots) robot.hardware = "mock";
   CellOptions options;
   options.lock_step = true;
   options.allow_contact = true;
+  options.no_code = true;
   options.state_folder = scratch.path() / "state";
   Json out{{"moves", 0}, {"reached", Json()}, {"paths", Json::array()}, {"seconds", Json()}};
   Silence silence;
@@ -145,6 +196,7 @@ Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::p
   } catch (const Error& e) {
     out["problems"] = problems_json(e.problems(), folder);
   }
+  add_contacts(physics, catalogue, folder, scratch.path() / "physics", out);
   return out;
 }
 
@@ -158,16 +210,57 @@ fs::path projects_folder() {
   return base / "polyarm" / "cells";
 }
 
+constexpr std::size_t kMostRecent = 12;
+fs::path recent_file() {
+  return projects_folder().parent_path() / "recent.json";
+}
+
+/// Cells that were open, the newest first; those that are gone are left out.
+std::vector<fs::path> recent_cells() {
+  std::vector<fs::path> out;
+  std::error_code error;
+  const fs::path file = recent_file();
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > 100'000) return out;
+  const Json list = Json::parse(read_file(file), nullptr, false);
+  if (!list.is_array()) return out;
+  for (const Json& each : list)
+    if (each.is_string() && out.size() < kMostRecent &&
+        fs::exists(fs::path(each.get<std::string>()) / "cell.yaml", error))
+      out.emplace_back(each.get<std::string>());
+  return out;
+}
+
+/// Puts the cell in front of those that were open. Where that cannot be written nothing is remembered.
+std::vector<fs::path> note_recent(const fs::path& open) {
+  std::vector<fs::path> all = recent_cells();
+  if (!all.empty() && all.front() == open) return all;
+  std::erase(all, open);
+  all.insert(all.begin(), open);
+  if (all.size() > kMostRecent) all.resize(kMostRecent);
+  Json list = Json::array();
+  for (const fs::path& each : all) list.push_back(each.string());
+  std::error_code error;
+  fs::create_directories(recent_file().parent_path(), error);
+  try {
+    write_file_atomically(recent_file(), list.dump());
+  } catch (const std::exception&) {
+  }
+  return all;
+}
+
 /// The first words of its README.md, or its folder's name.
 std::string title_of(const fs::path& folder) {
   std::error_code error;
-  if (!fs::exists(folder / "README.md", error)) return {};
-  const std::string text = read_file(folder / "README.md");
+  if (!fs::is_regular_file(folder / "README.md", error)) return {};
+  std::string text;
+  Problems ignored;
+  collect(ignored, [&] { text = read_file(folder / "README.md", kLargest); });
   const std::string first = text.substr(0, text.find('\n'));
   return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
 }
 
-Json cell_entry(const fs::path& folder) {
+Json cell_entry(const fs::path& folder, bool recent) {
+  const AsUser user;
   Json robots = Json::array();
   try {
     for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
@@ -177,7 +270,7 @@ Json cell_entry(const fs::path& folder) {
           {"folder", folder.string()},
           {"title", title_of(folder)},
           {"robots", robots},
-          {"recent", false}};
+          {"recent", recent}};
 }
 
 void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
@@ -228,6 +321,7 @@ void copy_project(const fs::path& from, const fs::path& to) {
 
 /// Made beside its place and moved there when it is whole.
 Json make_project(const std::string& name, const std::function<void(const fs::path&)>& fill) {
+  const AsUser user;
   const fs::path folder = new_project(name);
   const fs::path coming = folder.parent_path() / ("." + name + ".coming");
   std::error_code error;
@@ -284,6 +378,19 @@ Poll cell_check(Cell& cell, const Json&) {
   });
 }
 
+Poll cell_reach(Cell& cell, const Json&) {
+  return aside([file = cell.file()] {
+    Json list = Json::array();
+    for (const Wanted& each : wanted_by(file))
+      list.push_back({{"kind", each.kind},
+                      {"what", each.what},
+                      {"why", each.why},
+                      {"sha256", each.sha256},
+                      {"allowed", each.allowed}});
+    return Json{{"wants", std::move(list)}};
+  });
+}
+
 Poll cells(Cell& cell, const Json&) {
   std::error_code error;
   const fs::path open = fs::weakly_canonical(cell.file().folder, error);
@@ -293,8 +400,13 @@ Poll cells(Cell& cell, const Json&) {
         std::vector<fs::path> folders;
         add_cells(projects_folder(), folders);
         add_cells(open.parent_path(), folders);
+        // What was open lately stays in sight, and what lies beside it: examples, too, once a project is open.
+        const std::vector<fs::path> recent = note_recent(open);
+        for (const fs::path& each : recent) add_cells(each.parent_path(), folders);
         Json list = Json::array();
-        for (const fs::path& folder : folders) list.push_back(cell_entry(folder));
+        for (const fs::path& folder : folders)
+          list.push_back(cell_entry(folder, folder != open && std::find(recent.begin(), recent.end(), folder) !=
+                                                                recent.end()));
         return Json{{"open", open.string()}, {"cells", std::move(list)}};
       },
       [](Cell&, Json& out) { return out; });
@@ -328,9 +440,9 @@ const std::vector<RequestRow>& cells_rows() {
         {{"name", kText, true}, {"text", kText}},
         "{problems: [{code, severity, file, line, column, what, advice}], moves, reached: {file, line}, "
         "paths: "
-        "[{robot, line, seconds, points: [[x, y, z]]}]}",
+        "[{robot, line, seconds, points: [[x, y, z]]}], contacts: {checked, unchecked, seconds, whole}}",
         "go through a program, as it is in the file or as `text`, without moving anything: moves that cannot "
-        "be made, and the TCP's way (two passes of its loop)",
+        "be made, the TCP's way (two passes of its loop), and what it touches in physics (one pass)",
         false},
        program_dry},
       {{"cell.check",
@@ -339,10 +451,16 @@ const std::vector<RequestRow>& cells_rows() {
         "what is wrong with the cell's files, as they are now, as polyarm check says it",
         false},
        cell_check},
+      {{"cell.reach",
+        {},
+        "{wants: [{kind, what, why, sha256, allowed}]}",
+        "what the cell's files want to reach beyond its folder: plugins, hosts, devices, files, secrets",
+        false},
+       cell_reach},
       {{"cells",
         {},
-        "{open, cells: [{name, folder, title, robots}]}",
-        "cells that can be opened: those beside this one, and the user's own",
+        "{open, cells: [{name, folder, title, robots, recent}]}",
+        "cells that can be opened: those beside this one, the user's own, and those that were open lately",
         false},
        cells},
       {{"cell.save_as",

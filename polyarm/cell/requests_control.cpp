@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/cell/point_edits.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/controllers/types.hpp"
 
@@ -142,6 +144,10 @@ Poll control_switch(Cell& cell, const Json& arguments) {
 }
 
 Poll control_load(Cell& cell, const Json& arguments) {
+  require_short_name(text_argument(arguments, "name"));
+  if (const std::size_t loaded = cell.loop().controllers().list().size(); loaded >= bounds::kLoadedControllers)
+    throw Error("too-many", "the cell has " + std::to_string(loaded) + " controllers already",
+                "unload one first: control.unload");
   controllers::Parameters parameters;
   if (const auto found = arguments.find("parameters"); found != arguments.end() && found->is_object())
     flatten(*found, "", parameters);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_later.hpp"
@@ -16,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestText = 900'000, kMostFiles = 2000, kMostVersions = 100;
+constexpr std::size_t kLargestText = bounds::kFileBytes, kMostFiles = bounds::kProjectFiles,
+                      kMostVersions = bounds::kVersionsOfFile;
 
 const std::vector<std::string>& endings() {
   static const std::vector<std::string> list = {".script", ".points", ".data",  ".yaml",  ".yml",
@@ -91,8 +93,56 @@ void keep_version(const fs::path& folder, const std::string& path, const std::st
   fs::create_directories(where);
   std::vector<int> numbers = version_numbers(where);
   write_file_atomically(where / std::to_string(numbers.empty() ? 1 : numbers.back() + 1), text);
-  for (std::size_t i = 0; i + kMostVersions < numbers.size() + 1; ++i)
-    fs::remove(where / std::to_string(numbers[i]));
+  numbers = version_numbers(where);
+  std::uintmax_t bytes = 0;
+  std::size_t kept = 0;
+  std::error_code error;
+  for (auto each = numbers.rbegin(); each != numbers.rend(); ++each) {
+    const fs::path file = where / std::to_string(*each);
+    bytes += fs::file_size(file, error);
+    if (++kept > kMostVersions || (kept > 1 && bytes > bounds::kVersionsBytes)) fs::remove(file, error);
+  }
+}
+
+/// How many files a folder has, and their bytes; hidden temporary ones, too.
+std::pair<std::size_t, std::uintmax_t> held_in(const fs::path& folder) {
+  std::pair<std::size_t, std::uintmax_t> out{};
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    ++out.first;
+    if (entry.is_regular_file(error)) out.second += entry.file_size(error);
+  }
+  return out;
+}
+
+/// Room for one more draft of so many bytes beside those of other files.
+void require_room_for_draft(const fs::path& file, std::size_t bytes) {
+  std::error_code error;
+  auto [count, held] = held_in(file.parent_path());
+  if (fs::exists(file, error)) --count, held -= std::min(held, fs::file_size(file, error));
+  if (count >= kMostFiles)
+    throw Error("too-many", fmt::format("the project has {} drafts", count), "save or drop some of them");
+  if (held + bytes > bounds::kDraftsBytes)
+    throw Error("too-large",
+                fmt::format("the project's drafts would have {} bytes, of at most {}", held + bytes,
+                            bounds::kDraftsBytes),
+                "save or drop some of them");
+}
+
+/// Room for one more file.
+void require_room_for_file(const fs::path& folder) {
+  std::error_code error;
+  std::size_t count = 0;
+  fs::recursive_directory_iterator each(folder, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && each != end && count <= kMostFiles; each.increment(error)) {
+    if (each->path().filename().string().starts_with('.')) {
+      each.disable_recursion_pending();
+      continue;
+    }
+    ++count;
+  }
+  if (count >= kMostFiles)
+    throw Error("too-many", fmt::format("the project has {} files", count), "delete some of them");
 }
 
 void keep_out_of_git(const fs::path& folder) {
@@ -170,6 +220,7 @@ Json written(const fs::path& folder, const std::string& path, const std::string&
                      : exists     ? "was changed meanwhile"
                                   : "was deleted meanwhile"),
                 "read it again and choose, or say 'force'");
+  if (!exists) require_room_for_file(folder);
   if (exists && there != text) keep_version(folder, path, there);
   fs::create_directories(file.parent_path());
   if (!exists || there != text) write_file_atomically(file, text);
@@ -256,6 +307,7 @@ Poll files_draft(Cell& cell, const Json& arguments) {
     keep_out_of_git(folder);
     fs::create_directories(file.parent_path());
     const Json draft{{"text", text}, {"base", base}, {"saved_s", now}, {"by", by}};
+    require_room_for_draft(file, text.size());
     write_file_atomically(file, draft.dump(-1, ' ', false, Json::error_handler_t::replace));
     return Json{{"saved_s", now}};
   });

@@ -15,8 +15,10 @@ std::size_t component_argument(Cell& cell, const Json& arguments) {
   hardware::Hardware& hardware = cell.loop().hardware();
   std::vector<std::string> known;
   for (std::size_t i = 0; i < hardware.size(); ++i) {
-    if (hardware.component_name(i) == name) return i;
-    known.push_back(hardware.component_name(i));
+    for (std::string& own : names_of_component(cell.robots(), hardware.component_name(i))) {
+      if (own == name) return i;
+      known.push_back(std::move(own));
+    }
   }
   throw Error("unknown-component",
               "there is no hardware component '" + name + "'" + did_you_mean(name, known));
@@ -104,26 +106,69 @@ Poll take_to(Cell& cell, std::size_t i, LifecycleState wanted) {
 
 namespace {
 
+/// Of the interfaces of physics, those of the joints of one <ros2_control>.
+std::vector<std::string> of_block(const Cell& cell, const std::string& name,
+                                  const std::vector<std::string>& interfaces) {
+  std::vector<std::string> out;
+  for (const std::string& interface : interfaces)
+    for (const PlayedBlock& played : played_by_physics(cell.robots())) {
+      if (played.info->name != name) continue;
+      const std::vector<description::ComponentInfo>& parts = played.info->components;
+      if (std::any_of(parts.begin(), parts.end(), [&](const description::ComponentInfo& part) {
+            return interface.starts_with(played.robot->entry.name + "/" + part.name + "/");
+          }))
+        out.push_back(interface);
+    }
+  return out;
+}
+
+const description::HardwareInfo* block_called(const Cell& cell, const std::string& name) {
+  for (const PlayedBlock& played : played_by_physics(cell.robots()))
+    if (played.info->name == name) return played.info;
+  return nullptr;
+}
+
+Json listed(Cell& cell, const hardware::HostedInfo& info, const hardware::Transition* pending) {
+  Json commands = Json::array();
+  for (const std::string& command : info.commands)
+    commands.push_back({{"name", command}, {"claimed_by", cell.loop().controllers().holder_of(command)}});
+  return {{"name", info.name},
+          {"type", info.type},
+          {"plugin", info.plugin},
+          {"group", info.group},
+          {"state", hardware::name(info.state)},
+          {"being", pending ? hardware::done_word(pending->step()) : ""},
+          {"rate", rate_of(cell, info)},
+          {"async", info.async},
+          {"missed", info.missed},
+          {"states", info.states},
+          {"commands", commands}};
+}
+
+/// What physics plays is listed by the names of its descriptions, each with its own interfaces; the rest of
+/// them (tools, the scene) stand with the first.
 Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
-    const hardware::HostedInfo info = hardware.info(i);
-    const hardware::Transition* pending = hardware.pending(i);
-    Json commands = Json::array();
-    for (const std::string& command : info.commands)
-      commands.push_back({{"name", command}, {"claimed_by", cell.loop().controllers().holder_of(command)}});
-    out.push_back({{"name", info.name},
-                   {"type", info.type},
-                   {"plugin", info.plugin},
-                   {"group", info.group},
-                   {"state", hardware::name(info.state)},
-                   {"being", pending ? hardware::done_word(pending->step()) : ""},
-                   {"rate", rate_of(cell, info)},
-                   {"async", info.async},
-                   {"missed", info.missed},
-                   {"states", info.states},
-                   {"commands", commands}});
+    hardware::HostedInfo info = hardware.info(i);
+    const std::vector<std::string> names = names_of_component(cell.robots(), info.name);
+    Json others = Json::array();
+    for (std::size_t k = names.size(); k-- > 1;) {
+      hardware::HostedInfo part = info;
+      const description::HardwareInfo* block = block_called(cell, names[k]);
+      part.name = names[k];
+      if (block) part.plugin = block->plugin, part.type = block->type;
+      part.states = of_block(cell, names[k], info.states);
+      part.commands = of_block(cell, names[k], info.commands);
+      for (const std::string& state : part.states) std::erase(info.states, state);
+      for (const std::string& command : part.commands) std::erase(info.commands, command);
+      others.insert(others.begin(), listed(cell, part, hardware.pending(i)));
+    }
+    if (const description::HardwareInfo* first = names.size() > 1 ? block_called(cell, info.name) : nullptr)
+      info.plugin = first->plugin, info.type = first->type;
+    out.push_back(listed(cell, info, hardware.pending(i)));
+    for (Json& other : others) out.push_back(std::move(other));
   }
   return at_once(std::move(out));
 }
@@ -154,7 +199,17 @@ Poll hardware_state(Cell& cell, const Json& arguments) {
   const std::size_t i = component_argument(cell, arguments);
   const LifecycleState wanted = state_argument(arguments);
   if (wanted == LifecycleState::active) cell.arming().require_armed(i);
-  return then(wait_until_idle(cell, i), [i, wanted](Cell& c) { return take_to(c, i, wanted); });
+  const std::string asked = text_argument(arguments, "name");
+  return then(wait_until_idle(cell, i), [i, wanted, asked](Cell& c) {
+    return then_with(take_to(c, i, wanted), [asked](Cell& cell, Json answer) {
+      const std::vector<std::string> names =
+          names_of_component(cell.robots(), answer["name"].get<std::string>());
+      answer["name"] = asked;
+      for (const std::string& other : names)
+        if (other != asked) answer["with"].push_back(other);
+      return at_once(std::move(answer));
+    });
+  });
 }
 
 Poll reload(Cell& cell, std::size_t i) {
@@ -248,9 +303,9 @@ const std::vector<RequestRow>& hardware_rows() {
        hardware_list},
       {{"hardware.state",
         {{"name", kText, true}, {"state", kText, true}},
-        "{name, state, stopped}",
+        "{name, state, stopped, with}",
         "take a component to unconfigured, inactive, active or finalized; controllers that use it are "
-        "stopped first, with their chains",
+        "stopped first, with their chains; `with` names the components that are one with it in physics",
         true},
        hardware_state},
       {{"hardware.recover", kName, "{name, state, fallen, next}",

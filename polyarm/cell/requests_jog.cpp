@@ -19,6 +19,8 @@ using Kind = motion::JogWish::Kind;
 
 constexpr Nanoseconds kRenewEvery = 50'000'000, kTellJogEvery = 100'000'000;
 constexpr double kMostHold = 10;
+constexpr double kMostJogged = 1e6;  // beyond it is no way or speed but a mistake
+constexpr double kTargetRounding = 1e-4;   // rad or m; of numbers in messages
 
 std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
@@ -26,12 +28,13 @@ std::string short_name(const controllers::JointFacts& joint) {
 
 /// A number in SI, or a text with its unit.
 double jog_quantity(const Json& value, const std::string& of, Dimension dimension) {
-  if (value.is_number()) {
-    const double number = value.get<double>();
-    if (std::isfinite(number)) return number;
-  }
-  if (value.is_string())
-    if (const auto number = parse_quantity(value.get<std::string>(), dimension)) return *number;
+  std::optional<double> number;
+  if (value.is_number()) number = value.get<double>();
+  if (value.is_string()) number = parse_quantity(value.get<std::string>(), dimension);
+  if (number && std::abs(*number) > kMostJogged)
+    throw Error("beyond-limits", "'" + of + "' is asked for " + format_number(*number),
+                "a robot goes ways of some m or rad, at some m/s or rad/s");
+  if (number && std::isfinite(*number)) return *number;
   throw Error("bad-argument",
               "'" + of + "' is " + (value.is_string() ? value.get<std::string>() : value.dump()) + ", not " +
                   name(dimension),
@@ -262,7 +265,7 @@ Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
     std::vector<double> out;
     if (list.is_array())
       for (const Json& item : list)
-        if (item.is_number() && std::isfinite(item.get<double>())) out.push_back(item.get<double>());
+        if (item.is_number() && std::abs(item.get<double>()) <= kMostJogged) out.push_back(item.get<double>());
     if (out.size() != count)
       throw Error("bad-argument",
                   std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
@@ -305,6 +308,27 @@ Poll jog_state(Cell& cell, const Json& arguments) {
   return at_once(state_of(cell, robot_argument(cell, arguments)));
 }
 
+/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay, or
+/// come back.
+void require_within_limits(Cell& cell, std::size_t i, const motion::JogValues& wanted) {
+  const CellRobot& robot = *cell.robots()[i];
+  Problems problems;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const controllers::JointFacts& joint = robot.joints[j];
+    if (!std::isfinite(wanted[j]) || joint.continuous || !(joint.lower <= joint.upper)) continue;
+    const auto place = cell.loop().table().find_state(joint.name + "/position");
+    const double at = place ? cell.snapshot().states[*place] : NAN;
+    const double lower = std::isfinite(at) ? std::min(joint.lower, at) : joint.lower;
+    const double upper = std::isfinite(at) ? std::max(joint.upper, at) : joint.upper;
+    if (wanted[j] >= lower - kTargetRounding && wanted[j] <= upper + kTargetRounding) continue;
+    problems.error("beyond-limits", {},
+                   "'" + short_name(joint) + "' is asked for a position of " + format_number(wanted[j]) +
+                       "; its limits are " + format_number(joint.lower) + " to " + format_number(joint.upper),
+                   "ask for a position within them, rad or m");
+  }
+  problems.throw_if_errors();
+}
+
 Poll target(Cell& cell, const Json& arguments) {
   const std::size_t i = robot_argument(cell, arguments);
   const CellRobot& robot = *cell.robots()[i];
@@ -318,6 +342,7 @@ Poll target(Cell& cell, const Json& arguments) {
   if (joints) {
     command.wish.kind = Kind::joint_target;
     command.wish.joints = joint_values(robot, arguments["joints"], false, NAN);
+    require_within_limits(cell, i, command.wish.joints);
   } else {
     command.wish.kind = Kind::tcp_target;
     command.wish.target = pose_argument(cell, robot, arguments);

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/program_hash.hpp"
+#include "polyarm/cell/requests_later.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/checker.hpp"
@@ -94,6 +96,8 @@ void require_may_begin(Cell& cell) {
   const control::RunState state = cell.snapshot().state;
   if (state == control::RunState::fault)
     throw Error("fault", "the cell is in a fault", "polyarm control recover, then resume");
+  if (state == control::RunState::stopping || state == control::RunState::backing)
+    throw Error("stopping", std::string("the cell is ") + control::name(state), "ask again when it stands");
   if (state != control::RunState::running)
     throw Error("held", std::string("the cell is ") + control::name(state),
                 "go on: polyarm control resume; or forget the motion: polyarm control discard");
@@ -130,6 +134,21 @@ Poll program_load(Cell& cell, const Json& arguments) {
   };
 }
 
+}  // namespace
+
+std::string program_hash(const program::Program& program) {
+  std::string all;
+  const auto add = [&](const std::string& file, const std::vector<std::string>& lines) {
+    all += file + '\0';
+    for (const std::string& line : lines) all += line + '\n';
+  };
+  add(program.file, program.lines);
+  for (const auto& included : program.included) add(included.file, included.lines);
+  return content_hash(all);
+}
+
+namespace {
+
 /// Have files of the program that stands ready been written since they were read? Throws Error with what is
 /// wrong in them now.
 bool written_since(Cell& cell) {
@@ -139,6 +158,21 @@ bool written_since(Cell& cell) {
   for (std::size_t i = 0; i < now.included.size(); ++i)
     if (now.included[i].lines != read.program().included[i].lines) return true;
   return false;
+}
+
+/// What is started has to be what was shown to who starts it.
+void require_as_shown(Cell& cell, const Json& arguments) {
+  const program::Program& loaded = cell.program()->interpreter().program();
+  const std::string file = text_argument(arguments, "file", ""), hash = text_argument(arguments, "hash", "");
+  std::error_code error;
+  const bool same = file == loaded.file || fs::equivalent(cell.file().folder / file, loaded.file, error);
+  if (!file.empty() && !same)
+    throw Error("program-changed",
+                "'" + loaded.file + "' stands ready now, and not '" + file + "', which was to be started",
+                "look at it, and start it then");
+  if (!hash.empty() && hash != program_hash(loaded))
+    throw Error("program-changed", "'" + loaded.file + "' was changed since it was shown",
+                "look at it, and start it then");
 }
 
 Poll program_start(Cell& cell, const Json& arguments) {
@@ -152,7 +186,15 @@ Poll program_start(Cell& cell, const Json& arguments) {
   if (!(passes >= 0 && passes < 1e15 && passes == std::floor(passes)))
     throw Error("bad-argument", "'passes' is " + format_number(passes), "a whole number; 0: no limit");
   if (!cell.all_idle()) throw Error("moving", "a robot still moves", "wait until it has arrived");
+  require_as_shown(cell, arguments);
   if (flag_argument(arguments, "as_saved") && written_since(cell)) {
+    if (!text_argument(arguments, "saved", "").empty() &&
+        text_argument(arguments, "saved") !=
+            program_hash(program::load_program(cell.program()->interpreter().program().file)))
+      throw Error("program-changed",
+                  "the files of '" + cell.program()->interpreter().program().file +
+                      "' were changed since they were shown",
+                  "look at them, and start it then");
     const fs::path file = cell.program()->interpreter().program().file;
     cell.prepare_program(fs::proximate(file, cell.file().folder).string(), 0);  // looked for in there
     cell.program()->interpreter().resume();
@@ -210,10 +252,17 @@ const std::vector<RequestRow>& load_rows() {
         false},
        program_load},
       {{"program.start",
-        {{"passes", kNumber}, {"paused", kFlag}, {"as_saved", kFlag}},
+        {{"passes", kNumber},
+         {"paused", kFlag},
+         {"as_saved", kFlag},
+         {"file", kText},
+         {"hash", kText},
+         {"saved", kText}},
         kProgram,
         "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
-        "front of its first line, `as_saved` reads it anew where its file has been written since",
+        "front of its first line, `as_saved` reads it anew where its file has been written since. Refused as "
+        "program-changed where what stands ready is not the `file` or has not the `hash` that `program` told, "
+        "or where its files as they are now have not the hash `saved`",
         true},
        program_start},
       {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},

@@ -9,6 +9,7 @@
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/ros_files/json_trajectory.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
 
 namespace polyarm::cell {
@@ -151,9 +152,16 @@ Json json_of(const controllers::GoalEvent& event, const controllers::Controller&
     out["joint"] = joint;
     out["off_by"] = event.error;
     out["tolerance"] = event.tolerance;
+    if (event.outcome == controllers::GoalOutcome::succeeded && !event.gripper)
+      out["note"] = joint + " is " + format_number(event.error) +
+                    " off its goal; no goal tolerance is set for it (constraints." +
+                    joint.substr(joint.rfind('/') + 1) + ".goal), so the goal counts as reached";
   }
   return out;
 }
+
+/// Parameter of controllers that take goals.
+constexpr const char* kRejectWhenHeld = "reject_goals_when_held";
 
 /// Of ros2_control's action servers, where a controller says nothing else.
 constexpr double kFeedbackRate = 20;
@@ -177,6 +185,13 @@ Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t g
       const bool first = event.outcome == controllers::GoalOutcome::accepted;
       if (first && std::exchange(accepted, true)) continue;
       Json out = json_of(event, *controller);
+      if (out.contains("note"))
+        cell.observer().on_problem(cell.now(), {"far-from-goal",
+                                                {},
+                                                to.controller + ": goal " + std::to_string(goal) +
+                                                    " succeeded, but " + out["note"].get<std::string>(),
+                                                "set the tolerance, or send goal_tolerance with the goal",
+                                                Severity::warning});
       return first ? Progress::more(std::move(out)) : Progress::done(std::move(out));
     }
     // It ended between the message and its first look at it: the goal is not begun any more.
@@ -221,6 +236,26 @@ Poll param_set(Cell& cell, const Json& arguments) {
   };
 }
 
+/// A goal for a cell that is held moves nothing: a person is told so, or the goal is refused where the
+/// controller's parameter says that.
+void look_at_state(Cell& cell, const std::string& controller) {
+  const control::RunState state = cell.snapshot().state;
+  if (state == control::RunState::running) return;
+  const std::string while_held = std::string(" while the cell is ") + control::name(state) + " (" +
+                                 control::name(cell.snapshot().cause) + ")";
+  const std::string advice =
+      state == control::RunState::fault ? "polyarm control recover" : "polyarm control resume";
+  const controllers::Declared* reject = parameters_of(cell, controller).find_declared(kRejectWhenHeld);
+  if (reject && reject->value == "true")
+    throw Error("held", "a goal for '" + controller + "' is refused" + while_held, advice);
+  cell.observer().on_problem(cell.now(), {"held",
+                                          {},
+                                          "a goal for '" + controller + "' comes" + while_held +
+                                              "; nothing moves before the cell runs",
+                                          advice,
+                                          Severity::warning});
+}
+
 /// The input that is meant, what it takes, and whether it is an action. A goal goes to the first action.
 controllers::InputPort port_of(const controllers::Controller& controller, Address& to, bool goal) {
   const std::vector<controllers::InputPort> inputs = controller.inputs();
@@ -242,9 +277,27 @@ struct Reading {
   std::atomic<bool> done{false};
 };
 
-std::shared_ptr<Reading> begin_reading(Cell& cell, std::string text, std::vector<std::string> types) {
+/// What is no finite number stays visible in the text: JSON would write null, which means "not stated".
+void spell_out(Json& value) {
+  if (value.is_structured())
+    for (Json& item : value) spell_out(item);
+  else if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    value = std::isnan(value.get<double>()) ? ".nan" : value.get<double>() > 0 ? ".inf" : "-.inf";
+}
+
+std::string text_of(Json message) {
+  if (message.is_string()) return message.get<std::string>();
+  spell_out(message);
+  return message.dump();
+}
+
+std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vector<std::string> types) {
   constexpr std::size_t kShort = 4096;
   auto out = std::make_shared<Reading>();
+  out->message = ros_files::read_json_trajectory(given, "the message", types);
+  out->done = out->message.has_value();
+  if (out->done) return out;
+  std::string text = text_of(given);
   const bool is_short = text.size() <= kShort;
   const auto read = [out, text = std::move(text), types = std::move(types)] {
     try {
@@ -266,9 +319,7 @@ Poll send_message(Cell& cell, const Json& arguments) {
   require_active(cell, to.controller);
   const controllers::InputPort port =
       port_of(*cell.loop().controllers().find(to.controller), to, flag_argument(arguments, "goal"));
-  const Json& given = arguments["message"];
-  const auto reading =
-      begin_reading(cell, given.is_string() ? given.get<std::string>() : given.dump(), port.types);
+  const auto reading = begin_reading(cell, arguments["message"], port.types);
   return [to, action = port.action, feedback = port.feedback, reading, follow = Poll{}](Cell& c) mutable {
     if (follow) return follow(c);
     if (!reading->done.load(std::memory_order_acquire)) return Progress{};
@@ -276,6 +327,7 @@ Poll send_message(Cell& cell, const Json& arguments) {
     require_active(c, to.controller);
     controllers::Controller* controller = c.loop().controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was taken away");
+    if (action) look_at_state(c, to.controller);
     const std::uint64_t id = controller->receive(to.port, *reading->message, action);
     reading->message.reset();
     if (!action) return Progress::done({{"to", to.controller + "/" + to.port}});
@@ -324,19 +376,41 @@ Poll goal_cancel(Cell& cell, const Json& arguments) {
   return at_once({{"asked", "cancel"}});
 }
 
+/// Told to a watcher once, until the next message comes.
+Json why_nothing_comes(Cell& cell, const Address& from, bool never) {
+  const hardware::LifecycleState state = controller_state(cell, from.controller);
+  const std::string name = from.controller + "/" + from.port;
+  const bool active = state == hardware::LifecycleState::active;
+  return {{"waiting", name},
+          {"state", hardware::name(state)},
+          {"what", "'" + name + "' has put out nothing " + (never ? "yet" : "more") + ": its controller is " +
+                       hardware::name(state) + (active ? ", and is not updated" : "")},
+          {"advice", active ? "look at the cell's state: polyarm health"
+                            : "start it: polyarm control state " + from.controller + " active"}};
+}
+
 Poll watch_output(Cell& cell, const Json& arguments) {
   const Address from = output_address(cell, text_argument(arguments, "name"));
   const double rate = number_argument(arguments, "rate", 10);
   if (!(rate >= 0.001 && rate <= 10'000))
     throw Error("bad-argument", "'rate' is " + format_number(rate) + " Hz", "it may be 0.001 to 10000");
   const Nanoseconds every = nanoseconds(1 / rate);
-  return [from, every, told = Nanoseconds{-1}, sample = Nanoseconds{0}](Cell& c) mutable {
+  const Nanoseconds patience =
+      nanoseconds(std::clamp(number_argument(arguments, "patience", 0), 0.0, 3600.0));
+  return [from, every, patience, told = Nanoseconds{-1}, sample = Nanoseconds{0}, fresh = cell.now(),
+          patient = patience > 0](Cell& c) mutable {
     controllers::Controller* controller = c.loop().controllers().find(from.controller);
     controllers::Output* output = controller ? controller->find_output(from.port) : nullptr;
     if (!output) throw Error("unloaded", "the controller was taken away");
     output->fetch();
-    const bool due = told < 0 || c.now() - told >= every;
-    if (!due || output->value().time == sample) return Progress{};
+    if (output->value().time == sample) {
+      if (!patient || c.now() - fresh < patience) return Progress{};
+      patient = false;
+      return Progress::more(why_nothing_comes(c, from, sample == 0));
+    }
+    fresh = c.now();
+    patient = patience > 0;
+    if (told >= 0 && c.now() - told < every) return Progress{};
     sample = output->value().time;
     told = told < 0 ? c.now() : told + every * ((c.now() - told) / every);
     return Progress::more(Json::parse(ros_files::message_json(*output)));
@@ -364,7 +438,8 @@ const std::vector<RequestRow>& message_rows() {
        param_set},
       {{"send",
         {{"to", kText, true}, {"message", ArgumentType::message, true}, {"goal", kFlag}},
-        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance}, of a gripper's also "
+        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance, note}, of a gripper's "
+        "also "
         "{position, effort, stalled, reached_goal}, and between {goal, feedback}",
         "give a message to a controller; a goal is followed to its end",
         true},
@@ -382,9 +457,10 @@ const std::vector<RequestRow>& message_rows() {
         false},
        query_state},
       {{"watch",
-        {{"name", kText, true}, {"rate", kNumber}},
-        "the message in its ROS shape",
-        "tell what a controller puts out, `rate` times a second (10)",
+        {{"name", kText, true}, {"rate", kNumber}, {"patience", kNumber}},
+        "the message in its ROS shape; {waiting, state, what, advice} where nothing comes",
+        "tell what a controller puts out, `rate` times a second (10); with `patience` it is told once why "
+        "nothing has come for so many seconds",
         false},
        watch_output},
   };

@@ -7,6 +7,7 @@
 
 #include "polyarm/cell/jogging.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/cell/ways.hpp"
 
 namespace polyarm::cell {
 
@@ -52,7 +53,7 @@ Poll wait_for_step_back(Cell& cell) {
           if (at[j] != from[j]) joints[c.joint_places().all()[j].name] = at[j] - from[j];
         if (joints.empty())
           throw Error("nothing-to-step-back", "nothing moved: no planned path is held, or it is at its start",
-                      "polyarm control resume goes on, discard forgets the rest");
+                      "polyarm control resume goes on, polyarm control discard forgets the rest");
         return Progress::done({{"asked", "back"}, {"state", control::name(seen.state)}, {"joints", joints}});
       };
 }
@@ -83,23 +84,46 @@ Poll control_stop(Cell& cell, const Json& arguments) {
 }
 
 Poll control_resume(Cell& cell, const Json& arguments) {
-  const auto pushed = cell.held_place().pushed();
-  if (pushed && !flag_argument(arguments, "anyway")) throw Error(*pushed);
+  if (const auto why = why_no_resume(cell)) {
+    const bool may_insist = why->code == "in-contact" || why->code == "moved-while-held";
+    if (!may_insist || !flag_argument(arguments, "anyway")) throw Error(*why);
+  }
   cell.jogging().end_all();
+  cell.forget_pushes();
   cell.loop().supervisor().latch().clear();
   request(cell, control::Request::resume);
   return at_once({{"asked", "resume"}});
 }
 
+/// Answered when nothing of the motion is left, so that whoever asked may move the robot otherwise.
 Poll control_discard(Cell& cell, const Json&) {
+  if (const auto why = why_no_discard(cell)) throw Error(*why);
+  const bool held = cell.motion_left();
   request(cell, control::Request::discard);
   cell.drop_bases();
-  return at_once({{"asked", "discard"}});
+  cell.forget_pushes();
+  return [held, asked = cell.now()](Cell& c) {
+    constexpr Nanoseconds kPatience = 500'000'000;
+    if (c.motion_left() && c.now() - asked < kPatience) return Progress{};
+    c.forget_pushes();
+    return Progress::done({{"asked", "discard"},
+                           {"discarded", held},
+                           {"next", "the robot may be jogged; polyarm control resume lets the cell go on"}});
+  };
 }
 
 Poll control_recover(Cell& cell, const Json&) {
+  if (const auto why = why_no_recover(cell)) throw Error(*why);
   request(cell, control::Request::recover);
-  return at_once({{"asked", "recover"}});
+  return [asked = cell.now()](Cell& c) {  // so that a resume that follows finds it held
+    constexpr Nanoseconds kPatience = 100'000'000;
+    const bool waits = c.snapshot().state == RunState::fault && c.now() - asked < kPatience;
+    return waits ? Progress{} : Progress::done({{"asked", "recover"}});
+  };
+}
+
+Poll control_contacts(Cell& cell, const Json&) {
+  return at_once(contacts_json(cell));
 }
 
 Poll control_back(Cell& cell, const Json& arguments) {
@@ -108,12 +132,9 @@ Poll control_back(Cell& cell, const Json& arguments) {
   const bool stated = arguments.contains("time") || arguments.contains("distance");
   const double time = above_zero(arguments, "time", stated ? kAll : 1),
                distance = above_zero(arguments, "distance", kAll);
-  if (cell.snapshot().state != RunState::held)
-    throw Error("wrong-state", std::string("the loop is at ") + control::name(cell.snapshot().state),
-                "only what is held steps back: polyarm control hold");
+  if (const auto why = why_no_back(cell)) throw Error(*why);
   if (!(supervisor.override_share() > 0))
     throw Error("no-speed", "the override is 0 %", "polyarm control override 50%");
-  if (const auto pushed = cell.held_place().pushed()) throw Error(*pushed);
   supervisor.latch().clear();
   supervisor.set_back(time, distance);
   request(cell, control::Request::back);
@@ -150,7 +171,8 @@ const std::vector<RequestRow>& motion_rows() {
       {{"control.resume",
         {{"anyway", kFlag}},
         "{asked}",
-        "go on along the path after a hold; refused where the robot was moved meanwhile, unless `anyway`",
+        "go on along the path after a hold; refused where the robot was moved meanwhile or still touches "
+        "something that the motion goes on into, unless `anyway`",
         true},
        control_resume},
       {{"control.back",
@@ -167,8 +189,18 @@ const std::vector<RequestRow>& motion_rows() {
         "how much of the planned speed is used, 0 to 100; without `percent` it is only told",
         true},
        control_override},
-      {{"control.discard", {}, "{asked}", "forget what is left of a motion that is held", true},
+      {{"control.discard",
+        {},
+        "{asked, discarded, next}",
+        "forget what is left of a motion that is held, and where it was to go on from",
+        true},
        control_discard},
+      {{"contacts",
+        {},
+        "{checked, stop, touching, unchecked, list: [{a, b, robot, at_s, depth, position, now, doing, where, text}]}",
+        "what touched what in physics and where, what touches now, and what contacts are not detected for",
+        false},
+       control_contacts},
       {{"control.recover", {}, "{asked}", "leave the fault state for held; nothing moves", true},
        control_recover},
   };

@@ -16,10 +16,11 @@ namespace polyarm::cell {
 
 namespace {
 
-constexpr Nanoseconds kTellEvery = 100'000'000;
+constexpr Nanoseconds kTellMoveEvery = 100'000'000;
 /// A jog that has just ended gives the robot back within this time.
 constexpr Nanoseconds kJogPatience = 2'000'000'000;
 constexpr std::size_t kMostPoints = 1000;
+constexpr double kLongestWay = 1e6;  // s, of a way and for each rad of it
 
 double quantity(const Json& value, const std::string& of, Dimension dimension) {
   if (value.is_number() && std::isfinite(value.get<double>())) return value.get<double>();
@@ -125,7 +126,7 @@ std::vector<motion::Move> read_move(Cell& cell, const CellRobot& robot, const Js
     throw Error("bad-argument", "there is no move '" + kind + "'" + did_you_mean(kind, kinds),
                 "joint or line");
   const double pace = number_argument(arguments, "pace", 0), share = number_argument(arguments, "speed", 1);
-  if (!(pace >= 0))
+  if (!(pace >= 0 && pace <= kLongestWay))
     throw Error("bad-argument", "'pace' is " + format_number(pace), "s for each rad, at least 0");
   if (!(share > 0 && share <= 1))
     throw Error("bad-argument", "'speed' is " + format_number(share), "a share of the limits: 0.01 to 1");
@@ -148,9 +149,9 @@ std::vector<motion::Move> read_move(Cell& cell, const CellRobot& robot, const Js
     if (move.kind == motion::MoveKind::joint) move.joint_pace = pace;
     if (point.contains("duration"))
       move.duration = quantity(point["duration"], "the duration of " + number, Dimension::time);
-    if (!(move.duration >= 0))
+    if (!(move.duration >= 0 && move.duration <= kLongestWay))
       throw Error("bad-argument", fmt::format("the duration of {} is {} s", number, move.duration),
-                  "a time above 0");
+                  fmt::format("a time above 0, at most {} s", kLongestWay));
     move.through = !rests && i + 1 < points.size();
     out.push_back(std::move(move));
   }
@@ -169,6 +170,9 @@ void require_may_move(Cell& cell, std::size_t i) {
   if (state == control::RunState::fault)
     throw Error("fault", "'" + robot + "' is not moved: the cell is in a fault",
                 "polyarm control recover, resume");
+  if (state == control::RunState::stopping || state == control::RunState::backing)
+    throw Error("stopping", "'" + robot + "' is not moved: the cell is " + control::name(state),
+                "ask again when it stands");
   if (state != control::RunState::running)
     throw Error("held", "'" + robot + "' is not moved: the cell is " + control::name(state),
                 "go on: polyarm control resume; or forget the motion: polyarm control discard");
@@ -254,7 +258,7 @@ Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
       out["done"] = true;
       return Progress::done(std::move(out));
     }
-    if (cell.now() - told < kTellEvery) return Progress{};
+    if (cell.now() - told < kTellMoveEvery) return Progress{};
     told = cell.now();
     return Progress::more(std::move(out));
   };

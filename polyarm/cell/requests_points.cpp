@@ -213,6 +213,7 @@ Poll points_group(Cell& cell, const Json& arguments) {
 
 Poll points_rename(Cell& cell, const Json& arguments) {
   const std::string from = text_argument(arguments, "name"), to = text_argument(arguments, "to");
+  require_short_name(to);
   check_point_name(to);
   const data::Value value = kept_value(cell, from);
   if (cell.store().find(to)) throw Error("in-use", "there is a '" + to + "' already", "give another name");

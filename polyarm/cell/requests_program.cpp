@@ -6,8 +6,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/program_hash.hpp"
+#include "polyarm/cell/requests_later.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/cell/ways.hpp"
 #include "polyarm/program/lexer.hpp"
 
 namespace polyarm::cell {
@@ -73,6 +77,7 @@ Json surroundings(Cell& cell) {
           {"held", cell.held_parts()},
           {"events", cell.events().last()},
           {"file", ""},
+          {"hash", ""},
           {"paused", false},
           {"where", shown_place({})},
           {"source", ""},
@@ -104,6 +109,7 @@ Json program_json(Cell& cell) {
   const program::TaskStatus& status = task.status();
   const bool asks = cell.program_begun() && status.waiting.kind == program::WaitKind::user;
   out.update({{"file", interpreter.program().file},
+              {"hash", cell.program_begun() ? "" : program_hash(interpreter.program())},
               {"state", cell.program_begun() ? program::name(interpreter.state()) : "ready"},
               {"paused", interpreter.paused()},
               {"where", shown_place(status.where)},
@@ -129,7 +135,8 @@ void require_running(Cell& cell, const Task& task) {
 Poll until_paused(const Json& arguments) {
   return [at_once = flag_argument(arguments, "at_once")](Cell& cell) {
     Task& task = program_of(cell);
-    if (!at_once && !task.interpreter().paused() && !task.ended()) return Progress{};
+    const bool on_its_way = !task.interpreter().paused() && !task.ended();
+    if (!at_once && on_its_way && !why_no_statement(cell)) return Progress{};
     return Progress::done(program_json(cell));
   };
 }
@@ -198,6 +205,7 @@ Poll program_go(Cell& cell, const Json&) {
   require_running(cell, task);
   if (!task.interpreter().paused())
     throw Error("not-paused", "the program is not paused", "a hold is left by polyarm control resume");
+  if (const auto why = why_no_statement(cell)) throw Error(*why);
   task.interpreter().resume();
   return at_once(program_json(cell));
 }
@@ -213,6 +221,7 @@ Poll program_step(Cell& cell, const Json& arguments) {
                 "into, over or out");
   if (!task.interpreter().paused())
     throw Error("not-paused", "the program is not paused", "polyarm control pause, or a breakpoint");
+  if (const auto why = why_no_statement(cell)) throw Error(*why);
   task.interpreter().resume_for(static_cast<program::StepKind>(at - known.begin()));
   return until_paused(arguments);
 }
@@ -240,6 +249,9 @@ Poll program_break(Cell& cell, const Json& arguments) {
   const std::optional<TextLines> text = lines_argument(arguments, "text");
   for (const std::string& at : list_argument(arguments, "at")) added.push_back(breakpoint_at(cell, at));
   for (const std::string& off : list_argument(arguments, "off")) dropped.push_back(breakpoint_at(cell, off));
+  if (cell.breakpoints().size() + added.size() > bounds::kBreakpoints)
+    throw Error("too-many", "there may be " + std::to_string(bounds::kBreakpoints) + " breakpoints",
+                "drop some first: program.break with 'off' or 'clear'");
   for (const Location& each : dropped) cell.drop_breakpoint(each, text);
   if (flag_argument(arguments, "clear")) cell.clear_breakpoints();
   for (const Location& each : added) cell.add_breakpoint(each, text);
@@ -267,7 +279,12 @@ Poll program_from(Cell& cell, const Json& arguments) {
   if (!cell.arming().armed())  // else it would begin by itself as soon as somebody arms the cell
     throw Error("disarmed", "no program begins: real hardware that nobody has armed", "polyarm control arm");
   const Task* const task = cell.program();
-  if (task && cell.program_begun() && !task->ended() && !task->interpreter().paused())
+  const bool runs = task && cell.program_begun() && !task->ended() && !task->interpreter().paused();
+  if (const auto why = why_no_statement(cell); why && (runs || !cell.all_idle()))  // neither pauses nor arrives
+    throw Error(why->code, why->what,
+                why->code == "held" ? "polyarm control resume, then polyarm control pause; or end it: program.stop"
+                                    : why->advice);
+  if (runs)
     throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");
   if (!cell.snapshot().standing || !cell.all_idle())
     throw Error("moving", "a robot still moves", "wait until it has arrived");
@@ -277,6 +294,7 @@ Poll program_from(Cell& cell, const Json& arguments) {
   if (!flag_argument(arguments, "confirmed"))
     out["next"] = "the program stands in front of this line: program.go";
   if (flag_argument(arguments, "confirmed")) cell.program()->interpreter().resume();
+  if (const auto why = why_no_statement(cell)) out["next"] = why->what + ": " + why->advice;
   return at_once(std::move(out));
 }
 

@@ -1,6 +1,7 @@
 /// Requests that record what the cell does.
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
 namespace polyarm::cell {
@@ -33,7 +34,20 @@ Poll record_state(Cell& cell, const Json&) {
   return at_once(status_json(recorder_of(cell).status()));
 }
 
+/// Recordings are deleted by hand alone.
+void require_room(const Cell& cell) {
+  std::size_t count = 0;
+  std::error_code error;
+  for ([[maybe_unused]] const auto& each :
+       std::filesystem::directory_iterator(cell.file().folder / ".state" / "recordings", error))
+    ++count;
+  if (count >= bounds::kRecordings)
+    throw Error("too-many", "the cell has " + std::to_string(count) + " recordings",
+                "delete some of .state/recordings");
+}
+
 Poll record_start(Cell& cell, const Json& arguments) {
+  require_room(cell);
   RecordOptions options;
   options.file = recording_named(cell, text_argument(arguments, "file", ""));
   options.rate = number_argument(arguments, "rate", options.rate);

@@ -61,7 +61,7 @@ inline constexpr auto kMap = ArgumentType::map;
 inline constexpr auto kAny = ArgumentType::any;
 inline const std::vector<RequestArgument> kName = {{"name", kText, true}};
 inline constexpr const char* kProgram =
-    "{state, control, cause, holder, folder, robots, held, events, file, paused, where: {file, line}, "
+    "{state, control, cause, holder, folder, robots, held, events, file, hash, paused, where: {file, line}, "
     "source, sentence, passes, breakpoints, question, problem, tasks: [{name, state, where, source, "
     "waits_for, names, text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, "
     "problem}]}";

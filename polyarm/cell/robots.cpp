@@ -19,6 +19,7 @@ namespace polyarm::cell {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr const char* kPhysics = "mujoco";
 // Where a description states no more: a slow joint, up to speed in a quarter of a second.
 constexpr double kDefaultVelocity = 1.0, kTimeToSpeed = 0.25, kTimeToAcceleration = 0.1;
 
@@ -222,15 +223,23 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   robot->entry = entry;
   const auto beside = file.folder / entry.model;
   const bool is_file = std::filesystem::is_regular_file(beside);
+  Problems found;
   robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
-                                                              catalogue, problems, entry.arguments)
-                                    : description::read_urdf(entry.text, entry.model, problems);
+                                                              catalogue, found, entry.arguments)
+                                    : description::read_urdf(entry.text, entry.model, found);
+  for (const Problem& problem : found.list())
+    if (problem.severity == Severity::error)
+      robot->hardware_faults.push_back(problem);
+    else
+      problems.add(problem);
   description::set_tip(robot->model, entry.tip, entry.where);
   narrow_ranges(entry.ranges, robot->model, problems);
   std::vector<motion::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
   motion::Workspace workspace(std::move(zones));
   robot->tool = description::find_tool(entry.tool, file.folder.string());
+  if (auto missing = description::missing_in_tool(entry.tool, file.folder.string()))
+    problems.add(std::move(*missing));
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
   check_start(*robot, problems);
@@ -258,6 +267,14 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots) {
     add(robot->entry, whole);
   }
   return out;
+}
+
+void add_hardware_faults(const CellRobots& robots, Severity as, Problems& problems) {
+  for (const auto& robot : robots)
+    for (Problem fault : robot->hardware_faults) {
+      fault.severity = as;
+      problems.add(std::move(fault));
+    }
 }
 
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
@@ -319,6 +336,29 @@ unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& proble
   return static_cast<unsigned>(below);
 }
 
+std::vector<PlayedBlock> played_by_physics(const CellRobots& robots) {
+  std::vector<PlayedBlock> out;
+  for (const auto& robot : robots)
+    for (const HardwareBlock& block : robot->blocks)
+      if (block.driver == kPhysics && has_joints(*block.info)) out.push_back({robot.get(), block.info});
+  return out;
+}
+
+std::string physics_name(const CellRobots& robots) {
+  for (const auto& robot : robots)
+    if (robot->blocks.empty() && robot->driver == kPhysics) return kPhysics;
+  const std::vector<PlayedBlock> played = played_by_physics(robots);
+  return played.empty() || played.front().info->name.empty() ? kPhysics : played.front().info->name;
+}
+
+std::vector<std::string> names_of_component(const CellRobots& robots, const std::string& component) {
+  std::vector<std::string> out{component};
+  if (component != physics_name(robots)) return out;
+  for (const PlayedBlock& played : played_by_physics(robots))
+    if (std::find(out.begin(), out.end(), played.info->name) == out.end()) out.push_back(played.info->name);
+  return out;
+}
+
 namespace {
 /// The components of a cell while they are put together.
 class Components {
@@ -331,10 +371,12 @@ class Components {
     for (const auto& robot : robots_) take(*robot);
     for (const auto& robot : robots_) collect(problems, [&] { divisor_of(*robot, period_, problems); });
     give_the_scene();
+    name_physics();
     for (Planned& planned : planned_) collect(problems, [&] { add(hardware, planned); });
+    const std::vector<std::string> played = names_of_component(robots_, physics_name(robots_));
     for (const auto* names : {&manager_.unconfigured, &manager_.inactive})
       for (const std::string& name : *names)
-        if (hardware.find(name) < 0)
+        if (hardware.find(name) < 0 && std::find(played.begin(), played.end(), name) == played.end())
           problems.warning("unknown-component", {},
                            "hardware_components_initial_state names '" + name + "', which there is not");
   }
@@ -342,6 +384,7 @@ class Components {
   void make_one(const std::string& name, Remade& out) {
     for (const auto& robot : robots_) take(*robot);
     give_the_scene();
+    name_physics();
     for (Planned& planned : planned_)
       if (planned.context.name == name) {
         out.component = make(planned);
@@ -471,7 +514,8 @@ class Components {
     }
     if (physics &&
         !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin
-      Planned& planned = component("mock", block.info->name);
+      Planned& planned =
+          component("mock", joints.components.empty() ? block.info->name : block.info->name + "_io");
       describe(planned, *block.info);
       planned.context.robots.push_back(instance(robot));
       planned.context.robots.back().hardware.push_back(rest);
@@ -543,6 +587,17 @@ class Components {
     if (!info.affinity.empty()) options.thread.cpu = info.affinity.front();
   }
 
+  /// A component keeps the name that its description has, whatever plays it. What one of the names that
+  /// physics stands for is to be at the start, all of it is.
+  void name_physics() {
+    for (Planned& planned : planned_) {
+      if (planned.driver != kPhysics) continue;
+      planned.context.name = physics_name(robots_);
+      for (const std::string& name : names_of_component(robots_, planned.context.name))
+        planned.options.initial = std::min(planned.options.initial, initial(name));
+    }
+  }
+
   /// Parts and machines are played once: by physics where there is some.
   void give_the_scene() {
     if (planned_.empty()) return;
@@ -573,6 +628,7 @@ Remade make_again(const std::string& name, const CellFile& file, const descripti
   Remade out;
   std::vector<std::string> notes;
   out.robots = resolve_robots(file, catalogue, real, out.warnings, notes);
+  add_hardware_faults(out.robots, Severity::error, out.warnings);
   out.warnings.throw_if_errors();
   const ros_files::ManagerParameters manager;
   Components(out.robots, scene, period, false, manager).make_one(name, out);

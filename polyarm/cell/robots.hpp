@@ -31,6 +31,7 @@ struct CellRobot {
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
   std::unique_ptr<motion::RobotFacts> facts;
+  std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does without hardware
 };
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
@@ -53,6 +54,23 @@ CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::Joi
 /// The same for who has not read the controllers' files; they are read for their limits alone.
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes);
+
+/// Adds the faults in the robots' <ros2_control>: as errors where the hardware is to run, as warnings where
+/// only kinematics is asked for.
+void add_hardware_faults(const CellRobots& robots, Severity as, Problems& problems);
+
+/// Physics is one component, whatever it plays: it is named as the first <ros2_control> whose joints it
+/// plays, and answers to the names of all of them. "mujoco" where a robot without <ros2_control> is played,
+/// too.
+std::string physics_name(const CellRobots& robots);
+/// A <ros2_control> that physics plays. Those of several robots may have one name.
+struct PlayedBlock {
+  const CellRobot* robot;
+  const description::HardwareInfo* info;
+};
+std::vector<PlayedBlock> played_by_physics(const CellRobots& robots);
+/// The names that a component answers to, each once: its own, or those of what physics plays.
+std::vector<std::string> names_of_component(const CellRobots& robots, const std::string& component);
 
 /// Adds the components: one for each block that a description declares, named as the block; all that physics
 /// plays is one component, since it is one world. The scene goes to physics where there is some. `initial`

@@ -137,9 +137,9 @@ class Runner {
   Runner(Cell& cell, const RunOptions& options, Observer& observer)
       : cell_(cell),
         options_(options),
-        observer_(cell.observers()),
+        observer_(cell.observer()),
         console_(options.console && !options.fast) {
-    cell_.observers().add(observer);
+    cell_.add_observer(observer);
     cell_.answers().somebody_there = console_.on();
     wall_start_ = realtime::monotonic_now();
     limit_ = options.seconds > 0 ? nanoseconds(options.seconds) : INT64_MAX;
@@ -265,7 +265,9 @@ class Runner {
 
   /// The loop watches the cell thread; here the cell thread watches the loop, and can only tell.
   void watch_loop() {
-    const std::uint64_t cycles = cell_.loop().health().cycles;
+    const std::uint64_t cycles = cell_.loop().health().cycles, gaps = cell_.loop().health().gaps;
+    if (std::exchange(gaps_, gaps) != gaps)
+      observer_.on_note("wall time went missing; a simulated cell goes on (loop: {stall: hold} holds it)");
     const Nanoseconds now = realtime::monotonic_now();
     if (cycles != seen_cycles_) {
       if (loop_silent_)
@@ -302,10 +304,9 @@ class Runner {
     } else if (line.starts_with("override ") && parse_number(percent_of(line))) {
       ask("control.override", {{"percent", *parse_number(percent_of(line))}});
     } else if (line == "discard") {
-      cell_.loop().post(control::Request::discard);
-      cell_.drop_bases();
+      ask("control.discard");
     } else if (line == "recover") {
-      cell_.loop().post(control::Request::recover);
+      ask("control.recover");
     } else if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {
       observer_.on_note("only a person at a terminal arms real hardware");
     } else if (line == "arm" && cell_.arming().needed()) {
@@ -472,7 +473,7 @@ class Runner {
   control::RunState told_state_ = control::RunState::running;
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
-  std::uint64_t seen_cycles_ = 0;
+  std::uint64_t seen_cycles_ = 0, gaps_ = 0;
   Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
   bool loop_silent_ = false, stuck_ = false;
   Nanoseconds held_since_ = 0;
@@ -490,6 +491,18 @@ void request_stop() noexcept {
   const int count = ++stops_asked;
   if (control::Supervisor* supervisor = running_supervisor.load())
     supervisor->latch().request(count > 1 ? realtime::StopKind::immediate : realtime::StopKind::controlled);
+}
+
+void request_stop_once() noexcept {
+  int none = 0;
+  if (!stops_asked.compare_exchange_strong(none, 1)) return;
+  if (control::Supervisor* supervisor = running_supervisor.load())
+    supervisor->latch().request(realtime::StopKind::controlled);
+}
+
+void request_hold() noexcept {
+  if (control::Supervisor* supervisor = running_supervisor.load())
+    supervisor->latch().request(realtime::StopKind::controlled);
 }
 
 int stops_requested() noexcept {

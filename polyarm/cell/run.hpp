@@ -61,6 +61,10 @@ struct RunResult {
 
 /// The stop latch of the run under way is set through this; safe in signal handlers.
 void request_stop() noexcept;
+/// The same, but only where nobody has asked yet: a closed terminal and what follows it are one wish.
+void request_stop_once() noexcept;
+/// The robots stop on their paths and are held, as `hold` does; nothing where no cell runs.
+void request_hold() noexcept;
 /// How often that was asked since the last run ended.
 int stops_requested() noexcept;
 

@@ -61,6 +61,18 @@ motion::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Probl
 
 }  // namespace
 
+control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems) {
+  using control::ContactStop;
+  if (!yaml.defined()) return ContactStop::path;
+  yaml.check_keys({"stop"}, problems);
+  std::string stop = "1";
+  collect(problems, [&] { stop = yaml["stop"].text("1"); });
+  if (stop != "0" && stop != "1")
+    problems.error("bad-value", yaml["stop"].where(), "contacts: stop is '" + stop + "'",
+                   "1: on the path, as hard as the joints can; 0: each joint at once, the path is left");
+  return stop == "0" ? ContactStop::cut : ContactStop::path;
+}
+
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems) {
   ProfileEntries out;
   const std::vector<std::string> known = {"reduced", "full"};

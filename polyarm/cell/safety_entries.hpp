@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/control/supervisor.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/motion/workspace.hpp"
@@ -44,6 +45,8 @@ struct PayloadEntry {
   std::optional<Vec3> center;  ///< in tool0, m; not stated: the TCP
 };
 
+/// `contacts: {stop: 1}`: category 0 or 1 of the stop after a contact; absent: 1.
+control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems);
 /// `profile` and `profiles` of the cell file.
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
 /// `workspace` of a cell or a robot.

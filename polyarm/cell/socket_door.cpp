@@ -18,7 +18,9 @@
 #include <mutex>
 #include <thread>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/spare_descriptor.hpp"
 #include "polyarm/cell/requests.hpp"
 
 namespace polyarm::cell {
@@ -27,11 +29,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLongestLine = 1 << 20, kMostUnread = 16 << 20, kMostClients = 64;
-/// Lines handed to the cell at once, and waiting for it before nothing more is read.
-constexpr std::size_t kLinesATick = 16, kMostWaiting = 64;
+constexpr std::size_t kLongestLine = bounds::kRequestBytes, kMostUnread = bounds::kSocketUnreadBytes,
+                      kMostClients = bounds::kSocketClients, kLinesATick = bounds::kSocketLinesATick,
+                      kMostWaiting = bounds::kSocketWaitingBytes;
 /// Between looks at clients that have said all they will say and wait for their answers.
 constexpr int kPatience_ms = 1000, kFarewell_ms = 20;
+/// After there was no descriptor for who came.
+constexpr int kShortage_ms = 100;
 
 bool address_of(const fs::path& path, sockaddr_un& out) {
   out = {};
@@ -56,6 +60,9 @@ bool answers(const fs::path& path) {
 /// The folder, made if need be; it must belong to this user and to nobody else.
 void make_private(const fs::path& folder) {
   std::error_code error;
+  if (fs::is_symlink(folder.parent_path(), error))
+    throw Error("no-socket", folder.parent_path().string() + " is a link, which may lead anywhere",
+                "set XDG_RUNTIME_DIR to a folder of your own");
   fs::create_directories(folder.parent_path(), error);
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
     throw Error("no-socket", "the folder " + folder.string() + " cannot be made: " + std::strerror(errno));
@@ -95,8 +102,10 @@ struct Client {
   bool ended = false;   // it sends no more, and may still read
   std::string sending;  // the door's thread's: what it is sending, from `sent` on
   std::size_t sent = 0;
-  std::mutex mutex;  // of `out`: the cell thread writes, the door's thread takes
+  std::mutex mutex;  // of the next four: the cell thread and the door's thread exchange them
   std::string out;
+  std::deque<std::string> urgent, lines;  // stops and holds; all others
+  std::size_t waiting = 0;                // bytes of both
   std::atomic<bool> gone{false};
 };
 
@@ -132,27 +141,53 @@ class SocketDoor::Work {
 
   const fs::path& path() const { return path_; }
 
+  /// Stops and holds of all first; then a line of each in turn.
   void serve(Requests& requests) {
-    std::vector<Line> lines;
+    std::vector<std::shared_ptr<Client>> clients;
     {
       const std::lock_guard lock(mutex_);
-      const auto end = lines_.begin() + static_cast<std::ptrdiff_t>(std::min(lines_.size(), kLinesATick));
-      lines.assign(std::make_move_iterator(lines_.begin()), std::make_move_iterator(end));
-      lines_.erase(lines_.begin(), end);
+      clients = clients_;
     }
-    for (auto& [client, line] : lines) {
-      const void* from = client.get();
+    bool taken = false;
+    const auto hand_over = [&](const std::shared_ptr<Client>& client, bool urgent) {
+      std::string line;
+      {
+        const std::lock_guard lock(client->mutex);
+        auto& from = urgent ? client->urgent : client->lines;
+        if (from.empty()) return false;
+        line = std::move(from.front());
+        from.pop_front();
+        client->waiting -= line.size() + kLineCost;
+      }
       requests.handle(
           line, [this, c = client](const std::string& answer) { return !c->gone && take_answer(*c, answer); },
-          from);
+          client.get());
+      return taken = true;
+    };
+    for (const auto& client : clients)
+      while (hand_over(client, true)) {
+      }
+    std::size_t empty = 0;
+    for (std::size_t n = 0; n < kLinesATick && empty < clients.size();) {
+      const bool had = hand_over(clients[++turn_ % clients.size()], false);
+      n += had ? 1 : 0;
+      empty = had ? 0 : empty + 1;
     }
-    if (!lines.empty()) wake();  // there is room for more
+    clients.clear();
+    if (taken) wake();  // there is room for more
   }
 
   realtime::BellRope rope;
 
  private:
-  using Line = std::pair<std::shared_ptr<Client>, std::string>;
+  /// Beside its text a line that waits takes this much.
+  static constexpr std::size_t kLineCost = 64;
+
+  /// Short, and named so: whatever else it says, the cell reads it.
+  static bool is_urgent(const std::string& line) {
+    return line.size() <= bounds::kUrgentBytes && (line.find("\"control.stop\"") != std::string::npos ||
+                                                   line.find("\"control.hold\"") != std::string::npos);
+  }
 
   bool take_answer(Client& client, const std::string& answer) {
     if (client.gone) return false;
@@ -214,15 +249,19 @@ class SocketDoor::Work {
   void run() {
     while (!over_) {
       int patience = kPatience_ms;
-      std::vector<pollfd> waiting{{listening_, POLLIN, 0}, {wake_, POLLIN, 0}};
+      const bool listens = !std::exchange(short_of_descriptors_, false);  // else it rests for a moment
+      if (!listens) patience = kShortage_ms;
+      std::vector<pollfd> waiting{{listening_, static_cast<short>(listens ? POLLIN : 0), 0},
+                                  {wake_, POLLIN, 0}};
       for (const auto& client : clients_) {
         waiting.push_back({client->fd, events_of(*client), 0});
-        if (client->ended) patience = kFarewell_ms;
+        if (client->ended) patience = std::min(patience, kFarewell_ms);
       }
       ::poll(waiting.data(), waiting.size(), patience);
       std::uint64_t drained = 0;
       [[maybe_unused]] const auto got = ::read(wake_, &drained, sizeof drained);
       for (std::size_t i = 0; i + 2 < waiting.size(); ++i) look_after(clients_[i], waiting[i + 2]);
+      const std::lock_guard lock(mutex_);
       std::erase_if(clients_, [](const std::shared_ptr<Client>& client) {
         if (!client->gone) return false;
         ::close(client->fd);
@@ -232,12 +271,12 @@ class SocketDoor::Work {
     }
   }
 
-  /// Nothing is read from anybody while the cell has enough to do, so that nobody can flood it.
+  /// Nothing is read from who keeps the cell busy: others are.
   short events_of(Client& client) {
     bool room;
     {
-      const std::lock_guard lock(mutex_);
-      room = lines_.size() < kMostWaiting;
+      const std::lock_guard lock(client.mutex);
+      room = client.waiting < kMostWaiting;
     }
     return static_cast<short>((room && !client.ended ? POLLIN : 0) | (all_sent(client) ? 0 : POLLOUT));
   }
@@ -250,15 +289,24 @@ class SocketDoor::Work {
       client->gone = true;
     if (!client->gone) give(*client);
     // It has said all it had to say, and nothing is left to be answered.
-    if (client->ended && client.use_count() == 1) {
-      std::atomic_thread_fence(std::memory_order_acquire);
-      if (all_sent(*client)) client->gone = true;
-    }
+    if (client->ended && nobody_answers(client) && all_sent(*client)) client->gone = true;
+  }
+
+  bool nobody_answers(const std::shared_ptr<Client>& client) {
+    const std::lock_guard lock(mutex_);  // the cell thread holds none for a moment alone
+    const std::lock_guard own(client->mutex);
+    if (client->waiting > 0 || client.use_count() > 1) return false;
+    std::atomic_thread_fence(std::memory_order_acquire);
+    return true;
   }
 
   void welcome() {
     const int fd = ::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (fd < 0) return;
+    if (fd < 0) {
+      short_of_descriptors_ = SpareDescriptor::is_shortage(errno);
+      if (short_of_descriptors_) spare_.turn_away(listening_);
+      return;
+    }
     ucred who{};
     socklen_t size = sizeof who;
     const bool own = ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 &&
@@ -281,8 +329,10 @@ class SocketDoor::Work {
     std::size_t begin = 0;
     for (std::size_t end; (end = client->in.find('\n', begin)) != std::string::npos; begin = end + 1) {
       if (end == begin) continue;
-      const std::lock_guard lock(mutex_);
-      lines_.emplace_back(client, client->in.substr(begin, end - begin));
+      std::string line = client->in.substr(begin, end - begin);
+      const std::lock_guard lock(client->mutex);
+      client->waiting += line.size() + kLineCost;
+      (is_urgent(line) ? client->urgent : client->lines).push_back(std::move(line));
     }
     if (begin > 0) rope.pull();
     client->in.erase(0, begin);
@@ -313,10 +363,12 @@ class SocketDoor::Work {
 
   fs::path path_;
   int listening_ = -1, wake_ = -1;
+  SpareDescriptor spare_;
+  bool short_of_descriptors_ = false;
   std::atomic<bool> over_{false};
-  std::vector<std::shared_ptr<Client>> clients_;  // the thread's
-  std::mutex mutex_;
-  std::deque<Line> lines_;
+  std::mutex mutex_;                              // held by the thread where it changes the next
+  std::vector<std::shared_ptr<Client>> clients_;  // the thread's; the cell thread copies it
+  std::size_t turn_ = 0;  // the cell thread's: whose line was taken last
   struct stat own_ {};
   std::thread thread_;
 };
@@ -338,6 +390,12 @@ fs::path SocketDoor::folder_of_user() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
   if (runtime && *runtime) return fs::path(runtime) / "polyarm";
   return fs::path("/tmp") / ("polyarm-" + std::to_string(::geteuid()));
+}
+
+fs::path SocketDoor::own_folder() {
+  const fs::path folder = folder_of_user();
+  make_private(folder);
+  return folder;
 }
 
 std::vector<fs::path> SocketDoor::running() {

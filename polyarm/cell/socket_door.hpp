@@ -29,6 +29,8 @@ class SocketDoor {
 
   /// `$XDG_RUNTIME_DIR/polyarm`, else `/tmp/polyarm-<user id>`.
   static std::filesystem::path folder_of_user();
+  /// The same, made if need be; throws Error("no-socket") where it is a link, or not this user's alone.
+  static std::filesystem::path own_folder();
   /// The sockets of cells that answer.
   static std::vector<std::filesystem::path> running();
 

@@ -1,16 +1,113 @@
 #include "polyarm/cell/state_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+#include <utility>
+
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::cell {
 
 namespace fs = std::filesystem;
 
+namespace {
+/// Who holds the lock, by its file's number; 0 where the system does not tell.
+long holder_of(ino_t file) {
+  std::string text;
+  Problems ignored;
+  const AsUser user;
+  collect(ignored, [&] { text = read_file("/proc/locks"); });
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string number, kind, manner, access, pid, place;
+    words >> number >> kind >> manner >> access >> pid >> place;
+    const auto colon = place.rfind(':');
+    if (kind == "FLOCK" && colon != std::string::npos && place.substr(colon + 1) == std::to_string(file))
+      return std::atol(pid.c_str());
+  }
+  return 0;
+}
+
+/// Nothing is removed or written through links that a stranger's cell may bring.
+void refuse_links(const fs::path& state) {
+  std::error_code error;
+  std::vector<fs::path> places = {state};
+  for (const auto& entry : fs::directory_iterator(state, error)) places.push_back(entry.path());
+  for (const fs::path& place : places)
+    if (fs::is_symlink(place, error)) {
+      if (reach().confined()) reach().check(place, Reach::Use::write);
+      const fs::path real = resolved(place), own = resolved(state.parent_path());
+      if (polyarm::inside(own, real))
+        throw Error(Problem{"bad-state", {place.string()}, "this link leads to " + real.string(),
+                            "remove it: runs keep what they write in this folder"});
+    }
+}
+}  // namespace
+
+StateLock::StateLock(const fs::path& file, int patience_ms) {
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  fd_ = ::open(file.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+  for (;;) {
+    if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks
+    if (std::chrono::steady_clock::now() > until) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  struct stat status {};
+  const long pid = ::fstat(fd_, &status) == 0 ? holder_of(status.st_ino) : 0;
+  ::close(std::exchange(fd_, -1));
+  throw Error(Problem{"cell-in-use",
+                      {file.parent_path().parent_path().string()},
+                      "another polyarm runs this cell" +
+                          (pid > 0 ? ": process " + std::to_string(pid) : std::string()),
+                      "end it first, or run a copy of the folder"});
+}
+
+StateLock::~StateLock() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+namespace {
+/// One for all cells of this process in the folder: a dry run may stand beside the cell.
+std::shared_ptr<const StateLock> lock_of(const fs::path& file, int patience_ms) {
+  static std::mutex mutex;
+  static std::map<fs::path, std::weak_ptr<const StateLock>> held;
+  const std::lock_guard lock(mutex);
+  std::weak_ptr<const StateLock>& known = held[resolved(file)];
+  std::shared_ptr<const StateLock> out = known.lock();
+  if (!out) known = out = std::make_shared<const StateLock>(file, patience_ms);
+  return out;
+}
+}  // namespace
+
 StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool keep,
-                         const fs::path& elsewhere)
+                         const fs::path& elsewhere, int patience_ms, const std::string& cell)
     : folder_(std::move(cell_folder)),
       state_(elsewhere.empty() ? folder_ / ".state" / "data" : elsewhere),
       live_(std::move(live)) {
+  if (elsewhere.empty()) {
+    refuse_links(folder_ / ".state");
+    if (patience_ms >= 0) lock_ = lock_of(folder_ / ".state" / ("lock." + cell), patience_ms);
+    if (lock_) sweep_temporaries(folder_);
+    sweep_temporaries(folder_ / ".state");
+    sweep_temporaries(state_);
+  } else {
+    reach().allow(elsewhere);
+  }
   std::error_code error;
   if (!keep) fs::remove_all(state_, error);
 }

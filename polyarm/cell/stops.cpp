@@ -89,13 +89,14 @@ std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, con
   return out.joints.empty() ? std::nullopt : std::optional(std::move(out));
 }
 
-void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& places) {
-  if (snapshot.state != control::RunState::held) {
-    since_ = -1;
-    settled_.clear();
-    most_ = 0;
-    return;
-  }
+void HeldPlace::forget() {
+  since_ = -1;
+  settled_.clear();
+  most_ = 0;
+}
+
+void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& places, bool excused) {
+  if (snapshot.state != control::RunState::held || excused) return forget();
   if (since_ < 0) since_ = snapshot.cycle.time;
   if (snapshot.cycle.time - since_ < kSettles) return;
   std::vector<double> off;
@@ -119,7 +120,8 @@ std::optional<Problem> HeldPlace::pushed() const {
       {},
       fmt::format("{} was moved by {:+.4f} rad or m since it is held, off where it is to go on from", joint_,
                   most_),
-      "let it go back; or discard the motion; or resume with --anyway"};
+      "let it go back; or forget the motion: polyarm control discard; or go on all the same: polyarm control "
+      "resume --anyway"};
 }
 
 }  // namespace polyarm::cell

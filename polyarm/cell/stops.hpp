@@ -20,7 +20,9 @@ struct StopReport {
   };
   Nanoseconds begun = 0;  ///< cell time
   double time_s = 0;
-  int category = 2;  ///< IEC 60204-1: 1: the drives are then switched off, 2: they hold
+  /// As IEC 60204-1 brakes: 0: each joint at once as hard as it can, 1 and 2: on the path. After an asked-for 1
+  /// the drives are switched off; after a contact (0 or 1) they hold, so that the robot can be moved away.
+  int category = 2;
   std::string cause;
   std::vector<Way> tcps;    ///< of each robot that moved, m along its path
   std::vector<Way> joints;  ///< of each joint that moved, rad or m
@@ -70,7 +72,10 @@ class StopWatch {
 /// Where the joints are beside their commands while the cell is held. Cell thread.
 class HeldPlace {
  public:
-  void tick(const control::Snapshot& snapshot, const JointPlaces& places);
+  /// `excused`: who jogs or what is touched moves the joints now; they settle anew after that.
+  void tick(const control::Snapshot& snapshot, const JointPlaces& places, bool excused = false);
+  /// Where they are is where they are to be; they settle anew.
+  void forget();
   /// The joint that was moved furthest since the hold had settled, if it was moved at all.
   std::optional<Problem> pushed() const;
 

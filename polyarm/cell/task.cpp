@@ -17,18 +17,26 @@ Task::Task(std::string name, program::Program program, ProgramHost::Context cont
       now_(context.now),
       host_(std::move(context)),
       interpreter_(std::move(program), host_, test) {
+  interpreter_.on_wait_over([this] { look(); });
   look();
 }
 
 void Task::look() {
   const std::uint64_t passes = status_.passes;
+  const program::Waiting before = std::move(status_.waiting);
   status_ = interpreter_.overview();
+  if (status_.waiting.kind != before.kind || status_.waiting.names != before.names) {
+    waits_since_.reset();
+    if (status_.waiting.kind != program::WaitKind::none) waits_since_ = *now_;
+  }
+  seen_ = interpreter_.position();
   if (status_.passes > passes) {
     const auto more = static_cast<Nanoseconds>(status_.passes - passes);
     if (pass_ended_) last_pass_ = (*now_ - *pass_ended_) / more;
     pass_ended_ = *now_;
   }
-  if (status_.where.line == shown_.line || status_.state == TaskState::finished) return;
+  const bool same = status_.where.line == shown_.line && status_.where.file == shown_.file;
+  if (same || status_.state == TaskState::finished) return;
   shown_ = status_.where;
   observer_->on_line(*now_, name_, status_.where, status_.source);
 }
@@ -47,6 +55,9 @@ void Task::tick(const std::function<void()>& between) {
     done += result.executed;
     if (between) between();
   }
+  // Moves are under way while no statement is begun.
+  const program::Place at = interpreter_.position();
+  if (at.line != seen_.line || at.file != seen_.file) look();
 }
 
 bool Task::ended() const {

@@ -38,6 +38,8 @@ class Task {
   /// How long the newest whole pass of the outermost loop took, in cell time; none before the second has
   /// ended.
   std::optional<Nanoseconds> last_pass() const { return last_pass_; }
+  /// Since when, in cell time, it waits for what it waits for; nothing while it does not wait.
+  std::optional<Nanoseconds> waits_since() const { return waits_since_; }
   /// "PAPscript.script:12: wait GripperActive, waits for GripperActive"
   std::string sentence() const;
 
@@ -51,7 +53,8 @@ class Task {
   program::Interpreter interpreter_;
   program::TaskStatus status_;
   Location shown_;
-  std::optional<Nanoseconds> pass_ended_, last_pass_;
+  program::Place seen_;
+  std::optional<Nanoseconds> pass_ended_, last_pass_, waits_since_;
 };
 
 }  // namespace polyarm::cell

@@ -111,6 +111,7 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
   const bool of_all = fault && take_off_failed(cycle);
   if (hardware_.take_hold()) supervisor_.hold(StopCause::late);
+  look_for_contacts();
   Request request = Request::none;
   inbox_.pop(request);  // at most one request from outside
   const controllers::Verdict verdict = supervisor_.judge(cycle, of_all ? fault : hardware::Fault{}, gap,
@@ -139,6 +140,13 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   return verdict;
 }
 
+void ControlLoop::look_for_contacts() noexcept {
+  const hardware::WorldState* world = hardware_.world();
+  if (!world) return;
+  if (world->finding_count > findings_) supervisor_.touched();
+  findings_ = world->finding_count;
+}
+
 bool ControlLoop::fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept {
   if (component < 0 || !controllers_.contains(static_cast<std::size_t>(component))) return false;
   hardware_.fail_for(static_cast<std::size_t>(component), kind, what);
@@ -154,6 +162,13 @@ bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
       controllers_.component_failed(i, fall == Fall::deactivated, cycle);
     }
   return !contained;
+}
+
+bool ControlLoop::holds_after_gap() const {
+  if (options_.stall_holds) return *options_.stall_holds;
+  for (std::size_t i = 0; i < hardware_.size(); ++i)
+    if (hardware_.real(i)) return true;
+  return false;
 }
 
 bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
@@ -172,7 +187,9 @@ bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
   }
   const Nanoseconds gap = static_cast<Nanoseconds>(skipped) * options_.period;
   hardware_.skipped(gap);
-  return gap >= kGap;
+  if (gap < kGap) return false;
+  if (!holds_after_gap()) ++health_.gaps;
+  return holds_after_gap();
 }
 
 controllers::Verdict ControlLoop::step_next(bool gap) noexcept {

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,7 @@ class BlackBox {
 /// Raised by the control thread, read by any.
 struct Health {
   realtime::Counter cycles;
+  realtime::Counter gaps;       ///< of kGap or longer that did not hold
   realtime::Counter late;       ///< cycles that woke more than half a period late or were skipped whole
   realtime::Histogram cost;     ///< of step(), ns
   realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
@@ -77,7 +79,8 @@ struct Health {
 };
 
 /// What follows when cycles are late one after the other: it is counted; the robot stops on its path and is
-/// held; it is a fault. (A single late cycle is always only counted, a gap of half a second always holds.)
+/// held; it is a fault. (A single late cycle is always only counted; a gap of half a second has a rule of its
+/// own, LoopOptions::stall_holds.)
 enum class Overrun : std::uint8_t { report, hold, fault };
 
 struct LoopOptions {
@@ -89,6 +92,8 @@ struct LoopOptions {
   Overrun overrun = Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row
   bool publish = true;          ///< snapshot and cycle records; off only to measure what that costs
+  /// A gap of kGap holds; else it is counted in Health::gaps. Empty: holds where a component is real.
+  std::optional<bool> stall_holds = true;
 };
 
 /// One control loop: its table, hardware, controllers and supervisor, and the one function that a cycle is.
@@ -142,6 +147,8 @@ class ControlLoop {
   /// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a
   /// sleeping laptop. Ordinary lateness on a busy machine stays below it.
   static constexpr Nanoseconds kGap = 500'000'000;
+  /// Whether it does: as the options say, else by what is real.
+  bool holds_after_gap() const;
 
   /// From one other thread: at most one request is taken each cycle.
   bool post(Request request) { return inbox_.push(request); }
@@ -154,6 +161,7 @@ class ControlLoop {
   void publish(const hardware::Cycle& cycle, Request request) noexcept;
   /// Takes the group of the component off where its fault concerns no other; false where it concerns all.
   bool fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept;
+  void look_for_contacts() noexcept;
   /// Stops the controllers of what has failed. Returns whether the fault concerns the whole loop.
   bool take_off_failed(const hardware::Cycle& cycle) noexcept;
 
@@ -174,6 +182,7 @@ class ControlLoop {
   realtime::Queue<Request> inbox_{64};
   realtime::Latest<Snapshot> outbox_;
   hardware::Cycle cycle_;
+  int findings_ = 0;  // contacts of the simulated world that were seen
   unsigned late_in_a_row_ = 0;
   bool paced_ = false;
   Nanoseconds began_ = 0;  // the last cycle, on the wall clock

@@ -29,8 +29,16 @@ const char* name(StopCause cause) {
       "a measured joint position jumped",
       "a joint does not follow its command",
       "a joint is far outside its limits",
+      "a contact",
   };
   return kNames[static_cast<std::size_t>(cause)];
+}
+
+const char* code(StopCause cause) {
+  constexpr const char* kCodes[] = {"none",    "asked", "gap",          "cell-silent", "component",
+                                    "controller", "program", "late",     "not-a-number", "jump",
+                                    "not-following", "limits", "contact"};
+  return kCodes[static_cast<std::size_t>(cause)];
 }
 
 StopCause cause_of(const hardware::Fault& fault) noexcept {
@@ -70,6 +78,12 @@ void Supervisor::raise(StopCause cause, std::int32_t who) noexcept {
   enter(Event::fault, cause);
 }
 
+void Supervisor::touched() noexcept {
+  if (contact_stop_ == ContactStop::none) return;
+  enter(Event::stop, StopCause::contact);
+  touched_ = state() == RunState::stopping;
+}
+
 void Supervisor::note_times(Nanoseconds now, bool standing) noexcept {
   const bool stops = state() == RunState::stopping || state() == RunState::fault;
   if (stops && !std::exchange(stops_, stops)) times_ = {now, -1};
@@ -84,7 +98,7 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
   if (fault) raise(cause_of(fault), fault.component);
   if (stop != realtime::StopKind::none) enter(Event::stop, StopCause::asked);
   if (gap) enter(Event::stop, StopCause::gap);
-  if (watch_cell && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
+  if (watch_cell.load(std::memory_order_relaxed) && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
     enter(Event::stop, StopCause::cell_silent);
   if ((state() == RunState::stopping || state() == RunState::backing) && standing)
     enter(Event::standing, StopCause::none);
@@ -103,7 +117,9 @@ controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardw
   verdict.held = state() == RunState::held;
   verdict.stops_asked = latch_.count();
   verdict.stops = verdict.stops_asked + other_stops_;
-  verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault;
+  touched_ = touched_ && state() == RunState::stopping;
+  verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault || touched_;
+  verdict.cut = touched_ && contact_stop_ == ContactStop::cut;
   return verdict;
 }
 

@@ -52,14 +52,21 @@ enum class StopCause : std::uint8_t {
   jump,
   not_following,
   limits,
+  contact,
 };
-constexpr int kStopCauses = 12;
+constexpr int kStopCauses = 13;
 const char* name(StopCause cause);
+/// One word that stays the same in every language: "contact".
+const char* code(StopCause cause);
 /// What a fault of the hardware is to the loop.
 StopCause cause_of(const hardware::Fault& fault) noexcept;
 
 /// What a person or the cell asks of the supervisor; taken once each cycle.
 enum class Request : std::uint8_t { none, resume, discard, recover, back };
+
+/// What a contact in a simulated world leads to: it is only reported; a stop on the path as hard as the joints
+/// can (category 1); each joint brakes by itself at once and the path is left (category 0).
+enum class ContactStop : std::uint8_t { none, path, cut };
 
 /// When the newest stop began and when all stood, cell time; -1: not yet.
 struct StopTimes {
@@ -87,6 +94,12 @@ class Supervisor {
   /// A reason to stop on the path and hold, found outside of judging. Control thread.
   void hold(StopCause cause) noexcept { enter(Event::stop, cause); }
 
+  /// Something touched what it should not have. Control thread.
+  void touched() noexcept;
+  /// Before the loop runs.
+  void set_contact_stop(ContactStop stop) noexcept { contact_stop_ = stop; }
+  ContactStop contact_stop() const noexcept { return contact_stop_; }
+
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
   /// Index of the component, the controller or (of a joint outside its limits) the command at fault, -1 for
@@ -106,7 +119,8 @@ class Supervisor {
   }
   /// Control thread.
   const StopTimes& stop_times() const noexcept { return times_; }
-  bool watch_cell = true;  ///< off in lock-step, where the cell cannot fall silent
+  /// Off in lock-step, where the cell cannot fall silent, and where a stall holds nothing.
+  std::atomic<bool> watch_cell{true};
 
  private:
   void enter(Event event, StopCause cause) noexcept;
@@ -121,6 +135,8 @@ class Supervisor {
   std::atomic<double> share_{1}, override_{1}, back_time_{0}, back_way_{0};
   StopTimes times_;
   bool stops_ = false;  // in the cycle before
+  ContactStop contact_stop_ = ContactStop::none;
+  bool touched_ = false;  // the stop under way is harder for a contact
 };
 
 }  // namespace polyarm::control

@@ -30,6 +30,7 @@ struct Verdict {
   double speed = 1;        ///< share of the planned speed to aim for; 0 asks for a stop on the path
   bool immediate = false;  ///< stop as fast as the joints can, path or not
   bool discard = false;    ///< forget what is left of the motion and hold here
+  bool cut = false;        ///< leave the path, brake each joint by itself as hard as it can, forget the motion
   /// Above 0: go back along the path at this share of the planned speed, by `back_time` s of the plan or
   /// `back_way` along the path (in its parameter), the shorter of both, and stand there. `speed` is 0 then.
   double back = 0, back_time = 0, back_way = 0;

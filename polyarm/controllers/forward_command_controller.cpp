@@ -62,6 +62,28 @@ std::vector<std::string> wanted_interfaces(ControllerContext& context) {
     for (const std::string& kind : names) out.push_back(context.whole_name(one + "/" + kind));
   return out;
 }
+
+/// The joint that "arm/elbow" is, or that the reference "pid/elbow" or "pid/arm/elbow" of another controller
+/// is about.
+const JointFacts* joint_behind(const ControllerContext& context, const std::string& name) {
+  if (const JointFacts* joint = context.find_joint(name)) return joint;
+  const auto slash = name.find('/');
+  if (slash == std::string::npos) return nullptr;
+  const std::string inner = name.substr(slash + 1);
+  const JointFacts* joint = context.find_joint(inner);
+  return joint ? joint : context.find_joint(context.robot + "/" + inner);
+}
+
+Asked kind_of(const std::string& interface) {
+  if (interface == "position") return Asked::position;
+  if (interface == "velocity") return Asked::velocity;
+  return interface == "acceleration" ? Asked::acceleration : Asked::effort;
+}
+
+bool is_of_joints(const std::string& interface) {
+  return kind_of(interface) != Asked::effort || interface == "effort" || interface == "force" ||
+         interface == "torque";
+}
 }  // namespace
 
 CallbackReturn ForwardCommandController::on_configure(ControllerContext& context) {
@@ -71,9 +93,14 @@ CallbackReturn ForwardCommandController::on_configure(ControllerContext& context
   position_of_.assign(names.size(), -1);
   stops_at_zero_.assign(names.size(), 0);
   pushes_.assign(names.size(), 0);
+  kinds_.assign(names.size(), Asked::effort);
+  asked_.reset(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string kind = last_part(names[i]);
+    const JointFacts* facts = joint_behind(context, names[i].substr(0, names[i].rfind('/')));
     const bool joint = context.find_joint(names[i].substr(0, names[i].rfind('/'))) != nullptr;
+    kinds_[i] = kind_of(kind);
+    asked_.set(i, names[i], is_of_joints(kind) ? facts : nullptr);
     stops_at_zero_[i] = joint && (kind == "velocity" || kind == "acceleration");
     pushes_[i] = joint && (kind == "effort" || kind == "force" || kind == "torque");
     if (joint && kind == "position" && context.has_state(names[i]))
@@ -125,6 +152,7 @@ ReturnType ForwardCommandController::update(const Cycle& cycle, const Verdict& v
   if (command_watch().expires(cycle.time, asks())) let_expire();
   const bool stop = verdict.speed <= 0;
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    if (position_of_[i] >= 0) asked_.note_position(i, state(static_cast<std::size_t>(position_of_[i])));
     if (stop && stops_at_zero_[i])
       wanted_[i] = 0;                            // a speed that was asked for before a stop does not return
     if (stop && position_of_[i] >= 0) continue;  // a position stays where it was commanded last
@@ -145,6 +173,12 @@ std::uint64_t ForwardCommandController::receive(const std::string&, const Input&
                 "the message has " + std::to_string(numbers->values.size()) +
                     " values, the controller commands " + std::to_string(wanted_.size()) + " interfaces",
                 "in this order: " + join(command_interfaces(), ", "));
+  Problems problems;
+  for (std::size_t i = 0; i < kinds_.size(); ++i)
+    if (const double value = numbers->values[i];
+        !std::isfinite(value) || is_of_joints(last_part(command_interfaces()[i])))
+      asked_.check(problems, i, kinds_[i], value);
+  problems.throw_if_errors();
   send(numbers->values);
   return 0;
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/realtime/latest.hpp"
 
 namespace polyarm::controllers {
@@ -30,6 +30,8 @@ class ForwardCommandController : public Controller {
   std::vector<int> position_of_;     // per command: index of the position state, or -1
   std::vector<char> stops_at_zero_;  // velocity-like: a stop means zero
   std::vector<char> pushes_;         // effort-like: a stop leaves it
+  std::vector<Asked> kinds_;
+  AskedLimits asked_;
   std::vector<double> wanted_;
   realtime::Latest<std::vector<double>> inbox_;
 };

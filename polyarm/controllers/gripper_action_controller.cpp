@@ -21,6 +21,7 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   std::string joint, command = "position";
   std::vector<std::string> states{"position", "velocity"};
   double monitor = 20;
+  bool reject_when_held = false;  // read by who gives it goals
   speed_interface_.clear();
   effort_interface_.clear();
   p.read("joint", joint, {"the joint of the gripper"});
@@ -42,6 +43,8 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   p.read("max_velocity_interface", speed_interface_, {"command interface that is told the velocity"});
   p.read("state_interfaces", states,
          {"states that are read; here position, and velocity where there is one"});
+  p.read("reject_goals_when_held", reject_when_held,
+         {"a goal that comes while the cell is held is refused with the reason"});
   p.read("action_monitor_rate", monitor, {"Hz at which the goal is told of; it is looked at every cycle"});
   by_effort_ = command == "effort";
   if (joint.empty())
@@ -56,6 +59,8 @@ void GripperActionController::claim(ControllerContext& context, const std::strin
   const auto told = [&](const std::string& interface) {
     return interface.empty() ? -1 : static_cast<int>(claim_command(context.whole_name(interface)));
   };
+  asked_.reset(1);
+  asked_.set(0, joint, &facts);
   lower_ = facts.lower;
   upper_ = facts.upper;
   position_ = claim_state(whole + "/position");
@@ -141,6 +146,7 @@ void GripperActionController::end(GoalOutcome outcome, int code) noexcept {
 
 void GripperActionController::measure() noexcept {
   const double before = std::exchange(at_, state(position_));
+  asked_.note_position(0, at_);
   moves_ = velocity_ >= 0 ? state(static_cast<std::size_t>(velocity_)) : (at_ - before) / period_s_;
 }
 
@@ -237,13 +243,15 @@ std::vector<InputPort> GripperActionController::inputs() const {
 
 std::uint64_t GripperActionController::receive(const std::string&, const Input& message, bool) {
   const auto* asked = std::get_if<GripperCommand>(&message);
-  if (!asked || !std::isfinite(asked->position))
+  if (!asked)
     throw Error("wrong-message", "this controller takes a position (control_msgs/ParallelGripperCommand)");
+  Problems problems;
+  asked_.check(problems, 0, Asked::position, asked->position);
+  asked_.check(problems, 0, Asked::velocity, asked->max_velocity.value_or(0));
+  asked_.check(problems, 0, Asked::effort, asked->max_effort.value_or(0));
+  problems.throw_if_errors();
   Command made{next_id_, asked->position, asked->max_velocity.value_or(settings_.max_velocity),
                std::abs(asked->max_effort.value_or(settings_.max_effort))};
-  if (!std::isfinite(made.velocity) || std::isnan(made.effort))
-    throw Error("wrong-message", "the largest velocity or effort of the goal is no number",
-                "leave it out for the parameters max_velocity and max_effort");
   if (by_effort_ && made.effort == 0) made.effort = settings_.max_effort;
   if (!inbox_.push(made)) throw Error("busy", "the controller has not taken the last goals yet");
   return next_id_++;

@@ -1,7 +1,7 @@
 #pragma once
 #include <atomic>
 
-#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/controllers/pid.hpp"
 #include "polyarm/controllers/pid_parameters.hpp"
 #include "polyarm/realtime/queue.hpp"
@@ -56,6 +56,7 @@ class GripperActionController : public Controller {
   std::size_t position_ = 0, command_ = 0;
   int velocity_ = -1, speed_command_ = -1, effort_command_ = -1;
   double period_s_ = 1e-3, lower_ = 0, upper_ = 0;
+  AskedLimits asked_;
   std::vector<RosControlParameters> gains_;  // one, where efforts are commanded
 
   // control thread

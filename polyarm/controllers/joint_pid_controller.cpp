@@ -43,6 +43,7 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
   if (names.empty()) return CallbackReturn::failure;
   position_ = reference == "position";
   joints_ = std::vector<Joint>(names.size());
+  asked_.reset(names.size());
   gains_.clear();
   gains_.reserve(names.size());  // parameters know where they are
   prefixes_.clear();
@@ -57,6 +58,7 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
     joint.continuous = facts.continuous;
     joint.lower = facts.lower;
     joint.upper = facts.upper;
+    asked_.set(j, names[j], &facts);
     joint.gains = read_gains(p, prefix_of(p, names[j], names.size()));
     joint.pid = Pid(gains_[joint.gains].gains());
     for (const char* field : kFields) fields.push_back(names[j] + "." + field);
@@ -111,7 +113,7 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
     command_watch().take(cycle.time, cycle.time);
     for (std::size_t j = 0; j < joints_.size(); ++j)
       if (const double asked = inbox_.value()[j]; std::isfinite(asked))
-        joints_[j].set_point = position_ ? std::clamp(asked, joints_[j].lower, joints_[j].upper) : asked;
+        joints_[j].set_point = asked;
   }
   const bool asks = position_ || std::any_of(joints_.begin(), joints_.end(),
                                              [](const Joint& joint) { return joint.set_point != 0; });
@@ -126,6 +128,7 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
     joint.error = joint.set_point - measured(joint);
     if (position_ && joint.continuous) joint.error = shortest_turn(joint.error);
     const double speed = state(joint.velocity);
+    asked_.note_position(static_cast<std::size_t>(&joint - joints_.data()), state(joint.position));
     // Of a position the measured velocity is the derivative that is known best.
     const double out = position_ ? joint.pid.compute(joint.error, -speed, period_s_)
                                  : joint.pid.compute(joint.error, period_s_);
@@ -160,6 +163,10 @@ std::uint64_t JointPidController::receive(const std::string&, const Input& messa
   if (numbers->values.size() != joints_.size())
     throw Error("wrong-size", "the message has " + std::to_string(numbers->values.size()) + " values for " +
                                   std::to_string(joints_.size()) + " joints");
+  Problems problems;
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    asked_.check(problems, j, position_ ? Asked::position : Asked::velocity, numbers->values[j]);
+  problems.throw_if_errors();
   inbox_.write(numbers->values);
   return 0;
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/controllers/pid.hpp"
 #include "polyarm/controllers/pid_parameters.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -49,6 +49,7 @@ class JointPidController : public Controller {
   std::vector<Joint> joints_;
   std::vector<RosControlParameters> gains_;  // of each `pid` that is stated
   std::vector<std::string> prefixes_;        // where each stands
+  AskedLimits asked_;
   realtime::Latest<std::vector<double>> inbox_;
   Output* output_ = nullptr;
 };

@@ -11,7 +11,10 @@ namespace polyarm::controllers {
 
 namespace {
 /// A stop that was asked for as immediate brakes this many times as hard as one within the limits.
+constexpr double kWorthANote = 0.01;  // rad or m that a joint is off at the end where no tolerance judges it
 constexpr double kImmediateFactor = 3;
+/// A joint that leaves the path to stop brakes this many times as hard as its limit; drives give what they can.
+constexpr double kCutFactor = 10;
 /// No change from full speed to rest or back is faster than this, s, unless it is immediate.
 constexpr double kShortestRamp = 0.05;
 /// Nor is a stop slower than this after it has lasted for long enough, s.
@@ -261,6 +264,20 @@ void JointTrajectoryController::hold(bool may_brake) noexcept {
   }
 }
 
+/// Every joint that is led brakes by itself from the speed that it is commanded; the motion is given up.
+void JointTrajectoryController::cut() noexcept {
+  if (std::none_of(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.goal != nullptr; })) return;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const double v = velocity_[j], limit = dynamics_[j].deceleration;
+    if (leader_[j] < 0 || !std::isfinite(v) || v == 0) continue;
+    const double most = std::isfinite(limit) && limit > 0 ? kCutFactor * limit : std::abs(v) / period_s_;
+    braking_[j] = {true, position_[j], v, most, 0};
+    any_braking_ = true;
+  }
+  end_action(GoalOutcome::aborted, -1);
+  drop_all();
+}
+
 void JointTrajectoryController::take_requests(const Cycle& cycle) noexcept {
   for (std::uint64_t id = 0; cancels_.pop(id);) {
     if (judged_.id != id) continue;
@@ -484,8 +501,21 @@ bool JointTrajectoryController::judge(const Cycle&) noexcept {
       report(-5, j, which, t.goal[j]);
       return false;
     }
-  end_action(GoalOutcome::succeeded, 0);
+  const int far = farthest_without_tolerance(t);
+  end_action(GoalOutcome::succeeded, 0, far, far >= 0 ? error_[static_cast<std::size_t>(far)] : 0);
   return true;
+}
+
+/// The joint that is off most, of those that no goal tolerance judges; -1 where none is off worth a note.
+int JointTrajectoryController::farthest_without_tolerance(const Tolerances& t) const noexcept {
+  int out = -1;
+  double most = kWorthANote;
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    if (!(t.goal[j].position > 0) && std::abs(error_[j]) > most) {
+      most = std::abs(error_[j]);
+      out = static_cast<int>(j);
+    }
+  return out;
 }
 
 void JointTrajectoryController::command_all(double dt) noexcept {
@@ -494,6 +524,7 @@ void JointTrajectoryController::command_all(double dt) noexcept {
     for (std::size_t j = 0; j < values.size(); ++j)
       set_command(static_cast<std::size_t>(places[j]), values[j]);
   };
+  for (std::size_t j = 0; j < position_.size(); ++j) asked_.note_position(j, position_[j]);
   put(commands_.position, position_);
   if (!closed_loop_) {
     put(commands_.velocity, velocity_);
@@ -523,6 +554,7 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
     end_action(GoalOutcome::aborted, -1);
     drop_all();
   }
+  if (verdict.cut) cut();
   const double factor = scaling();
   const double step = pass_time(verdict);
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);

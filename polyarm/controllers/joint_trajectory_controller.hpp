@@ -104,6 +104,7 @@ class JointTrajectoryController : public Controller {
   void retire(std::size_t track, bool finished) noexcept;
   void drop_all() noexcept;
   void hold(bool brake) noexcept;
+  void cut() noexcept;
   void measure() noexcept;
   void advance(double dt) noexcept;
   void follow_trajectory(std::size_t track, double dt) noexcept;
@@ -112,6 +113,7 @@ class JointTrajectoryController : public Controller {
   void advance_paths(const Verdict& verdict) noexcept;
   void brake(std::size_t joint, double dt) noexcept;
   bool judge(const Cycle& cycle) noexcept;
+  int farthest_without_tolerance(const Tolerances& tolerances) const noexcept;
   void end_action(GoalOutcome outcome, int code, int joint = -1, double error = 0,
                   double tolerance = 0) noexcept;
   void command_all(double dt) noexcept;
@@ -132,6 +134,7 @@ class JointTrajectoryController : public Controller {
   Interfaces commands_, states_;
   bool closed_loop_ = false;  // velocity alone or effort: through PID
   TrajectoryRules rules_;
+  AskedLimits asked_;
   Tolerances default_tolerances_;
   bool replacement_ = true, from_desired_ = false, keep_command_ = true, brake_on_cancel_ = false;
   double cmd_timeout_ = 0;
@@ -155,7 +158,8 @@ class JointTrajectoryController : public Controller {
   std::vector<Track> tracks_;
   std::vector<TrajectoryGoal*> waiting_;  // that begin later
   Judged judged_;
-  bool checks_ = false;  // some tolerance is not 0
+  bool checks_ = false;            // some tolerance is not 0
+  bool reject_when_held_ = false;  // read by who gives it goals
   bool any_braking_ = false;
   bool backing_ = false;    // in the cycle before
   double over_since_ = -1;  // s since every trajectory has ended; < 0: not yet

@@ -12,6 +12,8 @@ namespace {
 
 /// From nothing to full acceleration, s, where no jerk is stated.
 constexpr double kTimeToAcceleration = 0.1;
+/// A speed scaling above this is a mistake.
+constexpr double kMostScaling = 10;
 /// A change of speed stays this far within a limit that commands are held to, and may go this far beyond one
 /// that nobody enforces: the rest is what a plan that brakes at its limit leaves to stop with.
 constexpr double kWithin = 0.99, kBeyond = 1.02;
@@ -150,6 +152,9 @@ void JointTrajectoryController::read_tolerances(ControllerContext& context) {
   p.read(
       "constraints.goal_time", t.goal_time,
       {.text = "s after the end in which the goal must be met; 0: no limit", .changeable = true, .least = 0});
+  p.read("reject_goals_when_held", reject_when_held_,
+         {.text = "a goal that comes while the cell is held is refused; else it waits, with a warning",
+          .changeable = true});
   p.read("constraints.decelerate_on_cancel", brake_on_cancel_,
          {"slow down instead of holding at once when a goal is cancelled"});
   most_braking_.assign(joints_.size(), 0.0);
@@ -207,7 +212,7 @@ void JointTrajectoryController::read_behaviour(ControllerContext& context) {
   p.read("action_monitor_rate", monitor,
          {.text = "Hz at which a goal under way is told of; it is looked at every cycle", .least = 0});
   p.read("speed_scaling.initial_scaling_factor", initial_scaling_,
-         {.text = "speed at the start, 1: as planned", .least = 0});
+         {.text = "speed at the start, 1: as planned", .least = 0, .most = kMostScaling});
   p.read("speed_scaling.state_interface", state_interface, {"state interface that says the speed"});
   p.read("speed_scaling.command_interface", command_interface, {"command interface that is told the speed"});
   if (!state_interface.empty())
@@ -260,6 +265,10 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
   continuous_.clear();
   for (const std::string& joint : joints_) continuous_.push_back(context.find_joint(joint)->continuous);
   rules_.continuous = continuous_;
+  asked_.reset(joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    asked_.set(j, told_joints_[j], context.find_joint(joints_[j]));
+  rules_.limits = &asked_;
   scaling_state_ = scaling_command_ = -1;
   read_interfaces(context);
   read_gains(context);
@@ -309,8 +318,10 @@ std::vector<InputPort> JointTrajectoryController::inputs() const {
 std::uint64_t JointTrajectoryController::receive(const std::string& port, const Input& message, bool goal) {
   if (port == "speed_scaling_input") {
     const auto* numbers = std::get_if<Numbers>(&message);
-    if (!numbers || numbers->values.size() != 1 || !(numbers->values[0] >= 0))
-      throw Error("bad-value", "speed scaling takes one number of at least 0");
+    if (!numbers || numbers->values.size() != 1) throw Error("bad-value", "speed scaling takes one number");
+    if (const double factor = numbers->values[0]; !(factor >= 0 && factor <= kMostScaling))
+      throw Error("bad-value", "a speed scaling of " + format_number(factor) + " is refused",
+                  "it takes 0 to " + format_number(kMostScaling) + "; 1 is as planned");
     asked_factor_.store(numbers->values[0], std::memory_order_relaxed);
     return 0;
   }

@@ -118,8 +118,8 @@ struct GoalEvent {
   std::uint64_t goal = 0;
   GoalOutcome outcome = GoalOutcome::accepted;
   std::int32_t code = 0;    ///< 0 successful, -1 invalid goal, -4 path tolerance, -5 goal tolerance
-  std::int32_t joint = -1;  ///< the joint at fault, index into the controller's joints
-  double error = 0, tolerance = 0;
+  std::int32_t joint = -1;  ///< the joint at fault, or of success the one far off that no tolerance judged
+  double error = 0, tolerance = 0;  ///< rad or m; tolerance 0: none is set
   std::optional<GripperResult> gripper = {};
 };
 

@@ -56,14 +56,21 @@ std::string written(const std::vector<double>& values) {
 }
 
 std::string range_text(const ParameterNote& note) {
+  if (!std::isfinite(note.least) && !std::isfinite(note.most)) return "a finite number";
   if (std::isfinite(note.least) && std::isfinite(note.most))
     return "a number from " + format_number(note.least) + " to " + format_number(note.most);
   if (std::isfinite(note.least)) return "a number of at least " + format_number(note.least);
   return "a number of at most " + format_number(note.most);
 }
 
-bool within(const ParameterNote& note, double value) {
-  return std::isnan(value) || (value >= note.least && value <= note.most);
+/// NaN is a value only where it is the default ("not stated"), infinity only where the default or a bound
+/// tells that it may be.
+bool within(const Declared& declared, double value) {
+  const double usual = number_of(declared.fallback).value_or(0);
+  if (std::isnan(value)) return std::isnan(usual);
+  const bool bounded = std::isfinite(declared.note.least) || std::isfinite(declared.note.most);
+  if (std::isinf(value) && !bounded && std::isfinite(usual)) return false;
+  return value >= declared.note.least && value <= declared.note.most;
 }
 
 }  // namespace
@@ -151,7 +158,7 @@ void Parameters::refuse(const Entry& entry, const std::string& key, const std::s
 }
 
 bool Parameters::in_range(const Entry& entry, const Declared& declared, double value) {
-  if (within(declared.note, value)) return true;
+  if (within(declared, value)) return true;
   refuse(entry, declared.key, range_text(declared.note));
   return false;
 }
@@ -273,7 +280,7 @@ ParameterChange Parameters::change(const std::string& key, const std::string& va
       : number_of(value);
   if (!given || (declared->type == ParameterType::integer && *given != std::floor(*given)))
     throw Error("bad-value", "'" + key + ": " + value + "' is not " + name(declared->type));
-  if (!within(declared->note, *given))
+  if (!within(*declared, *given))
     throw Error("bad-value", "'" + key + ": " + value + "' is not " + range_text(declared->note));
   return {key, declared->type, declared->cell, *given};
 }

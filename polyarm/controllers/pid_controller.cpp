@@ -106,6 +106,7 @@ void PidController::read_dofs(ControllerContext& context, const std::vector<std:
       export_state(context.name + "/" + dof.name + "/" + interface);
     }
   gains_.assign(names.size(), {});
+  asked_.reset(names.size());
   const auto is_joint = [&](const std::string& interface) {
     return context.find_joint(interface.substr(0, interface.rfind('/'))) != nullptr;
   };
@@ -115,6 +116,8 @@ void PidController::read_dofs(ControllerContext& context, const std::vector<std:
     dof.command = claim_command(commanded);
     dof.pushes = command != "position";
     dof.velocity = command == "velocity";
+    const std::string measured = context.whole_name(dof.name + "/" + interfaces[0]);
+    asked_.set(i, dof.name, context.find_joint(measured.substr(0, measured.rfind('/'))));
     dof.joint = is_joint(commanded) || is_joint(context.whole_name(dof.name + "/" + interfaces[0]));
     read_gains(context.parameters, "gains." + names[i], i);
   }
@@ -201,6 +204,8 @@ void PidController::measure() noexcept {
   else
     for (std::size_t k = 0; k < measured_.size(); ++k) measured_[k] = state(k);
   for (std::size_t k = 0; k < measured_.size(); ++k) set_exported(k, measured_[k]);
+  if (quantity_ == Quantity::position)
+    for (std::size_t i = 0; i < dofs_.size(); ++i) asked_.note_position(i, measured_[i]);
 }
 
 void PidController::take_references(bool stop, Nanoseconds now) noexcept {
@@ -303,6 +308,12 @@ void PidController::publish(const Cycle& cycle) noexcept {
   output_->publish(cycle.time);
 }
 
+Asked PidController::kind_of(bool derivative) const noexcept {
+  if (quantity_ == Quantity::position) return derivative ? Asked::velocity : Asked::position;
+  if (quantity_ == Quantity::velocity) return derivative ? Asked::acceleration : Asked::velocity;
+  return Asked::effort;
+}
+
 // --- messages ---------------------------------------------------------------------------------------------
 
 std::vector<InputPort> PidController::inputs() const {
@@ -311,7 +322,7 @@ std::vector<InputPort> PidController::inputs() const {
   return out;
 }
 
-void PidController::send(ValueInbox& inbox, const Input& message) const {
+void PidController::send(ValueInbox& inbox, const Input& message, const AskedLimits* limits) const {
   const auto* named = std::get_if<NamedValues>(&message);
   if (!named || named->names.size() != named->values.size())
     throw Error("wrong-message",
@@ -320,6 +331,7 @@ void PidController::send(ValueInbox& inbox, const Input& message) const {
   for (const Dof& dof : dofs_) known.push_back(dof.name);
   std::vector<std::size_t> places;
   std::vector<double> values;
+  Problems problems;
   for (std::size_t k = 0; k < named->names.size(); ++k) {
     std::string name = named->names[k];
     const bool derivative = name.ends_with("/dot");
@@ -329,17 +341,20 @@ void PidController::send(ValueInbox& inbox, const Input& message) const {
       throw Error("unknown-dof", "the message names '" + name + "', which this controller has not" +
                                      did_you_mean(name, known));
     if (derivative && width_ < 2) continue;  // nobody asked for it
-    places.push_back(place(static_cast<std::size_t>(found - known.begin()), derivative ? 1 : 0));
+    const auto dof = static_cast<std::size_t>(found - known.begin());
+    if (limits) limits->check(problems, dof, kind_of(derivative), named->values[k]);
+    places.push_back(place(dof, derivative ? 1 : 0));
     values.push_back(named->values[k]);
   }
+  problems.throw_if_errors();
   inbox.post(places, values);
 }
 
 std::uint64_t PidController::receive(const std::string& port, const Input& message, bool goal) {
   if (port == "measured_state" && external_)
-    send(external_states_, message);
+    send(external_states_, message, nullptr);
   else if (port == "reference")
-    send(references_, message);
+    send(references_, message, &asked_);
   else
     return Controller::receive(port, message, goal);
   return 0;

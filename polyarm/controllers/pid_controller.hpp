@@ -1,5 +1,5 @@
 #pragma once
-#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/controllers/pid.hpp"
 #include "polyarm/realtime/latest.hpp"
 
@@ -80,6 +80,7 @@ class PidController : public Controller {
     wanted_[place] = value;
     set_reference(place, value);
   }
+  Asked kind_of(bool derivative) const noexcept;
   void forget_values() noexcept;
   void measure() noexcept;
   void take_references(bool stop, Nanoseconds now) noexcept;
@@ -87,7 +88,7 @@ class PidController : public Controller {
   void control(std::size_t dof, bool stop) noexcept;
   bool rests(std::size_t dof) noexcept;
   void publish(const Cycle& cycle) noexcept;
-  void send(ValueInbox& inbox, const Input& message) const;
+  void send(ValueInbox& inbox, const Input& message, const AskedLimits* limits) const;
 
   // Values, references and exported states stand in the order of ros2_control: the first interface of every
   // dof, then the second.
@@ -100,6 +101,7 @@ class PidController : public Controller {
   bool stopped_ = false, released_ = false, standing_ = true;
   double period_s_ = 1e-3;
   std::vector<double> measured_, wanted_;
+  AskedLimits asked_;
   ValueInbox references_, external_states_;
   Output* output_ = nullptr;
 };

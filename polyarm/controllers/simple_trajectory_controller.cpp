@@ -19,7 +19,11 @@ CallbackReturn SimpleTrajectoryController::on_configure(ControllerContext& conte
   p.read("joints", told_, {"the joints, in the order of commands"});
   p.read("command_interfaces", commands, {.text = "what is commanded", .choices = {"position", "velocity"}});
   p.read("state_interfaces", states, {.text = "what is read", .choices = {"position", "velocity"}});
-  for (const std::string& joint : told_) joints_.push_back(context.whole_joint(joint));
+  asked_.reset(told_.size());
+  for (const std::string& joint : told_) {
+    joints_.push_back(context.whole_joint(joint));
+    asked_.set(joints_.size() - 1, joint, context.find_joint(joints_.back()));
+  }
   position_command_.assign(joints_.size(), -1);
   velocity_command_.assign(joints_.size(), -1);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -57,6 +61,19 @@ void SimpleTrajectoryController::on_deactivate(const Cycle&) noexcept {
   stop();
 }
 
+void SimpleTrajectoryController::check_limits(const TrajectoryMessage& message,
+                                              const std::vector<std::size_t>& order) const {
+  Problems problems;
+  for (std::size_t i = 0; i < message.points.size(); ++i)
+    for (std::size_t j = 0; j < order.size(); ++j) {
+      const trajectory::TrajectoryPoint& p = message.points[i];
+      const std::string at = " at point " + std::to_string(i + 1);
+      asked_.check(problems, j, Asked::position, p.positions[order[j]], at);
+      if (!p.velocities.empty()) asked_.check(problems, j, Asked::velocity, p.velocities[order[j]], at);
+    }
+  problems.throw_if_errors();
+}
+
 std::uint64_t SimpleTrajectoryController::receive(const std::string&, const Input& message, bool) {
   const auto* trajectory = std::get_if<TrajectoryMessage>(&message);
   if (!trajectory)
@@ -78,6 +95,7 @@ std::uint64_t SimpleTrajectoryController::receive(const std::string&, const Inpu
        trajectory::check_points(start, trajectory->points, {.allow_nonzero_velocity_at_end = true}))
     problems.add(problem);
   problems.throw_if_errors();
+  check_limits(*trajectory, order);
   auto points = std::make_unique<Points>();
   for (const trajectory::TrajectoryPoint& given : trajectory->points) {
     trajectory::TrajectoryPoint point;
@@ -98,6 +116,7 @@ ReturnType SimpleTrajectoryController::update(const Cycle&, const Verdict& verdi
     time_ = 0;
     at_ = 0;
   }
+  for (std::size_t j = 0; j < joints_.size(); ++j) asked_.note_position(j, state(j));
   if (verdict.speed <= 0) {
     stop();
     return ReturnType::ok;

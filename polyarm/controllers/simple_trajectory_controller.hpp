@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "polyarm/controllers/controller.hpp"
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/realtime/handover.hpp"
 
 namespace polyarm::controllers {
@@ -26,9 +26,11 @@ class SimpleTrajectoryController : public Controller {
 
  private:
   using Points = std::vector<trajectory::TrajectoryPoint>;
+  void check_limits(const TrajectoryMessage& message, const std::vector<std::size_t>& order) const;
   void stop() noexcept;
 
   std::vector<std::string> joints_, told_;
+  AskedLimits asked_;
   std::vector<int> position_command_, velocity_command_;
   std::size_t first_position_state_ = 0;
   double time_ = 0, period_s_ = 1e-3;

@@ -17,6 +17,7 @@ using trajectory::TrajectoryPoint;
 
 constexpr std::size_t kCount = trajectory::Trajectory::kCoefficients;
 constexpr double kAtOnce = 1e-3;  // s, of a first point at time 0
+constexpr std::size_t kMostProblems = 10;
 
 class Maker {
  public:
@@ -33,6 +34,8 @@ class Maker {
     integrate();
     problems_.throw_if_errors();
     check();
+    check_limits();
+    if (goal_->action) check_tolerances();
     problems_.throw_if_errors();
     timing();
     pieces();
@@ -104,6 +107,41 @@ class Maker {
       problems_.error("no-effort", {},
                       "the trajectory has effort values, but the controller commands no effort",
                       "leave them out, or add effort to command_interfaces");
+  }
+
+  /// Of what was sent, before it is made smooth; where points have no positions, of where they lead.
+  void check_limits() {
+    if (!rules_.limits) return;
+    const auto& points = goal_->relative ? points_ : message_.points;
+    for (std::size_t i = 0; i < points.size() && problems_.list().size() < kMostProblems; ++i) {
+      const TrajectoryPoint& p = points[i];
+      const std::string at = " at point " + std::to_string(i + 1);
+      const auto check = [&](Asked kind, const std::vector<double>& values) {
+        for (std::size_t k = 0; k < std::min(values.size(), goal_->joints.size()); ++k) {
+          const std::size_t j = goal_->joints[k];
+          double shift = goal_->relative && kind == Asked::position ? rules_.limits->position(j) : 0;
+          if (!std::isfinite(shift)) shift = 0;
+          rules_.limits->check(problems_, j, kind, values[k] + shift, at);
+        }
+      };
+      check(Asked::position, p.positions);
+      check(Asked::velocity, p.velocities);
+      check(Asked::acceleration, p.accelerations);
+      check(Asked::effort, p.effort);
+    }
+  }
+
+  void check_tolerances() {
+    const auto check = [&](const std::string& of, double value) {
+      if (!std::isfinite(value))
+        problems_.error("not-a-number", {}, "the " + of + " is no finite number", "-1 switches a check off");
+    };
+    for (const auto& [list, name] :
+         {std::pair{&message_.path_tolerance, "path"}, {&message_.goal_tolerance, "goal"}})
+      for (const JointTolerance& t : *list)
+        for (const double value : {t.position, t.velocity, t.acceleration})
+          check(std::string(name) + " tolerance of '" + t.joint + "'", value);
+    check("tolerance of the goal's time", message_.goal_time_tolerance.value_or(0));
   }
 
   void timing() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/controllers/messages.hpp"
 #include "polyarm/trajectory/path_follower.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
@@ -69,10 +70,11 @@ struct TrajectoryRules {
   bool step = false;  ///< `interpolation_method: none`
   bool partial = false, nonzero_end = false, integrate = false, effort = false;
   double upsampling = 0;  ///< Hz of the policy behind position chunks; 0: off
+  const AskedLimits* limits = nullptr;  ///< of the same joints; null: none
 };
 
 /// Throws Error with every fault: "no-joints", "unknown-joint", "missing-joint", "no-points", "wrong-size",
-/// "bad-time", "moves-at-end", "in-the-past", "no-effort". `now` is cell time; `action`: tolerances are taken
+/// "bad-time", "moves-at-end", "in-the-past", "no-effort", "beyond-limits", "not-a-number". `now` is cell time; `action`: tolerances are taken
 /// from the message.
 std::unique_ptr<TrajectoryGoal> make_goal(const TrajectoryMessage& message, const TrajectoryRules& rules,
                                           Nanoseconds now, bool action);

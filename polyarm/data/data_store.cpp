@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::data {
@@ -103,6 +105,9 @@ std::vector<std::string> DataStore::names() const {
 }
 
 bool DataStore::set(const std::string& name, Value value, const std::string& who) {
+  if (slots_.size() >= kMostNames && !slots_.contains(name))
+    throw Error("too-many", "the cell has " + std::to_string(kMostNames) + " names already",
+                "keep many values in a list");
   const auto [at, added] = slots_.try_emplace(name);
   if (added && !sets_.empty()) at->second.sets.push_back(0);
   if (!change(name, at->second, std::move(value), who, added)) return false;
@@ -171,10 +176,27 @@ std::vector<PendingWrite> DataStore::take_writes() {
   return out;
 }
 
+static_assert(DataStore::kMostNames == bounds::kDataNames && DataStore::kMostKept == bounds::kValuesKept &&
+              DataStore::kChangesKept == bounds::kChangesKept);
+
+namespace {
+/// Values that a change keeps, where 64 bytes of a text count as one. Its own values never change.
+std::size_t weight(const Change& change) {
+  std::size_t out = 1;
+  for (const std::optional<Value>* value : {&change.old, &change.now})
+    if (*value) out += (*value)->extent().values + ((*value)->as_text() ? (*value)->as_text()->size() / 64 : 0);
+  return out;
+}
+}  // namespace
+
 void DataStore::record(const std::string& name, std::optional<Value> old, std::optional<Value> now,
                        const std::string& who) {
   changes_.push_back({version_, name, std::move(old), std::move(now), who});
-  if (changes_.size() > kChangesKept) changes_.pop_front();
+  kept_ += weight(changes_.back());
+  while (changes_.size() > kChangesKept || (kept_ > kMostKept && changes_.size() > 1)) {
+    kept_ -= weight(changes_.front());
+    changes_.pop_front();
+  }
 }
 
 std::vector<Change> DataStore::changes_since(std::uint64_t version) const {

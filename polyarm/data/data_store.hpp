@@ -52,6 +52,10 @@ struct NameFacts {
 class DataStore {
  public:
   static constexpr std::size_t kChangesKept = 1024;
+  /// And so many values in all of them, so that changes of long lists keep no more than that.
+  static constexpr std::size_t kMostKept = 500'000;
+  /// Names that a cell may have; more are refused.
+  static constexpr std::size_t kMostNames = 200'000;
 
   /// The time that changes from now on are noted with.
   void set_now(Nanoseconds now) { now_ = now; }
@@ -90,6 +94,7 @@ class DataStore {
   std::vector<std::string> names() const;
   /// Changes `name` and notes the write for every set that holds it. A new name joins the set that was loaded
   /// first. False where the value was the same already.
+  /// Throws Error("too-many") for a new name beyond kMostNames.
   bool set(const std::string& name, Value value, const std::string& who);
 
   /// The writes since the last call, the last one for each set and name.
@@ -127,6 +132,7 @@ class DataStore {
   std::vector<std::string> sets_;
   std::map<std::pair<std::size_t, std::string>, Value> writes_;
   std::deque<Change> changes_;
+  std::size_t kept_ = 0;  ///< values in them
   std::uint64_t version_ = 0, groups_version_ = 0;
   Nanoseconds now_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
@@ -59,8 +60,13 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
 /// A robot file of ours, or a description that a user has added; its warnings were told then.
 static RobotModel read_entry(const fs::path& file) {
   if (file.extension() != ".urdf") return read_robot_file(file);
-  Problems warnings;
-  return read_urdf(read_file(file), file.string(), warnings);
+  Problems found;
+  RobotModel out = read_urdf(read_file(file), file.string(), found);
+  if (found.has_errors()) out.hardware.clear();  // it was told when the robot was added
+  for (const Link& link : out.links)  // its user has added it with the meshes that it names
+    for (const auto* shapes : {&link.visuals, &link.collisions})
+      for (const Shape& shape : *shapes) reach().allow_reading(shape.mesh_path);
+  return out;
 }
 
 static CatalogueEntry entry_of(const RobotModel& model, std::string name, const fs::path& file) {

@@ -102,48 +102,53 @@ bool has_one_value(JointType type) {
   return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
 }
 
-bool tie_mimics(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& problems) {
-  bool good = true;
+std::vector<std::string> joint_names(const RobotModel& model) {
+  std::vector<std::string> out;
+  for (const Joint& joint : model.joints) out.push_back(joint.name);
+  return out;
+}
+
+/// Who follows whom. A joint that cannot follow moves by itself, as robot_state_publisher and KDL have it.
+void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& warnings) {
+  const auto alone = [&](std::size_t i, const std::string& why) {
+    warnings.warning("bad-mimic", joints[i].where,
+                     "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics + "', " + why,
+                     "its <mimic> is passed over: the joint moves by itself");
+    model.joints[i].mimic.reset();
+  };
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].mimics.empty()) continue;
+    if (!model.joints[i].mimic) continue;
     const int source = model.find_joint(joints[i].mimics);
     if (source < 0) {
-      problems.error("unknown-joint", joints[i].where,
-                     "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics +
-                         "', which is not there" + did_you_mean(joints[i].mimics, [&] {
-                           std::vector<std::string> names;
-                           for (const Joint& j : model.joints) names.push_back(j.name);
-                           return names;
-                         }()));
-      good = false;
+      alone(i, "which is not there" + did_you_mean(joints[i].mimics, joint_names(model)));
       continue;
     }
-    if (!has_one_value(model.joints[static_cast<std::size_t>(source)].type)) {
-      problems.error("bad-mimic", joints[i].where,
-                     "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics +
-                         "', whose type " + name(model.joints[static_cast<std::size_t>(source)].type) +
-                         " has no one value to follow");
-      good = false;
-    }
-    model.joints[i].mimic->joint = source;
+    const JointType type = model.joints[static_cast<std::size_t>(source)].type;
+    if (has_one_value(type))
+      model.joints[i].mimic->joint = source;
+    else
+      alone(i, std::string("whose type ") + name(type) + " has no one value to follow");
   }
-  if (!good) return false;
-  // Followers of followers are tied to the first in the row.
+}
+
+/// Followers of followers are tied to the first in the row.
+void shorten_mimic_rows(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& warnings) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
     auto& mimic = model.joints[i].mimic;
     for (std::size_t steps = 0; mimic && model.joints[static_cast<std::size_t>(mimic->joint)].mimic;
          ++steps) {
       if (steps > joints.size()) {
-        problems.error("circle", joints[i].where,
-                       "the joint '" + model.joints[i].name + "' mimics itself in the end");
-        return false;
+        warnings.warning("bad-mimic", joints[i].where,
+                         "the joint '" + model.joints[i].name + "' mimics itself in the end",
+                         "its <mimic> is passed over: the joint moves by itself");
+        mimic.reset();
+        break;
       }
       const Mimic next = *model.joints[static_cast<std::size_t>(mimic->joint)].mimic;
       *mimic = {next.joint, mimic->multiplier * next.multiplier,
                 mimic->multiplier * next.offset + mimic->offset};
     }
   }
-  return true;
 }
 
 double volume(const Shape& s) {
@@ -193,8 +198,8 @@ std::array<double, 6> rotated(const Quaternion& q, const Vec3& d) {
 
 }  // namespace
 
-bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file,
-                  Problems& problems) {
+bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems,
+                  Problems& warnings) {
   if (model.links.empty()) {
     problems.error("no-links", file, "the description has no links", "is this a robot description?");
     return false;
@@ -206,7 +211,8 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
     model.links[static_cast<std::size_t>(joints[i].joint.child_link)].parent_joint = static_cast<int>(i);
     model.joints.push_back(joints[i].joint);
   }
-  if (!tie_mimics(model, joints, problems)) return false;
+  find_mimicked(model, joints, warnings);
+  shorten_mimic_rows(model, joints, warnings);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     if (has_one_value(model.joints[i].type) && !model.joints[i].mimic)
       model.actuated.push_back(static_cast<int>(i));

@@ -14,10 +14,11 @@ struct NamedJoint {
 
 /// Ties joints to links: checks names, finds the root, sorts parents before children (otherwise the file's
 /// order), fills parent_joint, mimic and actuated. Adds what is wrong: unknown or duplicated names (nearest
-/// name), a link with two parents, several roots, circles, mimic circles. Returns false if the model cannot
-/// be used.
-bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file,
-                  Problems& problems);
+/// name), a link with two parents, several roots, circles. A <mimic> that cannot be followed (a joint that is
+/// missing or has no one value, a circle) is a warning, and its joint moves by itself. Returns false if the
+/// model cannot be used.
+bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems,
+                  Problems& warnings);
 
 /// Gives links without mass an estimate from their collision shapes (or a small body where they have none and
 /// move), repairs tensors that no body has, and notes both in the provenance.

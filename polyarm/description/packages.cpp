@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::description {
@@ -18,13 +20,21 @@ void add_from(const char* variable, const char* below, std::vector<fs::path>& ou
     for (const std::string& folder : split_words(value, ":")) out.push_back(fs::path(folder) / below);
 }
 
+constexpr std::size_t kLargestManifest = 1 << 20;
+
 /// The name that a folder's package.xml gives, or "".
 std::string declared_name(const fs::path& folder) {
   std::error_code error;
   const fs::path file = folder / "package.xml";
   if (!fs::is_regular_file(file, error)) return {};
+  std::string text;
+  Problems ignored;
+  {
+    const AsUser user;  // what a folder calls itself is no secret, and packages lie beside the cell
+    collect(ignored, [&] { text = read_file(file, kLargestManifest); });
+  }
   tinyxml2::XMLDocument document;
-  if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) return folder.filename().string();
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return folder.filename().string();
   const auto* package = document.FirstChildElement("package");
   const auto* name = package ? package->FirstChildElement("name") : nullptr;
   return name && name->GetText() ? std::string(trim(name->GetText())) : folder.filename().string();
@@ -59,7 +69,7 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   add_from("POLYARM_PACKAGES", "", roots);
   add_from("ROS_PACKAGE_PATH", "", roots);
   add_from("AMENT_PREFIX_PATH", "share", roots);
-  return [known, above, roots](const std::string& name) -> fs::path {
+  const auto find = [known, above, roots](const std::string& name) -> fs::path {
     if (const auto found = known.find(name); found != known.end()) return found->second;
     if (name.empty() || name.find('/') != std::string::npos || name == "..") return {};
     bool inside = true;  // of packages: a workspace is looked through two levels deep, not the whole disk
@@ -73,6 +83,11 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
     for (const fs::path& root : roots)
       if (const fs::path found = find_below(root, name, 1); !found.empty()) return found;
     return {};
+  };
+  return [find](const std::string& name) {
+    fs::path found = find(name);
+    reach().allow_reading(found);  // descriptions are read from packages, wherever they are
+    return found;
   };
 }
 

@@ -315,7 +315,7 @@ RobotModel read_robot_file(const fs::path& path) {
   if (is_table) attempt([&] { joints = read_table_joints(yaml, model, problems); });
   for (const Yaml& joint : is_table ? std::vector<Yaml>{} : yaml["joints"].items())
     attempt([&] { joints.push_back(read_joint(joint, problems)); });
-  if (!problems.has_errors() && tie_together(model, std::move(joints), {path.string()}, problems)) {
+  if (!problems.has_errors() && tie_together(model, std::move(joints), {path.string()}, problems, problems)) {
     attempt([&] { read_named_states(yaml["named_states"], model, problems); });
     attempt([&] { read_allowed(yaml["allowed_collisions"], model, problems); });
     attempt([&] { read_controller_axes(yaml["controller_axes"], model, problems); });

@@ -151,13 +151,16 @@ ComponentInfo Ros2ControlReader::component(const Element& e) {
                                   {"state_interface", &out.state_interfaces}}) {
     std::vector<std::string> names;
     for (const Element* i = e.FirstChildElement(tag); i; i = i->NextSiblingElement(tag)) {
-      list->push_back(interface(*i, out.limits_enabled));
-      const std::string& name = list->back().name;
-      if (!name.empty() && holds(names, name))
-        error(*i, "duplicate-name",
-              "'" + out.name + "' has two of <" + std::string(tag) + " name=\"" + name + "\">",
-              "remove one of them");
-      names.push_back(name);
+      InterfaceInfo read = interface(*i, out.limits_enabled);
+      if (!read.name.empty() && holds(names, read.name)) {
+        warning(*i, "duplicate-name",
+                "'" + out.name + "' has two of <" + std::string(tag) + " name=\"" + read.name +
+                    "\">; the first counts",
+                "remove one of them");
+        continue;
+      }
+      names.push_back(read.name);
+      list->push_back(std::move(read));
     }
   }
   return out;

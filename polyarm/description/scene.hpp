@@ -72,8 +72,9 @@ struct Mover {
 };
 
 /// Brings the parts that name it, one for each increase of its command `scene/<name>/feed` (a count), to
-/// `pose`. States: `scene/<name>/presented` (count so far), `scene/<name>/remaining`, `scene/<name>/present`
-/// (1 while a part is within its region), `scene/<name>/kind` (index into Scene::kinds of the part last
+/// `pose`. States: `scene/<name>/presented` (how many it has brought so far), `scene/<name>/remaining`,
+/// `scene/<name>/present` (1 while a part lies there), `scene/<name>/count` (how many lie there),
+/// `scene/<name>/kind` (index into Scene::kinds of the part last
 /// presented, from 1).
 struct Feeder {
   std::string name;

@@ -260,4 +260,26 @@ Scene read_scene(const std::string& path) {
   return read_scene(Yaml::load(path));
 }
 
+Scene read_scene(const std::string& path, Problems& warnings) {
+  return read_scene(Yaml::load(path), warnings);
+}
+
+Scene read_scene(const Yaml& yaml, Problems& warnings) {
+  Scene out = read_scene(yaml);
+  const Yaml parts = yaml["parts"];
+  for (const std::string& name : parts.keys()) {
+    const Yaml part = parts[name];
+    if (part.has("mass")) continue;
+    const auto named = [&](const Part& each) { return each.name == name || each.name == name + "_1"; };
+    const auto made = std::find_if(out.parts.begin(), out.parts.end(), named);
+    if (made == out.parts.end()) continue;
+    warnings.warning(
+        "no-mass", parts.key_location(name),
+        "the part '" + name + "' states no mass: " + format_number(std::round(1e4 * made->mass) / 1e4) +
+            " kg is taken, from its shape and 500 kg/m3",
+        "add mass: 80g, as you weigh it; what a gripper holds and a joint carries depends on it");
+  }
+  return out;
+}
+
 }  // namespace polyarm::description

@@ -10,5 +10,8 @@ namespace polyarm::description {
 /// other.
 Scene read_scene(const std::string& path);
 Scene read_scene(const Yaml& yaml);
+/// The same; `warnings` gets what the file leaves to be assumed and a simulation depends on.
+Scene read_scene(const std::string& path, Problems& warnings);
+Scene read_scene(const Yaml& yaml, Problems& warnings);
 
 }  // namespace polyarm::description

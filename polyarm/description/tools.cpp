@@ -101,6 +101,25 @@ Tool read_tool(const Yaml& yaml, const std::string& name) {
   return tool;
 }
 
+std::optional<Problem> missing_in_tool(const std::string& name, const std::string& folder) {
+  if (name.empty() ||
+      std::find(built_in_tools().begin(), built_in_tools().end(), name) != built_in_tools().end())
+    return std::nullopt;
+  for (const std::string& file : {name, name + ".yaml"}) {
+    const auto path = std::filesystem::path(folder) / file;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) continue;
+    if (Yaml::load(path.string()).has("mass")) return std::nullopt;
+    return Problem{
+        "no-mass",
+        {path.string()},
+        "the tool '" + name + "' states no mass: 0.1 kg is taken",
+        "add mass: 0.8kg and center: [x, y, z] in tool0; joint torques and payloads depend on them",
+        Severity::warning};
+  }
+  return std::nullopt;
+}
+
 Tool find_tool(const std::string& name, const std::string& folder) {
   if (name.empty() || name == "none") return Tool{};
   if (name == "suction_cup") return suction_cup();

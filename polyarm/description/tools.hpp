@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,7 @@ const std::vector<std::string>& built_in_tools();
 Tool find_tool(const std::string& name, const std::string& folder);
 /// Reads a tool file's content.
 Tool read_tool(const Yaml& yaml, const std::string& name);
+/// What the file of a tool leaves to be assumed and motion depends on; nothing for built-in tools.
+std::optional<Problem> missing_in_tool(const std::string& name, const std::string& folder);
 
 }  // namespace polyarm::description

@@ -14,12 +14,12 @@ struct UrdfOptions {
   std::vector<std::filesystem::path> package_folders;
 };
 
-/// Reads URDF with its <ros2_control> blocks, <transmission>, <safety_controller> and what <gazebo> says of
-/// friction, damping and self-collision. Odd but legal files are accepted: axes that are not unit,
-/// missing inertials and limits, any order. Warnings are added; throws Error with line and reason for what
-/// cannot be a robot: syntax, several roots, unknown or duplicated names, circles, numbers that are none,
-/// xacro that has not been expanded.
-RobotModel read_urdf(std::string_view text, const std::string& file, Problems& warnings,
+/// Reads URDF with its <ros2_control>, <transmission>, <safety_controller> and <gazebo> friction, damping and
+/// self-collision. Odd but legal files are accepted. Throws Error with line and reason for what cannot be a
+/// robot: syntax, several roots, unknown or duplicated names, circles, values that are not numbers, xacro.
+/// `found` gets warnings, and as errors the faults in <ros2_control>: kinematics does without hardware; code
+/// that uses the hardware has to refuse on `found.has_errors()`.
+RobotModel read_urdf(std::string_view text, const std::string& file, Problems& found,
                      const UrdfOptions& options = {});
 
 /// URDF that reads back equal. What URDF does not have is written in elements that other readers pass over:

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/gazebo_reader.hpp"
@@ -20,7 +21,7 @@ class UrdfReader : private XmlReader {
   UrdfReader(const std::string& file, Problems& problems, Problems& warnings, const UrdfOptions& options)
       : XmlReader(file, problems, warnings),
         options_(options),
-        control_(file, problems, warnings),
+        control_(file, hardware_faults_, warnings),
         gazebo_(file, problems, warnings) {}
 
   RobotModel read(std::string_view text) {
@@ -37,20 +38,39 @@ class UrdfReader : private XmlReader {
                           "name the xacro file itself, or run `polyarm xacro FILE -o robot.urdf`"});
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
-    problems_.throw_if_errors();
+    give_up_if_wrong();
     if (model_.links.empty() && joints_.empty()) stand_in({file_, robot->GetLineNum()});
-    tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_);
-    problems_.throw_if_errors();
-    check_hardware(model_, problems_, warnings_);
+    tie_together(model_, std::move(joints_), {file_, robot->GetLineNum()}, problems_, warnings_);
+    give_up_if_wrong();
+    warn_of_free_joints({file_, robot->GetLineNum()});
+    check_hardware(model_, hardware_faults_, warnings_);
     gazebo_.finish(model_);
-    problems_.throw_if_errors();
+    give_up_if_wrong();
     if (facts_) read_facts(*facts_);
-    problems_.throw_if_errors();
+    give_up_if_wrong();
     complete_inertials(model_, warnings_);
+    for (const Problem& fault : hardware_faults_.list()) warnings_.add(fault);
     return std::move(model_);
   }
 
  private:
+  /// Throws everything that was found, where the robot itself is wrong.
+  void give_up_if_wrong() {
+    if (!problems_.has_errors()) return;
+    for (const Problem& fault : hardware_faults_.list()) problems_.add(fault);
+    problems_.throw_if_errors();
+  }
+
+  /// Kinematics has one value for each joint, which these do not.
+  void warn_of_free_joints(const Location& where) {
+    for (const Joint& joint : model_.joints)
+      if (joint.type == JointType::planar || joint.type == JointType::floating)
+        warnings_.warning("free-joint", where,
+                          "the joint '" + joint.name + "' is " + name(joint.type) +
+                              ": kinematics takes it as fixed at its origin",
+                          "nothing to do where it is the base; else give the joint one axis");
+  }
+
   /// The first element that only xacro understands: a tag of its own, or `${…}` in an attribute. Comments and
   /// the name space that xacro leaves behind in what it expands do not count.
   static const XMLElement* unexpanded(const XMLElement& e) {
@@ -299,10 +319,14 @@ class UrdfReader : private XmlReader {
     if (ranged) {
       joint.limits.lower = number(l, "lower").value_or(0);
       joint.limits.upper = number(l, "upper").value_or(0);
-      if (*joint.limits.lower > *joint.limits.upper)
-        error(*l, "bad-limit",
-              "the lower limit " + format_number(*joint.limits.lower) + " of '" + joint.name +
-                  "' is above its upper limit " + format_number(*joint.limits.upper));
+      if (*joint.limits.lower > *joint.limits.upper) {
+        warnings_.warning("bad-limit", at(*l),
+                          "the lower limit " + format_number(*joint.limits.lower) + " of '" + joint.name +
+                              "' is above its upper limit " + format_number(*joint.limits.upper) +
+                              "; they are exchanged",
+                          "write the smaller value as lower");
+        std::swap(*joint.limits.lower, *joint.limits.upper);
+      }
       if (*joint.limits.lower == *joint.limits.upper) {
         warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing",
                           "it is taken as unlimited");
@@ -327,10 +351,14 @@ class UrdfReader : private XmlReader {
     out.upper = number(s, "soft_upper_limit");
     out.k_position = number(s, "k_position").value_or(0);
     out.k_velocity = number(s, "k_velocity").value_or(0);
-    if (out.lower && out.upper && *out.lower > *out.upper)
-      error(*s, "bad-limit",
-            "the soft lower limit " + format_number(*out.lower) + " of '" + joint.name +
-                "' is above its soft upper limit " + format_number(*out.upper));
+    if (out.lower && out.upper && *out.lower > *out.upper) {
+      warnings_.warning("bad-limit", at(*s),
+                        "the soft lower limit " + format_number(*out.lower) + " of '" + joint.name +
+                            "' is above its soft upper limit " + format_number(*out.upper) +
+                            "; they are exchanged",
+                        "write the smaller value as soft_lower_limit");
+      std::swap(*out.lower, *out.upper);
+    }
     if (out.lower == out.upper) out.lower = out.upper = std::nullopt;
     if (out.k_position < 0 || out.k_velocity < 0)
       error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' have to be zero or more");
@@ -428,6 +456,7 @@ class UrdfReader : private XmlReader {
   }
 
   const UrdfOptions& options_;
+  Problems hardware_faults_;  ///< in <ros2_control>; kinematics does without
   Ros2ControlReader control_;
   GazeboReader gazebo_;
   RobotModel model_;

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_yaml.hpp"
 
 namespace polyarm::description {
+
+static_assert(kDeepest == bounds::kXacroNesting && kMostElements == bounds::kXacroElements &&
+              kLongestText == bounds::kXacroTextBytes && kMostText == bounds::kXacroBytes);
 
 namespace {
 

@@ -1,8 +1,13 @@
 #include "polyarm/hardware/plugin_library.hpp"
 
 #include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
+#include <string>
 
 #include "polyarm/base/error.hpp"
 
@@ -23,12 +28,13 @@ std::string version(std::uint32_t major, std::uint32_t minor) {
 /// A library that is closed again unless it is kept.
 class Library {
  public:
-  explicit Library(const std::filesystem::path& file)
-      : handle_(::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  /// `from`: where the bytes of `file` are.
+  Library(const std::filesystem::path& file, const std::string& from)
+      : handle_(::dlopen(from.c_str(), RTLD_NOW | RTLD_LOCAL)) {
     if (handle_) return;
     const char* said = ::dlerror();
     std::string reason = said ? said : "no reason given";
-    if (reason.starts_with(file.string() + ": ")) reason.erase(0, file.string().size() + 2);
+    if (reason.starts_with(from + ": ")) reason.erase(0, from.size() + 2);
     refuse(file, "it cannot be loaded: " + reason,
            reason.find("undefined symbol") != std::string::npos
                ? std::string("it wants what this Polyarm does not have; ") + kRebuild
@@ -95,13 +101,41 @@ void judge_entry(const PluginEntry& entry, std::uint32_t number, const std::file
 }
 }  // namespace
 
-const PluginTable& open_plugin(const std::filesystem::path& file) {
-  Library library(file);
+namespace {
+/// The bytes in memory that nobody can change any more. It stays open: the loader knows libraries by its name.
+std::string sealed_copy(const std::filesystem::path& file, std::string_view bytes) {
+  const int fd = ::memfd_create(file.filename().c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  bool good = fd >= 0;
+  for (std::size_t done = 0; good && done < bytes.size();) {
+    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    good = n > 0;
+    if (good) done += static_cast<std::size_t>(n);
+  }
+  if (!good || ::fcntl(fd, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+    const std::string reason = std::strerror(errno);
+    if (fd >= 0) ::close(fd);
+    refuse(file, "there is no memory to load it from: " + reason, "free some");
+  }
+  return "/proc/self/fd/" + std::to_string(fd);
+}
+
+const PluginTable& open_from(const std::filesystem::path& file, const std::string& from) {
+  Library library(file, from);
   const PluginTable* const table = table_of(library, file);
   judge(*table, file);
   for (std::uint32_t i = 0; i < table->count; ++i) judge_entry(table->entries[i], i + 1, file);
   library.keep();
   return *table;
+}
+}  // namespace
+
+const PluginTable& open_plugin(const std::filesystem::path& file) {
+  return open_from(file, file.string());
+}
+
+const PluginTable& open_plugin(const std::filesystem::path& file, std::string_view bytes) {
+  return open_from(file, sealed_copy(file, bytes));
 }
 
 std::unique_ptr<Component> make_component(const PluginEntry& entry, const std::filesystem::path& file) {

@@ -24,14 +24,17 @@ struct Contact {
   Nanoseconds time = 0;
   int a = -1, b = -1;  ///< indices into WorldState::names
   double depth = 0;    ///< deepest penetration while it lasted, so far, m
+  Vec3 position;       ///< in the world, where the pair is deepest in each other, m
+  bool now = false;    ///< it touches in the newest cycle
 };
 
 struct WorldState {
   static constexpr int kMaxFindings = 64;
   std::vector<PartState> parts;  ///< in the order of Scene::parts
   std::array<Contact, kMaxFindings>
-      findings;               ///< each touching pair once, in order of time; later ones are only counted
-  int finding_count = 0;      ///< all findings, may exceed kMaxFindings
+      findings;           ///< each touching pair once, and again when it goes deeper after it had come to rest;
+                          ///< number n of them is at n % kMaxFindings, the newest replace the oldest
+  int finding_count = 0;  ///< all findings so far
   int contacts = 0;           ///< contact points in the last physics step
   double tracking_error = 0;  ///< largest |commanded - measured| of a position-driven joint, last cycle
   bool at_rest = true;        ///< no part, mover or finger is moving

@@ -140,8 +140,7 @@ void Chain::read_joints(const RobotModel& model) {
 }
 
 void Chain::add_step(const Joint& joint, const Drive& drive, Pose& pending) {
-  if (joint.type == JointType::planar || joint.type == JointType::floating)
-    refuse("the joint '" + joint.name + "' on the way to the tool is " + description::name(joint.type));
+  if (joint.type == JointType::planar || joint.type == JointType::floating) return;  // stays at its origin
   const Quaternion to_axis = rotation_between({0, 0, 1}, normalized(joint.axis));
   steps_.push_back({frame_of(pending * Pose{{}, to_axis}), joint.type == JointType::prismatic, drive});
   pending = Pose{{}, inverse(to_axis)};

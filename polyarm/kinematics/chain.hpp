@@ -25,8 +25,8 @@ class Chain {
   static constexpr std::size_t kMostMoving = 32;
 
   /// `tip_link` indexes RobotModel::links. T_world_base places the root link, T_tip_tcp the TCP in the tip
-  /// link. Throws Error("bad-model") for a tip or parent that does not exist, a planar or floating joint on
-  /// the path, mimic joints that follow each other in a circle, or numbers that are not finite;
+  /// link. Planar and floating joints stay at their origins. Throws Error("bad-model") for a tip or parent
+  /// that does not exist, mimic joints that follow each other in a circle, or numbers that are not finite;
   /// Error("too-many-joints") for more than kMaxJoints actuated joints or kMostMoving on the path.
   Chain(const description::RobotModel& model, int tip_link, Pose T_world_base = {}, Pose T_tip_tcp = {});
 

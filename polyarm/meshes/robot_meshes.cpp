@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/meshes/glb_writer.hpp"
 
@@ -97,6 +98,7 @@ void keep(const std::string& glb, const fs::path& path) {
     if (entry.path().extension() == ".glb") there.emplace(entry.last_write_time(error), entry.path());
   for (; there.size() >= kMostCached; there.erase(there.begin())) fs::remove(there.begin()->second, error);
   Problems ignored;  // without a cache it is made again the next time
+  const AsUser user;
   collect(ignored, [&] { write_file_atomically(path, glb); });
 }
 
@@ -136,7 +138,10 @@ RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache) {
   if (!cache.empty() && fs::is_regular_file(path, error)) {
     RobotMeshes kept;
     Problems ignored;
-    collect(ignored, [&] { kept.glb = read_file(path); });
+    collect(ignored, [&] {
+      const AsUser user;
+      kept.glb = read_file(path);
+    });
     if (kept.glb.starts_with("glTF")) return kept;
   }
   RobotMeshes out = convert(model);

@@ -4,7 +4,11 @@
 #include <limits>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::motion {
+
+static_assert(RobotMotion::kMostAhead == bounds::kMovesAhead);
 
 namespace {
 /// Outcomes of so many moves that were given up are kept to be asked for.
@@ -25,7 +29,7 @@ void end_here(Move& move) {
 
 std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
                                  std::shared_ptr<InStep> step) {
-  if (!has_room())
+  if (waiting_.size() >= kMostWaiting)
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
   if (!waiting_.empty() && (step != waiting_.back().step || waiting_.back().with != with))
@@ -58,7 +62,7 @@ void RobotMotion::plan() {
       std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
   if (const auto& step = waiting_.front().step)  // all of them together, come to rest where they say so
     last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
-  else if (last == waiting_.end() && has_room())
+  else if (last == waiting_.end() && waiting_.size() < kMostWaiting)
     return;
   else if (last != waiting_.end())
     ++last;
@@ -248,6 +252,16 @@ std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
   if (goal_ == 0) return std::nullopt;
   return UnderWay{&active_.motion, &facts(active_.with), goal_,
                   controller_.status().time.load(std::memory_order_relaxed)};
+}
+
+std::uint64_t RobotMotion::move_under_way() const {
+  if (goal_ == 0) return idle() ? 0 : settled_ + 1;
+  const PlannedMotion& motion = active_.motion;
+  std::size_t hint = 0;
+  const double s =
+      motion.path.profile().at(controller_.status().time.load(std::memory_order_relaxed), hint).s;
+  const auto end = std::lower_bound(motion.ends.begin(), motion.ends.end(), s);
+  return std::min(active_.first_id + static_cast<std::uint64_t>(end - motion.ends.begin()), active_.last_id);
 }
 
 Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {

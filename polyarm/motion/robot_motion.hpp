@@ -52,12 +52,15 @@ class RobotMotion {
   using Post = std::function<void(std::function<void()>)>;
   /// Most moves that wait for being planned.
   static constexpr std::size_t kMostWaiting = 1000;
+  /// A program looks so many moves ahead: those that wait, are planned, are ready and are under way.
+  static constexpr std::size_t kMostAhead = 1000;
 
   /// All outlive this, and what was posted.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
       : robot_(robot), controller_(controller), post_(std::move(post)) {}
 
-  bool has_room() const { return waiting_.size() < kMostWaiting; }
+  /// Whether a program may ask for another move now, or has to wait until one has arrived.
+  bool has_room() const { return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead; }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP, which nothing blends
   /// into that has not the same; null: as it is. Throws Error("busy") when there is no room.
   /// `step`: it waits for the moves of the others. What follows each other with the same one is one motion of
@@ -108,6 +111,8 @@ class RobotMotion {
     double time;  ///< s of the plan
   };
   std::optional<UnderWay> under_way() const;
+  /// The id of the move that the robot is in, or comes to next; 0 where none is queued, planned or under way.
+  std::uint64_t move_under_way() const;
 
  private:
   struct Waiting {

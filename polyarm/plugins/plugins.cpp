@@ -4,7 +4,11 @@
 #include <cstdlib>
 #include <set>
 
+#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/sha256.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/controllers/types.hpp"
@@ -22,6 +26,7 @@ namespace {
 struct Known {
   std::vector<Plugin> found;
   std::vector<Refusal> refused;
+  std::vector<Library> unapproved;
   std::set<fs::path> seen;  ///< files and folders
 };
 Known& known() {
@@ -102,8 +107,7 @@ void take(const PluginEntry& entry, const fs::path& file) {
         {entry.name, [&entry, file] { return make_controller(entry, file); }, entry.help, {}});
 }
 
-void load(const fs::path& file) {
-  const PluginTable& table = hardware::open_plugin(file);
+void take_all(const PluginTable& table, const fs::path& file) {
   judge(table, file);
   Plugin plugin{file, table.name, table.version, table.compiler, {}};
   for (std::uint32_t i = 0; i < table.count; ++i) {
@@ -113,13 +117,57 @@ void load(const fs::path& file) {
   known().found.push_back(std::move(plugin));
 }
 
+bool seen(const fs::path& file) {
+  return known().seen.contains(fs::weakly_canonical(file));
+}
+
+void refused_with(const fs::path& file, const Error& e) {
+  const Problem& problem = e.problems().front();
+  known().refused.push_back({file, problem.what, problem.advice});
+}
+
+/// Of a place that the user named, or that belongs to the installation.
 void load_once(const fs::path& file) {
   if (!known().seen.insert(fs::weakly_canonical(file)).second) return;
   try {
-    load(file);
+    take_all(hardware::open_plugin(file), file);
   } catch (const Error& e) {
-    const Problem& problem = e.problems().front();
-    known().refused.push_back({file, problem.what, problem.advice});
+    refused_with(file, e);
+  }
+}
+
+constexpr std::size_t kLargestLibrary = 256 << 20;
+
+bool in_development(const fs::path& file) {
+  const fs::path real = resolved(file);
+  for (const Approval& each : approvals())
+    if (each.kind == "folder" && inside(real, each.subject) && unfit_for_development(each.subject).empty())
+      return true;
+  return false;
+}
+
+/// The bytes, which are what is loaded if they are approved: between the two nobody can change them.
+Library judged_by_hash(const fs::path& file, std::string& bytes) {
+  const AsUser user;  // it is looked at, and shown to nobody
+  bytes = read_file(file, kLargestLibrary);
+  Library out{file, sha256(bytes), bytes.size(), false};
+  out.approved = is_approved({"library", out.sha256, {}});
+  return out;
+}
+
+/// Named by a cell: only what the user has approved runs.
+void load_approved(const fs::path& file) {
+  if (seen(file)) return;
+  if (in_development(file)) return load_once(file);
+  try {
+    std::string bytes;
+    const Library library = judged_by_hash(file, bytes);
+    if (!library.approved) return known().unapproved.push_back(library);
+    known().seen.insert(fs::weakly_canonical(file));
+    take_all(hardware::open_plugin(file, bytes), file);
+  } catch (const Error& e) {
+    known().seen.insert(fs::weakly_canonical(file));
+    refused_with(file, e);
   }
 }
 
@@ -138,7 +186,7 @@ std::vector<fs::path> folders_of_user() {
 }
 }  // namespace
 
-void load_folder(const fs::path& folder) {
+std::vector<fs::path> libraries_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
   for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
@@ -148,7 +196,40 @@ void load_folder(const fs::path& folder) {
     known().refused.push_back({folder, "the folder cannot be read: " + error.message(),
                                "plugins are looked for in it because somebody named it"});
   std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) load_once(file);
+  return files;
+}
+
+void load_folder(const fs::path& folder) {
+  for (const fs::path& file : libraries_in(folder)) load_once(file);
+}
+
+void load_approved_in(const fs::path& folder) {
+  std::erase_if(known().unapproved, [&](const Library& u) { return u.file.parent_path() == folder; });
+  for (const fs::path& file : libraries_in(folder)) load_approved(file);
+}
+
+Library look_at_file(const fs::path& file) {
+  std::string bytes;
+  Library out = judged_by_hash(file, bytes);
+  out.approved = out.approved || in_development(file);
+  return out;
+}
+
+std::vector<Library> look_at(const fs::path& folder) {
+  std::vector<Library> out;
+  for (const fs::path& file : libraries_in(folder)) {
+    Problems ignored;
+    Library library{file, {}, 0, false};
+    collect(ignored, [&] { library = look_at_file(file); });
+    out.push_back(std::move(library));
+  }
+  return out;
+}
+
+std::vector<fs::path> not_loaded_in(const fs::path& folder) {
+  std::vector<fs::path> out = libraries_in(folder);
+  std::erase_if(out, seen);
+  return out;
 }
 
 std::vector<fs::path> default_folders() {
@@ -169,6 +250,9 @@ const std::vector<Plugin>& found() {
 }
 const std::vector<Refusal>& refused() {
   return known().refused;
+}
+const std::vector<Library>& unapproved() {
+  return known().unapproved;
 }
 
 }  // namespace polyarm::plugins

@@ -61,6 +61,7 @@ class Checker {
     for (const Statement& s : program_.statements) apart(s);
     check_tasks(program_, scope_);
     check_blends(program_, scope_);
+    check_values(program_, scope_);
     scope_.warn_of_case();
   }
 

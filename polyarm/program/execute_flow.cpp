@@ -150,7 +150,7 @@ void Interpreter::end_pass(Task& task, const Step& step) {
   }
   const Expression& condition = *source(step).statement->expression;
   if (condition.kind == Expression::Kind::name && host_.find(condition.name))
-    host_.set(condition.name, false, program_.at(source(step).line));
+    host_.end_loop(condition.name, program_.at(source(step).line));
   task.pc = static_cast<std::size_t>(step.d);
 }
 

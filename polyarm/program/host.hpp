@@ -34,10 +34,10 @@ struct Move {
   enum class Kind { joint, line, arc, drive, turn };
   bool of_base() const { return kind == Kind::drive || kind == Kind::turn; }
   struct Target {
-    /// A pose or a joint state; of a base a length or an angle. Of one joint move or line a record: by how much
-    /// from where the robot is, of joints by name, of a line x, y, z, rx, ry, rz along the frame's axes.
+    /// A pose or a joint state; of a base a length or an angle. Of one joint move or line a record: by how
+    /// much from where the robot is, of joints by name, of a line x, y, z, rx, ry, rz along the frame's axes.
     data::Value value;
-    std::string name;   ///< how the program calls it, for messages
+    std::string name;  ///< how the program calls it, for messages
   };
   Kind kind = Kind::joint;
   /// joint, line: one or more, one path. arc: the point on the way and the end.
@@ -84,6 +84,9 @@ class Host {
   virtual std::vector<std::string> names() const = 0;
   /// Changes a value, or makes a new name.
   virtual void set(const std::string& name, data::Value value, const Location& where) = 0;
+  /// The loop whose condition `name` is has had all the passes it may have: False is set to it, unless that
+  /// would reach somebody outside.
+  virtual void end_loop(const std::string& name, const Location& where) { set(name, false, where); }
   /// Grows whenever any value changes; a wait looks at its condition again only then.
   virtual std::uint64_t data_version() const = 0;
 
@@ -91,6 +94,9 @@ class Host {
   virtual Handle start_move(const Move& move, const Location& where) = 0;
   /// done: it has arrived. Of a move with `waits`, and of what start_arrival returned.
   virtual Progress poll_move(Handle handle) = 0;
+  /// False once the robot has come to the end of a move, whether or not others are blended behind it; of
+  /// what start_move returned.
+  virtual bool under_way(Handle) const { return false; }
   /// Whether `robot` (empty: the task's own) takes another move now; if not, it is asked again in the next
   /// tick. True where an earlier move has failed: the next call tells.
   virtual bool room_for_move(const std::string& robot) = 0;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/program/task.hpp"
 
 namespace polyarm::program {
+
+static_assert(kDeepestCalls == bounds::kCallNesting);
 
 const char* name(TaskState state) {
   static constexpr const char* kNames[] = {"running", "waiting", "finished", "failed", "stopped"};
@@ -60,8 +63,46 @@ TaskState Interpreter::state() const {
   return any ? TaskState::running : TaskState::waiting;
 }
 
+/// Of what a task does together, the part that goes on; else null.
+const Interpreter::Task* Interpreter::working_child_of(const Task& task) const {
+  const Task* out = nullptr;
+  for (const auto& other : tasks_) {
+    if (other->parent != task.id || other->over()) continue;
+    const auto goes_on = [&](const Task::Asked& move) { return host_.under_way(move.handle); };
+    if (std::any_of(other->moves.begin(), other->moves.end(), goes_on)) return other.get();
+    if (!out) out = other.get();
+  }
+  return out;
+}
+
+/// The line under way. Moves are queued ahead of the robot: then it is that of the move which the robot is
+/// in.
+Place Interpreter::place_of(const Task& task) const {
+  const Place next = code_.sources[task.pc].line;
+  if (paused_ == task.id) return next;
+  if (task.ended_in) return *task.ended_in;
+  if (task.over()) return task.handles.empty() ? next : task.line;
+  const WaitKind kind = task.waiting.kind;
+  if (kind == WaitKind::together)
+    if (const Task* child = working_child_of(task)) return place_of(*child);
+  const bool of_motion = kind == WaitKind::none || kind == WaitKind::move || kind == WaitKind::arrival ||
+                         kind == WaitKind::room || kind == WaitKind::until;
+  for (std::size_t i = 0; of_motion && i < task.moves.size(); ++i)
+    if (host_.under_way(task.moves[i].handle)) return task.moves[i].line;
+  const bool waits = task.state == TaskState::waiting && kind != WaitKind::turn;
+  return waits || !task.handles.empty() ? task.line : next;
+}
+
+Place Interpreter::position() const {
+  return place_of(shown_task());
+}
+
+void Interpreter::forget_arrived(Task& task) const {
+  while (!task.moves.empty() && !host_.under_way(task.moves.front().handle)) task.moves.pop_front();
+}
+
 TaskStatus Interpreter::status_of(const Task& task) const {
-  const Place place = task.handles.empty() ? code_.sources[task.pc].line : task.line;
+  const Place place = place_of(task);
   return {task.name,    task.state,  program_.at(place), program_.source(place),
           task.waiting, task.passes, task.problem,       paused_ == task.id};
 }
@@ -126,7 +167,11 @@ bool Interpreter::run_task(Task& task, int& budget) {
   if (task.over()) return false;
   try {
     const WaitKind waited = task.waiting.kind;
-    if (task.state == TaskState::waiting && !poll(task)) return false;
+    forget_arrived(task);
+    if (task.state == TaskState::waiting) {
+      if (!poll(task)) return false;
+      if (wait_over_ && task.shown) wait_over_();
+    }
     // These waited in front of their step, which has begun already.
     const bool again = waited == WaitKind::arrival || waited == WaitKind::room || waited == WaitKind::lock;
     if (again) execute(task);
@@ -144,7 +189,7 @@ bool Interpreter::run_task(Task& task, int& budget) {
 
 /// Each `when` gets one look, and its block where the condition has become true, in every tick.
 void Interpreter::step_whens() {
-  constexpr int kMostStatements = 500;
+  constexpr int kMostStatements = bounds::kStatementsATick;
   int budget = kMostStatements;  // of all
   for (std::size_t i = 0; i < tasks_.size() && !outcome_; ++i) {
     Task& task = *tasks_[i];
@@ -165,11 +210,16 @@ void Interpreter::finish_when_all_have() {
 
 void Interpreter::end_program(TaskState outcome) {
   if (outcome_) return;
-  outcome_ = outcome;
+  const auto loops = [](const Step& step) { return step.op == Op::pass; };
+  if (outcome == TaskState::finished && std::none_of(code_.steps.begin(), code_.steps.end(), loops))
+    tasks_.front()->passes = 1;  // the program is the pass, where it has no loop
   for (const auto& task : tasks_) {
-    if (!task->over()) task->state = TaskState::stopped;
+    if (task->over()) continue;
+    task->ended_in = place_of(*task);
+    task->state = TaskState::stopped;
     task->waiting = {};
   }
+  outcome_ = outcome;
   watches_.clear();
   paused_ = 0;
 }

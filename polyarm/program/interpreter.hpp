@@ -3,6 +3,7 @@
 /// blocks, so it can be paused between any two statements by not stepping it.
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -23,7 +24,8 @@ struct PathStep;
 struct TaskStatus {
   std::string name;
   TaskState state = TaskState::running;
-  Location where;      ///< the statement that it executes or comes to next
+  Location where;  ///< the line under way: of the move that the robot is in, else of the statement that it
+                   ///< waits in, else of the one that it comes to next
   std::string source;  ///< the text of that line
   Waiting waiting;
   std::uint64_t passes = 0;        ///< of outermost while loops, completed
@@ -115,6 +117,8 @@ class Interpreter {
   MoveDefaults uses(const std::string& task) const;
   /// The place that overview() tells, for who looks often.
   Place position() const;
+  /// `call` is called whenever a task has waited long enough, before it goes on; it may look at this.
+  void on_wait_over(std::function<void()> call) { wait_over_ = std::move(call); }
 
   // Written down and taken up again, after a loss of power: saving.cpp
 
@@ -148,6 +152,9 @@ class Interpreter {
   void fail(Task& task, Problem problem);
   TaskStatus status_of(const Task& task) const;
   const Task& shown_task() const;
+  Place place_of(const Task& task) const;
+  const Task* working_child_of(const Task& task) const;
+  void forget_arrived(Task& task) const;
 
   bool stops_here(Task& task);
   bool looks_for_stops() const { return resumed_ || pause_asked_ || stepping_ || !breakpoints_.empty(); }
@@ -269,6 +276,7 @@ class Interpreter {
   std::map<std::string, std::uint64_t> locks_;                  ///< who has it
   std::uint64_t groups_ = 0;                                    ///< of moves in step, so far
   std::vector<Watch> watches_;
+  std::function<void()> wait_over_;
   std::uint64_t last_id_ = 0;
   std::optional<std::size_t> test_;
   std::uint64_t pass_limit_ = 0;

@@ -252,6 +252,8 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   if (!host_.room_for_move(move.robot)) return wait_for(task, WaitKind::room, move.robot);
   const Handle handle = host_.start_move(move, program_.at(source(step).line));
+  forget_arrived(task);
+  task.moves.push_back({handle, source(step).line});
   std::size_t next = first + s.arguments.size();
   for (const Clause& clause : s.clauses) {
     if (clause.kind == Clause::Kind::at) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::program {
@@ -26,6 +27,8 @@ Value number(double value, Dimension dimension) {
   if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
   return Number{value, dimension};
 }
+
+static_assert(kLongestText == bounds::kTextBytes && kMostListItems == bounds::kListValues);
 
 Value join_texts(const std::string& a, const std::string& b) {
   if (a.size() + b.size() > kLongestText)

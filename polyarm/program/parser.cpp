@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/import_format.hpp"
@@ -12,7 +13,9 @@
 namespace polyarm::program {
 
 namespace {
-constexpr std::size_t kMostProblems = 200;
+constexpr std::size_t kMostProblems = bounds::kProgramProblems;
+constexpr std::size_t kLongestProgram = bounds::kProgramBytes;
+static_assert(kDeepestBlocks == bounds::kBlockNesting && kDeepestExpression == bounds::kExpressionNesting);
 using Kind = Statement::Kind;
 
 bool one_of(std::string_view word, std::initializer_list<std::string_view> words) {
@@ -405,6 +408,13 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
   program.file = file;
   if (const auto why = data::why_not_text(text)) {
     problems.error("not-text", {file}, *why);
+    return program;
+  }
+  if (text.size() > kLongestProgram) {
+    problems.error("too-large", {file},
+                   "this program has " + std::to_string(text.size() >> 20) + " MiB, at most are " +
+                       std::to_string(kLongestProgram >> 20),
+                   "keep data in data files, and parts of a program in files of their own");
     return program;
   }
   program.lines = split_lines(text);

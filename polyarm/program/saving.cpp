@@ -114,7 +114,8 @@ StartReport Interpreter::restore(const SavedState& from) {
     task.locks = each.locks;
     task.handlers = each.handlers;
     task.passes = each.passes;
-    task.line = code_.sources[task.pc].line;
+    // It has gone past a wait for a time, and waits in it.
+    task.line = code_.sources[task.pc - (each.waits == WaitKind::time && task.pc > 0 ? 1 : 0)].line;
     task.waiting = {each.waits, {}, {}, each.waits_at};
     if (each.waits_for) task.waiting.until = host_.now() + *each.waits_for;
     if (each.deadline) task.deadline = host_.now() + *each.deadline;
@@ -135,11 +136,6 @@ MoveDefaults Interpreter::uses(const std::string& name) const {
   for (const auto& task : tasks_)
     if (task->name == name && !task->uses.empty()) return task->uses.back();
   return {};
-}
-
-Place Interpreter::position() const {
-  const Task& shown = shown_task();
-  return shown.handles.empty() ? code_.sources[shown.pc].line : shown.line;
 }
 
 }  // namespace polyarm::program

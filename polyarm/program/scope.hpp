@@ -32,6 +32,8 @@ class Scope {
     problems_.warning(std::move(code), program_.at(place), std::move(what), std::move(advice));
   }
 
+  const Problems& problems() const { return problems_; }
+
   Type infer(const Expression& e);
   /// Of a variable; nullptr where there is none of that name.
   const Type* local(const std::string& name) const;
@@ -77,6 +79,8 @@ class Scope {
 
 /// Tasks that command one robot, and meetings that one task alone comes to.
 void check_tasks(const Program& program, Scope& scope);
+/// Finds values that a run would refuse, as far as they are known before.
+void check_values(const Program& program, Scope& scope);
 /// Warns of blends that cannot happen, with the line that prevents each.
 void check_blends(const Program& program, Scope& scope);
 

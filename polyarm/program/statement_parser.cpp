@@ -141,6 +141,15 @@ void parse_wait(TokenCursor& cursor, Statement& out) {
     cursor.take();
     out.explicit_variable = true;
   }
+  // A value behind a name can only be meant for one of these words.
+  const std::vector<std::string> words = {"time", "var"};
+  if (cursor.peek().kind == TokenKind::name && !out.explicit_variable &&
+      (cursor.peek(1).kind == TokenKind::number || cursor.peek(1).kind == TokenKind::name) &&
+      begins_value(cursor, 1))
+    if (const auto near = nearest_name(cursor.peek().text, words))
+      throw SyntaxError{"unknown-word", cursor.peek().place,
+                        "'wait' knows no '" + cursor.peek().text + "'; did you mean '" + *near + "'?",
+                        "write `wait time 1`, `wait 500ms`, `wait NAME` or `wait user`"};
   parse_wait_condition(cursor, out);
 }
 

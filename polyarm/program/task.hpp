@@ -1,5 +1,7 @@
 #pragma once
 /// The state of one task; for the interpreter's own files.
+#include <deque>
+
 #include "polyarm/program/interpreter.hpp"
 #include "polyarm/program/large_work.hpp"
 
@@ -37,8 +39,13 @@ struct Interpreter::Task {
   std::vector<Handler> handlers;
 
   Waiting waiting;
-  std::vector<Handle> handles;          ///< of what it waits for
-  std::vector<std::string> robots;      ///< that may have queued motion of this task
+  std::vector<Handle> handles;      ///< of what it waits for
+  std::vector<std::string> robots;  ///< that may have queued motion of this task
+  struct Asked {
+    Handle handle = 0;
+    Place line;
+  };
+  std::deque<Asked> moves;              ///< that may not have arrived, in the order of the program
   std::optional<Nanoseconds> deadline;  ///< of the wait that is being looked at
   std::uint64_t seen_version = 0;
   Nanoseconds seen_at = 0;
@@ -46,6 +53,7 @@ struct Interpreter::Task {
   std::unique_ptr<Work> work;  ///< that its step is at, in pieces
   std::uint64_t passes = 0;
   std::optional<Problem> problem;
+  std::optional<Place> ended_in;  ///< the line, where it was stopped in one
 
   bool over() const { return state != TaskState::running && state != TaskState::waiting; }
   CallFrame& frame() { return frames.back(); }

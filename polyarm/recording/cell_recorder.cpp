@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/description/urdf.hpp"
@@ -178,6 +179,8 @@ class Session {
       std::string text;
       try {
         text = read_file(each.path);
+        if (is_secret(each.path, text)) continue;
+        text = without_secrets(text);
       } catch (const Error&) {
         continue;  // gone meanwhile
       }
@@ -185,7 +188,7 @@ class Session {
     }
     for (const auto& robot : cell_.robots())
       writer_.attachment(robot->entry.name + ".urdf", "application/xml", time,
-                         description::write_urdf(robot->model));
+                         without_secrets(description::write_urdf(robot->model)));
     channels_.tell_latched(begin_, into_file());
     look_for_problem();
   }
@@ -286,9 +289,9 @@ class Session {
 class CellRecorder : public cell::Recorder, private cell::Observer {
  public:
   CellRecorder(cell::Cell& cell, std::string version) : cell_(cell), version_(std::move(version)) {
-    cell_.observers().add(*this);
+    cell_.add_observer(*this);
   }
-  ~CellRecorder() override { cell_.observers().remove(*this); }
+  ~CellRecorder() override { cell_.remove_observer(*this); }
 
   void start(const cell::RecordOptions& options) override {
     if (session_ && !session_->closed())
@@ -319,7 +322,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
     else
       session_->tick(now);
     if (const auto problem = session_->take_problem())
-      cell_.observers().on_problem(
+      cell_.observer().on_problem(
           now, {"recording", {}, *problem, "make room and record again", Severity::warning});
   }
 
@@ -351,7 +354,9 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
       session_->channels().tell_log(time, level, who, text, where, session_->events());
   }
 
-  void on_note(const std::string& text) override { log(cell_.now(), LogLevel::info, "cell", text); }
+  void on_note(const std::string& text) override {
+    log(cell_.now(), LogLevel::info, "cell", without_secrets(text));
+  }
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (session_ && !session_->closes())

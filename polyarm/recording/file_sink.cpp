@@ -9,13 +9,19 @@
 #include <system_error>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::recording {
 
 FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
+  if (reach().confined()) reach().check(path, Reach::Use::write);
   std::error_code ignored;
+  const auto there = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+    throw Error("not-a-file", path.string() + " is not an ordinary file, and cannot be recorded into",
+                "name another file");
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0600);
   if (fd_ < 0)
     throw Error("unwritable", "the recording " + path.string() + " cannot be made: " + std::strerror(errno),
                 "name a file in a folder that you may write to");

@@ -75,10 +75,10 @@ class LiveView::Work : public cell::Observer {
           worker->post([meshes, uri, reply = std::move(reply)] { reply(meshes->read(uri)); });
         });
     channels_.tell_latched(cell.now(), tell());
-    cell_.observers().add(*this);
+    cell_.add_observer(*this);
   }
   ~Work() override {
-    cell_.observers().remove(*this);
+    cell_.remove_observer(*this);
     server_.set_assets(nullptr);
     server_.set_parameters({});
     server_.set_channels({});

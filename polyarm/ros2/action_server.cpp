@@ -52,7 +52,9 @@ Json result_of(const std::string& type, const Json& ended, const std::string& wh
   if (type.ends_with("FollowJointTrajectory")) {
     std::string text = ended.value("error", std::string());
     if (!why.empty()) text += (text.empty() ? "" : ": ") + why;
-    if (ended.contains("joint") && ended["off_by"].is_number())
+    if (ended.contains("note"))
+      text += ": " + ended["note"].get<std::string>();
+    else if (ended.contains("joint") && ended["off_by"].is_number())
       text += ": " + ended["joint"].get<std::string>() + " is off by " + ended["off_by"].dump() +
               ", allowed " + ended.value("tolerance", Json()).dump();
     return {{"error_code", ended.value("error_code", 0)}, {"error_string", text}};

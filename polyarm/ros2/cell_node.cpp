@@ -66,13 +66,15 @@ class CellNode : public Part {
     if (kind == "problem")
       message = text("what") + (text("advice").empty() ? "" : " (" + text("advice") + ")");
     else if (kind == "state")
-      message = text("state") + (text("cause").empty() ? "" : ": " + text("cause"));
+      message = "the cell is " + text("state") + (text("cause").empty() ? "" : ": " + text("cause"));
     else if (kind == "log")
       name += "." + text("task");
     else if (kind != "note" && kind != "stop" && kind != "question")
       return;  // lines and tags come too often
     const bool problem = kind == "problem";
-    const int level = !problem ? Log::INFO : text("severity") == "error" ? Log::ERROR : Log::WARN;
+    const bool error = problem ? text("severity") == "error" : kind == "state" && text("state") == "fault";
+    const bool warning = problem || (kind == "state" && text("state") != "running");
+    const int level = error ? Log::ERROR : warning ? Log::WARN : Log::INFO;
     const Json out{{"stamp", bridge_.ros_stamp(bridge_.cell().now())},
                    {"level", level},
                    {"name", name},

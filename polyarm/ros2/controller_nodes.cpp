@@ -20,6 +20,8 @@ using hardware::LifecycleState;
 
 /// How often it is looked which controllers there are, and who listens.
 constexpr Nanoseconds kLookForControllers = 50'000'000;
+/// The same reason is not told again sooner.
+constexpr Nanoseconds kTellAgain = 5'000'000'000;
 
 std::string declared(cell::Cell& cell, const std::string& controller, const char* key) {
   const controllers::ControllerContext* context = cell.loop().controllers().context(controller);
@@ -207,15 +209,35 @@ class ControllerNode {
         });
   }
 
+  /// The last message that was ignored, and when that was told.
+  struct Ignored {
+    std::string why;
+    Nanoseconds at = 0;
+  };
+  /// A topic has no answer: the cell is told, of the same reason not at once again.
+  static void tell_ignored(Bridge& bridge, Ignored& told, const std::string& topic, const Json& answer) {
+    if (answer.value("ok", false)) return;
+    const Json error = answer.value("error", Json::object());
+    if (error.value("code", std::string()) == "not-active") return;
+    const std::string why = error.value("what", std::string("refused"));
+    const Nanoseconds now = bridge.cell().now();
+    if (why == told.why && now - told.at < kTellAgain) return;
+    told = {why, now};
+    bridge.cell().tell("ROS 2: a message on " + topic + " is ignored: " + why);
+  }
+
   /// A message goes the way of every other door's; what an inactive controller is sent is dropped, as in ROS.
   void listen(const std::string& topic, const std::string& port, const std::string& type) {
     const bool command = type.find("Twist") != std::string::npos;
     bridge_.subscribe(ports_, topic, type,
-                      [this, to = controller_ + "/" + port](Json message) {
+                      [this, topic, to = controller_ + "/" + port](Json message) {
                         bridge_.to_cell(message);
                         bridge_.ask(
                             {{"request", "send"}, {"to", to}, {"message", std::move(message)}},
-                            [](const Json&) {}, this);
+                            [told = told_, topic, &bridge = bridge_](const Json& answer) {
+                              tell_ignored(bridge, *told, topic, answer);
+                            },
+                            this);
                       },
                       {!command, false, command ? 1u : 10u});
   }
@@ -269,6 +291,7 @@ class ControllerNode {
 
   Bridge& bridge_;
   const std::string controller_, node_;
+  const std::shared_ptr<Ignored> told_ = std::make_shared<Ignored>();  ///< answers may outlive the node
   const std::string ports_;  ///< the group of the node's endpoints that come and go with its configuration
   LifeCycle life_;
   std::vector<OutputTopic> outputs_;

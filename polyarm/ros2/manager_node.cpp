@@ -41,8 +41,10 @@ class ManagerNode : public Part {
       now["controllers"].push_back({{"name", c.name}, {"state", state_json(hardware::name(c.state))}});
     hardware::Hardware& hardware = bridge_.cell().loop().hardware();
     for (std::size_t i = 0; i < hardware.size(); ++i)
-      now["hardware_components"].push_back({{"name", hardware.component_name(i)},
-                                            {"state", state_json(hardware::name(hardware.info(i).state))}});
+      for (const std::string& name :
+           cell::names_of_component(bridge_.cell().robots(), hardware.component_name(i)))
+        now["hardware_components"].push_back(
+            {{"name", name}, {"state", state_json(hardware::name(hardware.info(i).state))}});
     if (now == told_) return;
     told_ = now;
     now["header"]["stamp"] = bridge_.ros_stamp(bridge_.cell().now());
@@ -234,16 +236,23 @@ class ManagerNode : public Part {
                 });
   }
 
-  /// What is configured already stays so; what is active is not taken out of it.
+  /// What is configured already stays so. A cell starts its controllers by itself, and launch files of users
+  /// start them once more: a spawner configures and then activates, and both succeed where that is done.
   void configure(const std::string& name, const Reply& reply) {
-    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
-      if (c.name == name && c.state == LifecycleState::active) return reply({{"ok", false}});
+    if (is_active(name)) return reply({{"ok", true}});
     bridge_.ask({{"request", "control.state"}, {"name", name}, {"state", "inactive"}},
                 [this, name, reply](const Json& answer) {
                   const bool ok = answer.value("ok", false);
                   if (!ok) tell("'" + name + "' cannot be configured", answer);
                   reply({{"ok", ok}});
                 });
+  }
+
+  bool is_active(const std::string& name) const {
+    const auto all = bridge_.cell().loop().controllers().list();
+    return std::any_of(all.begin(), all.end(), [&](const control::ListedController& c) {
+      return c.name == name && c.state == LifecycleState::active;
+    });
   }
 
   /// Humble has an older name for each list beside the one that is used.
@@ -258,8 +267,12 @@ class ManagerNode : public Part {
 
   void change(const Json& asked, const Reply& reply) {
     using Request = messages::controller_manager_msgs::srv::SwitchController::Request;
-    const Json on = either(asked, "activate_controllers", "start_controllers");
     const Json off = either(asked, "deactivate_controllers", "stop_controllers");
+    Json on = either(asked, "activate_controllers", "start_controllers");
+    if (off.empty())  // with a restart (both lists) an active one is meant to begin anew
+      on.erase(std::remove_if(on.begin(), on.end(),
+                              [this](const Json& name) { return is_active(name.get<std::string>()); }),
+               on.end());
     if (on.empty() && off.empty()) return reply({{"ok", true}, {"message", "nothing is to be changed"}});
     const int strictness = asked["strictness"];
     const std::string word = strictness == 0                      ? unsaid_strictness()

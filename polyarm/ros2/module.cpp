@@ -24,6 +24,7 @@ class Ros2Door : public cell::Door {
 
   void serve() override {
     bridge_.look_at_clock();
+    tell_news();
     take();
     for (const auto& part : parts_) bridge_.guarded([&] { part->serve(); });
   }
@@ -34,6 +35,17 @@ class Ros2Door : public cell::Door {
   }
 
   void set_bell(const std::shared_ptr<realtime::Bell>& bell) override { bridge_.wire().set_bell(bell); }
+
+  /// The process that speaks DDS is gone or back; the cell goes on.
+  void tell_news() {
+    for (RemoteNews& news : bridge_.wire().take_news()) {
+      if (news.good)
+        bridge_.cell().tell(news.what);
+      else
+        bridge_.cell().observer().on_problem(
+            bridge_.cell().now(), {"dds-process", {}, news.what, std::move(news.advice), Severity::warning});
+    }
+  }
 
   /// False where nothing has come in.
   bool one() {

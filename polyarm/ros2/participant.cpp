@@ -103,27 +103,11 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
 
 }  // namespace
 
-std::string text_of(const Guid& guid) {
-  std::string out;
-  for (const std::uint8_t byte : guid) {
-    if (!out.empty()) out += '.';
-    out += "0123456789abcdef"[byte >> 4];
-    out += "0123456789abcdef"[byte & 15];
-  }
-  return out;
-}
-
-Vendor vendor_of(const Guid& guid) {
-  if (guid[0] == 1 && guid[1] == 0x0f) return Vendor::fast_dds;
-  if (guid[0] == 1 && guid[1] == 0x10) return Vendor::cyclone;
-  return Vendor::other;
-}
-
 class Participant::Work : public DiscoveryListener {
   struct Endpoint;
 
  public:
-  explicit Work(const ParticipantOptions& options) {
+  Work(const ParticipantOptions& options, ParticipantObserver* observer) : observer_{observer} {
     participant_ = rtps::RTPSDomain::createParticipant(options.domain, attributes_of(options), this);
     if (!participant_)
       refuse("no participant in domain " + std::to_string(options.domain) + " can be made",
@@ -138,8 +122,8 @@ class Participant::Work : public DiscoveryListener {
   }
 
   Id add_writer(const std::string& topic, const std::string& type, const Qos& qos,
-                const std::string& user_data, bool addressed) {
-    auto endpoint = std::make_unique<Endpoint>(*this);
+                const std::string& user_data, bool addressed, Id id) {
+    auto endpoint = std::make_unique<Endpoint>(*this, next(id));
     rtps::WriterAttributes attributes;
     attributes.endpoint = endpoint_attributes(qos);
     set_heartbeat_period(attributes, 100);
@@ -158,8 +142,8 @@ class Participant::Work : public DiscoveryListener {
   }
 
   Id add_reader(const std::string& topic, const std::string& type, const Qos& qos,
-                const std::string& user_data, OnSample on_sample) {
-    auto endpoint = std::make_unique<Endpoint>(*this);
+                const std::string& user_data, OnSample on_sample, Id id) {
+    auto endpoint = std::make_unique<Endpoint>(*this, next(id));
     endpoint->on_sample = std::move(on_sample);
     rtps::ReaderAttributes attributes;
     attributes.endpoint = endpoint_attributes(qos);
@@ -244,7 +228,7 @@ class Participant::Work : public DiscoveryListener {
 
  private:
   struct Endpoint : EndpointListener {
-    explicit Endpoint(Work& work) : owner(work) {}
+    Endpoint(Work& work, Id called) : owner(work), id(called) {}
     void match(const rtps::MatchingInfo& info) override { owner.match(*this, info); }
     void take(const rtps::CacheChange_t& change) override {
       const rtps::SerializedPayload_t& payload = change.serializedPayload;
@@ -259,6 +243,7 @@ class Participant::Work : public DiscoveryListener {
     }
 
     Work& owner;
+    const Id id;
     rtps::RTPSWriter* writer = nullptr;
     rtps::RTPSReader* reader = nullptr;
     std::unique_ptr<rtps::WriterHistory> written;
@@ -300,10 +285,16 @@ class Participant::Work : public DiscoveryListener {
     return out;
   }
 
+  Id next(Id wanted) {
+    const std::lock_guard lock(mutex_);
+    last_id_ = std::max(last_id_ + (wanted == 0 ? 1 : 0), wanted);
+    return wanted == 0 ? last_id_ : wanted;
+  }
   Id keep(std::unique_ptr<Endpoint> endpoint) {
     const std::lock_guard lock(mutex_);
-    endpoints_.emplace(++last_id_, std::move(endpoint));
-    return last_id_;
+    const Id id = endpoint->id;
+    endpoints_.emplace(id, std::move(endpoint));
+    return id;
   }
   Endpoint* find(Id id) const {
     const std::lock_guard lock(mutex_);
@@ -314,19 +305,25 @@ class Participant::Work : public DiscoveryListener {
   void match(Endpoint& endpoint, const rtps::MatchingInfo& info) {
     const std::lock_guard lock(mutex_);
     const Guid guid = guid_of(info.remoteEndpointGuid);
-    if (info.status == rtps::MATCHED_MATCHING)
+    const bool matches = info.status == rtps::MATCHED_MATCHING;
+    if (matches)
       endpoint.matched.try_emplace(guid, std::chrono::steady_clock::now());
     else
       endpoint.matched.erase(guid);
+    if (observer_) observer_->on_match(endpoint.id, guid, matches);
   }
 
   void know(const rtps::GUID_t& guid, bool there, std::string user_data) override {
     const std::lock_guard lock(mutex_);
     if (guid.guidPrefix == own_) return;
-    if (there)
-      remotes_[guid_of(guid)] = std::move(user_data);
-    else
-      remotes_.erase(guid_of(guid));
+    const Guid endpoint = guid_of(guid);
+    if (!there) {
+      remotes_.erase(endpoint);
+      if (observer_) observer_->on_unknown(endpoint);
+      return;
+    }
+    if (observer_) observer_->on_known(endpoint, user_data);
+    remotes_[endpoint] = std::move(user_data);
   }
 
   /// Cyclone takes no notice of what comes from a participant that it has not heard of yet, and would be told
@@ -344,8 +341,10 @@ class Participant::Work : public DiscoveryListener {
     std::erase_if(remotes_, [&](const auto& remote) {
       return std::equal(gone.begin(), gone.begin() + 12, remote.first.begin());
     });
+    if (observer_) observer_->on_forgotten(gone);
   }
 
+  ParticipantObserver* const observer_;
   rtps::RTPSParticipant* participant_ = nullptr;
   rtps::GuidPrefix_t own_;
   OnlyItsOwn filter_;
@@ -355,15 +354,16 @@ class Participant::Work : public DiscoveryListener {
   std::map<Guid, std::string> remotes_;  ///< user data
 };
 
-Participant::Participant(const ParticipantOptions& options) : work_{std::make_unique<Work>(options)} {}
+Participant::Participant(const ParticipantOptions& options, ParticipantObserver* observer)
+    : work_{std::make_unique<Work>(options, observer)} {}
 Participant::~Participant() = default;
 Participant::Id Participant::add_writer(const std::string& topic, const std::string& type, const Qos& qos,
-                                        const std::string& user_data, bool addressed) {
-  return work_->add_writer(topic, type, qos, user_data, addressed);
+                                        const std::string& user_data, bool addressed, Id id) {
+  return work_->add_writer(topic, type, qos, user_data, addressed, id);
 }
 Participant::Id Participant::add_reader(const std::string& topic, const std::string& type, const Qos& qos,
-                                        const std::string& user_data, OnSample on_sample) {
-  return work_->add_reader(topic, type, qos, user_data, std::move(on_sample));
+                                        const std::string& user_data, OnSample on_sample, Id id) {
+  return work_->add_reader(topic, type, qos, user_data, std::move(on_sample), id);
 }
 void Participant::remove(Id id) {
   work_->remove(id);

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/messages/json.hpp"
 
@@ -21,7 +22,6 @@ namespace polyarm::ros2 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kMostWaiting = 1000, kMostToSend = 10'000;
 /// Of topics, before answers are looked at again.
 constexpr std::size_t kAtOnce = 64;
 /// So long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s, and their server stands still
@@ -39,7 +39,6 @@ constexpr auto kFirstReply = std::chrono::milliseconds(100);
 constexpr std::size_t kMostAnswered = 4096;
 /// Cyclone DDS puts who asked, and the how manieth time, before the fields of requests and replies.
 constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
-constexpr std::size_t kLargest = 16u << 20;
 
 /// The value of `key=value;` in user data, "" without.
 std::string entry_of(const std::string& user_data, const std::string& key) {
@@ -65,7 +64,8 @@ class Wire::Work {
   Work(const ParticipantOptions& options, messages::Distribution distribution)
       : participant_{options}, distribution_{distribution} {
     const messages::TypeInfo& type = *find_type(kGraph);
-    graph_ = participant_.add_writer("ros_discovery_info", type.dds_name, {true, true, 1}, type_hash(type));
+    graph_ =
+        participant_.add_writer("ros_discovery_info", type.dds_name, {true, true, 1, true}, type_hash(type));
     thread_ = std::thread([this] { run(); });
   }
 
@@ -93,7 +93,6 @@ class Wire::Work {
         "rt" + topic, type.dds_name, qos, type_hash(type), [this, shared](const Sample& sample) {
           const Guid own = participant_.prefix();
           if (std::equal(own.begin(), own.begin() + 12, sample.writer.begin())) return;
-          if (sample.payload.size() > kLargest) return refuse(true);
           enqueue([shared, payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())] {
             return !*shared || (*shared)(payload);
           });
@@ -128,8 +127,6 @@ class Wire::Work {
                                 [this, caller](const Sample& sample) { take_reply(sample, caller); });
     const Id requests = participant_.add_writer("rq" + name + "Request", request.dds_name, {},
                                                 client_id + type_hash(request));
-    caller->writer = participant_.guid(requests);
-    caller->reader = participant_.guid(replies);
     own(node, replies, {true, [caller] { caller->on_reply = nullptr; }});
     callers_[requests] = {caller, replies};
     return own(node, requests, {false, {}});
@@ -146,7 +143,11 @@ class Wire::Work {
   bool call(Id client, std::vector<std::byte> request) {
     if (!ready(client)) return false;
     Caller& caller = *callers_.at(client).first;
-    caller.cyclone = vendor_of(participant_.matched(client).front().guid) == Vendor::cyclone;
+    const auto servers = participant_.matched(client);
+    if (servers.empty()) return false;  // gone meanwhile
+    caller.cyclone = vendor_of(servers.front().guid) == Vendor::cyclone;
+    caller.writer = participant_.guid(client);
+    caller.reader = participant_.guid(callers_.at(client).second);
     ++caller.number;
     if (caller.cyclone) {
       const auto header = caller.header();
@@ -173,10 +174,11 @@ class Wire::Work {
   }
 
   void publish(Id id, std::vector<std::byte> payload) { send(to_tell_, {id, std::move(payload), {}, {}}); }
-  bool wanted(Id id) const { return !participant_.matched(id).empty(); }
+  bool wanted(Id id) const { return participant_.is_matched(id); }
 
   std::size_t take(std::size_t most) {
-    if (graph_changed_) tell_graph();
+    if ((graph_changed_ || participant_.identities() != told_identities_) && participant_.settled())
+      tell_graph();
     std::deque<std::function<bool()>> now;
     {
       const std::lock_guard lock(mutex_);
@@ -196,10 +198,17 @@ class Wire::Work {
   }
 
   WireStatistics statistics() const {
+    const RemoteStatistics remote = participant_.statistics();
     const std::lock_guard lock(mutex_);
-    return statistics_;
+    WireStatistics out = statistics_;
+    out.received += remote.too_large + remote.dropped;
+    out.refused += remote.too_large;
+    out.dropped += remote.dropped;
+    out.unsent += remote.unsent;
+    return out;
   }
-  const Participant& participant() const { return participant_; }
+  std::vector<RemoteNews> take_news() { return participant_.take_news(); }
+  const RemoteParticipant& participant() const { return participant_; }
   messages::Distribution distribution() const { return distribution_; }
 
   realtime::BellRope rope;
@@ -267,7 +276,7 @@ class Wire::Work {
     {
       const std::lock_guard lock(mutex_);
       ++statistics_.received;
-      if (waiting_.size() < kMostWaiting)
+      if (waiting_.size() < bounds::kSamplesToTake)
         waiting_.push_back(std::move(work));
       else
         ++statistics_.dropped;
@@ -280,7 +289,7 @@ class Wire::Work {
   void take_request(const Sample& sample, Id replies, const std::shared_ptr<OnRequest>& on_request) {
     Asker asker;
     asker.vendor = vendor_of(sample.writer);
-    if (sample.payload.size() < kEncapsulation || sample.payload.size() > kLargest) return refuse(true);
+    if (sample.payload.size() < kEncapsulation) return refuse(true);
     std::vector<std::byte> payload(sample.payload.begin(), sample.payload.end());
     asker.related = {sample.related == kNoGuid ? sample.writer : sample.related, sample.sequence};
     if (asker.vendor == Vendor::cyclone) {
@@ -301,9 +310,7 @@ class Wire::Work {
   /// On a thread of the participant. Others' replies come here, too.
   void take_reply(const Sample& sample, const std::shared_ptr<Caller>& caller) {
     const bool cyclone = vendor_of(sample.writer) == Vendor::cyclone;
-    if (sample.payload.size() < kEncapsulation + (cyclone ? kCycloneHeader : 0) ||
-        sample.payload.size() > kLargest)
-      return refuse(true);
+    if (sample.payload.size() < kEncapsulation + (cyclone ? kCycloneHeader : 0)) return refuse(true);
     enqueue([this, caller, cyclone, related = sample.related, sequence = sample.related_sequence,
              payload = std::vector<std::byte>(sample.payload.begin(), sample.payload.end())]() mutable {
       if (!caller->on_reply || caller->awaited == 0 || cyclone != caller->cyclone) return true;
@@ -330,7 +337,7 @@ class Wire::Work {
   void send(std::deque<Outgoing>& queue, Outgoing out) {
     {
       const std::lock_guard lock(mutex_);
-      if (queue.size() >= kMostToSend) {
+      if (queue.size() >= bounds::kSamplesToSend) {
         ++statistics_.unsent;
         return;
       }
@@ -360,7 +367,7 @@ class Wire::Work {
       for (auto* list : {&postponed, &now})
         for (Outgoing& out : *list)
           if (!write(out)) {
-            if (still.size() < kMostToSend)
+            if (still.size() < bounds::kSamplesToSend)
               still.push_back(std::move(out));
             else
               ++given_up;
@@ -421,6 +428,7 @@ class Wire::Work {
     struct Ends {
       nlohmann::json readers = nlohmann::json::array(), writers = nlohmann::json::array();
     };
+    const std::uint64_t identities = participant_.identities();
     std::map<std::string, Ends> ends;
     for (const auto& [group, node] : nodes_) {
       Ends& of = ends[group.substr(0, group.find('@'))];
@@ -436,6 +444,7 @@ class Wire::Work {
                        {"writer_gid_seq", std::move(of.writers)}});
     }
     graph_changed_ = false;
+    told_identities_ = identities;
     publish(graph_, messages::from_json(*find_type(kGraph), {{"gid", gid(participant_.prefix())},
                                                              {"node_entities_info_seq", std::move(nodes)}}));
   }
@@ -447,11 +456,12 @@ class Wire::Work {
     return {{"data", bytes}};
   }
 
-  Participant participant_;
+  RemoteParticipant participant_;
   const messages::Distribution distribution_;
   Id graph_ = 0;
   std::map<std::string, Node> nodes_;
   bool graph_changed_ = true;
+  std::uint64_t told_identities_ = 0;
   std::uint64_t uniques_ = 0;
   std::map<Id, std::pair<std::shared_ptr<Caller>, Id>> callers_;  ///< and readers, by request writers
 
@@ -516,7 +526,10 @@ void Wire::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
 WireStatistics Wire::statistics() const {
   return work_->statistics();
 }
-const Participant& Wire::participant() const {
+std::vector<RemoteNews> Wire::take_news() {
+  return work_->take_news();
+}
+const RemoteParticipant& Wire::participant() const {
   return work_->participant();
 }
 messages::Distribution Wire::distribution() const {

@@ -1,6 +1,9 @@
 #pragma once
 /// Topics and services as ROS 2 names them, and the graph that tells its tools which node has which.
 ///
+/// DDS itself is spoken by a process of its own (RemoteParticipant); what it has under way is lost with it,
+/// and nodes, topics and services are there again as soon as it is.
+///
 /// What comes in waits until `take` is called: callbacks run on that thread alone. What goes out is written
 /// by a thread of this class; a reply waits up to ten seconds until its reader is matched.
 #include <chrono>
@@ -14,7 +17,7 @@
 
 #include "polyarm/messages/type_info.hpp"
 #include "polyarm/realtime/bell.hpp"
-#include "polyarm/ros2/participant.hpp"
+#include "polyarm/ros2/remote_participant.hpp"
 
 namespace polyarm::ros2 {
 
@@ -79,7 +82,9 @@ class Wire {
   void set_bell(const std::shared_ptr<realtime::Bell>& bell);
 
   WireStatistics statistics() const;
-  const Participant& participant() const;
+  /// What others that use the wire must be told of: see RemoteNews.
+  std::vector<RemoteNews> take_news();
+  const RemoteParticipant& participant() const;
   messages::Distribution distribution() const;
 
  private:

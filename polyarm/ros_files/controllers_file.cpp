@@ -4,6 +4,7 @@
 #include <functional>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/ros_files/superseded_keys.hpp"
@@ -53,19 +54,22 @@ class Ros2Reader {
       : set_(set),
         substitution_(substitution),
         out_(out),
-        problems_(problems),
+        problems_(&problems),
         used_(set.nodes.size(), false) {}
 
   void read() {
     for (const ManagerName& manager : managers()) read_manager_of(manager);
     lend_other_namespaces();
-    for (std::size_t i = first_; i < out_.controllers.size(); ++i) finish(out_.controllers[i]);
+    std::erase_if(out_.controllers, [&](ControllerEntry& entry) {
+      return !alone("the controller '" + entry.name + "' is left out: ", [&] { finish(entry); });
+    });
     check_fallbacks();
   }
 
  private:
   std::vector<ManagerName> managers() const {
     std::vector<ManagerName> named, other;
+    std::vector<Path> typed;  // namespaces of controllers whose own blocks state a type
     bool everywhere = false;
     const auto add = [](std::vector<ManagerName>& list, ManagerName manager) {
       if (std::find(list.begin(), list.end(), manager) == list.end()) list.push_back(std::move(manager));
@@ -82,10 +86,14 @@ class Ros2Reader {
       else if (declares_controllers(node))
         add(other, {ns, node.path.back()});
       else if (is_class_name(node.parameters.text("type")))
-        wild ? void(everywhere = true) : add(other, {ns});
+        wild ? void(everywhere = true) : typed.push_back(ns);
     }
     if (!named.empty()) return named;
-    return everywhere ? where_controllers_are() : other;
+    if (everywhere) return where_controllers_are();
+    for (const Path& ns : typed)
+      if (std::none_of(other.begin(), other.end(), [&](const ManagerName& m) { return m.ns == ns; }))
+        add(other, {ns});
+    return other;
   }
 
   static bool says_manager(const NodeParameters& node) {
@@ -148,10 +156,13 @@ class Ros2Reader {
     const std::set<std::string> names = controller_names(manager, gathered);
     const auto is_controller = [&](const std::string& name) { return names.contains(name); };
     const auto is_own = [&](const std::string& key) { return gathered.own.contains(key); };
-    ManagerParameters read = read_manager(gathered.parameters, is_controller, is_own, out_.unused, problems_);
+    ManagerParameters read =
+        read_manager(gathered.parameters, is_controller, is_own, out_.unused, *problems_);
     read.ns = join_name(manager.ns);
     keep(read, gathered);
-    for (const std::string& name : names) controller(name, manager, gathered, names);
+    for (const std::string& name : names)
+      alone("the controller '" + name + "' is left out: ",
+            [&] { controller(name, manager, gathered, names); });
   }
 
   void keep(const ManagerParameters& read, const Gathered& gathered) {
@@ -159,13 +170,29 @@ class Ros2Reader {
       out_.manager = read;
     } else if (read.update_rate > 0 && out_.manager.update_rate > 0 &&
                read.update_rate != out_.manager.update_rate) {
-      problems_.warning("several-rates", gathered.parameters.entries.at("update_rate").where,
-                        "the manager in " + read.ns + " asks for " + format_number(read.update_rate) +
-                            " Hz, the one in " + out_.manager.ns + " for " +
-                            format_number(out_.manager.update_rate) + " Hz",
-                        "a cell has one rate, the first counts; set update_rate of the slower controllers");
+      problems_->warning("several-rates", gathered.parameters.entries.at("update_rate").where,
+                         "the manager in " + read.ns + " asks for " + format_number(read.update_rate) +
+                             " Hz, the one in " + out_.manager.ns + " for " +
+                             format_number(out_.manager.update_rate) + " Hz",
+                         "a cell has one rate, the first counts; set update_rate of the slower controllers");
     }
     out_.update_rate = out_.manager.update_rate > 0 ? out_.manager.update_rate : read.update_rate;
+  }
+
+  /// What is wrong with one controller concerns no other: its errors become warnings that begin with
+  /// `consequence`. False where there were any.
+  template <typename Step>
+  bool alone(const std::string& consequence, Step step) {
+    Problems own;
+    Problems* const outer = std::exchange(problems_, &own);
+    step();
+    problems_ = outer;
+    for (Problem problem : own.list()) {
+      if (problem.severity == Severity::error) problem.what = consequence + problem.what;
+      problem.severity = Severity::warning;
+      problems_->add(std::move(problem));
+    }
+    return !own.has_errors();
   }
 
   /// Who is a controller: who has a type, or something that only controllers have.
@@ -198,6 +225,7 @@ class Ros2Reader {
     Path whole = manager.ns;
     whole.push_back(name);
     Gathered own = gather(whole, set_.nodes, &used_);
+    if (!taken_.insert(whole).second) return;  // by another manager of this namespace
     drop_foreign(own, names);
     ControllerEntry entry;
     entry.name = name;
@@ -208,15 +236,17 @@ class Ros2Reader {
     };
     check_declaration(name, from);
     if (!read_type(entry, declared("type"), own, from)) return;
-    ParameterReader reader(problems_);
+    ParameterReader reader(*problems_);
     if (const auto* files = declared("params_file")) reader.read("params_file", *files, entry.params_files);
     if (const auto* others = declared("fallback_controllers"))
       reader.read("fallback_controllers", *others, entry.fallback_controllers);
     if (const auto* args = declared("node_options_args"))
       reader.read("node_options_args", *args, entry.node_options_args);
+    if (problems_->has_errors()) return;
     if (!own.has_block && entry.params_files.empty()) lonely_.insert(out_.controllers.size());
     for (const std::string& file : entry.params_files)
       read_params_file(file, *declared("params_file"), whole, own);
+    if (problems_->has_errors()) return;
     take_arguments(entry, declared("node_options_args"), own.parameters);
     entry.parameters = std::move(own.parameters);
     out_.controllers.push_back(std::move(entry));
@@ -236,14 +266,14 @@ class Ros2Reader {
     const bool block = in_block != own.parameters.entries.end();
     const Parameters::Entry* type = declared ? declared : block ? &in_block->second : nullptr;
     if (!type || type->values.empty()) {
-      problems_.error("no-type", place_of(entry.name, from, own),
-                      "the controller '" + entry.name + "' has no type", kTypeAdvice);
+      problems_->error("no-type", place_of(entry.name, from, own),
+                       "the controller '" + entry.name + "' has no type", kTypeAdvice);
       return false;
     }
     entry.type = type->values.front();
     entry.where = type->where;
     if (!is_class_name(entry.type) || type->list) {
-      problems_.error("bad-type", type->where, "'" + entry.type + "' is no type of controller", kTypeAdvice);
+      problems_->error("bad-type", type->where, "'" + entry.type + "' is no type of controller", kTypeAdvice);
       return false;
     }
     if (block) own.parameters.entries.erase(in_block);
@@ -264,12 +294,12 @@ class Ros2Reader {
       if (std::find(kControllerKeys.begin(), kControllerKeys.end(), rest) != kControllerKeys.end()) continue;
       const Location& where = from.parameters.entries.at(key).where;
       if (rest.find('.') == std::string::npos && nearest_name(rest, kControllerKeys))
-        problems_.warning(
+        problems_->warning(
             "unknown-key", where,
             "'" + rest + "' is no key of a controller here" + did_you_mean(rest, kControllerKeys),
             "known are: " + join(kControllerKeys, ", "));
       else
-        problems_.warning(
+        problems_->warning(
             "misplaced-key", where,
             "'" + rest + "' stands below the controller manager, where '" + name + "' does not look for it",
             "write it below '" + name + ":' and 'ros__parameters:' at the left margin");
@@ -283,17 +313,17 @@ class Ros2Reader {
     try {
       ParameterSource source{beside / file};
       source.substitution = substitution_;
-      read_parameters(source, extra, problems_);
+      read_parameters(source, extra, *problems_);
     } catch (const Error& error) {
-      problems_.error("params-file", entry.where, "'" + file + "' of '" + name.back() + "': " + error.what(),
-                      "a relative name starts from the folder of this file");
+      problems_->error("params-file", entry.where, "'" + file + "' of '" + name.back() + "': " + error.what(),
+                       "a relative name starts from the folder of this file");
       return;
     }
     Gathered more = gather(name, extra.nodes, nullptr);
     if (more.parameters.entries.empty())
-      problems_.warning("params-file", entry.where,
-                        "'" + file + "' says nothing about '" + join_name(name) + "'",
-                        "its lines stand below '" + name.back() + ":' and 'ros__parameters:'");
+      problems_->warning("params-file", entry.where,
+                         "'" + file + "' says nothing about '" + join_name(name) + "'",
+                         "its lines stand below '" + name.back() + ":' and 'ros__parameters:'");
     more.parameters.entries.erase("type");
     for (auto& [key, value] : more.parameters.entries) own.parameters.entries[key] = std::move(value);
     for (JointLimitsSource& limits : extra.joint_limits) set_.joint_limits.push_back(std::move(limits));
@@ -326,7 +356,7 @@ class Ros2Reader {
   }
 
   void lend(const NodeParameters& node, ControllerEntry& entry) {
-    problems_.warning(
+    problems_->warning(
         "other-namespace", node.where,
         "'" + join_name(node.path) + "' is not where the controller '" + entry.full_name() + "' is",
         "its parameters are taken all the same; ROS would not: write '" + entry.full_name() + ":'");
@@ -344,24 +374,24 @@ class Ros2Reader {
       out_.unused.push_back({join_name(node.path), node.where, "these are the parameters of another node"});
       return;
     }
-    problems_.warning("no-type", node.where,
-                      "no controller manager declares a controller '" + join_name(node.path) + "'" + hint,
-                      "its lines are passed over; write '" + name +
-                          ": type: PACKAGE/CLASS' below the manager's "
-                          "'ros__parameters:'");
+    problems_->warning("no-type", node.where,
+                       "no controller manager declares a controller '" + join_name(node.path) + "'" + hint,
+                       "its lines are passed over; write '" + name +
+                           ": type: PACKAGE/CLASS' below the manager's "
+                           "'ros__parameters:'");
   }
 
   void finish(ControllerEntry& entry) {
     std::map<std::string, Parameters::Entry>& entries = entry.parameters.entries;
-    ParameterReader reader(problems_);
+    ParameterReader reader(*problems_);
     if (entries.contains("update_rate"))
       reader.whole("update_rate", entries["update_rate"], 0, 10000, entry.update_rate);
     if (entries.contains("is_async")) reader.read("is_async", entries["is_async"], entry.is_async);
     for (const auto& [key, value] : entries)
       if (key.starts_with("async_parameters.")) async(key.substr(17), value, entry.async);
     if (const char* instead = superseded_type(entry.type))
-      problems_.warning("superseded-type", entry.where, entry.type + " is the name of an older release",
-                        instead);
+      problems_->warning("superseded-type", entry.where, entry.type + " is the name of an older release",
+                         instead);
     for (const auto& [key, value] : entries) supersede(entry, key, value);
     std::erase_if(entries, [&](const auto& item) {
       const std::string& key = item.first;
@@ -374,14 +404,14 @@ class Ros2Reader {
 
   void supersede(const ControllerEntry& entry, const std::string& key, const Parameters::Entry& value) {
     if (const char* instead = superseded(entry.type, key))
-      problems_.warning("superseded-key", value.where,
-                        "'" + key + "' of '" + entry.name + "' is the key of an older release", instead);
+      problems_->warning("superseded-key", value.where,
+                         "'" + key + "' of '" + entry.name + "' is the key of an older release", instead);
   }
 
   void async(const std::string& key, const Parameters::Entry& value, AsyncParameters& out) {
     static const std::vector<std::string> kKnown = {"thread_priority", "cpu_affinity", "scheduling_policy",
                                                     "print_warnings", "wait_until_initial_trigger"};
-    ParameterReader reader(problems_);
+    ParameterReader reader(*problems_);
     if (key == "thread_priority")
       reader.whole(key, value, 0, 99, out.thread_priority);
     else if (key == "cpu_affinity")
@@ -391,44 +421,51 @@ class Ros2Reader {
     else if (key == "scheduling_policy")
       policy(value, out);
     else if (key != "wait_until_initial_trigger")
-      problems_.warning("unknown-key", value.where,
-                        "'" + key + "' is no key of async_parameters" + did_you_mean(key, kKnown),
-                        "known are: " + join(kKnown, ", "));
+      problems_->warning("unknown-key", value.where,
+                         "'" + key + "' is no key of async_parameters" + did_you_mean(key, kKnown),
+                         "known are: " + join(kKnown, ", "));
   }
 
   void policy(const Parameters::Entry& value, AsyncParameters& out) {
     std::string written;
-    ParameterReader(problems_).read("scheduling_policy", value, written);
+    ParameterReader(*problems_).read("scheduling_policy", value, written);
     if (written == "synchronized" || written == "detached")
       out.scheduling_policy = written;
     else
-      problems_.error("bad-value", value.where, "'" + written + "' is no scheduling_policy",
-                      "write synchronized or detached");
+      problems_->error("bad-value", value.where, "'" + written + "' is no scheduling_policy",
+                       "write synchronized or detached");
   }
 
   void check_fallbacks() {
-    for (const ControllerEntry& entry : out_.controllers) {
+    for (ControllerEntry& entry : out_.controllers) {
       std::vector<std::string> names;
       for (const ControllerEntry& other : out_.controllers)
         if (other.ns == entry.ns && other.name != entry.name) names.push_back(other.name);
-      for (const std::string& name : entry.fallback_controllers)
+      std::erase_if(entry.fallback_controllers, [&](const std::string& name) {
         if (name == entry.name)
-          problems_.error("bad-fallback", entry.where, "'" + name + "' is named as its own fallback",
-                          "name another controller, or take the line away");
+          problems_->warning("bad-fallback", entry.where,
+                             "'" + name + "' is named as its own fallback; it has none",
+                             "name another controller, or take the line away");
         else if (std::find(names.begin(), names.end(), name) == names.end())
-          problems_.error("bad-fallback", entry.where,
-                          "'" + entry.name + "' falls back to '" + name + "', which is no controller here" +
-                              did_you_mean(name, names));
+          problems_->warning("bad-fallback", entry.where,
+                             "'" + entry.name + "' falls back to '" + name +
+                                 "', which is no controller here" + did_you_mean(name, names) +
+                                 "; it has no such fallback");
+        else
+          return false;
+        return true;
+      });
     }
   }
 
   ParameterSet& set_;
   const ParameterSubstitution* substitution_;
   ControllersFile& out_;
-  Problems& problems_;
+  Problems* problems_;  ///< of the whole file, or of the one controller that is being read
   std::vector<bool> used_;
   std::set<std::size_t> lonely_;  ///< controllers for which no block has been found
-  std::size_t first_ = 0, gathered_ = 0;
+  std::set<Path> taken_;          ///< controllers that have been read
+  std::size_t gathered_ = 0;
 };
 
 /// Finds controllers, gains and rates on the parameter server of ROS 1.
@@ -483,12 +520,15 @@ class Ros1Reader {
     const std::string type = type_of(node);
     const ParameterTree* written = node.find("type");
     if (!written)
-      return problems_.error("no-type", node.where, "the controller '" + join_name(path) + "' has no type",
-                             "write 'type: PACKAGE/CLASS' below it, such as "
-                             "effort_controllers/JointEffortController");
+      return problems_.warning("no-type", node.where,
+                               "the controller '" + join_name(path) + "' has no type; it is left out",
+                               "write 'type: PACKAGE/CLASS' below it, such as "
+                               "effort_controllers/JointEffortController");
     if (!is_class_name(type))
-      return problems_.error("bad-type", written->where, "'" + type + "' is no type of controller",
-                             "write PACKAGE/CLASS, such as effort_controllers/JointEffortController");
+      return problems_.warning(
+          "bad-type", written->where,
+          "'" + type + "' is no type of controller; '" + join_name(path) + "' is left out",
+          "write PACKAGE/CLASS, such as effort_controllers/JointEffortController");
     ControllerEntry entry;
     entry.name = path.back();
     entry.ns = join_name(Path(path.begin(), path.end() - 1));
@@ -534,7 +574,7 @@ auto by_place(const std::vector<ParameterSource>& sources) {
 void warn_of_no_controllers(const ControllersFile& file, const std::vector<ParameterSource>& sources,
                             Problems& problems) {
   if (sources.empty() || !file.controllers.empty() || !file.joint_limits.empty() ||
-      !file.pid_gains.entries.empty() || problems.has_errors())
+      !file.pid_gains.entries.empty() || !problems.list().empty())
     return;
   problems.warning(
       "no-controllers", {sources.front().file.string(), 1, 1},

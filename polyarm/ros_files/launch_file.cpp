@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/ros_files/spawner_arguments.hpp"
@@ -15,9 +16,9 @@ namespace {
 using tinyxml2::XMLElement;
 using Args = std::map<std::string, std::string>;
 
-constexpr int kDeepestInclude = 32;
-constexpr int kMostFiles = 500;
-constexpr int kMostElements = 50'000;
+constexpr int kDeepestInclude = bounds::kLaunchNesting;
+constexpr int kMostFiles = bounds::kLaunchFiles;
+constexpr int kMostElements = bounds::kLaunchElements;
 
 std::string last_name(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
@@ -558,10 +559,10 @@ void mark(ControllersFile& file, const SpawnedController& spawned, Problems& pro
   std::string hint = did_you_mean(spawned.full_name(), names);
   for (const std::string& name : names)
     if (last_name(name) == spawned.name) hint = "; there is '" + name + "', in another namespace";
-  problems.error("no-type", spawned.where,
-                 "the spawner names '" + spawned.full_name() +
-                     "', for which no parameters with a type are loaded" + hint,
-                 "load them with <rosparam file=\"FILE.yaml\"/> in the same namespace");
+  problems.warning("no-type", spawned.where,
+                   "the spawner names '" + spawned.full_name() +
+                       "', for which no parameters with a type are loaded" + hint + "; it is left out",
+                   "load them with <rosparam file=\"FILE.yaml\"/> in the same namespace");
 }
 }  // namespace
 

@@ -1,9 +1,13 @@
 #include "polyarm/server/assets.hpp"
 
+#include <zlib.h>
+
 #include <deque>
 #include <filesystem>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::server {
 
@@ -12,9 +16,32 @@ std::map<std::string, Asset> page_in(const std::string& folder) {
   std::map<std::string, Asset> out;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
+    const AsUser user;
     kept.push_back(read_file(entry.path()));
     out["/" + std::filesystem::relative(entry.path(), folder).generic_string()] = {kept.back(), false};
   }
+  return out;
+}
+
+std::string unzipped(std::string_view gzip) {
+  constexpr std::size_t kMost = 64 << 20, kPart = 64 << 10;
+  constexpr int kGzipAlone = 16 + MAX_WBITS;
+  z_stream stream{};
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(gzip.data()));
+  stream.avail_in = static_cast<uInt>(gzip.size());
+  if (::inflateInit2(&stream, kGzipAlone) != Z_OK) throw Error("bad-gzip", "a file cannot be decompressed");
+  std::string out;
+  int result = Z_OK;
+  while (result == Z_OK && out.size() < kMost) {
+    out.resize(out.size() + kPart);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + out.size() - kPart);
+    stream.avail_out = kPart;
+    result = ::inflate(&stream, Z_NO_FLUSH);
+    out.resize(out.size() - stream.avail_out);
+    if (stream.avail_out > 0 && result == Z_OK) break;  // it ends too early
+  }
+  ::inflateEnd(&stream);
+  if (result != Z_STREAM_END) throw Error("bad-gzip", "a file cannot be decompressed");
   return out;
 }
 

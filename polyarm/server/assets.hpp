@@ -14,6 +14,8 @@ struct Asset {
 const std::map<std::string, Asset>& embedded_page();
 /// The same from a folder, read once; for who works on the page. Throws Error("no-file").
 std::map<std::string, Asset> page_in(const std::string& folder);
+/// What gzip has compressed, as it was. Throws Error("bad-gzip") for what is none, or more than 64 MiB.
+std::string unzipped(std::string_view gzip);
 /// What a browser is told a file is, by its ending.
 const char* media_type(std::string_view path);
 

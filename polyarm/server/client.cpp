@@ -1,25 +1,100 @@
 #include "polyarm/server/client.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace polyarm::server {
 
+namespace {
+
+using Json = nlohmann::json;
+
+/// Beside its text a line that waits takes this much.
+constexpr std::size_t kLineCost = 64;
+/// Who keeps less than this unread is let be, however much all do together.
+constexpr std::size_t kModest = 1 << 20;
+
+}  // namespace
+
+/// Short ones alone, so that the thread that reads for all is not kept.
+std::optional<Client::Urgent> Client::urgent_of(const std::string& line) {
+  if (line.size() > bounds::kUrgentBytes) return std::nullopt;
+  const auto named = [&](const char* name) { return line.find(name) != std::string::npos; };
+  if (!named("control.stop") && !named("control.hold") && !named("jog.beat") && !named("jog.end"))
+    return std::nullopt;
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return std::nullopt;
+  const Json name = request.value("request", Json());
+  if (name == "control.stop" || name == "control.hold") return Urgent{true, false};
+  if (name == "jog.end") return Urgent{false, !request.contains("jog")};
+  return name == "jog.beat" ? std::optional(Urgent{}) : std::nullopt;
+}
+
+Client::~Client() {
+  all_->in -= in_bytes_;
+  all_->out -= out_bytes_;
+}
+
 bool Client::take(std::string line, double now) {
-  allowance_ = std::min(kBurst, allowance_ + (refilled_ > 0 ? (now - refilled_) * kLinesASecond : 0));
+  const double passed = refilled_ > 0 ? now - refilled_ : 0;
+  allowance_ = std::min(kBurst, allowance_ + passed * kLinesASecond);
+  bytes_allowed_ = std::min<double>(bounds::kClientBurstBytes,
+                                    bytes_allowed_ + passed * bounds::kClientBytesASecond);
   refilled_ = now;
-  if (allowance_ < 1) return false;
+  const auto urgent = urgent_of(line);
+  // A stop is taken however much came before it.
+  if (urgent && urgent->stops) allowance_ = std::max(allowance_, 1.0);
+  bytes_allowed_ -= static_cast<double>(line.size());
+  if (allowance_ < 1 || bytes_allowed_ < 0) return false;
   allowance_ -= 1;
-  {
-    const std::lock_guard lock(mutex_);
+  if (urgent) {
+    if (!take_urgent(std::move(line), *urgent)) return false;
+  } else {
+    const std::size_t bytes = line.size() + kLineCost;
+    std::unique_lock lock(mutex_);
+    if (in_bytes_ + bytes > kMostIn || all_->in + bytes > bounds::kAllInBytes) {
+      lock.unlock();
+      refuse(line);
+      return true;
+    }
+    in_bytes_ += bytes;
+    all_->in += bytes;
     in_.push_back(std::move(line));
   }
   if (rope_) rope_->pull();
   return true;
 }
 
-bool Client::has_room() const {
+/// One that waits already is not kept twice; of too many heartbeats the newest count.
+bool Client::take_urgent(std::string line, Urgent urgent) {
   const std::lock_guard lock(mutex_);
-  return in_.size() < kMostLines;
+  if (urgent.stops) before_stop_ = in_.size();
+  if (urgent.ends) before_end_ = in_.size();
+  if (std::find(urgent_.begin(), urgent_.end(), line) != urgent_.end()) return true;
+  if (urgent_.size() >= kMostUrgent) {
+    const auto beat = std::find_if(urgent_.begin(), urgent_.end(), [](const std::string& each) {
+      return each.find("jog.beat") != std::string::npos;
+    });
+    if (beat == urgent_.end()) return false;
+    urgent_.erase(beat);
+  }
+  urgent_.push_back(std::move(line));
+  return true;
+}
+
+void Client::refuse(const std::string& line) {
+  Json answer{{"ok", false},
+              {"error",
+               {{"code", "busy"},
+                {"what", "too many requests of this connection wait"},
+                {"advice", "wait for answers"},
+                {"where", ""}}}};
+  if (line.size() <= bounds::kUrgentBytes) {
+    const Json request = Json::parse(line, nullptr, false);
+    if (request.is_object() && request.contains("id") && request["id"].is_primitive())
+      answer["id"] = request["id"];
+  }
+  this->answer(answer.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::optional<Client::Out> Client::next() {
@@ -27,31 +102,45 @@ std::optional<Client::Out> Client::next() {
   if (!out_.empty()) {
     Out out{std::move(out_.front().second), false};
     out_.pop_front();
-    out_bytes_ -= out.body->size();
+    drop_out(out.body->size());
     return out;
   }
   if (!frame_) return std::nullopt;
   return Out{std::exchange(frame_, nullptr), true};
 }
 
-std::vector<std::string> Client::lines(std::size_t most) {
-  std::vector<std::string> out;
+std::vector<std::string> Client::urgent() {
   const std::lock_guard lock(mutex_);
-  if (in_.size() >= kMostLines) wake();  // there will be room to read
-  while (!in_.empty() && out.size() < most) {
-    out.push_back(std::move(in_.front()));
-    in_.pop_front();
-  }
+  std::vector<std::string> out(std::make_move_iterator(urgent_.begin()),
+                               std::make_move_iterator(urgent_.end()));
+  urgent_.clear();
   return out;
+}
+
+std::optional<Client::Line> Client::line() {
+  const std::lock_guard lock(mutex_);
+  if (in_.empty()) return std::nullopt;
+  Line out{std::move(in_.front()), before_stop_ > 0, before_end_ > 0};
+  in_.pop_front();
+  if (before_stop_ > 0) --before_stop_;
+  if (before_end_ > 0) --before_end_;
+  in_bytes_ -= out.text.size() + kLineCost;
+  all_->in -= out.text.size() + kLineCost;
+  return out;
+}
+
+bool Client::too_much(std::size_t share) const {
+  return out_.size() > kMostOut / share || out_bytes_ > kMostOutBytes / share ||
+         (out_bytes_ > kModest / share && all_->out > bounds::kAllOutBytes);
 }
 
 bool Client::answer(std::string line) {
   if (gone()) return false;
   {
     const std::lock_guard lock(mutex_);
-    out_bytes_ += line.size();
+    add_out(line.size());
     out_.emplace_back(Kind::answer, std::make_shared<const std::string>(std::move(line)));
-    if (out_.size() > kMostOut || out_bytes_ > kMostOutBytes) leave();
+    if (too_much(1)) leave();
   }
   wake();
   return !gone();
@@ -70,13 +159,14 @@ void Client::put(Kind kind, Text text) {
                                        : std::find_if(out_.begin(), out_.end(),
                                                       [&](const auto& each) { return each.first == kind; });
     if (old != out_.end()) {
-      out_bytes_ = out_bytes_ - old->second->size() + text->size();
+      drop_out(old->second->size());
+      add_out(text->size());
       old->second = std::move(text);
       ++events_left_out_;
-    } else if (out_.size() >= kMostOut / 2 || out_bytes_ > kMostOutBytes / 2) {
+    } else if (too_much(2)) {
       ++events_left_out_;
     } else {
-      out_bytes_ += text->size();
+      add_out(text->size());
       out_.emplace_back(kind, std::move(text));
     }
   }

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "polyarm/cell/program_hash.hpp"
+#include "polyarm/cell/ways.hpp"
 #include "polyarm/server/documents.hpp"
 
 namespace polyarm::server {
@@ -36,6 +38,7 @@ Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = t
           {"last_pass_s", task.last_pass() ? Json(seconds(*task.last_pass())) : Json()},
           {"paused", task.interpreter().paused()},
           {"begun", begun},
+          {"hash", begun ? "" : cell::program_hash(task.interpreter().program())},
           {"ended", task.ended()},
           {"tasks", task.interpreter().status().size()},
           {"waits_for", status.waiting.text},
@@ -54,6 +57,20 @@ bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
   return a.pose == b.pose && a.in_world == b.in_world && a.held_by == b.held_by;
 }
 
+/// A robot that moves are made for and whose joints nobody commands: the controller that would. Empty: somebody does.
+std::string idle_mover(cell::Cell& cell, std::size_t robot) {
+  if (!cell.motion(robot)) return {};
+  const auto& joints = cell.robots()[robot]->joints;
+  for (const controllers::JointFacts& joint : joints)
+    for (const char* what : {"/position", "/velocity", "/effort"})
+      if (!cell.loop().controllers().holder_of(joint.name + what).empty()) return {};
+  for (const control::ListedController& each : cell.loop().controllers().list())
+    for (const std::string& command : each.required_commands)
+      if (each.state == hardware::LifecycleState::inactive && command.starts_with(joints.front().name + "/"))
+        return each.name;
+  return {};
+}
+
 }  // namespace
 
 Json status_of(cell::Cell& cell, const Journal& journal) {
@@ -70,11 +87,16 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
   for (std::size_t i = 0; i < hardware.size(); ++i)
     if (hardware.commands_of(i).second > 0 && hardware.state_of(i) != hardware::LifecycleState::active)
       inactive.push_back(hardware.component_name(i));
+  for (std::size_t i = 0; i < cell.robots().size(); ++i)
+    if (const std::string mover = idle_mover(cell, i); !mover.empty()) inactive.push_back(mover);
   return {{"event", "status"},
           {"cell", cell.file().name},
           {"state", control::name(seen.state)},
           {"cause", control::name(seen.cause)},
+          {"cause_code", control::code(seen.cause)},
           {"held", running ? "" : control::name(seen.cause)},
+          {"can", cell::ways_json(cell)},
+          {"contacts", cell::contacts_json(cell)},
           {"standing", seen.standing},
           {"armed", cell.arming().armed()},
           {"needs_arming", cell.arming().needed()},
@@ -155,6 +177,7 @@ Text PartEvents::tell(bool full) {
     Json each = pose_json(parts[i].pose);
     each["name"] = cell_.scene().parts[i].name;
     each["in_world"] = parts[i].in_world;
+    each["taken"] = parts[i].entered && !parts[i].in_world;
     each["held_by"] = parts[i].held_by >= 0
                           ? Json(cell_.robots()[static_cast<std::size_t>(parts[i].held_by)]->entry.name)
                           : Json();

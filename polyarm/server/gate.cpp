@@ -122,9 +122,20 @@ bool host_allowed(std::string_view host, const GateRules& rules) {
          std::find(rules.names.begin(), rules.names.end(), name) != rules.names.end();
 }
 
-Shown shown_token(const Head& head, const GateRules& rules) {
+namespace {
+
+struct Claim {
+  Shown how = Shown::nothing;
+  cell::Role role = cell::Role::watch;
+};
+
+Claim claim_of(const Head& head, const GateRules& rules) {
   const auto judged = [&](std::string_view token, Shown as) {
-    return same_token(token, rules.token) ? as : Shown::wrong;
+    Claim out{Shown::wrong, cell::Role::watch};
+    if (same_token(token, rules.token)) out = {as, cell::Role::administer};
+    for (const auto& [lesser, role] : rules.lesser)
+      if (same_token(token, lesser)) out = {as, role};
+    return out;
   };
   constexpr std::string_view kBearer = "bearer ";
   if (lower(head.authorization.substr(0, kBearer.size())) == kBearer)
@@ -133,13 +144,23 @@ Shown shown_token(const Head& head, const GateRules& rules) {
     return judged(token, Shown::query);
   if (const std::string token = cookie_value(head.cookie, rules.cookie); !token.empty())
     return judged(token, Shown::cookie);
-  return Shown::nothing;
+  return {};
+}
+
+}  // namespace
+
+Shown shown_token(const Head& head, const GateRules& rules) {
+  return claim_of(head, rules).how;
+}
+
+cell::Role shown_role(const Head& head, const GateRules& rules) {
+  return claim_of(head, rules).role;
 }
 
 Verdict judge(const Head& head, const GateRules& rules, bool changes) {
   if (!host_allowed(head.host, rules))
     return {421, "this address is not served: open the link that polyarm printed"};
-  if (!head.origin.empty() && head.origin != "http://" + head.host)
+  if (!head.origin.empty() && head.origin != (head.secure ? "https://" : "http://") + head.host)
     return {403, "a page from elsewhere is not let in"};
   if (!head.fetch_site.empty() && head.fetch_site != "same-origin" && head.fetch_site != "none")
     return {403, "a page from elsewhere is not let in"};

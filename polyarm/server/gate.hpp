@@ -2,7 +2,10 @@
 /// Who is let in: decided from the heads of HTTP requests alone, by pure functions.
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "polyarm/cell/request_roles.hpp"
 
 namespace polyarm::server {
 
@@ -10,10 +13,12 @@ namespace polyarm::server {
 struct Head {
   std::string method, target;
   std::string host, origin, cookie, authorization, fetch_site;
+  bool secure = false;  ///< it came through TLS
 };
 
 struct GateRules {
-  std::string token;
+  std::string token;               ///< it allows everything
+  std::vector<std::pair<std::string, cell::Role>> lesser;  ///< tokens that allow less
   std::string cookie;              ///< name of the cookie that carries it
   bool loopback = true;            ///< only names of this machine itself are served
   std::vector<std::string> names;  ///< of this machine, lower case, served where not only loopback is
@@ -34,6 +39,8 @@ bool host_allowed(std::string_view host, const GateRules& rules);
 /// How a request shows the token.
 enum class Shown { nothing, wrong, cookie, query, bearer };
 Shown shown_token(const Head& head, const GateRules& rules);
+/// What the token that it shows allows; watch where it shows none that is right.
+cell::Role shown_role(const Head& head, const GateRules& rules);
 
 /// May it read what only a holder of the token sees? `changes`: it is no GET, or opens a WebSocket: then its
 /// Origin has to be the Host, or absent together with a token that is not the cookie.

@@ -11,6 +11,7 @@
 #include "polyarm/server/port.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/site.hpp"
+#include "polyarm/server/token.hpp"
 #include "polyarm/server/viewers.hpp"
 
 namespace polyarm::server {
@@ -45,7 +46,11 @@ PortOptions port_options(const PendantOptions& options) {
   PortOptions out;
   out.address = !options.listen ? "127.0.0.1" : options.listen->empty() ? "0.0.0.0" : *options.listen;
   out.port = options.port;
+  out.certificate = options.certificate;
+  out.key = options.key;
   out.rules.token = options.token;
+  for (const cell::Role role : {cell::Role::watch, cell::Role::operate, cell::Role::program})
+    out.rules.lesser.emplace_back(token_for(options.token, role), role);
   out.rules.loopback = !options.listen;
   if (options.listen) out.rules.names = own_names();
   return out;
@@ -91,16 +96,23 @@ class Pendant::Work {
     site_.show_nothing();
     port_->wake();
   }
-  std::string link(const std::string& host) const {
-    return "http://" + host + ":" + std::to_string(port_->number()) + "/?token=" + options_.token;
+  /// Through TLS alone where other machines are served so; on this one in clear.
+  std::string link(const std::string& host, bool outside, cell::Role role) const {
+    return (outside && !options_.certificate.empty() ? "https://" : "http://") + host + ":" +
+           std::to_string(port_->number()) + "/?token=" + token_for(options_.token, role);
   }
-  std::string outside_link() const {
+  std::string outside_link(cell::Role role) const {
     if (!options_.listen) return {};
     const bool any = options_.listen->empty() || *options_.listen == "0.0.0.0";
     const std::string address = any ? outside_address() : *options_.listen;
     if (address.empty()) return {};
-    return link(address.find(':') == std::string::npos ? address : "[" + address + "]");
+    return link(address.find(':') == std::string::npos ? address : "[" + address + "]", true, role);
   }
+  std::string link_for(cell::Role role) const {
+    const std::string outside = outside_link(role);
+    return outside.empty() ? link("localhost", false, role) : outside;
+  }
+  const std::string& fingerprint() const { return options_.fingerprint; }
   std::uint16_t port() const { return port_->number(); }
   Counts counts() const {
     Counts out = sessions.counts();
@@ -148,10 +160,16 @@ std::optional<cell::RestartWish> Pendant::take_wish() {
   return work_->sessions.take_wish();
 }
 std::string Pendant::link() const {
-  return work_->link("localhost");
+  return work_->link("localhost", false, cell::Role::administer);
 }
 std::string Pendant::outside_link() const {
-  return work_->outside_link();
+  return work_->outside_link(cell::Role::administer);
+}
+std::string Pendant::link_for(cell::Role role) const {
+  return work_->link_for(role);
+}
+std::string Pendant::fingerprint() const {
+  return work_->fingerprint();
 }
 std::uint16_t Pendant::port() const {
   return work_->port();

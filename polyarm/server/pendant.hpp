@@ -8,12 +8,15 @@
 
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/door.hpp"
+#include "polyarm/cell/request_roles.hpp"
 
 namespace polyarm::server {
 
 struct PendantOptions {
   std::uint16_t port = 8765;                          ///< 0: any that is free
   std::optional<std::string> listen;                  ///< an address beyond loopback; "" is all of them
+  std::string certificate, key;                       ///< PEM, for other machines; empty: all in clear
+  std::string fingerprint;                            ///< of that certificate, for a person
   std::string token;                                  ///< that everybody has to show
   std::string page_folder;                            ///< the page from there instead of the command's own
   std::string version;                                ///< of the command, for who asks
@@ -48,6 +51,9 @@ class Pendant : public cell::Door {
   std::string link() const;
   /// The same for other machines; empty where only loopback is served.
   std::string outside_link() const;
+  /// The link, for other machines where they are served, of those who may do no more than that.
+  std::string link_for(cell::Role role) const;
+  std::string fingerprint() const;
   std::uint16_t port() const;
 
   struct Counts {

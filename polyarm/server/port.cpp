@@ -1,24 +1,32 @@
 #include "polyarm/server/port.hpp"
 
 #include <atomic>
+#include <boost/asio/error.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/detect_ssl.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
 #include <chrono>
+#include <list>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/spare_descriptor.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/server/http_text.hpp"
+#include "polyarm/server/wire.hpp"
 
 namespace polyarm::server {
 
@@ -31,10 +39,13 @@ using Failure = boost::system::error_code;
 
 namespace {
 
-constexpr std::size_t kMostHead = 16 << 10, kMostMessage = 1 << 20, kBuffer = 64 << 10;
+constexpr std::size_t kMostAnnounced = 64 << 20, kMostHead = bounds::kHeadBytes, kMostMessage = bounds::kRequestBytes,
+                      kBuffer = 64 << 10;
 /// So much the system may keep of what a WebSocket was sent: more would be old by the time it is read.
 constexpr int kSendBuffer = 128 << 10;
 constexpr double kFarewell_s = 0.5;
+/// After there was no descriptor for who came, nobody is accepted for so long.
+constexpr double kShortage_s = 0.1;
 
 std::chrono::nanoseconds duration(double seconds) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
@@ -44,70 +55,12 @@ double steady_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-const char* reason(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 302:
-      return "Found";
-    case 304:
-      return "Not Modified";
-    case 400:
-      return "Bad Request";
-    case 401:
-      return "Unauthorized";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 413:
-      return "Payload Too Large";
-    case 421:
-      return "Misdirected Request";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return status < 400 ? "OK" : "Error";
-  }
-}
-
-std::string head_of(const HttpReply& reply, bool keep_alive) {
-  std::string out = "HTTP/1.1 " + std::to_string(reply.status) + " " + reason(reply.status) + "\r\n";
-  const auto line = [&](const std::string& name, const std::string& value) {
-    out += name + ": " + value + "\r\n";
-  };
-  line("Content-Type", reply.type);
-  line("Content-Length", std::to_string(reply.body ? reply.body->size() : 0));
-  line("Connection", keep_alive ? "keep-alive" : "close");
-  if (reply.gzip) line("Content-Encoding", "gzip");
-  line("X-Content-Type-Options", "nosniff");
-  line("Referrer-Policy", "no-referrer");
-  line("X-Frame-Options", "DENY");
-  line("Cross-Origin-Opener-Policy", "same-origin");
-  line("Cross-Origin-Resource-Policy", "same-origin");
-  line("Content-Security-Policy",
-       "default-src 'self'; script-src 'self'; connect-src 'self' blob:; img-src 'self' data: blob:; "
-       "style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; font-src 'self'; object-src 'none'; "
-       "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
-  for (const auto& [name, value] : reply.headers) line(name, value);
-  return out + "\r\n";
-}
-
 }  // namespace
-
-HttpReply plain(int status, const std::string& text) {
-  HttpReply out;
-  out.status = status;
-  out.body = std::make_shared<const std::string>(text + "\n");
-  out.headers.emplace_back("Cache-Control", "no-store");
-  return out;
-}
 
 class Port::Work {
  public:
   Work(PortOptions given, Site& behind) : site(behind), options(std::move(given)), acceptor_(context) {
+    if (!options.certificate.empty()) make_tls();
     listen();
     GateRules& rules = options.rules;
     if (rules.cookie.empty()) rules.cookie = "polyarm_token_" + std::to_string(number());
@@ -131,20 +84,50 @@ class Port::Work {
   PortOptions options;
 
  private:
-  std::size_t open_ = 0;  // connections; these two outlive the context, whose end ends sockets
+  // Connections; these outlive the context, whose end ends sockets.
+  std::size_t known_ = 0;  // that have shown a token
+  std::size_t uploads_ = 0;
+  std::list<Http*> strangers_;  // that have not, oldest first
   std::set<Socket*> sockets_;
 
  public:
   net::io_context context{1};
   std::atomic<std::uint64_t> connections{0}, refused{0}, requests{0}, timed_out{0};
 
-  void came() { ++open_; }
-  void left() { --open_; }
+  /// False: too many have shown a token already.
+  bool know(Http* connection) {
+    if (known_ >= options.most_connections) return false;
+    strangers_.remove(connection);
+    ++known_;
+    return true;
+  }
+  void known_left() { --known_; }
+  void stranger_left(Http* connection) { strangers_.remove(connection); }
+  bool begin_upload() {
+    if (uploads_ >= bounds::kUploads) return false;
+    ++uploads_;
+    return true;
+  }
+  void end_upload() { --uploads_; }
+  /// Null: this port speaks no TLS.
+  net::ssl::context* tls() { return tls_.get(); }
   void add(Socket* socket) { sockets_.insert(socket); }
   void remove(Socket* socket) { sockets_.erase(socket); }
 
  private:
   friend class Http;
+
+  void make_tls() {
+    tls_ = std::make_unique<net::ssl::context>(net::ssl::context::tls_server);
+    try {
+      tls_->set_options(net::ssl::context::no_tlsv1 | net::ssl::context::no_tlsv1_1 |
+                        net::ssl::context::no_compression);
+      tls_->use_certificate_chain(net::buffer(options.certificate));
+      tls_->use_private_key(net::buffer(options.key), net::ssl::context::pem);
+    } catch (const boost::system::system_error& e) {
+      throw Error("no-certificate", std::string("the certificate cannot be used: ") + e.what());
+    }
+  }
 
   void listen() {
     Failure failed;
@@ -167,13 +150,19 @@ class Port::Work {
           "port " + std::to_string(options.port) + " of " + options.address +
               " cannot be opened: " + failed.message(),
           failed == net::error::address_in_use ? "another program has it: choose one with --port N" : "");
+    acceptor_.native_non_blocking(true, failed);
     acceptor_number_ = acceptor_.local_endpoint().port();
   }
 
   void accept();
+  void rest_from_accepting();
+  void make_room_for_strangers();
   void say_goodbye();
 
+  std::unique_ptr<net::ssl::context> tls_;
+  SpareDescriptor spare_;
   tcp::acceptor acceptor_;
+  std::unique_ptr<net::steady_timer> rest_;
   std::uint16_t acceptor_number_ = 0;
   std::atomic<bool> woken_{false};
   bool over_ = false;
@@ -191,7 +180,6 @@ class ClientStream : public Stream {
     if (binary) return "requests are text";
     return client_->take(std::move(message), now) ? nullptr : "too many requests a second";
   }
-  bool has_room() const override { return client_->has_room(); }
   std::optional<Client::Out> next() override { return client_->next(); }
   bool gone() const override { return client_->gone(); }
   void leave() override { client_->leave(); }
@@ -205,14 +193,14 @@ class ClientStream : public Stream {
 /// A WebSocket and what is behind it.
 class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Work& work, tcp::socket socket, std::shared_ptr<Stream> client)
-      : work_(work), stream_(beast::tcp_stream(std::move(socket))), client_(std::move(client)) {
+  Socket(Work& work, Wire wire, std::shared_ptr<Stream> client)
+      : work_(work), stream_(std::move(wire)), client_(std::move(client)) {
     work_.add(this);
   }
   ~Socket() {
     client_->leave();
     work_.remove(this);
-    work_.left();
+    work_.known_left();
   }
 
   /// `protocol`: the subprotocol that is spoken; empty: none.
@@ -241,10 +229,6 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   void pump() {
     if (!open_ || closing_) return;
     if (client_->gone()) return close(ws::close_code::policy_error, "it does not read what it asked for");
-    if (paused_ && client_->has_room()) {
-      const auto self = std::move(paused_);
-      read();
-    }
     if (writing_) return;
     auto out = client_->next();
     if (!out) return;
@@ -268,7 +252,6 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   void close(ws::close_code code, const char* why) {
     if (!open_ || std::exchange(closing_, true)) return;
     const auto self = this->shared_from_this();
-    paused_.reset();
     client_->leave();
     stream_.async_close(ws::close_reason(code, why), [self = this->shared_from_this()](Failure) {});
   }
@@ -289,55 +272,99 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     buffer_.consume(buffer_.size());
     if (buffer_.capacity() > kBuffer) buffer_.shrink_to_fit();
     if (why) return close(ws::close_code::policy_error, why);
-    if (client_->has_room())
-      read();
-    else
-      paused_ = this->shared_from_this();
+    read();
   }
 
   Work& work_;
-  ws::stream<beast::tcp_stream, false> stream_;
+  ws::stream<Wire, false> stream_;
   std::shared_ptr<Stream> client_;
   beast::flat_buffer buffer_;
   bool open_ = false, closing_ = false, writing_ = false, goes_away_ = false;
-  std::shared_ptr<Socket> paused_;  ///< itself while nothing is read, since then nobody else may hold it
 };
 
 /// A connection that asks for files, until it becomes a WebSocket.
 class Port::Work::Http : public std::enable_shared_from_this<Http> {
  public:
-  Http(Work& work, tcp::socket socket) : work_(work), stream_(std::move(socket)), buffer_(kBuffer) {
-    work_.came();
+  Http(Work& work, tcp::socket socket) : work_(work), wire_(std::move(socket)), buffer_(kBuffer) {
+    Failure failed;
+    const auto peer = wire_.next_layer().socket().remote_endpoint(failed).address();
+    local_ = !failed && peer.is_loopback();
+    address_ = failed ? "" : peer.to_string();
   }
   ~Http() {
-    if (!handed_on_) work_.left();
+    if (uploads_) work_.end_upload();
+    if (handed_on_) return;
+    if (known_)
+      work_.known_left();
+    else
+      work_.stranger_left(this);
+  }
+  const std::string& address() const { return address_; }
+
+  /// In clear on this machine, or where the port speaks no TLS; else through TLS.
+  void begin() {
+    if (!work_.tls()) return read();
+    set_timeout(work_.options.head_s);
+    beast::async_detect_ssl(wire_.next_layer(), buffer_,
+                            [self = this->shared_from_this()](Failure failed, bool tls) {
+                              if (failed) return self->gave_up(failed);
+                              if (tls) return self->shake_hands();
+                              self->in_clear_ = !self->local_ || !self->work_.options.local_in_clear;
+                              self->read();
+                            });
   }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kMostHead);
-    stream_.expires_after(duration(first_ ? work_.options.head_s : work_.options.idle_s));
+    parser_->body_limit(kMostAnnounced);  // of the head; how much of it is read is decided by what is asked
+    set_timeout(first_ ? work_.options.head_s : work_.options.idle_s);
     first_ = false;
     http::async_read_header(
-        stream_, buffer_, *parser_,
+        wire_, buffer_, *parser_,
         [self = this->shared_from_this()](Failure failed, std::size_t) { self->on_head(failed); });
   }
+
+  /// Another needs its place.
+  void give_way() { wire_.next_layer().close(); }
 
  private:
   static std::string text(beast::string_view view) { return std::string(view.data(), view.size()); }
   std::string header(http::field field) const { return text(parser_->get()[field]); }
 
-  void on_head(Failure failed) {
+  void set_timeout(double seconds) { wire_.next_layer().expires_after(duration(seconds)); }
+  void gave_up(Failure failed) {
     if (failed == beast::error::timeout) ++work_.timed_out;
+  }
+
+  void shake_hands() {
+    wire_.begin_tls(*work_.tls())
+        .async_handshake(net::ssl::stream_base::server, buffer_.data(),
+                         [self = this->shared_from_this()](Failure failed, std::size_t used) {
+                           if (failed) return self->gave_up(failed);
+                           self->buffer_.consume(used);
+                           self->read();
+                         });
+  }
+
+  void on_head(Failure failed) {
+    gave_up(failed);
     if (failed == http::error::header_limit) return refuse(400, "the head of the request is too long");
     if (failed) return;
     ++work_.requests;
     const auto& request = parser_->get();
     head_ = {text(request.method_string()),  text(request.target()),      header(http::field::host),
              header(http::field::origin),    header(http::field::cookie), header(http::field::authorization),
-             text(request["Sec-Fetch-Site"])};
+             text(request["Sec-Fetch-Site"]), wire_.tls() != nullptr};
+    if (in_clear_)
+      return refuse(403, "only https is served to other machines: open the link that polyarm printed");
     path_ = path_of(head_.target);
     if (path_.empty()) return refuse(400, "the path is malformed");
+    const Shown shown = shown_token(head_, work_.options.rules);
+    if (!known_ && shown != Shown::nothing && shown != Shown::wrong) {
+      known_ = work_.know(this);
+      if (!known_) return refuse(503, "too many are connected already");
+    }
     const bool upgrade = ws::is_upgrade(request);
     const bool open = !upgrade && work_.site.is_open(head_.method, path_);
     const bool changes = upgrade || (head_.method != "GET" && head_.method != "HEAD");
@@ -353,26 +380,28 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
       return refuse(413, "the body is too large");
     parser_->body_limit(most);
     if (parser_->is_done()) return on_body({});
+    if (!(uploads_ = work_.begin_upload())) return refuse(503, "too many bodies are received at once");
     if (lower(header(http::field::expect)) == "100-continue") return go_on();
     read_body();
   }
 
   void go_on() {
     static constexpr char kContinue[] = "HTTP/1.1 100 Continue\r\n\r\n";
-    net::async_write(stream_, net::buffer(kContinue, sizeof kContinue - 1),
+    net::async_write(wire_, net::buffer(kContinue, sizeof kContinue - 1),
                      [self = this->shared_from_this()](Failure failed, std::size_t) {
                        if (!failed) self->read_body();
                      });
   }
 
   void read_body() {
-    stream_.expires_after(duration(work_.options.body_s));
+    set_timeout(work_.options.body_s);
     http::async_read(
-        stream_, buffer_, *parser_,
+        wire_, buffer_, *parser_,
         [self = this->shared_from_this()](Failure failed, std::size_t) { self->on_body(failed); });
   }
 
   void on_body(Failure failed) {
+    if (std::exchange(uploads_, false)) work_.end_upload();
     if (failed == http::error::body_limit) return refuse(413, "the body is too large");
     if (failed) return;
     keep_alive_ = parser_->get().keep_alive();
@@ -381,10 +410,12 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     request.target = head_.target;
     request.path = path_;
     request.if_none_match = header(http::field::if_none_match);
-    request.gzip = header(http::field::accept_encoding).find("gzip") != std::string::npos;
+    request.gzip = accepts_gzip(header(http::field::accept_encoding));
+    request.secure = head_.secure;
     request.token = shown_token(head_, work_.options.rules);
+    request.role = shown_role(head_, work_.options.rules);
     request.body = std::move(parser_->get().body());
-    stream_.expires_never();
+    wire_.next_layer().expires_never();
     work_.site.handle(std::move(request), [self = this->shared_from_this()](HttpReply reply) {
       net::post(self->work_.context,
                 [self, reply = std::move(reply)]() mutable { self->send(std::move(reply)); });
@@ -398,57 +429,93 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   }
 
   void send(HttpReply reply) {
-    stream_.expires_after(duration(work_.options.send_s));
+    set_timeout(work_.options.send_s);
     auto head = std::make_shared<const std::string>(head_of(reply, keep_alive_));
     std::vector<net::const_buffer> parts{net::buffer(*head)};
     if (reply.body && head_.method != "HEAD") parts.push_back(net::buffer(*reply.body));
-    net::async_write(stream_, parts,
+    net::async_write(wire_, parts,
                      [self = this->shared_from_this(), head, body = reply.body](Failure failed, std::size_t) {
                        if (failed) return;
                        if (self->keep_alive_) return self->read();
-                       Failure ignored;
-                       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                       self->hang_up();
                      });
+  }
+
+  void hang_up() {
+    if (wire_.tls()) return wire_.tls()->async_shutdown([self = this->shared_from_this()](Failure) {});
+    Failure ignored;
+    wire_.next_layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
   }
 
   void become_socket() {
     if (path_ != "/ws" && protocol_.empty()) return refuse(404, "the WebSocket is at /ws");
-    Failure failed;
-    const auto peer = stream_.socket().remote_endpoint(failed).address();
     std::shared_ptr<Stream> stream;
-    if (!failed && !protocol_.empty()) {
+    if (!protocol_.empty()) {
       stream = work_.site.welcome_viewer();
-    } else if (!failed) {
-      if (auto client = work_.site.welcome(peer.to_string(), peer.is_loopback()))
+    } else if (!address_.empty()) {
+      if (auto client =
+              work_.site.welcome({address_, local_, shown_role(head_, work_.options.rules)}))
         stream = std::make_shared<ClientStream>(std::move(client));
     }
     if (!stream) return refuse(503, "too many are watching already");
-    stream_.expires_never();
-    handed_on_ = true;
-    const auto socket = std::make_shared<Socket>(work_, stream_.release_socket(), std::move(stream));
+    wire_.next_layer().expires_never();
+    wire_.give_back(beast::buffers_to_string(buffer_.data()));  // frames that came with the head
+    handed_on_ = true;  // with its place among those that are known: nobody else comes this far
+    const auto socket = std::make_shared<Socket>(work_, std::move(wire_), std::move(stream));
     socket->accept(parser_->get(), protocol_);
   }
 
   Work& work_;
-  beast::tcp_stream stream_;
+  Wire wire_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   Head head_;
   std::string path_, protocol_;
-  bool first_ = true, keep_alive_ = false, handed_on_ = false;
+  std::string address_;
+  bool local_ = false, in_clear_ = false;  ///< in clear, where that is not served
+  bool first_ = true, keep_alive_ = false, handed_on_ = false, known_ = false, uploads_ = false;
 };
 
 void Port::Work::accept() {
   acceptor_.async_accept([this](Failure failed, tcp::socket socket) {
     if (over_) return;
-    if (!failed && open_ < options.most_connections) {
+    if (failed && SpareDescriptor::is_shortage(failed.value())) {
+      ++refused;
+      spare_.turn_away(acceptor_.native_handle());
+      return rest_from_accepting();
+    }
+    if (!failed) {
       ++connections;
-      std::make_shared<Http>(*this, std::move(socket))->read();
-    } else if (!failed) {
-      ++refused;  // closed without a word
+      make_room_for_strangers();
+      const auto came = std::make_shared<Http>(*this, std::move(socket));
+      strangers_.push_back(came.get());
+      came->begin();
     }
     accept();
   });
+}
+
+/// Nobody can be accepted now: to try again at once would do nothing else.
+void Port::Work::rest_from_accepting() {
+  rest_ = std::make_unique<net::steady_timer>(context, duration(kShortage_s));
+  rest_->async_wait([this](Failure) {
+    if (!over_) accept();
+  });
+}
+
+/// Who has shown no token gives way to who comes: the oldest of the address that has most of them.
+void Port::Work::make_room_for_strangers() {
+  if (strangers_.size() < options.most_strangers) return;
+  std::map<std::string, std::size_t> counts;
+  for (const Http* each : strangers_) ++counts[each->address()];
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto oldest = std::find_if(strangers_.begin(), strangers_.end(),
+                                   [&](const Http* each) { return each->address() == most->first; });
+  Http* const leaving = *oldest;
+  strangers_.erase(oldest);
+  ++refused;
+  leaving->give_way();
 }
 
 void Port::Work::wake() {
@@ -463,6 +530,7 @@ void Port::Work::say_goodbye() {
   over_ = true;
   Failure ignored;
   acceptor_.close(ignored);
+  rest_.reset();
   for (auto i = sockets_.begin(); i != sockets_.end();) (*i++)->go_away();
   farewell_ = std::make_unique<net::steady_timer>(context, duration(sockets_.empty() ? 0 : kFarewell_s));
   farewell_->async_wait([this](Failure) { context.stop(); });

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/gate.hpp"
 #include "polyarm/server/stream.hpp"
@@ -18,6 +19,8 @@ struct HttpRequest {
   std::string body, if_none_match;
   bool gzip = false;  ///< the other side takes it
   Shown token = Shown::nothing;
+  cell::Role role = cell::Role::watch;
+  bool secure = false;  ///< it came through TLS
 };
 
 struct HttpReply {
@@ -40,7 +43,7 @@ class Site {
   /// I/O thread; `reply` is called once, from any thread.
   virtual void handle(HttpRequest request, std::function<void(HttpReply)> reply) = 0;
   /// I/O thread: a WebSocket was opened by somebody who may; null: there are too many.
-  virtual std::shared_ptr<Client> welcome(const std::string& from, bool local) = 0;
+  virtual std::shared_ptr<Client> welcome(Client::Side side) = 0;
   /// I/O thread: the subprotocol by which tools of others watch, of those that a WebSocket offers in one
   /// text; empty: none of them.
   virtual std::string viewer_protocol(const std::string& offered) const { return {}; }
@@ -52,8 +55,11 @@ struct PortOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: any that is free
   GateRules rules;         ///< an empty cookie name is made from the port
-  std::size_t most_connections = 128;
-  double head_s = 10, body_s = 60, idle_s = 20, send_s = 30;  ///< how long the other side may take
+  std::string certificate, key;  ///< PEM: other machines are served through TLS alone; empty: all in clear
+  bool local_in_clear = true;    ///< this machine itself is served in clear, too
+  std::size_t most_connections = bounds::kConnections;  ///< that have shown a token
+  std::size_t most_strangers = bounds::kStrangers;      ///< that have not
+  double head_s = bounds::kHead_ms / 1000.0, body_s = 60, idle_s = 20, send_s = 30;  ///< how long the other side may take
 };
 
 class Port {

@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/secrets.hpp"
+#include "polyarm/base/text.hpp"
 #endif
 
 namespace polyarm::server {
@@ -73,7 +76,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
       if (each->is_directory(error)) each.disable_recursion_pending();
       continue;
     }
-    if (each->is_symlink(error) || !each->is_regular_file(error)) continue;
+    if (each->is_symlink(error) || !each->is_regular_file(error) || is_secret(each->path())) continue;
     bytes += each->file_size(error);
     out.push_back(each->path());
     if (bytes > kMostUnzipped || out.size() > kMostZippedFiles)
@@ -95,6 +98,19 @@ fs::path place_of(const std::string& name) {
   for (const fs::path& part : path)
     if (part.string().starts_with('.') || part.empty()) throw refuse();
   return path;
+}
+
+/// Native code comes onto a machine by who works at it, never in a project.
+void refuse_native(const std::string& name, std::string_view text) {
+  const std::string file = lower(fs::path(name).filename().string());
+  const bool named = file.ends_with(".so") || file.find(".so.") != std::string::npos ||
+                     file.ends_with(".dll") || file.ends_with(".dylib") || file.ends_with(".exe");
+  const bool made = text.starts_with("\x7f" "ELF") || text.starts_with("!<arch>\n") ||
+                    text.starts_with("\xfe\xed\xfa") || text.starts_with("\xcf\xfa\xed\xfe") ||
+                    text.starts_with("\xca\xfe\xba\xbe");
+  if (named || made)
+    throw Error("native-code", "the zip brings native code, '" + name + "', which is not taken from a zip",
+                "build plugins on the machine itself, and approve them there: polyarm plugins approve");
 }
 
 std::string content(zip_t* zip, zip_uint64_t index, const std::string& name, std::size_t most) {
@@ -148,6 +164,7 @@ std::string zip_of(const fs::path& folder) {
 }
 
 void unzip_into(std::string_view bytes, const fs::path& folder) {
+  const AsUser user;
   std::error_code error;
   if (fs::exists(folder, error))
     throw Error("exists", "there is a folder '" + folder.string() + "' already", "give another name");
@@ -169,6 +186,7 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       const fs::path file = coming / place_of(name);
       const std::string text = content(zip.get(), i, name, left);
       left -= text.size();
+      refuse_native(name, text);
       fs::create_directories(file.parent_path());
       write_file_atomically(file, text);
     }

@@ -4,7 +4,9 @@ if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
 polyarm_room(server USES cell)
-target_link_libraries(polyarm_server PRIVATE polyarm_recording polyarm_meshes)
+find_package(OpenSSL REQUIRED)  # libssl-dev
+find_package(ZLIB REQUIRED)  # zlib1g-dev
+target_link_libraries(polyarm_server PRIVATE polyarm_recording polyarm_meshes OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
 find_path(POLYARM_ZIP zip.h)
 find_library(POLYARM_ZIP_LIBRARY zip)

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
+#include "polyarm/cell/request_roles.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/server/control.hpp"
 #include "polyarm/server/documents.hpp"
@@ -19,7 +19,6 @@ namespace polyarm::server {
 
 namespace {
 
-constexpr std::size_t kLongestName = 60;
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
                  kPlansEvery = 0.05, kLogEvery = 0.1, kPointsEvery = 0.2;
 
@@ -29,8 +28,7 @@ struct Seat {
   std::string name;
   bool listens = false, greeted = false;  ///< it is told events; it has been told all there was
   double rate = 0, due = 0;
-  /// Requests that go on and are to end: their next answer finds nobody.
-  std::shared_ptr<std::set<std::string>> ended = std::make_shared<std::set<std::string>>();
+  double reserved_until = 0;  ///< it has one of the seats for control, and takes it until then; 0: none
 };
 
 Json error_of(const Error& error) {
@@ -42,18 +40,16 @@ Json error_of(const Error& error) {
 
 class Sessions::Work {
  public:
-  Work(cell::Observer& next, std::string version) : journal(next), version_(std::move(version)) {
-    for (const cell::RequestInfo& info : cell::request_table())
-      moves_[info.name] =
-          info.moves && info.name != std::string("control.hold") && info.name != std::string("control.stop");
-  }
+  Work(cell::Observer& next, std::string version) : journal(next), version_(std::move(version)) {}
 
-  std::shared_ptr<Client> welcome(const std::string& from, bool local) {
+  /// Beyond the seats for everybody there are some for those who come to take control.
+  std::shared_ptr<Client> welcome(Client::Side side) {
     const std::lock_guard lock(mutex_);
-    if (connected_ >= kMostClients) return nullptr;
+    const bool may_take = side.role != cell::Role::watch;
+    if (connected_ >= bounds::kPageClients + (may_take ? bounds::kControlSeats : 0)) return nullptr;
     ++connected_;
-    auto client = std::make_shared<Client>(++last_client_, from, local, rope);
-    arrived_.push_back(client);
+    auto client = std::make_shared<Client>(++last_client_, std::move(side), rope, waiting_);
+    arrived_.emplace_back(client, connected_ > bounds::kPageClients);
     return client;
   }
 
@@ -82,6 +78,7 @@ class Sessions::Work {
   }
 
   bool serve() {
+    renew_budget(realtime::monotonic_now());
     take_lines();
     if (jogs_) jogs_->tick();
     control_.tick(now_);
@@ -118,80 +115,7 @@ class Sessions::Work {
  private:
   using Handler = Json (Work::*)(Seat&, const Json&);
 
-  // --- coming and going
-
-  void look_at_clients() {
-    {
-      const std::lock_guard lock(mutex_);
-      for (auto& client : arrived_) {
-        Seat seat;
-        seat.name = client->from;
-        const std::uint64_t number = client->number;
-        seat.client = std::move(client);
-        seats_.emplace(number, std::move(seat));
-      }
-      arrived_.clear();
-    }
-    for (auto each = seats_.begin(); each != seats_.end();) {
-      if (!each->second.client->gone()) {
-        ++each;
-        continue;
-      }
-      if (jogs_) jogs_->end_all(each->first, "gone");
-      control_.gone(each->first);
-      frames_left_out_ += each->second.client->frames_left_out();
-      events_left_out_ += each->second.client->events_left_out();
-      each = seats_.erase(each);
-      const std::lock_guard lock(mutex_);
-      --connected_;
-    }
-  }
-
-  // --- requests
-
-  void take_lines() {
-    now_ = seconds(realtime::monotonic_now());
-    if (cell_) journal.set_now(cell_->now());
-    look_at_clients();
-    std::size_t left = kLinesATick;
-    for (auto& [number, seat] : seats_) {
-      for (const std::string& line : seat.client->lines(std::min(kLinesOfEach, left))) {
-        --left;
-        ++requests;
-        take(seat, line);
-      }
-    }
-  }
-
-  bool any_woken() {
-    bool wake = false;
-    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
-    return wake;
-  }
-
-  void take(Seat& seat, const std::string& line) {
-    Json id;
-    try {
-      if (cell::nested_too_deep(line)) throw Error("bad-request", "the request is nested more than 64 deep");
-      const Json request = Json::parse(line, nullptr, false);
-      if (!request.is_object() || !request.contains("request") || !request["request"].is_string())
-        throw Error("bad-request", "a request is one JSON object with the text 'request'",
-                    "for example {\"id\": 1, \"request\": \"control.list\"}");
-      id = request.value("id", Json());
-      const std::string name = request["request"].get<std::string>();
-      if (name == "jog.beat") return beat(seat, request);
-      const auto own = handlers().find(name);
-      if (own == handlers().end()) return pass_on(seat, name, request, line);
-      if (const auto result = (this->*own->second)(seat, request); !result.is_discarded())
-        answer(seat, id, result);
-    } catch (const Error& e) {
-      refuse(seat, id, error_of(e));
-    } catch (const Json::exception& e) {
-      refuse(seat, id,
-             error_of(Error("bad-argument", std::string("an argument is of the wrong type: ") + e.what())));
-    }
-  }
-
+ public:
   static const std::map<std::string, Handler>& handlers() {
     static const std::map<std::string, Handler> table = {{"session.hello", &Work::hello},
                                                          {"session.watch", &Work::watch},
@@ -207,6 +131,159 @@ class Sessions::Work {
                                                          {"cell.reset", &Work::change_cell},
                                                          {"jog.step", &Work::jog_step}};
     return table;
+  }
+
+ private:
+
+  // --- coming and going
+
+  void look_at_clients() {
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto& [client, reserved] : arrived_) {
+        Seat seat;
+        seat.name = client->from;
+        if (reserved) seat.reserved_until = now_ + bounds::kControlSeat_ms / 1000.0;
+        const std::uint64_t number = client->number;
+        seat.client = std::move(client);
+        seats_.emplace(number, std::move(seat));
+      }
+      arrived_.clear();
+    }
+    for (auto each = seats_.begin(); each != seats_.end();) {
+      keep_seats_for_control(each->second);
+      if (!each->second.client->gone()) {
+        ++each;
+        continue;
+      }
+      if (jogs_) jogs_->end_all(each->first, "gone");
+      control_.gone(each->first);
+      frames_left_out_ += each->second.client->frames_left_out();
+      events_left_out_ += each->second.client->events_left_out();
+      each = seats_.erase(each);
+      const std::lock_guard lock(mutex_);
+      --connected_;
+    }
+  }
+
+  /// A seat for control is left again by who neither takes control nor asks for it.
+  void keep_seats_for_control(Seat& seat) {
+    const std::uint64_t number = seat.client->number;
+    if (seat.reserved_until == 0) return;
+    if (control_.holds(number) || control_.asker() == number)
+      seat.reserved_until = now_ + bounds::kControlSeat_ms / 1000.0;
+    else if (now_ > seat.reserved_until)
+      seat.client->leave();
+  }
+
+  // --- requests
+
+  /// Stops, holds and heartbeats of all first, whatever else has come in; then a line of each in turn, for as
+  /// many and as long as one tick has room for.
+  void take_lines() {
+    now_ = seconds(realtime::monotonic_now());
+    if (cell_) journal.set_now(cell_->now());
+    look_at_clients();
+    take_urgent();
+    const Nanoseconds begun = realtime::monotonic_now();
+    if (begun - budget_since_ >= kBudgetEvery) renew_budget(begun);
+    Nanoseconds taken = 0;
+    bool first = true;  // one is taken in any case, so that nobody waits for a clock alone
+    for (std::size_t empty = 0;
+         empty < seats_.size() && lines_left_ > 0 && (first || taken < time_left_);) {
+      Seat& seat = next_seat();
+      const auto line = seat.client->line();
+      empty = line ? 0 : empty + 1;
+      if (!line) continue;
+      first = false;
+      --lines_left_;
+      take(seat, *line);
+      taken = realtime::monotonic_now() - begun;
+    }
+    time_left_ -= taken;
+  }
+
+  /// What a tick, and the looks between it and the next, may take.
+  void renew_budget(Nanoseconds now) {
+    budget_since_ = now;
+    lines_left_ = bounds::kLinesATick;
+    time_left_ = Nanoseconds{bounds::kTakeTime_us} * 1000;
+  }
+
+  void take_urgent() {
+    for (auto& [number, seat] : seats_)
+      for (std::string& line : seat.client->urgent()) take(seat, {std::move(line), false, false});
+  }
+
+  /// The one after the one whose line was taken last.
+  Seat& next_seat() {
+    auto next = seats_.upper_bound(served_);
+    if (next == seats_.end()) next = seats_.begin();
+    served_ = next->first;
+    return next->second;
+  }
+
+  bool any_woken() {
+    bool wake = false;
+    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
+    return wake;
+  }
+
+  void take(Seat& seat, const Client::Line& line) {
+    ++requests;
+    Json id;
+    try {
+      const bool holds = control_.holds(seat.client->number);
+      if (!holds && line.text.size() > bounds::kWatcherRequestBytes)
+        throw Error("too-long",
+                    "a request without control may have " + std::to_string(bounds::kWatcherRequestBytes) +
+                        " bytes",
+                    "take control first: session.take");
+      if (cell::nested_too_deep(line.text))
+        throw Error("bad-request", "the request is nested more than 64 deep");
+      Json request = Json::parse(line.text, nullptr, false);
+      if (!request.is_object() || !request.contains("request") || !request["request"].is_string())
+        throw Error("bad-request", "a request is one JSON object with the text 'request'",
+                    "for example {\"id\": 1, \"request\": \"control.list\"}");
+      id = cell::request_id(request);
+      const std::string name = request["request"].get<std::string>();
+      require_may(seat, name, request);
+      require_not_overtaken(line, name, request);
+      if (name == "jog.beat") return beat(seat, request);
+      const auto own = handlers().find(name);
+      if (own == handlers().end()) return pass_on(seat, name, std::move(request), line.text.size());
+      if (const auto result = (this->*own->second)(seat, request); !result.is_discarded())
+        answer(seat, id, result);
+    } catch (const Error& e) {
+      refuse(seat, id, error_of(e));
+    } catch (const Json::exception& e) {
+      refuse(seat, id,
+             error_of(Error("bad-argument", std::string("an argument is of the wrong type: ") + e.what())));
+    }
+  }
+
+  /// What is no mere telling needs a link that allows it, and control.
+  void require_may(const Seat& seat, const std::string& name, const Json& request) const {
+    cell::Role needed = cell::role_needed(name, request);
+    const bool known = handlers().contains(name) || cell::knows_request(name);
+    if (!known) needed = cell::Role::watch;  // it is refused by name
+    const bool takes = name == "session.take";
+    if (takes) needed = cell::Role::operate;
+    if (seat.client->role < needed)
+      throw Error("no-role",
+                  "'" + name + "' is refused: this link allows to " + cell::name(seat.client->role) +
+                      ", and that needs the right to " + cell::name(needed),
+                  "open a link that allows it");
+    if (needed != cell::Role::watch && !takes) require_control(seat, name);
+  }
+
+  /// What was sent before a stop, and is read after it, must not move what has been stopped.
+  static void require_not_overtaken(const Client::Line& line, const std::string& name, const Json& request) {
+    const bool jogs = name == "jog.begin" || name == "jog.goto";
+    if (!line.before_stop && !(line.before_end && jogs)) return;
+    if (cell::role_needed(name, request) != cell::Role::operate) return;
+    throw Error("overtaken", "'" + name + "' is refused: a stop of yours came after it and was taken first",
+                "send it again if it is still wanted");
   }
 
   static void answer(Seat& seat, const Json& id, const Json& result) {
@@ -231,37 +308,25 @@ class Sessions::Work {
     if (!cell_) throw Error("no-cell", "no cell is running now", "wait until it has started again");
   }
 
-  /// To the cell's table.
-  void pass_on(Seat& seat, const std::string& name, const Json& request, const std::string& line) {
+  /// To the cell's table. Who did it is told by the cell, and not by who asks.
+  void pass_on(Seat& seat, const std::string& name, Json request, std::size_t bytes) {
     if (!cell_ && (name == "cell.restart" || name == "cell.connect"))
-      return answer(seat, request.value("id", Json()), restart(seat, request));
+      return answer(seat, request.value("id", Json()), restart(request));
     require_cell();
-    const auto found = moves_.find(name);
-    if (found != moves_.end() && found->second) require_control(seat, name);
-    if (name == "tags.set" || name == "tags.force" || name == "tags.release") {
-      Json named = request;
-      named["by"] = name_of(seat.client->number);
-      return hand_over(seat, named, dump(named));
-    }
-    hand_over(seat, request, line);
+    if (name == "tags.set" || name == "tags.force" || name == "tags.release" || name == "files.draft")
+      request["by"] = name_of(seat.client->number);
+    hand_over(seat, std::move(request), bytes);
   }
 
-  void hand_over(Seat& seat, const Json& request, const std::string& line) {
-    const std::string id = dump(request.value("id", Json()));
-    seat.ended->erase(id);
+  void hand_over(Seat& seat, Json request, std::size_t bytes = 0) {
     cell_->requests().handle(
-        line,
-        [client = seat.client, ended = seat.ended, id](const std::string& text) {
-          return ended->count(id) == 0 && client->answer(text);
-        },
-        seat.client.get());
+        std::move(request), bytes,
+        [client = seat.client](const std::string& text) { return client->answer(text); }, seat.client.get());
   }
 
   /// A request of this client that goes on ends, as if the client had gone.
   Json end_request(Seat& seat, const Json& request) {
-    constexpr std::size_t kMost = 1000;
-    if (seat.ended->size() >= kMost) seat.ended->clear();
-    seat.ended->insert(dump(request.value("of", Json())));
+    if (cell_) cell_->requests().end(seat.client.get(), request.value("of", Json()));
     return Json::object();
   }
 
@@ -272,17 +337,15 @@ class Sessions::Work {
       Json plan = request;
       plan["request"] = "plan.preview";
       plan.erase("dry");
-      hand_over(seat, plan, dump(plan));
+      hand_over(seat, std::move(plan));
       return Json(Json::value_t::discarded);
     }
-    require_control(seat, "jog.goto");
     jogs_->go_to(seat.client->number, request);
     return Json(Json::value_t::discarded);
   }
 
   /// The cell's own request by the names of the page's menus.
-  Json change_cell(Seat& seat, const Json& request) {
-    require_control(seat, request["request"].get<std::string>());
+  Json change_cell(Seat&, const Json& request) {
     cell::RestartWish asked;
     if (request.contains("model")) {
       const std::string robot = request.value("robot", "");
@@ -297,8 +360,7 @@ class Sessions::Work {
   }
 
   /// The cell's own request, while there is none: it has failed, or could not be built.
-  Json restart(Seat& seat, const Json& request) {
-    require_control(seat, "cell.restart");
+  Json restart(const Json& request) {
     wish = {request.value("robot", ""), request.value("hardware", ""), request.value("program", ""),
             request.value("cell", "")};
     if (request.contains("real")) wish->real = request["real"].get<bool>();
@@ -315,7 +377,7 @@ class Sessions::Work {
   }
 
   Json hello(Seat& seat, const Json& request) {
-    if (request.contains("name")) seat.name = request["name"].get<std::string>().substr(0, kLongestName);
+    if (request.contains("name")) seat.name = request["name"].get<std::string>().substr(0, bounds::kClientNameBytes);
     seat.listens = true;
     return {{"client", seat.client->number},
             {"holder", who(control_.holder())},
@@ -323,7 +385,8 @@ class Sessions::Work {
             {"version", version_},
             {"token_ok", true},
             {"cell", cell_ ? Json(cell_->file().name) : Json()},
-            {"local", seat.client->local}};
+            {"local", seat.client->local},
+            {"role", cell::name(seat.client->role)}};
   }
 
   Json watch(Seat& seat, const Json& request) {
@@ -371,7 +434,6 @@ class Sessions::Work {
   /// Answered once it moves.
   Json jog_begin(Seat& seat, const Json& request) {
     require_cell();
-    require_control(seat, "jog.begin");
     jogs_->begin(seat.client->number, request);
     return Json(Json::value_t::discarded);
   }
@@ -393,10 +455,9 @@ class Sessions::Work {
   /// Answered by the cell's request.
   Json jog_step(Seat& seat, const Json& request) {
     require_cell();
-    require_control(seat, "jog.step");
     Json step = jogs_->step(request);
     if (request.contains("id")) step["id"] = request["id"];
-    hand_over(seat, step, dump(step));
+    hand_over(seat, std::move(step));
     return Json(Json::value_t::discarded);
   }
 
@@ -521,15 +582,19 @@ class Sessions::Work {
   }
 
   std::string version_;
-  std::map<std::string, bool> moves_;
+  const std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
   std::mutex mutex_;  // of the next three, which the I/O thread changes, too
-  std::vector<std::shared_ptr<Client>> arrived_;
+  std::vector<std::pair<std::shared_ptr<Client>, bool>> arrived_;  // has it a seat for control?
   std::uint64_t last_client_ = 0;
   std::size_t connected_ = 0;
 
   cell::Cell* cell_ = nullptr;
   double now_ = 0;
   std::map<std::uint64_t, Seat> seats_;
+  static constexpr Nanoseconds kBudgetEvery = 2'000'000;  // a tick
+  std::size_t lines_left_ = 0;                            // of the budget
+  Nanoseconds time_left_ = 0, budget_since_ = 0;
+  std::uint64_t served_ = 0;  // the client whose line was taken last
   Control control_;
   std::optional<JogWatch> jogs_;
   std::optional<StateFrames> frames_;
@@ -545,11 +610,17 @@ class Sessions::Work {
   std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
 };
 
+std::vector<std::string> Sessions::requests() {
+  std::vector<std::string> out = {"jog.beat"};
+  for (const auto& [name, handler] : Work::handlers()) out.push_back(name);
+  return out;
+}
+
 Sessions::Sessions(cell::Observer& next, std::string version)
     : work_(std::make_unique<Work>(next, std::move(version))) {}
 Sessions::~Sessions() = default;
-std::shared_ptr<Client> Sessions::welcome(const std::string& from, bool local) {
-  return work_->welcome(from, local);
+std::shared_ptr<Client> Sessions::welcome(Client::Side side) {
+  return work_->welcome(std::move(side));
 }
 Journal& Sessions::journal() {
   return work_->journal;

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/server/client.hpp"
@@ -16,15 +17,15 @@ namespace polyarm::server {
 /// Everything but welcome() is the cell thread's.
 class Sessions {
  public:
-  static constexpr std::size_t kMostClients = 32;
-  /// Lines taken at once, of all and of each; frames a second.
-  static constexpr std::size_t kLinesATick = 48, kLinesOfEach = 8;
-  static constexpr double kFastest = 60;
+  static constexpr double kFastest = 60;  ///< frames a second
+
+  /// The requests that a session takes itself, beside the cell's.
+  static std::vector<std::string> requests();
 
   Sessions(cell::Observer& next, std::string version);
   ~Sessions();
   /// I/O thread; null: there are too many.
-  std::shared_ptr<Client> welcome(const std::string& from, bool local);
+  std::shared_ptr<Client> welcome(Client::Side side);
 
   Journal& journal();
   void attach(cell::Cell& cell);

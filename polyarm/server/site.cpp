@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kCatalogue = "/api/catalogue", kProject = "/api/project.zip";
 /// What takes long is drawn one after the other; more than so much does not wait.
-constexpr int kMostWaiting = 64;
+constexpr int kMostWaiting = bounds::kSlowJobs;
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>Polyarm</title><body "
@@ -82,11 +82,11 @@ bool PageSite::is_open(const std::string& method, const std::string& path) const
 }
 
 std::size_t PageSite::most_body(const std::string& method, const std::string& path) const {
-  return method == "PUT" && path == kProject ? kMostZipped : 0;
+  return method == "PUT" && path == kProject ? bounds::kZipBytes : 0;
 }
 
-std::shared_ptr<Client> PageSite::welcome(const std::string& from, bool local) {
-  return sessions_.welcome(from, local);
+std::shared_ptr<Client> PageSite::welcome(Client::Side side) {
+  return sessions_.welcome(std::move(side));
 }
 
 std::string PageSite::viewer_protocol(const std::string& offered) const {
@@ -102,12 +102,21 @@ std::vector<Problem> PageSite::take_problems() {
   return std::exchange(problems_, {});
 }
 
+/// For who takes no gzip: decompressed once. I/O thread.
+Text PageSite::plain_of(const std::string& path, const Asset& asset) const {
+  Text& kept = plain_[path];
+  if (!kept) kept = text_of(unzipped(asset.data));
+  return kept;
+}
+
 HttpReply PageSite::page(const HttpRequest& request) const {
   if (request.token == Shown::query) {
     HttpReply out = plain(302, "go on at /");
     out.headers.emplace_back("Location", "/");
-    out.headers.emplace_back("Set-Cookie", "polyarm_token_" + std::to_string(port_) + "=" + options_.token +
-                                               "; HttpOnly; SameSite=Strict; Path=/");
+    out.headers.emplace_back("Set-Cookie", "polyarm_token_" + std::to_string(port_) + "=" +
+                                               query_value(request.target, "token") +
+                                               "; HttpOnly; SameSite=Strict; Path=/" +
+                                               (request.secure ? "; Secure" : ""));
     return out;
   }
   if (request.token == Shown::wrong && request.target.find("token=") != std::string::npos)
@@ -118,8 +127,10 @@ HttpReply PageSite::page(const HttpRequest& request) const {
   if (found == page_.end()) return plain(404, "there is no such file");
   HttpReply out;
   out.type = media_type(found->first);
-  out.body = text_of(std::string(found->second.data));
-  out.gzip = found->second.gzip;
+  out.gzip = found->second.gzip && request.gzip;
+  out.body = found->second.gzip && !request.gzip ? plain_of(found->first, found->second)
+                                                 : text_of(std::string(found->second.data));
+  if (found->second.gzip) out.headers.emplace_back("Vary", "Accept-Encoding");
   out.headers.emplace_back("Cache-Control", request.path.starts_with("/assets/")
                                                 ? "public, max-age=31536000, immutable"
                                                 : "no-cache");
@@ -172,6 +183,10 @@ void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
 
 /// Backs the cell's folder up, or unpacks one beside it.
 void PageSite::project(HttpRequest request, const Reply& reply) {
+  const cell::Role needed = request.method == "GET" ? cell::Role::program : cell::Role::administer;
+  if (request.role < needed)
+    return reply(plain(403, std::string("this link allows to ") + cell::name(request.role) +
+                                ": open one that allows to " + cell::name(needed)));
   const std::filesystem::path folder = documents()->folder;
   if (folder.empty()) return reply(plain(503, "no cell is running now"));
   if (request.method == "GET")

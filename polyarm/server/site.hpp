@@ -36,7 +36,7 @@ class PageSite : public Site {
   bool is_open(const std::string& method, const std::string& path) const override;
   std::size_t most_body(const std::string& method, const std::string& path) const override;
   void handle(HttpRequest request, std::function<void(HttpReply)> reply) override;
-  std::shared_ptr<Client> welcome(const std::string& from, bool local) override;
+  std::shared_ptr<Client> welcome(Client::Side side) override;
   std::string viewer_protocol(const std::string& offered) const override;
   std::shared_ptr<Stream> welcome_viewer() override;
   /// What went wrong on the way to a document, once; cell thread.
@@ -54,6 +54,7 @@ class PageSite : public Site {
   };
   std::shared_ptr<const Documents> documents() const;
   HttpReply page(const HttpRequest& request) const;
+  Text plain_of(const std::string& path, const Asset& asset) const;
   bool later(const std::string& path, const Reply& reply);
   void post(std::function<HttpReply()> job, const Reply& reply);
   void project(HttpRequest request, const Reply& reply);
@@ -66,6 +67,7 @@ class PageSite : public Site {
   Viewers& viewers_;
   std::uint16_t port_ = 0;
   std::map<std::string, Asset> page_;
+  mutable std::map<std::string, Text> plain_;  // of what is stored compressed; the I/O thread's
   mutable std::mutex mutex_;
   std::shared_ptr<const Documents> documents_;
   std::vector<Problem> problems_;

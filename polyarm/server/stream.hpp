@@ -14,8 +14,6 @@ class Stream {
   virtual ~Stream() = default;
   /// A message has come in; `now`: s, of any steady clock. Why the connection has to end; null: it goes on.
   virtual const char* take(std::string message, bool binary, double now) = 0;
-  /// May more be read from it?
-  virtual bool has_room() const = 0;
   virtual std::optional<Client::Out> next() = 0;
   virtual bool gone() const = 0;
   virtual void leave() = 0;

@@ -1,6 +1,8 @@
 #include "polyarm/server/token.hpp"
 
 #include <fcntl.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -21,6 +23,18 @@ constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmn
 
 bool is_token(std::string_view text) {
   return text.size() == kCharacters && text.find_first_not_of(kAlphabet) == std::string_view::npos;
+}
+
+std::string base64url(const std::array<std::uint8_t, kBytes>& bytes) {
+  std::string out;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const std::uint8_t byte : bytes) {
+    bits = (bits << 8) | byte;
+    for (count += 8; count >= 6; count -= 6) out += kAlphabet[(bits >> (count - 6)) & 63];
+  }
+  if (count > 0) out += kAlphabet[(bits << (6 - count)) & 63];
+  return out;
 }
 
 /// What stands in a file that is this user's alone; else nothing.
@@ -47,15 +61,17 @@ std::string make_token() {
       throw Error("no-random", std::string("the system gives no random numbers: ") + std::strerror(errno));
     got += static_cast<std::size_t>(n);
   }
-  std::string out;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const std::uint8_t byte : random) {
-    bits = (bits << 8) | byte;
-    for (count += 8; count >= 6; count -= 6) out += kAlphabet[(bits >> (count - 6)) & 63];
-  }
-  if (count > 0) out += kAlphabet[(bits << (6 - count)) & 63];
-  return out;
+  return base64url(random);
+}
+
+std::string token_for(const std::string& token, cell::Role role) {
+  if (role == cell::Role::administer) return token;
+  const std::string what = std::string("polyarm pendant ") + cell::name(role);
+  std::array<std::uint8_t, kBytes> made{};
+  unsigned size = kBytes;
+  ::HMAC(::EVP_sha256(), token.data(), static_cast<int>(token.size()),
+         reinterpret_cast<const unsigned char*>(what.data()), what.size(), made.data(), &size);
+  return base64url(made);
 }
 
 bool same_token(std::string_view a, std::string_view b) noexcept {

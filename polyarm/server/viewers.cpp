@@ -26,7 +26,6 @@ class ViewerStream : public Stream {
       client_->take_text(message);
     return nullptr;
   }
-  bool has_room() const override { return true; }
   std::optional<Client::Out> next() override {
     auto out = client_->next();
     if (!out) return std::nullopt;

@@ -339,7 +339,7 @@ class FileMailbox::Io {
     const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
     const bool same = held && held->inode == found.inode && held->device == found.device;
     watch_.expect_own_open(!same);
-    if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     auto content = standing_ ? content_of(standing_.get()) : std::nullopt;
     watch_.collect();
     watch_.expect_own_open(false);

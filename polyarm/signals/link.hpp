@@ -123,7 +123,8 @@ struct LinkNews {
   std::vector<LinkValue> values;                             ///< new, or just connected
   std::vector<std::size_t> seen;                             ///< tags that were heard of, changed or not
   std::vector<std::pair<std::size_t, std::string>> refused;  ///< what could not be taken, and why
-  bool alive = true;  ///< the far side is there (a server: somebody has asked lately)
+  std::vector<std::string> notes;  ///< for a person: what happened to the port itself, which goes on
+  bool alive = true;               ///< the far side is there (a server: somebody has asked lately)
   void refuse(std::size_t tag, std::string why) { refused.emplace_back(tag, std::move(why)); }
 };
 
@@ -151,10 +152,10 @@ std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
                                          const std::vector<std::filesystem::path>& folders);
 
 struct LinkEvent {
-  enum class Kind { value, refused, lost, found } kind = Kind::value;
+  enum class Kind { value, refused, lost, found, note } kind = Kind::value;
   std::size_t tag = 0;
   data::Value value;
-  std::string text;  ///< refused, lost: why
+  std::string text;  ///< refused, lost: why; note: what
 };
 
 /// What is known of a link, at one moment.

@@ -186,6 +186,8 @@ class Link::Io {
       up();
     else
       down("nobody has asked for longer than its timeout");
+    for (std::string& note : news.notes)
+      events_.push_back({{LinkEvent::Kind::note, 0, {}, std::move(note)}, UINT64_MAX});
     for (const std::size_t tag : news.seen) heard_at_[tag] = now, state_.heard[tag] = 1;
     for (auto& [tag, why] : news.refused) {
       if (refusals_[tag] == why) continue;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::signals {
@@ -40,10 +42,6 @@ Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
   if (!(value > 0) || value > 1e6)
     throw Error(Problem{"bad-value", node.where(), "this is a time longer than none", "for example 50ms"});
   return nanoseconds(value);
-}
-
-bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
 /// How many metres, or radians, in the unit that is named.
@@ -249,7 +247,7 @@ void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry&
   one_of(node["mqtt"], {"client"});
   const auto file = [&](const Yaml& named) {
     const std::string text = named.text("");
-    return text.empty() ? text : (folder / text).string();
+    return text.empty() || text.starts_with(kSecretPrefix) ? text : (folder / text).string();
   };
   out.tls = node.has("tls");
   out.timeout = 2'000'000'000;
@@ -263,6 +261,8 @@ void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry&
   out.client_id = node["client_id"].text("");
   out.user = node["user"].text("");
   out.password_file = file(node["password_file"]);
+  for (const std::string& secret : {out.password_file, out.key})
+    if (!secret.empty() && !secret.starts_with(kSecretPrefix)) mark_secret(secret);
   out.keep_alive = time_of(node["keep_alive"], out.keep_alive);
   const Yaml will = node["will"];
   if (!will.defined()) return;

@@ -6,11 +6,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "polyarm/base/text.hpp"
+
 namespace polyarm::trajectory {
 
 namespace {
 
 constexpr std::size_t kCount = Trajectory::kCoefficients;
+constexpr double kShortest = 1e-9;  // s between two points: below it rates are no numbers
+constexpr double kLongest = 1e9;    // s: beyond it a time does not fit into nanoseconds
 constexpr double kHold = 1e-3;  // s, of a trajectory whose only point is at time 0
 
 /// Looks for faults in one point and collects them under the point's name.
@@ -49,10 +53,10 @@ void check_times(std::span<const TrajectoryPoint> points, Problems& problems) {
   double last = -1;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double t = points[i].time_from_start;
-    if (!std::isfinite(t) || t < 0)
-      problems.error("bad-time", {}, name_of(i) + " is at " + std::to_string(t) + " s",
-                     "times count from the start");
-    else if (t <= last)
+    if (!std::isfinite(t) || t < 0 || t > kLongest || (t > 0 && t < kShortest))
+      problems.error("bad-time", {}, name_of(i) + " is at " + format_number(t) + " s",
+                     "times count from the start, in seconds");
+    else if (i > 0 && !(t - last >= kShortest))
       problems.error("bad-time", {},
                      name_of(i) + " is at " + std::to_string(t) +
                          " s, not later than the point before it at " + std::to_string(last) + " s",
@@ -66,7 +70,7 @@ void check_end(const TrajectoryPoint& end, const SplineOptions& options, Problem
   for (std::size_t i = 0; i < end.velocities.size(); ++i)
     if (std::abs(end.velocities[i]) > FLT_EPSILON)
       problems.error("moves-at-end", {},
-                     "the last point has velocity " + std::to_string(end.velocities[i]) + " for joint " +
+                     "the last point has velocity " + format_number(end.velocities[i]) + " for joint " +
                          std::to_string(i + 1),
                      "end at rest, or allow a velocity at the end");
 }

@@ -67,6 +67,44 @@ TEST(Text, NearestNameForgivesSmallSlips) {
   EXPECT_EQ(nearest_name("Conveyor", names), std::nullopt);
 }
 
+TEST(Text, NearestNameLooksAtTheWholeNameAndAtBeginnings) {
+  const std::vector<std::string> robots{"fanuc/cr_7ia", "fanuc/lr_mate_200id_7l", "fanuc/lr_mate_200id",
+                                        "universal_robots/ur5", "universal_robots/ur5e"};
+  EXPECT_EQ(nearest_name("fanuc/lr_mat", robots), "fanuc/lr_mate_200id");
+  EXPECT_EQ(nearest_name("fanuc/lr_mate_200di", robots), "fanuc/lr_mate_200id");
+  EXPECT_EQ(nearest_name("ur5e", robots), "universal_robots/ur5e") << "the maker is left out";
+  EXPECT_EQ(nearest_name("universal_robots/ru5", robots), "universal_robots/ur5");
+  const std::vector<std::string> options{"--fast", "--seconds", "--fault"};
+  EXPECT_EQ(nearest_name("--fst", options), "--fast");
+  EXPECT_EQ(nearest_name("--sec", options), "--seconds");
+  const std::vector<std::string> words{"time", "var", "user"};
+  EXPECT_EQ(nearest_name("tme", words), "time");
+  EXPECT_EQ(nearest_name("tiem", words), "time") << "swapped neighbours count as one";
+}
+
+TEST(Yaml, SaysTheKeyWhatIsThereAndWhatWasExpected) {
+  const Yaml yaml = Yaml::parse("hardware: [1, 2]\nmass: heavy\nfast: {a: 1}\non: perhaps\n", "cell.yaml");
+  const auto said = [](const auto& read) -> std::string {
+    try {
+      read();
+      return "nothing";
+    } catch (const Error& e) {
+      return e.what();
+    }
+  };
+  EXPECT_NE(said([&] {
+              yaml["hardware"].text();
+            }).find("cell.yaml:1:11: error: 'hardware' is a list of 2 values, a single value was expected"),
+            std::string::npos);
+  EXPECT_NE(
+      said([&] { yaml["mass"].number(Dimension::mass); }).find("'mass' is 'heavy', a mass was expected"),
+      std::string::npos);
+  EXPECT_NE(said([&] { yaml["mass"].number(Dimension::mass); }).find("80g"), std::string::npos);
+  EXPECT_NE(said([&] { yaml["fast"].text(); }).find("'fast' is a map of keys"), std::string::npos);
+  EXPECT_NE(said([&] { yaml["on"].boolean(); }).find("'on' is 'perhaps', true or false was expected"),
+            std::string::npos);
+}
+
 TEST(Text, NumbersGoThereAndBackExactly) {
   std::mt19937_64 random(7);
   for (int i = 0; i < 10000; ++i) {
@@ -106,7 +144,7 @@ TEST(YamlFile, NamesThePlaceOfWhatIsWrong) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.problems().front().where.line, 3);
-    EXPECT_NE(std::string(e.what()).find("'x' is not a length"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("is 'x', a length was expected"), std::string::npos);
   }
   Problems problems;
   yaml.check_keys({"rate", "robot"}, problems);

@@ -78,7 +78,7 @@ TEST(MovingBase, CarriesWhatStandsOnIt) {
   text.insert(text.find("controllers:"),
               "  arm: {model: universal_robots/ur3, on: jetbot, at: [0.1, 0, 0.3]}\n");
   folder.write("cell.yaml", text);
-  LockStepCell bench(read_cell_file(folder.path()), {POLYARM_SOURCE_DIR "/robots"});
+  LockStepCell bench(read_cell_file(folder.path()), std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
   const MovingBase& arm = bench.cell().base(1);
   ASSERT_TRUE(arm.moves());
   EXPECT_TRUE(arm.carried());

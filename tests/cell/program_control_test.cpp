@@ -254,6 +254,34 @@ TEST_F(ProgramControl, BeginsAtALineAndSaysWhatItTakesForGiven) {
   EXPECT_EQ(run->ask({{"request", "program.from"}, {"line", 999}})["error"]["code"], "still-running");
 }
 
+/// Moves are queued ahead of the robot, and a wait is over only when it is over.
+TEST_F(ProgramControl, TellsTheLineUnderWayAndNotTheOneThatComesNext) {
+  folder.write("job.script",
+               "movej joints(10deg, -90deg, 0deg, 0deg, 0deg, 0deg), blend 10mm\n"  // 1
+               "movej joints(20deg, -90deg, 0deg, 0deg, 0deg, 0deg), blend 10mm\n"  // 2
+               "movej joints(30deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"              // 3
+               "wait 500ms\n"                                                       // 4
+               "movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"               // 5
+               "wait time 1\n");                                                    // 6
+  begin();
+  std::vector<int> lines, asked;
+  for (int i = 0; i < 20000 && !cell().program()->ended(); ++i) {
+    run->tick();
+    if (cell().program()->ended()) break;
+    const double first = cell().snapshot().commands.front();
+    if (lines.empty() || lines.back() != line()) lines.push_back(line());
+    if (line() == 2) EXPECT_GT(first, 9.0 * M_PI / 180) << "the robot has come past the first target";
+    if (line() == 4) EXPECT_NEAR(first, 30 * M_PI / 180, 1e-6);
+    EXPECT_EQ(cell().line_under_way().line, line());
+    const Json told = ask("program");
+    if (asked.empty() || asked.back() != told["where"]["line"]) asked.push_back(told["where"]["line"]);
+  }
+  EXPECT_EQ(lines, (std::vector<int>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(asked, lines);
+  EXPECT_EQ(cell().line_under_way().line, 0) << "nothing is under way after the end";
+  EXPECT_EQ(ask("program")["passes"], 1) << "the program itself is the pass";
+}
+
 TEST_F(ProgramControl, EndsAndItsCleanUpIsDone) {
   run_to(14);
   EXPECT_EQ(ask("program.stop")["state"], "stopped");
@@ -261,7 +289,7 @@ TEST_F(ProgramControl, EndsAndItsCleanUpIsDone) {
 }
 
 TEST_F(ProgramControl, EndsWhileItIsHeldAndNothingOfItGoesOn) {
-  run_to(12);  // it waits for the move of line 11
+  run_to(11);
   run->run(0.1);
   ask("control.hold");
   ASSERT_EQ(ask("program")["state"], "waiting") << "in the middle of a move";
@@ -282,7 +310,7 @@ TEST_F(ProgramControl, EndsWhileItIsHeldAndNothingOfItGoesOn) {
 }
 
 TEST_F(ProgramControl, EndsWhileTheRobotIsStillComingToAHold) {
-  run_to(12);  // it waits for the move of line 11
+  run_to(11);
   run->run(0.1);
   cell().loop().supervisor().latch().request(realtime::StopKind::controlled);
   run->tick();
@@ -291,7 +319,7 @@ TEST_F(ProgramControl, EndsWhileTheRobotIsStillComingToAHold) {
 }
 
 TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
-  run_to(14);
+  run_to(13);
   const double before = placed();
   EXPECT_EQ(before, 3);
   cell().keep_safe_point();
@@ -303,7 +331,7 @@ TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
   EXPECT_EQ(report.where.line, 13) << "the move is done again";
   EXPECT_EQ(placed(), before);
   run_to(14);
-  run_to(12);
+  run_to(11);
   run_to(14);
   EXPECT_EQ(placed(), before + 1) << "lines 1 to 9 were not done again";
   EXPECT_EQ(cell::to_json(cell::safe_point_from_json(written, "")), written);

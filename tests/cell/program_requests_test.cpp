@@ -84,7 +84,22 @@ TEST_F(ProgramRequests, WhatStandsReadyMayBeginAsItWasSavedSince) {
   ASSERT_TRUE(begun["ok"].get<bool>()) << begun;
   until("finished");
   EXPECT_NEAR(joint("joint_1"), -0.3, 1e-6) << "B";
-  EXPECT_EQ(state()["passes"], 0) << "it has no loop any more";
+  EXPECT_EQ(state()["passes"], 1) << "it has no loop any more, and is one pass itself";
+}
+
+TEST_F(ProgramRequests, WhatIsStartedIsWhatWasShown) {
+  folder.write("other.script", "load work_data\nmoveto A\n");
+  const Json shown = load("work.script")["result"];
+  ASSERT_FALSE(shown["hash"].get<std::string>().empty());
+  const Json start{{"request", "program.start"}, {"file", shown["file"]}, {"hash", shown["hash"]}};
+  ASSERT_TRUE(load("other.script")["ok"].get<bool>());
+  EXPECT_EQ(error_of(cell->ask(start)), "program-changed") << "somebody has loaded another one";
+  folder.write("work.script", "load work_data\nmoveto B\n");
+  ASSERT_TRUE(load("work.script")["ok"].get<bool>());
+  EXPECT_EQ(error_of(cell->ask(start)), "program-changed") << "the same file, which says something else";
+  EXPECT_EQ(word(), "ready");
+  EXPECT_TRUE(cell->ask({{"request", "program.start"}, {"file", "work.script"}, {"hash", state()["hash"]}})["ok"]
+                  .get<bool>());
 }
 
 TEST_F(ProgramRequests, ACellWithoutAProgramSaysSoAndBeginsOneAtALine) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -465,6 +466,25 @@ TEST_F(CellsTest, CellsBesideTheOpenOneAreListed) {
   EXPECT_EQ(list["cells"][1]["robots"], Json::array({"abb/irb_120"}));
 }
 
+TEST_F(CellsTest, CellsThatWereOpenStayListedWithThoseBesideThem) {
+  const std::string cell = "polyarm: cell/1\nrobots:\n  arm: {model: abb/irb_120, hardware: mock}\n";
+  folder.write("examples/first/cell.yaml", cell);
+  folder.write("examples/second/cell.yaml", cell);
+  const Json gone = (folder.path() / "gone").string(), first = (folder.path() / "examples/first").string();
+  folder.write("data/polyarm/recent.json", Json::array({first, gone, 7}).dump());
+  const Json list = result({{"request", "cells"}});
+  std::map<std::string, bool> recent;
+  for (const Json& each : list["cells"]) recent[each.value("name", "")] = each.value("recent", false);
+  EXPECT_EQ(recent.at("first"), true) << list;
+  EXPECT_EQ(recent.at("second"), false) << list;
+  EXPECT_EQ(recent.at("bench"), false) << "it is open";
+  EXPECT_EQ(recent.count("gone"), 0u);
+  const Json kept = Json::parse(read_file(folder.path() / "data/polyarm/recent.json"));
+  EXPECT_EQ(kept, Json::array({bench().string(), first}));
+  folder.write("data/polyarm/recent.json", "no JSON");
+  EXPECT_EQ(result({{"request", "cells"}})["cells"].size(), 2u);
+}
+
 TEST_F(CellsTest, ACopyHasTheFilesAndNothingHidden) {
   const Json made = result({{"request", "cell.save_as"}, {"name", "mine"}});
   const std::filesystem::path copy = made.value("folder", "");
@@ -487,7 +507,7 @@ TEST(NewCell, CanBeOpened) {
   ::setenv("XDG_DATA_HOME", folder.path().c_str(), 1);
   folder.write("cell.yaml",
                "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\n");
-  test::LockStepCell cell(read_cell_file(folder.path()), {POLYARM_SOURCE_DIR "/robots"});
+  test::LockStepCell cell(read_cell_file(folder.path()), std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
   const Json made =
       cell.result({{"request", "cell.new"}, {"name", "fresh"}, {"robot", "universal_robots/ur5e"}});
   ::unsetenv("XDG_DATA_HOME");

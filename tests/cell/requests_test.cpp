@@ -1,6 +1,8 @@
+#include <memory>
 #include <random>
 #include <set>
 
+#include "polyarm/base/bounds.hpp"
 #include "tests/cell/requests_cell.hpp"
 
 namespace polyarm {
@@ -365,9 +367,49 @@ TEST_F(RequestsTest, AnswersOfOneAskerComeInOrderAndAStopPasses) {
 
 TEST_F(RequestsTest, TooManyOpenRequestsAreRefusedAndNotKept) {
   const Json watch{{"request", "watch"}, {"name", "joint_states"}, {"rate", 0.001}};
-  for (std::size_t i = 0; i < cell::Requests::kMostOpen; ++i) cell.give(watch);
+  for (std::size_t i = 0; i < bounds::kOpenRequests; ++i) cell.give(watch);
   EXPECT_EQ(error_of(cell.give(watch)->front()), "busy");
-  EXPECT_EQ(cell.cell().requests().open(), cell::Requests::kMostOpen);
+  EXPECT_EQ(cell.cell().requests().open(), bounds::kOpenRequests);
+}
+
+TEST_F(RequestsTest, OneConnectionDoesNotKeepOthersOut) {
+  const int me = 0, other = 0;
+  std::shared_ptr<std::vector<Json>> last;
+  for (std::size_t i = 0; i <= bounds::kOpenRequestsOfOne; ++i) {
+    last = cell.give(Json{{"request", "watch"}, {"name", "joint_states"}, {"rate", 0.001}, {"id", i}}, &me);
+    cell.run(0.01);
+  }
+  ASSERT_FALSE(last->empty());
+  EXPECT_EQ(error_of(last->back()), "busy");
+  const auto others = cell.give(Json{{"request", "health"}}, &other);
+  ASSERT_FALSE(others->empty());
+  EXPECT_TRUE(others->front()["ok"].get<bool>());
+  cell.cell().requests().end(&me, Json(std::size_t{0}));
+  cell.run(0.01);
+  EXPECT_EQ(cell.cell().requests().open(), bounds::kOpenRequestsOfOne - 1) << "one has ended";
+}
+
+TEST_F(RequestsTest, WhatIsKeptOfARequestIsShort) {
+  const std::string long_id(1000, 'x');
+  EXPECT_EQ(error_of(cell.give(Json{{"request", "health"}, {"id", long_id}})->front()), "bad-request");
+  EXPECT_EQ(error_of(cell.give(Json{{"request", "health"}, {"id", Json(std::vector<int>(200, 7))}})->front()),
+            "bad-request");
+  const Json refused = cell.give(Json{{"request", std::string(500'000, 'x')}})->front();
+  EXPECT_EQ(error_of(refused), "unknown-request");
+  EXPECT_LT(refused.dump().size(), 3 * bounds::kErrorTextBytes) << "what was wrong is quoted, but not whole";
+}
+
+TEST_F(RequestsTest, ControllersAreNotLoadedWithoutEnd) {
+  std::string last = "ok";
+  for (std::size_t i = 0; i <= bounds::kLoadedControllers && last == "ok"; ++i) {
+    const Json answer = cell.give(Json{{"request", "control.load"},
+                                       {"name", "broadcaster" + std::to_string(i)},
+                                       {"type", "joint_state_broadcaster/JointStateBroadcaster"}})
+                            ->front();
+    last = answer["ok"].get<bool>() ? "ok" : error_of(answer);
+  }
+  EXPECT_EQ(last, "too-many");
+  EXPECT_EQ(cell.cell().loop().controllers().list().size(), bounds::kLoadedControllers);
 }
 
 TEST_F(RequestsTest, APersonHoldsAndResumesAMotion) {

@@ -89,6 +89,27 @@ class StreamingTest : public ::testing::Test {
   double fastest = 0;  ///< share of a joint's limit
 };
 
+TEST_F(StreamingTest, ATargetBeyondTheLimitsIsRefusedWithJointAndValue) {
+  const auto refusal = [&](Json request) {
+    const auto answers = cell->give(request);
+    for (int i = 0; answers->empty() && i < 100; ++i) tick();
+    return answers->empty() ? std::string() : answers->back().dump();
+  };
+  const Vec3 there = cell->cell().tcp(0).position;
+  for (const double wrong : {100.0, -1e308}) {
+    const std::string why = refusal({{"request", "target"}, {"joints", {{"joint_2", wrong}}}});
+    EXPECT_NE(why.find("beyond-limits"), std::string::npos) << why;
+    EXPECT_NE(why.find("joint_2"), std::string::npos) << why;
+  }
+  for (const Json& request : {Json{{"request", "target"}, {"pose", {{"position", {1e308, 0, 0}}}}},
+                              Json{{"request", "jog"}, {"joints", {{"joint_2", 1e308}}}},
+                              Json{{"request", "jog"}, {"tcp", {{"z", 1e308}}}, {"by", true}},
+                              Json{{"request", "move"}, {"points", {{{"joints", {{"joint_2", 100}}}}}}}})
+    EXPECT_NE(refusal(request).find("\"ok\":false"), std::string::npos) << request;
+  cell->run(0.2);
+  EXPECT_LT(norm(cell->cell().tcp(0).position - there), 1e-9);
+}
+
 TEST_F(StreamingTest, AMovingTargetIsFollowedToMillimetres) {
   const auto line = [&](double t) { return begin + Vec3{0, 0, -0.1 * t}; };
   EXPECT_LT(stream(line, 2, 1, [] { return 5; }), 0.001);

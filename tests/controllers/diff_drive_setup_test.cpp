@@ -21,7 +21,7 @@ TEST(DiffDriveSetup, RefusesWhatCannotBeADrive) {
       {{{"left_wheel_names", {"lefd"}}}, "did you mean 'left'"},
       {{{"left_wheel_names", {"right"}}}, "'right' is named twice"},
       {{{"wheel_separation", {"0"}}}, "wheel_separation must be a number above 0"},
-      {{{"wheel_radius", {".nan"}}}, "wheel_radius must be a number above 0"},
+      {{{"wheel_radius", {".nan"}}}, "'wheel_radius: .nan' is not a finite number"},
       {{{"wheel_radius", {"wide"}}}, "'wheel_radius: wide' is not a number"},
       {{{"left_wheel_radius_multiplier", {"0"}}}, "left_wheel_radius_multiplier must not be 0"},
       {{{"pose_covariance_diagonal", {"1", "2"}}}, "has 2 numbers, it needs 6"},
@@ -29,7 +29,7 @@ TEST(DiffDriveSetup, RefusesWhatCannotBeADrive) {
       {{{"angular.z.min_velocity", {"1"}}}, "'angular.z.min_velocity: 1' is not a number of at most 0"},
       {{{"linear.x.has_velocity_limits", {"perhaps"}}}, "is not true or false"},
       {{{"cmd_vel_timeout", {"-1"}}}, "cmd_vel_timeout: -1"},
-      {{{"cmd_vel_timeout", {".nan"}}}, "cmd_vel_timeout is not a number"},
+      {{{"cmd_vel_timeout", {".nan"}}}, "'cmd_vel_timeout: .nan' is not a number of at least 0"},
       {{{"velocity_rolling_window_size", {"0"}}}, "velocity_rolling_window_size: 0"},
       {{{"velocity_rolling_window_size", {"2000000000"}}}, "velocity_rolling_window_size: 2000000000"},
   };

@@ -95,7 +95,8 @@ TEST(JointPid, GainsAreCheckedBeforeTheyChange) {
   m.rig.set("pid.p", {"1"});
   m.rig.start();
   const Parameters& p = m.rig.context.parameters;
-  EXPECT_NE(m.controller->refuse_changes({p.change("pid.i", ".inf")}), "");
+  EXPECT_THROW(p.change("pid.i", ".inf"), Error);
+  EXPECT_THROW(p.change("pid.p", ".nan"), Error);
   EXPECT_NE(m.controller->refuse_changes({p.change("pid.u_clamp_max", "-.inf")}), "");
   const ParameterChange change = p.change("pid.p", "3");
   EXPECT_EQ(m.controller->refuse_changes({change}), "");

@@ -318,6 +318,19 @@ TEST(JointTrajectoryAction, FarFromItsGoalItEndsWhenTheTimeIsUp) {
   expect_commands(rig, {1.1, 2.1, 3.1});
 }
 
+TEST(JointTrajectoryAction, FarFromItsGoalWithoutTolerancesItSucceedsAndNamesTheJoint) {
+  TrajectoryRig rig;
+  rig.start();
+  rig.follows = false;
+  rig.send_goal(rig.message({point(0.5, {1.1, 2.197, 3.1})}));
+  rig.run(0.7);
+  ASSERT_EQ(rig.events.size(), 2u);
+  EXPECT_EQ(rig.last()->outcome, GoalOutcome::succeeded);
+  EXPECT_EQ(rig.last()->joint, 1);
+  EXPECT_NEAR(rig.last()->error, 0.097, 1e-9);
+  EXPECT_EQ(rig.last()->tolerance, 0);
+}
+
 TEST(JointTrajectoryAction, WithoutAGoalTimeItWaits) {
   TrajectoryRig rig({0});
   rig.set("constraints.j1.goal", {"0.1"});

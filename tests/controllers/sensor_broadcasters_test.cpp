@@ -124,7 +124,7 @@ TEST(ImuBroadcaster, RefusesWithAPlace) {
   const std::pair<Rig::Values, const char*> kWrong[] = {
       {{{"sensor_name", {"imo"}}}, "did you mean 'imu'"},
       {{{"static_covariance_orientation", {"1"}}}, "has 1 numbers, it needs 9"},
-      {{{"rotation_offset.yaw", {".inf"}}}, "rotation_offset is not finite"},
+      {{{"rotation_offset.yaw", {".inf"}}}, "'rotation_offset.yaw: .inf' is not a finite number"},
   };
   for (const auto& [values, sentence] : kWrong) {
     Imu imu(values);

@@ -11,6 +11,29 @@ DataSet set_of(const std::vector<std::pair<std::string, Value>>& values) {
   return out;
 }
 
+TEST(DataStore, KeepsABoundedNumberOfValuesInItsChanges) {
+  DataStore store;
+  for (int i = 0; i < 1000; ++i) {
+    List list(10'000, Value(i));
+    store.set("L", Value(std::move(list)), "program");
+  }
+  std::size_t values = 0;
+  const std::vector<Change> kept = store.changes_since(0);
+  for (const Change& change : kept) values += change.now->extent().values;
+  EXPECT_LE(values, DataStore::kMostKept);
+  EXPECT_GE(kept.size(), 10u);
+  EXPECT_EQ(kept.back().version, store.version()) << "the newest are kept";
+  for (int i = 0; i < 5000; ++i) store.set("N", i, "program");
+  EXPECT_EQ(store.changes_since(0).size(), DataStore::kChangesKept);
+}
+
+TEST(DataStore, RefusesMoreNamesThanItsBound) {
+  DataStore store;
+  for (std::size_t i = 0; i < DataStore::kMostNames; ++i) store.set("n" + std::to_string(i), 1, "page");
+  EXPECT_THROW(store.set("one_more", 1, "page"), Error);
+  EXPECT_TRUE(store.set("n7", 2, "page")) << "those that are there go on";
+}
+
 TEST(DataStore, LoadReplacesWhatCameFromThatFileAndLeavesTheRest) {
   DataStore store;
   store.load("points", set_of({{"Home", Point{}}}), "t");

@@ -269,6 +269,29 @@ INSTANTIATE_TEST_SUITE_P(Examples, ExampleScene,
                          ::testing::Values("pick_and_place", "sorting", "bin_picking"),
                          [](const auto& test) { return std::string(test.param); });
 
+TEST(SceneFile, APartWithoutAMassIsSaidAndNoOther) {
+  Problems warnings;
+  const Scene scene = read_scene(Yaml::parse("polyarm: scene/1\nfeeders:\n  f: {at: [0, 0, 0]}\nparts:\n"
+                                             "  known: {box: [40mm, 40mm, 40mm], mass: 80g, at: [0, 0, 1]}\n"
+                                             "  guessed: {box: [40mm, 40mm, 40mm], feeder: f, count: 2}\n",
+                                             "scene.yaml"),
+                                 warnings);
+  ASSERT_EQ(scene.parts.size(), 3u);
+  ASSERT_EQ(warnings.list().size(), 1u);
+  EXPECT_EQ(warnings.list()[0].where.line, 6);
+  EXPECT_EQ(warnings.list()[0].severity, Severity::warning);
+  EXPECT_NE(warnings.list()[0].what.find("'guessed' states no mass: 0.032 kg"), std::string::npos)
+      << warnings.list()[0].what;
+}
+
+TEST(ExampleScenes, StateEveryMass) {
+  for (const char* name : {"pick_and_place", "sorting", "bin_picking", "two_robots", "carrier"}) {
+    Problems warnings;
+    read_scene(std::string(POLYARM_SOURCE_DIR) + "/examples/" + name + "/scene.yaml", warnings);
+    EXPECT_TRUE(warnings.list().empty()) << name << ": " << warnings.list()[0].text();
+  }
+}
+
 TEST(ExampleScenes, HoldAsManyPartsAsTheyDescribe) {
   EXPECT_EQ(read_scene(POLYARM_SOURCE_DIR "/examples/pick_and_place/scene.yaml").parts.size(), 3u);
   EXPECT_EQ(read_scene(POLYARM_SOURCE_DIR "/examples/sorting/scene.yaml").kinds,

@@ -57,6 +57,20 @@ Stage arm() {
 
 const std::map<std::string, std::string> kDynamics = {{"calculate_dynamics", "true"}};
 
+TEST(Mock, SaysThatEffortsMoveNothing) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.robots[0].hardware = {declared()};
+  drivers::MockComponent plain, pushed;
+  ASSERT_EQ(plain.on_init(context), hardware::CallbackReturn::success);
+  EXPECT_EQ(plain.summary().find("efforts"), std::string::npos) << plain.summary();
+  context.robots[0].hardware[0].components[1].command_interfaces.push_back(interface("effort"));
+  ASSERT_EQ(pushed.on_init(context), hardware::CallbackReturn::success);
+  EXPECT_NE(pushed.summary().find("efforts move nothing here"), std::string::npos) << pushed.summary();
+  EXPECT_NE(pushed.summary().find("elbow"), std::string::npos) << pushed.summary();
+  EXPECT_NE(pushed.summary().find("--hardware mujoco"), std::string::npos) << pushed.summary();
+}
+
 TEST(Mock, StartsWhereItIsToldTo) {
   const Stage stage = arm();
   const Rig rig = mock(stage);

@@ -481,6 +481,23 @@ TEST(Mujoco, ArmIntoTableIsAFinding) {
   EXPECT_EQ(names.at(static_cast<std::size_t>(found.b)), "fixture table");
   EXPECT_GT(found.depth, 0);
   EXPECT_GT(found.time, nanoseconds(0.5));
+  EXPECT_TRUE(found.now);
+  EXPECT_NEAR(found.position.z, 0, 0.005) << "at the top of the table";
+}
+
+TEST(Mujoco, APairIsToldAgainOnlyAfterItHasBeenClear) {
+  Stage stage = cell("none");
+  stage.scene.parts.clear();
+  Rig rig = simulate(stage);
+  rig.move({{"arm/z/position", -0.503}}, 0.5);
+  rig.run(1);
+  ASSERT_EQ(rig.world().finding_count, 1) << "resting is nothing new";
+  EXPECT_TRUE(rig.world().findings[0].now);
+  rig.move({{"arm/z/position", -0.4}}, 0.5);
+  EXPECT_FALSE(rig.world().findings[0].now) << "clear again";
+  rig.move({{"arm/z/position", -0.503}}, 0.5);
+  ASSERT_EQ(rig.world().finding_count, 2) << "touched anew";
+  EXPECT_TRUE(rig.world().findings[1].now);
 }
 
 TEST(Mujoco, HeldPartSweptIntoAnObstacleIsAFinding) {

@@ -134,7 +134,7 @@ inline description::NamedJoint joint(const std::string& name, description::Joint
 inline description::RobotModel tie(description::RobotModel model,
                                    std::vector<description::NamedJoint> joints) {
   Problems problems;
-  EXPECT_TRUE(description::tie_together(model, std::move(joints), {"test", 1}, problems));
+  EXPECT_TRUE(description::tie_together(model, std::move(joints), {"test", 1}, problems, problems));
   problems.throw_if_errors();
   return model;
 }

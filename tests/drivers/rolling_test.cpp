@@ -17,8 +17,9 @@ description::Shape cylinder(double radius, double length) {
   return out;
 }
 
-/// A box with two driven wheels and a ball that slides, on the floor.
-description::RobotModel base() {
+/// A box with two driven wheels and a ball that slides, on the floor; `steered`: and a wheel that is steered; `arm`:
+/// and an arm that reaches below it.
+description::RobotModel base(bool steered = false, bool arm = false) {
   using description::JointType;
   description::RobotModel model;
   model.name = "base";
@@ -36,12 +37,25 @@ description::RobotModel base() {
   model.links[1].collisions = model.links[2].collisions = {cylinder(kRadius, 0.015)};
   model.links[3].collisions = {ball};
   model.links[3].contact.mu1 = 0.02;
-  description::RobotModel out =
-      tie(std::move(model),
-          {joint("left", JointType::continuous, "chassis", "left", {{0, kTrack / 2, 0}, {}}, {0, 1, 0}, 2),
-           joint("right", JointType::continuous, "chassis", "right", {{0, -kTrack / 2, 0}, {}}, {0, 1, 0}, 2),
-           joint("fixed", JointType::fixed, "chassis", "caster", {})});
-  return out;
+  std::vector<description::NamedJoint> joints = {
+      joint("left", JointType::continuous, "chassis", "left", {{0, kTrack / 2, 0}, {}}, {0, 1, 0}, 2),
+      joint("right", JointType::continuous, "chassis", "right", {{0, -kTrack / 2, 0}, {}}, {0, 1, 0}, 2),
+      joint("fixed", JointType::fixed, "chassis", "caster", {})};
+  if (steered) {
+    model.links.push_back(link("knuckle", 0.1));
+    model.links.push_back(link("front", 0.05));
+    model.links.back().collisions = {cylinder(kRadius, 0.015)};
+    joints.push_back(joint("steer", JointType::revolute, "chassis", "knuckle", {{0.1, 0, 0}, {}}, {0, 0, 1}, 2));
+    joints.push_back(joint("roll", JointType::continuous, "knuckle", "front", {}, {0, 1, 0}, 2));
+  }
+  if (arm) {
+    model.links.push_back(link("mast", 0.1));
+    model.links.push_back(link("arm", 0.1));
+    model.links.back().collisions = {box({0.02, 0.02, 0.2})};
+    joints.push_back(joint("turn", JointType::revolute, "chassis", "mast", {{-0.3, 0, 0}, {}}, {0, 0, 1}, 2));
+    joints.push_back(joint("shoulder", JointType::revolute, "mast", "arm", {}, {0, 1, 0}, 2));
+  }
+  return tie(std::move(model), std::move(joints));
 }
 
 class Rolling {
@@ -98,6 +112,18 @@ TEST(Rolling, WheelsAgainstEachOtherTurnIt) {
   base.drive(-2, 2, 1.5);
   EXPECT_NEAR(base.heading(), 2 * kRadius * 3 / kTrack, 0.1);
   EXPECT_NEAR(std::hypot(base.x(), base.y()), 0, 0.01);
+}
+
+/// The same base, bolted down: a steered wheel reaches into the floor, which is no contact; an arm does, too.
+TEST(Rolling, WheelsOfABaseThatDoesNotStandFreeMayTouchTheFloor) {
+  for (const bool low : {false, true}) {
+    Stage stage;
+    stage.model = base(true, low);
+    stage.base.position = {0, 0, kRadius - 0.002};
+    Rig rig(std::make_unique<drivers::MujocoComponent>(), stage.context());
+    rig.run(0.2);
+    EXPECT_EQ(rig.findings().find("floor") == std::string::npos, !low) << rig.findings();
+  }
 }
 
 TEST(Rolling, AWallStopsItAndIsTold) {

@@ -176,6 +176,22 @@ TEST(Chain, AJointThatAnotherFollowsAtAnyMultipleHasNoPeriodWhicheverComesFirst)
   }
 }
 
+// As KDL has it: a joint of several values counts as fixed, so that arms on a free base have kinematics.
+TEST(Chain, TakesPlanarAndFloatingJointsAsFixedAtTheirOrigins) {
+  using description::JointType;
+  for (const JointType type : {JointType::floating, JointType::planar}) {
+    auto free = test::ur3(), fixed = test::ur3();
+    free.joints[0].type = type, fixed.joints[0].type = JointType::fixed;
+    for (auto* model : {&free, &fixed}) model->actuated.erase(model->actuated.begin());
+    const Chain chain(free, test::tip_of(free)), reference(fixed, test::tip_of(fixed));
+    ASSERT_EQ(chain.joints(), reference.joints());
+    const std::vector<double> q{-1.1, 0.7, -0.4, 1.3, 0.2};
+    const Pose a = chain.forward(q), b = reference.forward(q);
+    EXPECT_LT(norm(a.position - b.position), 1e-12);
+    EXPECT_LT(norm(a.rotation * Vec3{1, 0, 0} - b.rotation * Vec3{1, 0, 0}), 1e-12);
+  }
+}
+
 TEST(Chain, RefusesModelsThatAreNone) {
   const auto good = test::ur3();
   EXPECT_THROW(Chain(good, -1), Error);
@@ -185,9 +201,6 @@ TEST(Chain, RefusesModelsThatAreNone) {
   circle.joints[1].mimic = description::Mimic{2, 1, 0};
   circle.actuated = {0, 3};
   EXPECT_THROW(Chain(circle, test::tip_of(circle)), Error);
-  auto planar = test::ur3();
-  planar.joints[3].type = description::JointType::planar;
-  EXPECT_THROW(Chain(planar, test::tip_of(planar)), Error);
   auto orphan = test::ur3();
   orphan.links[3].parent_joint = 77;
   EXPECT_THROW(Chain(orphan, test::tip_of(orphan)), Error);

@@ -1,6 +1,11 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <stdexcept>
 #include <thread>
@@ -268,6 +273,51 @@ class ModbusServer : public testing::Test {
   int port = test::free_port();
   std::unique_ptr<RunningLink> link;
 };
+
+/// A connection of nobody's library: one that asks, or one that says nothing.
+class Connection {
+ public:
+  explicit Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval patience{5, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Connection() { ::close(socket_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  /// Whether it is told coil 0.
+  bool asks() {
+    const std::uint8_t request[] = {0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1};
+    std::uint8_t answer[32];
+    return ::send(socket_, request, sizeof request, MSG_NOSIGNAL) == sizeof request &&
+           ::recv(socket_, answer, sizeof answer, 0) == 10 && answer[7] == 1;
+  }
+  bool is_closed() {
+    std::uint8_t byte = 0;
+    return ::recv(socket_, &byte, 1, 0) == 0;
+  }
+
+ private:
+  int socket_;
+};
+
+TEST_F(ModbusServer, ConnectionsThatAskNothingLockNobodyOut) {
+  Connection plc(port);
+  ASSERT_TRUE(plc.asks());
+  std::deque<Connection> idle;
+  for (int i = 0; i < 50; ++i) {
+    idle.emplace_back(port);
+    ASSERT_TRUE(plc.asks()) << "after " << i << " idle ones, who asks is still there";
+  }
+  Connection late(port);
+  EXPECT_TRUE(late.asks()) << "and who comes late is let in";
+  EXPECT_TRUE(plc.asks());
+  EXPECT_TRUE(idle.front().is_closed()) << "the one that was silent for longest";
+}
 
 class AskedModbusServer : public ModbusServer {
  protected:

@@ -1,6 +1,7 @@
 // Runs on the wall clock, one after the other: stop, suspend, kill, and a writer outside.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <thread>
 
@@ -34,8 +35,80 @@ TEST(CtrlC, TwiceStopsAtOnce) {
   EXPECT_EQ(run.wait().exit_code, 3);
 }
 
-TEST(Suspend, TheRobotHoldsAfterwardsAndDoesNotCatchUp) {
+TEST(Signals, EachThatCanBeCaughtStopsOnThePath) {
+  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM}) {
+    const ExampleCopy copy("pick_and_place");
+    Command run({"run", copy.path(), "--json", "--hardware", "mock"});
+    ASSERT_TRUE(run.wait_for("moveto PrePick"));
+    run.signal(number);
+    const test::Finished& ended = run.wait();
+    EXPECT_EQ(ended.exit_code, 3) << "signal " << number << "\n" << ended.output;
+    EXPECT_EQ(ended.result()["result"], "stopped") << number;
+    EXPECT_NE(ended.output.find("\"state\":\"held\""), std::string::npos) << number;
+  }
+}
+
+TEST(Signals, AClosedTerminalIsOneStopHoweverOftenItIsSaid) {
   const ExampleCopy copy("pick_and_place");
+  Command run({"run", copy.path(), "--json", "--hardware", "mock"});
+  ASSERT_TRUE(run.wait_for("moveto PrePick"));
+  for (int i = 0; i < 5; ++i) run.signal(SIGHUP);
+  const test::Finished& ended = run.wait();
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_EQ(ended.result()["result"], "stopped") << "it came to its end";
+}
+
+TEST(Signals, OutputThatNobodyReadsEndsInAStopOnThePath) {
+  for (const bool json : {true, false}) {
+    const ExampleCopy copy("pick_and_place");
+    std::vector<std::string> arguments{"run", copy.path(), "--hardware", "mock"};
+    if (json) arguments.emplace_back("--json");
+    Command run(arguments);
+    ASSERT_TRUE(run.wait_for("moveto PrePick"));
+    run.stop_reading();
+    EXPECT_EQ(run.wait().exit_code, 3) << "no signal ended it";
+  }
+}
+
+TEST(Signals, CtrlZHoldsInsteadOfSuspending) {
+  const ExampleCopy copy("pick_and_place");
+  Command run({"run", copy.path(), "--json", "--hardware", "mock"});
+  ASSERT_TRUE(run.wait_for("moveto PrePick"));
+  run.signal(SIGTSTP);
+  ASSERT_TRUE(run.wait_for("\"state\":\"held\"")) << "it goes on running, and stands";
+  run.signal(SIGTERM);
+  EXPECT_EQ(run.wait().exit_code, 3);
+}
+
+TEST(Signals, SigtermEndsASimulatedCellInTimeWhateverItDoes) {
+  const ExampleCopy copy("bin_picking");
+  for (const int tenths : {0, 2, 6, 15}) {  // while it reads, builds, compiles, runs
+    Command run({"run", copy.path(), "--fast", "--seconds", "100000"});
+    ::usleep(static_cast<useconds_t>(100'000 * tenths));
+    const auto asked = std::chrono::steady_clock::now();
+    run.signal(SIGTERM);
+    const int code = run.wait().exit_code;
+    EXPECT_TRUE(code == 3 || code == 128 + SIGTERM) << code;
+    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(4));
+  }
+}
+
+TEST(Stall, ASimulatedCellGoesOnAndSaysSo) {
+  const ExampleCopy copy("pick_and_place");
+  Command run({"run", copy.path(), "--json", "--hardware", "mock"});
+  ASSERT_TRUE(run.wait_for("moveto PrePick"));
+  run.signal(SIGSTOP);
+  ::usleep(900'000);  // what is tested is the gap itself
+  run.signal(SIGCONT);
+  ASSERT_TRUE(run.wait_for("wall time went missing; a simulated cell goes on"));
+  ASSERT_TRUE(run.wait_for("moveto Pass1")) << "the program goes on";
+  run.signal(SIGINT);
+  EXPECT_EQ(run.wait().exit_code, 3);
+}
+
+TEST(Stall, HoldsWhereTheCellSaysSo) {
+  const ExampleCopy copy("pick_and_place");
+  std::ofstream(copy.file("cell.yaml"), std::ios::app) << "loop: {stall: hold}\n";
   Command run({"run", copy.path(), "--json", "--hardware", "mock"});
   ASSERT_TRUE(run.wait_for("moveto PrePick"));
   run.signal(SIGSTOP);

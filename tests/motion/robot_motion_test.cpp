@@ -81,6 +81,30 @@ struct Rig {
   }
 };
 
+TEST(RobotMotion, AProgramLooksABoundedNumberOfMovesAhead) {
+  Rig rig;
+  const Pose up = shifted(rig.start(), {0, 0, 0.01});
+  std::size_t asked = 0;
+  const auto ask = [&](std::size_t most) {  // as an endless loop of a program does, tick after tick
+    for (std::size_t k = 0; k < most && rig.motion->has_room(); ++k, ++asked)
+      rig.motion->queue(asked % 2 == 0 ? line(up, "up") : joint(rig.from, "back"));
+  };
+  for (int tick = 0; tick < 3 * static_cast<int>(RobotMotion::kMostAhead) / 20; ++tick) {
+    ask(20);
+    rig.motion->tick(rig.controller.time());  // planned at once: nothing waits, all of it is ready
+  }
+  EXPECT_EQ(asked, RobotMotion::kMostAhead);
+  EXPECT_FALSE(rig.motion->has_room());
+  rig.pass(4000);
+  EXPECT_TRUE(rig.motion->has_room()) << "some have arrived";
+  ask(2 * RobotMotion::kMostAhead);
+  EXPECT_EQ(rig.motion->state_of(1), MoveState::done);
+  EXPECT_LE(asked, 2 * RobotMotion::kMostAhead);
+  rig.motion->drop();
+  rig.until_idle();
+  EXPECT_TRUE(rig.motion->has_room());
+}
+
 TEST(RobotMotion, CarriesOutItsMovesInOrder) {
   Rig rig;
   const Pose up = shifted(rig.start(), {0, 0, 0.1});

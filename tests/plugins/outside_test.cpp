@@ -49,6 +49,7 @@ void build(const fs::path& folder, const std::string& found_by) {
 
 TEST(New, WritesHardwareAndControllersThatBuildPassAndRunOutsideTheTree) {
   const test::Folder place;
+  ::setenv("XDG_CONFIG_HOME", (place.path() / "settings").c_str(), 1);  // `new` approves what it writes
   ::setenv("CCACHE_BASEDIR", place.path().c_str(), 1);  // what was compiled in an earlier run is found again
   const fs::path installed = place.path() / "prefix", arm = place.path() / "arm",
                  follow = place.path() / "follow";

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "polyarm/base/approvals.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -160,6 +162,8 @@ Problem one_of(const std::vector<Problem>& problems, const std::string& code) {
 class ACell : public ::testing::Test {
  protected:
   void SetUp() override {
+    ::setenv("XDG_CONFIG_HOME", settings.path().c_str(), 1);
+    approve({"folder", resolved(folder_of("both")).string(), {}});
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   }
@@ -181,7 +185,7 @@ class ACell : public ::testing::Test {
     options.lock_step = true;
     return std::make_unique<cell::Cell>(cell::read_cell_file(folder.path()), catalogue(), options, observer);
   }
-  test::Folder folder;
+  test::Folder folder, settings;
   cell::Observer observer;
 };
 
@@ -282,8 +286,10 @@ TEST(Callbacks, OneThatThrowsInOnCleanupAsksOnError) {
 
 TEST_F(ACell, ToldOfAControllerThatThrowsWhatIsNoException) {
   write("", "    throws: on_configure\n");
-  EXPECT_SAYS(thrown_by([&] { make(); }),
-              "the controller 'hold', on_configure, threw: something that is no std::exception");
+  const auto cell = make();  // the rest of the cell starts
+  std::string said;
+  for (const auto& event : cell->events().events()) said += event.json.dump();
+  EXPECT_SAYS(said, "the controller 'hold', on_configure, threw: something that is no std::exception");
 }
 
 TEST_F(ACell, AControllerThatThrowsInOnCleanupIsUnconfigured) {
@@ -295,8 +301,10 @@ TEST_F(ACell, AControllerThatThrowsInOnCleanupIsUnconfigured) {
   EXPECT_NO_THROW(manager.configure("hold"));
 }
 
-TEST_F(ACell, CheckNamesHardwareThatThereIsNot) {
+/// Check loads no code of a cell: it knows what plugins offer once a run of this process has loaded them.
+TEST_F(ACell, HardwareThatThereIsNotIsNamed) {
   write("", "", "things/Follow");
+  EXPECT_SAYS(thrown_by([&] { make(); }), "did you mean 'things/Follower'");
   const cell::CheckResult checked = cell::check(folder.path(), {}, catalogue(), {});
   ASSERT_TRUE(checked.has_errors());
   const Problem problem = one_of(checked.problems, "unknown-driver");

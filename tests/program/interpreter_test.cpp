@@ -95,6 +95,75 @@ TEST(Interpreter, CountsAPassThatContinueCutShort) {
   EXPECT_EQ(host.logs.size(), 3u);
 }
 
+TEST(Interpreter, SaysTheLineThatItWaitsIn) {
+  FakeHost host;
+  host.store.declare_tag("Ready", false);
+  Interpreter interpreter(parsed("wait 1s\nlog(1)\nwait time 2\nwait Ready\nlog(2)\n"), host);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.overview().where.line, 1);
+  EXPECT_EQ(interpreter.overview().source, "wait 1s");
+  EXPECT_EQ(interpreter.position().line, 1);
+  host.time = nanoseconds(1);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.overview().where.line, 3);
+  host.time = nanoseconds(3);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.overview().where.line, 4);
+  interpreter.stop();
+  EXPECT_EQ(interpreter.overview().where.line, 4) << "where it was stopped";
+}
+
+/// Moves arrive one after the other; which of them is under way the host knows.
+class HostWithMotion : public FakeHost {
+ public:
+  bool under_way(Handle handle) const override { return travel(handle).left > 0; }
+};
+
+TEST(Interpreter, SaysTheLineOfTheMoveUnderWayNotOfTheOneItQueues) {
+  HostWithMotion host;
+  for (const char* point : {"A", "B", "C"}) host.store.set(point, data::Point{}, "test");
+  Interpreter interpreter(parsed("movej A\nmovej B\nlet x = 1\nmovej C\nwait 1s\nmoveto A\nlog(x)\n"), host);
+  std::vector<int> lines;
+  interpreter.on_wait_over([&] { lines.push_back(interpreter.overview().where.line); });
+  for (int tick = 0; tick < 2000 && interpreter.state() != TaskState::finished; ++tick) {
+    interpreter.step(100);
+    lines.push_back(interpreter.overview().where.line);
+    host.time += 2'000'000;
+  }
+  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+  EXPECT_EQ(lines, (std::vector<int>{1, 2, 4, 5, 6, 7}));
+}
+
+TEST(Interpreter, AProgramWithoutALoopThatHasFinishedCountsOnePass) {
+  FakeHost host;
+  Interpreter once(parsed("log(1)\n"), host), looped(parsed("while true\nlog(1)\nend\n"), host),
+      stopped(parsed("log(1)\nstop\n"), host);
+  looped.limit_passes(3);
+  EXPECT_EQ(once.overview().passes, 0u);
+  run(once, host);
+  run(looped, host);
+  run(stopped, host);
+  EXPECT_EQ(once.overview().passes, 1u);
+  EXPECT_EQ(looped.overview().passes, 3u);
+  EXPECT_EQ(stopped.overview().passes, 0u);
+}
+
+/// A host whose names others see.
+class SharingHost : public FakeHost {
+ public:
+  void end_loop(const std::string&, const Location&) override {}
+};
+
+TEST(Interpreter, EndsAfterTheWantedPassesWhereItMayNotClearTheCondition) {
+  SharingHost host;
+  host.store.declare_tag("Repeat", true);
+  Interpreter interpreter(parsed("while Repeat\nlog(1)\nend\nlog(\"end\")\n"), host);
+  interpreter.limit_passes(2);
+  EXPECT_EQ(run(interpreter, host).state, TaskState::finished);
+  EXPECT_EQ(host.logs.size(), 3u);
+  EXPECT_TRUE(host.sets.empty());
+}
+
 TEST(Interpreter, DoesNothingAfterStop) {
   FakeHost host;
   Interpreter interpreter(parsed("while true\nlog(1)\nwait 1s\nend\n"), host);

@@ -57,7 +57,9 @@ TEST(Parser, RefusesDeepExpressionsOfEveryKind) {
 TEST(Parser, ReadsLongLines) {
   std::string text = "let a = [1";
   for (int i = 0; i < 100'000; ++i) text += ", 1";
-  EXPECT_TRUE(problems_of(text + "]\n").list().empty());
+  const Problems problems = problems_of(text + "]\n");
+  ASSERT_EQ(problems.list().size(), 1u);
+  EXPECT_EQ(problems.list()[0].code, "too-long") << "it is read, and a run would refuse so many values";
 }
 
 TEST(Parser, CountsColumnsInCharacters) {

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstring>
 #include <thread>
 
 #include "polyarm/messages/json.hpp"
@@ -191,25 +195,60 @@ TEST(Recorder, IsAskedForFromOutsideByTheNameOfAFileAlone) {
   EXPECT_EQ(bench.result({{"request", "record.start"}})["recording"], true) << "and again, into a new file";
 }
 
+/// Files of this process end at `bytes`, as on a disk that is full there.
+class ShortFiles {
+ public:
+  explicit ShortFiles(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~ShortFiles() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  ShortFiles(const ShortFiles&) = delete;
+  ShortFiles& operator=(const ShortFiles&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
 TEST(Recorder, AFullDiskEndsTheRecordingAndNotTheRun) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   Demo demo;
   test::LockStepCell bench(demo.file());
   struct Problems : cell::Observer {
     std::vector<std::string> told;
     void on_problem(Nanoseconds, const Problem& problem) override { told.push_back(problem.what); }
   } problems;
-  bench.cell().observers().add(problems);
+  bench.cell().add_observer(problems);
   bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
-  bench.cell().recorder()->start({"/dev/full", 100});
-  bench.run(3);
+  {
+    const ShortFiles full(4096);
+    bench.cell().recorder()->start({demo.folder.path() / "full.mcap", 100});
+    bench.run(3);
+  }
   EXPECT_FALSE(bench.cell().failure());
-  const auto said = std::count_if(problems.told.begin(), problems.told.end(), [](const std::string& text) {
-    return text.find("No space left") != std::string::npos;
+  const std::string why = std::strerror(EFBIG);
+  const auto said = std::count_if(problems.told.begin(), problems.told.end(), [&](const std::string& text) {
+    return text.find(why) != std::string::npos;
   });
   EXPECT_EQ(said, 1);
-  EXPECT_NE(bench.cell().recorder()->status().problem.find("No space left"), std::string::npos);
-  bench.cell().observers().remove(problems);
+  EXPECT_NE(bench.cell().recorder()->status().problem.find(why), std::string::npos);
+  bench.cell().remove_observer(problems);
+}
+
+TEST(Recorder, WhatIsNoOrdinaryFileIsNotRecordedInto) {
+  Demo demo;
+  test::LockStepCell bench(demo.file());
+  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  for (const char* path : {"/dev/null", "/tmp"}) try {
+      bench.cell().recorder()->start({path, 100});
+      FAIL() << path;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.problems().front().code, "not-a-file") << e.what();
+    }
 }
 
 TEST(Recorder, AFileThatCannotBeMadeIsRefusedWithItsName) {

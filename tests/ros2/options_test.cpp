@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/ros2/participant.hpp"
 
 namespace polyarm::ros2 {
 namespace {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,12 @@ class Process {
   bool said_something() const {
     char byte = 0;
     return ::read(output_, &byte, 1) == 1;
+  }
+  /// A number that it says on a line, 0 where there is none.
+  int number() const {
+    std::string line;
+    for (char byte = 0; ::read(output_, &byte, 1) == 1 && byte != '\n';) line += byte;
+    return std::atoi(line.c_str());
   }
   void kill() {
     if (pid_ <= 0) return;

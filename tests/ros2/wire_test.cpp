@@ -116,13 +116,13 @@ TEST(Wire, RubbishIsCountedAndAnswersNobody) {
   const auto writer =
       other.add_writer("rq/arm/switch/setRequest", "std_srvs::srv::dds_::SetBool_Request_", {}, "");
   ASSERT_TRUE(wait([&] { return !other.matched(writer).empty(); }));
-  for (std::size_t size = 0; size < 9; ++size)
+  for (std::size_t size = 1; size < 9; ++size)  // nothing at all Fast DDS itself keeps from us
     other.write(writer, std::vector<std::byte>(size, static_cast<std::byte>(size * 37 + 5)));
   other.write(writer, to_cdr(messages::std_srvs::srv::SetBool::Request{true}));
   ASSERT_TRUE(wait([&] { return wire.take(100), asked > 0; }));
   EXPECT_EQ(asked, 1);
-  EXPECT_EQ(wire.statistics().received, 10u);
-  EXPECT_EQ(wire.statistics().refused, 9u);
+  EXPECT_EQ(wire.statistics().received, 9u);
+  EXPECT_EQ(wire.statistics().refused, 8u);
 }
 
 TEST(Wire, WhatComesInRingsTheBell) {

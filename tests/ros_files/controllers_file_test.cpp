@@ -308,13 +308,62 @@ jtc: {ros__parameters: {joints: [b], z: 3}}
   EXPECT_NE(problems.list()[0].what.find("says nothing about '/other'"), std::string::npos);
 }
 
-TEST(Ros2Controllers, AMissingParamsFileIsAnErrorAtItsLine) {
+// A manager need not be called controller_manager; blocks may state the type that it states.
+TEST(Ros2Controllers, AManagerOfAnotherNameHasEachControllerOnce) {
+  const auto [file, problems] = read(R"(my_manager:
+  ros__parameters:
+    update_rate: 200
+    jtc: {type: a/B}
+jtc:
+  ros__parameters:
+    type: a/B
+    joints: [one]
+other:
+  ros__parameters: {type: c/D}
+)");
+  EXPECT_EQ(all(problems), "");
+  ASSERT_EQ(file.controllers.size(), 2u);
+  EXPECT_EQ(text_of(find(file, "/jtc"), "joints"), "one");
+  EXPECT_EQ(find(file, "/other").type, "c/D");
+  EXPECT_EQ(file.update_rate, 200);
+}
+
+TEST(Ros2Controllers, TwoManagersOfOneNamespaceHaveEachControllerOnce) {
+  const auto [file, problems] = read(R"(left_manager: {ros__parameters: {left: {type: a/B}}}
+right_manager: {ros__parameters: {right: {type: a/B}}}
+left: {ros__parameters: {type: a/B, joints: [l]}}
+right: {ros__parameters: {type: a/B, joints: [r]}}
+)");
+  EXPECT_EQ(all(problems), "");
+  ASSERT_EQ(file.controllers.size(), 2u);
+  EXPECT_EQ(text_of(find(file, "/left"), "joints"), "l");
+  EXPECT_EQ(text_of(find(file, "/right"), "joints"), "r");
+}
+
+TEST(Ros2Controllers, WhatIsWrongWithOneLeavesTheOthers) {
+  const auto [file, problems] = read(R"(controller_manager:
+  ros__parameters:
+    good: {type: a/B, fallback_controllers: [nobody]}
+    bad: {type: a/B}
+    untyped: {params_file: []}
+bad: {ros__parameters: {update_rate: -3}}
+)");
+  EXPECT_FALSE(problems.has_errors()) << all(problems);
+  ASSERT_EQ(file.controllers.size(), 1u) << all(problems);
+  EXPECT_EQ(file.controllers[0].name, "good");
+  EXPECT_TRUE(file.controllers[0].fallback_controllers.empty());
+  EXPECT_NE(all(problems).find("'bad' is left out"), std::string::npos) << all(problems);
+  EXPECT_NE(all(problems).find("'untyped' is left out"), std::string::npos) << all(problems);
+}
+
+TEST(Ros2Controllers, AMissingParamsFileLeavesItsControllerOutAndIsToldAtItsLine) {
   const Problem problem = only(
       "controller_manager:\n  ros__parameters:\n    jtc: {type: a/B}\n"
       "    jtc.params_file: nowhere.yaml\n");
   EXPECT_EQ(problem.code, "params-file");
   EXPECT_EQ(problem.where.line, 4);
-  EXPECT_EQ(problem.severity, Severity::error);
+  EXPECT_EQ(problem.severity, Severity::warning);
+  EXPECT_NE(problem.what.find("'jtc' is left out"), std::string::npos) << problem.what;
 }
 
 TEST(Ros2Controllers, LaterFilesReplaceKeyByKey) {

@@ -20,6 +20,33 @@ TEST(Command, AnUnknownVerbIsAnErrorWithTheNearestOne) {
   EXPECT_NE(wrong.output.find("did you mean 'run'"), std::string::npos);
 }
 
+TEST(Command, AnUnknownOptionOrPartIsAnErrorWithTheNearestOne) {
+  const auto said = [](const std::vector<std::string>& words) {
+    const Finished wrong = run_command(words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
+    return wrong.output;
+  };
+  EXPECT_NE(said({"run", "cell", "--fst"}).find("no option '--fst'; did you mean '--fast'?"),
+            std::string::npos);
+  EXPECT_NE(said({"check", ".", "--roobt", "x"}).find("did you mean '--robot'?"), std::string::npos);
+  EXPECT_NE(said({"new", "cel", "mine"}).find("no 'cel'; did you mean 'cell'?"), std::string::npos);
+}
+
+TEST(Command, AValueThatIsNoNumberIsSaidWithWhatWasExpected) {
+  const auto said = [](const std::vector<std::string>& words) {
+    const Finished wrong = run_command(words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
+    return wrong.output;
+  };
+  const std::string seconds = said({"run", "cell", "--seconds", "abc"});
+  EXPECT_NE(seconds.find("--seconds"), std::string::npos) << seconds;
+  EXPECT_NE(seconds.find("'abc' was given, a number"), std::string::npos) << seconds;
+  EXPECT_LT(seconds.size(), 300u) << seconds;
+  EXPECT_NE(said({"run", "cell", "--seconds", "-3"}).find("'-3' was given, a number"), std::string::npos);
+  EXPECT_NE(said({"run", "cell", "--cycles", "1.5"}).find("a whole number of at least 0 was expected"),
+            std::string::npos);
+}
+
 TEST(Command, EveryVerbHasHelpWithExamples) {
   for (const char* verb :
        {"run",    "check",   "new",      "plugins",    "robots",     "describe",  "fk",   "ik",    "xacro",

@@ -165,6 +165,109 @@ TEST_F(DoorTest, AWatchPrintsMessages) {
   EXPECT_NE(run_command({"watch", "joint_states", "--count", "1"}).output.find("joint_6"), std::string::npos);
 }
 
+TEST_F(DoorTest, AWatchOfWhatPutsOutNothingSaysWhy) {
+  EXPECT_EQ(run_command({"control", "state", "follow", "inactive"}).exit_code, 0);
+  Command watch({"watch", "follow/controller_state"});
+  EXPECT_TRUE(watch.wait_for("its controller is inactive"));
+  EXPECT_EQ(run_command({"control", "state", "follow", "active"}).exit_code, 0);
+  EXPECT_TRUE(watch.wait_for("joint_names")) << "it goes on";
+}
+
+TEST_F(DoorTest, OneMessageWithARateIsRepeated) {
+  // `ros2 topic echo` ends its messages with ---, which is no second message.
+  Command stream({"send", "tail", "data: [0.2]\n---\n", "--rate", "50"});
+  for (const double gone_to : {0.1, 0.3}) {
+    EXPECT_EQ(run_command({"send", "tail", "data: [" + std::to_string(gone_to) + "]"}).exit_code, 0);
+    bool back = false;
+    for (int tries = 0; tries < 500 && !back; ++tries)
+      for (const json& state : asked({"interfaces"})["states"])
+        back = back || (state["name"] == "arm/joint_6/position" &&
+                        std::abs(state["value"].get<double>() - 0.2) < 1e-6);
+    EXPECT_TRUE(back) << "it was sent again after " << gone_to;
+  }
+  stream.signal(SIGINT);
+  EXPECT_EQ(stream.wait().exit_code, 0) << stream.wait().output;
+}
+
+/// Physics is one component, whatever it plays: its parts are called as their descriptions call them.
+TEST(PhysicsDoor, ComponentsKeepTheirNames) {
+  const ExampleCopy copy("pick_and_place");
+  ::setenv("XDG_RUNTIME_DIR", copy.path().c_str(), 1);
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return "<joint name='" + name + "' type='revolute'><parent link='" + parent + "'/><child link='" + child +
+           "'/><origin xyz='0 0 0.3'/><axis xyz='0 0 1'/><limit lower='-2' upper='2' velocity='2' "
+           "effort='50'/></joint>";
+  };
+  const auto link = [](const std::string& name) {
+    return "<link name='" + name +
+           "'><inertial><mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' "
+           "izz='0.01'/></inertial></link>";
+  };
+  const auto block = [](const std::string& name, const std::string& joint) {
+    return "<ros2_control name='" + name +
+           "' type='system'><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware><joint "
+           "name='" +
+           joint +
+           "'><command_interface name='position'/><state_interface name='position'/></joint></ros2_control>";
+  };
+  write_file_atomically(copy.file("two.urdf"), "<robot name='two'><link name='base'/>" + link("l1") +
+                                                   link("l2") + joint("a", "base", "l1") +
+                                                   joint("b", "l1", "l2") + block("Shoulder", "a") +
+                                                   block("Elbow", "b") + "</robot>");
+  Command cell({"run", "--description", copy.file("two.urdf"), "--json"});
+  EXPECT_TRUE(cell.wait_for("MuJoCo"));
+  for (int tries = 0; tries < 500 && run_command({"health"}).exit_code != 0;) ++tries;
+  const auto listed = [] {
+    return json::parse(run_command({"hardware", "list", "--json"}).output, nullptr, false);
+  };
+  const json before = listed();
+  ASSERT_EQ(before.size(), 2u) << before;
+  EXPECT_EQ(before[0]["name"], "Shoulder");
+  EXPECT_EQ(before[1]["name"], "Elbow");
+  EXPECT_EQ(before[1]["plugin"], "gz_ros2_control/GazeboSimSystem");
+  ASSERT_FALSE(before[1]["commands"].empty()) << before;
+  EXPECT_EQ(before[1]["commands"][0]["name"], "arm/b/position");
+  const Finished off = run_command({"hardware", "state", "Elbow", "inactive"});
+  EXPECT_EQ(off.exit_code, 0) << off.output;
+  EXPECT_NE(off.output.find("with it Shoulder"), std::string::npos) << off.output;
+  for (const json& component : listed()) EXPECT_EQ(component["state"], "inactive") << component;
+  EXPECT_EQ(run_command({"hardware", "state", "Shoulder", "active"}).exit_code, 0);
+  ::unsetenv("XDG_RUNTIME_DIR");
+}
+
+/// Two grippers that never reach their goals, so that there is feedback until they have stalled.
+TEST(GripperDoor, GoalsOfBothControllersAreFollowedToTheirEnds) {
+  const ExampleCopy copy("pick_and_place");
+  ::setenv("XDG_RUNTIME_DIR", copy.path().c_str(), 1);
+  write_file_atomically(
+      copy.file("cell.yaml"),
+      "polyarm: cell/1\nrate: 500\nrobots:\n  arm:\n    model: demo/r6bot\n    hardware: mock\n"
+      "    parameters: {disable_commands: true}\n"
+      "controllers: [controllers.yaml]\n");
+  write_file_atomically(copy.file("controllers.yaml"), R"(
+controller_manager:
+  ros__parameters:
+    old: {type: position_controllers/GripperActionController}
+    new: {type: parallel_gripper_action_controller/GripperActionController}
+old: {ros__parameters: {joint: joint_5, stall_timeout: 0.5, allow_stalling: true}}
+new: {ros__parameters: {joint: joint_6, stall_timeout: 0.5, allow_stalling: false}}
+)");
+  Command cell({"run", copy.path(), "--json"});
+  EXPECT_TRUE(cell.wait_for("mock hardware"));
+  for (int tries = 0; tries < 500 && run_command({"health"}).exit_code != 0;) ++tries;
+  const Finished old = run_command({"send", "old/gripper_cmd", "{position: 0.4, max_effort: 5}", "--goal"});
+  EXPECT_EQ(old.exit_code, 0) << old.output;
+  EXPECT_NE(old.output.find("stalled"), std::string::npos) << old.output;
+  EXPECT_NE(old.output.find("reference 0.4"), std::string::npos)
+      << "feedback in its own words: " << old.output;
+  const Finished parallel = run_command({"send", "new/gripper_cmd", "{position: [0.4]}", "--goal"});
+  EXPECT_EQ(parallel.exit_code, 1) << parallel.output;
+  EXPECT_NE(parallel.output.find("aborted"), std::string::npos) << parallel.output;
+  EXPECT_NE(parallel.output.find("reference 0.4"), std::string::npos) << parallel.output;
+  EXPECT_NE(parallel.output.find("not reached, stalled"), std::string::npos) << parallel.output;
+  ::unsetenv("XDG_RUNTIME_DIR");
+}
+
 TEST_F(DoorTest, ParametersAreReadChangedDumpedAndLoaded) {
   EXPECT_NE(run_command({"param", "list", "follow"}).output.find("constraints.goal_time"), std::string::npos);
   EXPECT_EQ(run_command({"param", "set", "follow", "constraints.goal_time=1.5"}).exit_code, 0);
@@ -207,12 +310,21 @@ TEST_F(DoorTest, APersonStopsAndResumesFromAnotherTerminal) {
 }
 
 TEST_F(DoorTest, ASecondCellOfTheSameNameIsToldApart) {
-  Command second({"run", copy.path(), "--json"});
+  const Finished twice = run_command({"run", copy.path(), "--json"});
+  EXPECT_EQ(twice.exit_code, 1) << twice.output;
+  EXPECT_NE(twice.output.find("another polyarm runs this cell"), std::string::npos) << twice.output;
+  // A folder of the same name elsewhere is a cell of its own.
+  namespace fs = std::filesystem;
+  const ExampleCopy elsewhere("pick_and_place");
+  const std::string name = fs::path(copy.path()).filename().string();
+  const fs::path other = elsewhere.file(name);
+  fs::create_directory(other);
+  for (const char* file : {"cell.yaml", "controllers.yaml"}) fs::copy_file(copy.file(file), other / file);
+  Command second({"run", other.string(), "--json"});
   ASSERT_TRUE(second.wait_for("this cell answers as"));
   const Finished which = run_command({"health"});
   EXPECT_EQ(which.exit_code, 1);
   EXPECT_NE(which.output.find("--cell"), std::string::npos) << which.output;
-  const std::string name = std::filesystem::path(copy.path()).filename().string();
   EXPECT_EQ(run_command({"health", "--cell", name}).exit_code, 0);
   EXPECT_EQ(run_command({"health", "--cell", name + "-2"}).exit_code, 0);
 }

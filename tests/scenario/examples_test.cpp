@@ -203,7 +203,7 @@ TEST(PickAndPlace, ATableInTheWayIsFound) {
   std::string scene = read_file(copy.file("scene.yaml"));
   const std::string line = "  table: {box: [1.4, 1.4, 0.04], at: [0.2, 0, -0.02]}\n";
   ASSERT_NE(scene.find(line), std::string::npos);
-  scene.insert(scene.find(line), "  wall: {box: [0.3, 0.02, 0.5], at: [0.3, 0, 0.25]}\n");
+  scene.insert(scene.find(line), "  wall: {box: [0.3, 0.02, 0.16], at: [0.3, 0, 0.08]}\n");
   write_file_atomically(copy.file("scene.yaml"), scene);
   const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json"}).result();
   EXPECT_EQ(result["result"], "failed");
@@ -212,6 +212,26 @@ TEST(PickAndPlace, ATableInTheWayIsFound) {
   EXPECT_NE(result["error"].get<std::string>().find("wall"), std::string::npos);
   EXPECT_NE(result["error"].get<std::string>().find("PAPscript.script:"), std::string::npos)
       << "names the program line";
+  const auto dry = run_command({"check", copy.path(), "--dry", "--json"});
+  EXPECT_EQ(dry.exit_code, 1) << "a contact is an error";
+  bool told = false;
+  const auto found = nlohmann::json::parse(dry.output.substr(dry.output.find('{')), nullptr, false);
+  ASSERT_TRUE(found.is_object()) << dry.output;
+  for (const nlohmann::json& problem : found["problems"])
+    told = told || (problem["code"] == "contact" && problem["severity"] == "error");
+  EXPECT_TRUE(told) << dry.output;
+}
+
+TEST(PickAndPlace, ARobotThatStartsInsideAWallIsSaidTo) {
+  const ExampleCopy copy("pick_and_place");
+  std::string scene = read_file(copy.file("scene.yaml"));
+  scene.insert(scene.find("  table: {"), "  wall: {box: [0.3, 0.02, 0.5], at: [0.3, 0, 0.25]}\n");
+  write_file_atomically(copy.file("scene.yaml"), scene);
+  const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json"}).result();
+  EXPECT_EQ(result["result"], "failed");
+  const std::string error = result["error"];
+  EXPECT_NE(error.find("is inside fixture wall where it starts"), std::string::npos) << error;
+  EXPECT_EQ(error.find(".script:"), std::string::npos) << "no line of the program is to blame: " << error;
 }
 
 TEST(PickAndPlace, APlaceBesideTheTrayIsAFailure) {

@@ -176,6 +176,27 @@ TEST_F(PendantTest, ALinkBecomesACookieThatOpensEverything) {
   EXPECT_NE(page.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
 }
 
+TEST_F(PendantTest, ThePageIsDecompressedForWhoTakesNoGzip) {
+  const auto page = [&](const std::string& encoding) {
+    std::vector<std::string> headers;
+    if (!encoding.empty()) headers.push_back("Accept-Encoding: " + encoding);
+    return WebPeer::fetch(pendant->port(), "/", headers);
+  };
+  const auto is_compressed = [](const std::string& answer) {
+    return answer.find("Content-Encoding: gzip") != std::string::npos;
+  };
+  for (const char* none : {"", "identity", "gzip;q=0", "br, gzip; q=0.0"}) {
+    const std::string answer = page(none);
+    EXPECT_FALSE(is_compressed(answer)) << none;
+    EXPECT_NE(body(answer).find("<!doctype html"), std::string::npos) << none;
+  }
+  const std::string answer = page("gzip");
+  if (is_compressed(answer)) {  // a build without a page has nothing to compress
+    EXPECT_NE(answer.find("Vary: Accept-Encoding"), std::string::npos);
+    EXPECT_EQ(body(answer).substr(0, 2), "\x1f\x8b");
+  }
+}
+
 TEST_F(PendantTest, TheCellItsModelAndItsSceneAreThereToBeDrawn) {
   const Json cell_now = Json::parse(body(fetch("/api/cell")));
   ASSERT_EQ(cell_now["robots"].size(), 1u);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 #include <random>
 
 #include "polyarm/base/error.hpp"
@@ -47,6 +48,27 @@ TEST_F(ProjectZipTest, AProjectComesBackAsItWasWithoutWhatIsHidden) {
   EXPECT_FALSE(fs::exists(back / ".state"));
   EXPECT_FALSE(fs::exists(back / "link.txt"));
   EXPECT_EQ(code(zip, back), "exists");
+}
+
+TEST_F(ProjectZipTest, SecretsStayWhereTheyAre) {
+  write_file_atomically(project() / "broker.password", "hunter2\n");
+  write_file_atomically(project() / "cell.pem", "-----BEGIN PRIVATE KEY-----\nabc\n");
+  write_file_atomically(project() / "ca.pem", "-----BEGIN CERTIFICATE-----\nabc\n");
+  const fs::path back = folder.path() / "back";
+  unzip_into(zip_of(project()), back);
+  EXPECT_FALSE(fs::exists(back / "broker.password"));
+  EXPECT_FALSE(fs::exists(back / "cell.pem"));
+  EXPECT_TRUE(fs::exists(back / "ca.pem"));
+}
+
+TEST_F(ProjectZipTest, NoNativeCodeComesOutOfAZip) {
+  for (const auto& [name, text] : std::map<std::string, std::string>{
+           {"arm.so", "x"}, {"libarm.so.1", "x"}, {"ARM.DLL", "x"}, {"points.points", "\x7f" "ELF and more"}}) {
+    write_file_atomically(project() / name, text);
+    EXPECT_EQ(code(zip_of(project()), folder.path() / "back"), "native-code") << name;
+    EXPECT_FALSE(fs::exists(folder.path() / "back")) << name;
+    fs::remove(project() / name);
+  }
 }
 
 TEST_F(ProjectZipTest, NoNameLeadsOutOfTheFolder) {

@@ -130,6 +130,12 @@ class LockStepCell {
     cell_ = std::make_unique<cell::Cell>(file, description::Catalogue(robots), options, observer_);
     cell_->loop().begin();
   }
+  /// The same as `options` say, in lock-step.
+  LockStepCell(const cell::CellFile& file, cell::CellOptions options) {
+    options.lock_step = true;
+    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), std::move(options), observer_);
+    cell_->loop().begin();
+  }
   ~LockStepCell() { end(); }
   /// The cell is gone; what it told stays.
   void end() {

@@ -66,6 +66,7 @@ class WebPeer {
     return heard;
   }
   bool closed() const { return closed_; }
+  int descriptor() const { return fd_; }
 
   std::string host() const { return "localhost:" + std::to_string(port_); }
   /// A whole request on its own connection; the answer with its head.

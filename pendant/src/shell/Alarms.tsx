@@ -1,12 +1,14 @@
 import { t } from '../i18n';
-import { alarms } from '../state/cell';
+import { problemWords } from '../i18n/told';
+import { alarms, markSeen } from '../state/cell';
+import type { Alarm } from '../wire/types';
 import { clockTime } from '../ui/format';
 import { Button, Empty } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
 
 /** What went wrong, newest first, with cause and remedy. */
 export function Alarms({ onClose }: { onClose: () => void }) {
-  const seen = () => (alarms.value = alarms.value.map((each) => ({ ...each, seen: true })));
+  const seen = () => markSeen(() => true);
   const list = [...alarms.value].reverse();
   return (
     <Dialog
@@ -24,16 +26,26 @@ export function Alarms({ onClose }: { onClose: () => void }) {
               <p class="when">
                 <time>{clockTime(alarm.time)}</time> <code>{alarm.code}</code> {alarm.where}
               </p>
-              <p class="what">{alarm.what}</p>
-              {alarm.advice && (
-                <p>
-                  <b>{t('alarms.do')}:</b> {alarm.advice}
-                </p>
-              )}
+              <What alarm={alarm} />
             </li>
           ))}
         </ul>
       )}
     </Dialog>
+  );
+}
+
+function What({ alarm }: { alarm: Alarm }) {
+  const told = problemWords(alarm);
+  return (
+    <>
+      <p class="what">{told.text}</p>
+      {told.detail && <p>{told.detail}</p>}
+      {told.advice && (
+        <p>
+          <b>{t('alarms.do')}:</b> {told.advice}
+        </p>
+      )}
+    </>
   );
 }

@@ -3,18 +3,22 @@ import { effect } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { language, t } from '../i18n';
 import { type Page, pages } from '../pages';
+import { connected } from '../state/cell';
 import { ShownDialog } from '../ui/ask';
 import { Button, Empty, Loading } from '../ui/controls';
 import { Toasts } from '../ui/Toasts';
+import { AlarmStrip } from './AlarmStrip';
 import { ControlQuestion } from './Control';
 import { Header } from './Header';
 import { ProgramQuestion } from './ProgramQuestion';
 import { LinkBanner } from './LinkBanner';
+import { Bodies } from './Bodies';
 import { RobotBar } from './RobotBar';
 import { pageId } from './route';
 
 effect(() => {
   document.documentElement.lang = language.value;
+  document.documentElement.dataset.link = connected.value ? 'on' : 'off';
 });
 
 export function App() {
@@ -25,8 +29,10 @@ export function App() {
         {t('app.skip')}
       </a>
       <Header />
+      <AlarmStrip />
       <main id="page" tabIndex={-1} aria-label={t(page.label)}>
         <LinkBanner />
+        <Bodies />
         <ProgramQuestion />
         <Shown key={page.id} page={page} />
       </main>

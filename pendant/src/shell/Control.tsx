@@ -14,7 +14,10 @@ function words(): string {
   return t('control.free');
 }
 
+const askedWords = (name: string, seconds: number) => t('control.asking', { name: name || t('control.someone'), seconds });
+
 function shortWords(): string {
+  if (waiting.value) return t('control.askingShort');
   return t(youHold.value ? 'control.youShort' : holder.value ? 'control.otherShort' : 'control.freeShort');
 }
 
@@ -29,7 +32,7 @@ export function ControlButton() {
       title={words()}
       onClick={() => open((close) => <ControlDialog onClose={close} />)}
     >
-      <Icon name={youHold.value ? 'hand' : 'eye'} size={20} />
+      <Icon name={youHold.value ? 'hand' : waiting.value ? 'clock' : 'eye'} size={20} />
       <span>{shortWords()}</span>
     </button>
   );
@@ -38,11 +41,18 @@ export function ControlButton() {
 /** A strip for pages that move the robot: says that this page only watches, and how to change that. */
 export function WatchOnly() {
   if (!connected.value || youHold.value) return null;
+  return <Watching />;
+}
+
+function Watching() {
+  const wait = waiting.value;
+  const left = useSecondsLeft(wait?.until ?? null);
   return (
     <div class="banner" role="status">
-      <Icon name="eye" />
+      <Icon name={wait ? 'clock' : 'eye'} />
       <div>
         <strong>{words()}</strong>
+        {wait && <p>{askedWords(wait.name, left)}</p>}
       </div>
       <Button label={t('control.take')} tone="primary" onClick={() => void takeControl(false)} disabled={waiting.value !== null} />
     </div>

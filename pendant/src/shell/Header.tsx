@@ -1,7 +1,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { pages } from '../pages';
-import { cell, robot, unseenAlarms } from '../state/cell';
+import { cell, forced, robot, unseenAlarms } from '../state/cell';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
@@ -17,12 +17,13 @@ export function Header() {
       <div class="brand">
         <img src="/icon.svg" alt="" width={32} height={32} />
         <div>
-          <strong>{cell.value?.name ?? 'Polyarm'}</strong>
-          <small>{robot.value?.title ?? robot.value?.id ?? ''}</small>
+          <small class="brand-cell">{cell.value?.name ?? 'Polyarm'}</small>
+          <strong title={title()}>{title()}</strong>
         </div>
       </div>
       <Navigation />
       <div class="top-right">
+        <ForceBadge />
         <ControlButton />
         <AlarmsButton />
         <Button
@@ -34,6 +35,26 @@ export function Header() {
         />
       </div>
     </header>
+  );
+}
+
+/** The robot is named by what it is; where there are several, by its name in the cell, too. */
+function title(): string {
+  const it = robot.value;
+  if (!it) return '';
+  const what = it.title || it.id;
+  return (cell.value?.robots.length ?? 0) > 1 ? `${it.name}: ${what}` : what;
+}
+
+function ForceBadge() {
+  const names = forced.value;
+  if (names.length === 0) return null;
+  return (
+    <a class="force-badge" href="#/signals" aria-label={t('forces.why', { names: names.join(', ') })} title={t('forces.why', { names: names.join(', ') })}>
+      <Icon name="lock" size={18} />
+      <span class="count">{t('forces.count', { count: names.length })}</span>
+      <span class="few">{names.length}</span>
+    </a>
   );
 }
 

@@ -1,10 +1,12 @@
-/** Always at the bottom: the state in words, the modes, the speed, hold and resume, and Stop. */
+/** Always at the bottom: the state in words, the modes, the speed, pause and resume, and Stop. */
 import { t } from '../i18n';
-import { discard, hold, recover, resume, setOverride, setProfile, stop } from '../state/actions';
+import { discard, goOn, hold, isPaused, recover, setProfile, stop } from '../state/actions';
 import { connected, mayMove, programRuns, status } from '../state/cell';
 import { ask, close } from '../ui/ask';
-import { Button, Slider } from '../ui/controls';
+import { Button } from '../ui/controls';
 import { Icon } from '../ui/Icon';
+import { activateAll } from './activate';
+import { Override } from './Override';
 import { stateWord } from './words';
 
 export function RobotBar() {
@@ -76,71 +78,38 @@ function ProfileChip() {
   );
 }
 
-let latest = -1;
-let underway = false;
-/** The newest value goes out as soon as the one before was answered. */
-function dragOverride(percent: number): void {
-  latest = percent;
-  if (underway) return;
-  underway = true;
-  const sent = percent;
-  void setOverride(percent).finally(() => {
-    underway = false;
-    if (latest !== sent) dragOverride(latest);
-  });
-}
-
-function Override() {
-  const now = status.value;
-  const percent = Math.round(now?.override ?? 100);
-  const allowed = now?.allowed ?? 100;
-  return (
-    <div class="override">
-      <Slider
-        label={t('bar.speed')}
-        value={percent}
-        min={0}
-        max={100}
-        step={1}
-        unit="%"
-        disabled={!mayMove.value}
-        onInput={dragOverride}
-        onChange={dragOverride}
-      />
-      {allowed < 100 && <small>{t('bar.allowed', { percent: Math.round(allowed) })}</small>}
-    </div>
-  );
-}
-
 function moves(): boolean {
   return status.value?.moving === true || programRuns.value;
 }
 
-/** The one thing that a person may want next: hold what goes, resume what is held, recover from a fault. */
+/** The one thing that a person may want next: pause what goes, resume what is paused, recover from a fault. */
 function Go() {
-  const state = status.value?.state;
-  if (state === 'fault')
+  const now = status.value;
+  const may = mayMove.value;
+  if (now?.state === 'fault')
     return (
       <div class="go">
-        <Button label={t('bar.recover')} icon="undo" big tone="warn" disabled={!mayMove.value} onClick={() => void recover()} />
+        <Button label={t('bar.recover')} icon="undo" big tone="warn" disabled={!may} onClick={() => void recover()} />
       </div>
     );
-  if (state === 'held')
+  if (now?.state === 'running' && (now.simulated || now.armed) && now.inactive.length > 0)
     return (
       <div class="go">
-        {status.value?.moving === false && (
+        <Button label={t('state.activate')} icon="power" big tone="warn" disabled={!may} onClick={activateAll} />
+      </div>
+    );
+  if (isPaused())
+    return (
+      <div class="go">
+        {now?.state === 'held' && now.moving === false && (
           <Button
             label={t('bar.discard')}
-            icon="trash"
-            bare
-            big
-            disabled={!mayMove.value}
-            onClick={() =>
-              ask({ title: `${t('bar.discard')}?`, text: t('bar.discardText'), action: t('bar.discard'), onYes: () => void discard() })
-            }
+            class="cancel-motion"
+            disabled={!may}
+            onClick={() => ask({ title: `${t('bar.discard')}?`, text: t('bar.discardText'), action: t('bar.discard'), onYes: () => void discard() })}
           />
         )}
-        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!mayMove.value} onClick={() => void resume()} />
+        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may} onClick={() => void goOn()} />
       </div>
     );
   return (
@@ -150,12 +119,15 @@ function Go() {
   );
 }
 
+/** In its corner at its size whatever else is shown. Without a connection it says that it does nothing, and is still tried. */
 export function StopButton() {
+  const dead = !connected.value;
   return (
     <button
       type="button"
-      class="stop-button"
+      class={`stop-button ${dead ? 'dead' : ''}`}
       aria-keyshortcuts="Escape"
+      aria-disabled={dead || undefined}
       onPointerDown={(e) => {
         e.preventDefault();
         close();
@@ -177,7 +149,7 @@ export function StopButton() {
       <span class="stop-words">
         <strong>{t('stop.label')}</strong>
         <kbd>{t('stop.key')}</kbd>
-        <small>{t('stop.note')}</small>
+        <small>{t(dead ? 'stop.offline' : 'stop.note')}</small>
       </span>
     </button>
   );

@@ -1,7 +1,7 @@
 /** Keys that hold everywhere. Escape stops whenever something goes on, before anything else sees it. */
 import { pages } from '../pages';
-import { hold, resume, somethingGoesOn, stop } from '../state/actions';
-import { mayMove, status } from '../state/cell';
+import { goOn, hold, isPaused, somethingGoesOn, stop } from '../state/actions';
+import { mayMove } from '../state/cell';
 import { go } from './route';
 
 export function startKeys(): void {
@@ -18,8 +18,8 @@ function take(event: KeyboardEvent): void {
   }
   if (event.key === 'F8' && !event.repeat) {
     event.preventDefault();
-    if (status.peek()?.state === 'held') {
-      if (mayMove.peek()) void resume();
+    if (isPaused()) {
+      if (mayMove.peek()) void goOn();
     } else void hold();
     return;
   }

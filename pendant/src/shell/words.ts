@@ -1,6 +1,8 @@
 /** The state of the cell in a word, with its colour and sign. */
-import { t } from '../i18n';
-import { link, status } from '../state/cell';
+import { type Key, t } from '../i18n';
+import { causeWords } from '../i18n/told';
+import { link, pausing, status } from '../state/cell';
+import { afterContact } from './AlarmStrip';
 import type { IconName } from '../ui/Icon';
 
 export interface StateWord {
@@ -14,16 +16,17 @@ export interface StateWord {
 export function stateWord(): StateWord {
   const now = status.value;
   if (!now) {
-    const text = link.value === 'connecting' ? t('link.connecting') : t('state.none');
+    const text = t({ connecting: 'link.connecting', open: 'link.connecting', lost: 'state.reconnecting', refused: 'link.refused' }[link.value] as Key);
     return { text, tone: 'off', icon: 'link', why: '' };
   }
-  const why = now.cause;
+  const why = causeWords(now.cause, now.causeCode);
   switch (now.state) {
     case 'fault':
-      return { text: t('state.fault'), tone: 'bad', icon: 'alarm', why };
+      return afterContact() ? { text: t('state.contact'), tone: 'bad', icon: 'alarm', why: '' } : { text: t('state.fault'), tone: 'bad', icon: 'alarm', why };
     case 'stopping':
       return { text: t('state.stopping'), tone: 'warn', icon: 'pause', why };
     case 'held':
+      if (afterContact()) return { text: t('state.contact'), tone: 'bad', icon: 'alarm', why: '' };
       return { text: t('state.held'), tone: 'warn', icon: 'pause', why };
     case 'backing':
       return { text: t('state.backing'), tone: 'busy', icon: 'turnLeft', why };
@@ -43,6 +46,7 @@ function runningWord(): StateWord {
     return word(t('state.jogging'), 'busy', 'hand');
   const program = now.program;
   if (!program || program.ended || program.ready) return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
+  if (pausing.value) return word(t('state.pausing'), 'warn', 'clock');
   if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
   if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');

@@ -1,20 +1,47 @@
 /** What a person does to the cell as a whole. */
+import { dropSteps } from './jog';
 import { toast } from './toasts';
 import { t } from '../i18n';
-import { attempt, programRuns, request, status } from './cell';
+import { attempt, complain, pausing, programRuns, request, status } from './cell';
 
 /** Stops whatever moves. Needs no control; tried by every way there is. */
 export async function stop(): Promise<void> {
+  dropSteps();
   try {
     await request('control.stop', {}, 2_000);
   } catch {
     toast({ kind: 'error', text: t('stop.failed'), detail: t('stop.useRealOne') });
   }
 }
-export const hold = () => attempt('control.hold');
+export const hold = () => (dropSteps(), attempt('control.hold'));
 export const resume = () => attempt('control.resume');
 export const recover = () => attempt('control.recover');
 export const discard = () => attempt('control.discard');
+/** What is paused goes on: what is held along its path, else the program that a step or a breakpoint has paused. */
+export const goOn = () => (status.peek()?.state === 'held' ? resume() : attempt('program.go'));
+/** Can `goOn` do something? */
+export const isPaused = () => {
+  const now = status.value;
+  return now?.state === 'held' || (now?.state === 'running' && now.program?.paused === true && !now.program.ended && !now.program.ready);
+};
+
+/** One statement: of a program that runs, what is under way is gone through to its end; so it is where that is held. */
+export async function step(how: 'over' | 'into' | 'out' = 'over'): Promise<void> {
+  const now = status.peek();
+  if (pausing.peek() || !now?.program) return;
+  const paused = now.program.paused;
+  if (!paused || now.state === 'held') pausing.value = true;
+  try {
+    // Answered when it stands, however long that takes.
+    const done = paused ? request('program.step', { how }, 0) : request('program.pause', {}, 0);
+    if (now.state === 'held') await resume();
+    await done;
+  } catch (error) {
+    complain(error);
+  } finally {
+    pausing.value = false;
+  }
+}
 export const setOverride = (percent: number) => attempt('control.override', { percent });
 export const setProfile = (name: string) => attempt('profile', { name });
 

@@ -1,6 +1,7 @@
 /** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
 import { computed, signal } from '@preact/signals';
 import { t } from '../i18n';
+import { plain, problemWords } from '../i18n/told';
 import { Connection, type Json, type LinkState, RequestError } from '../wire/connection';
 import { type Field, Layout, parseFrame } from '../wire/frames';
 import type {
@@ -57,8 +58,13 @@ export const programRuns = computed(() => {
   return !!it && !it.ended && !it.ready && !it.paused;
 });
 export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).length);
+/** A pause or a step was asked for, and the statement under way goes on until its end. */
+export const pausing = signal(false);
+/** Tags whose values somebody forces. */
+export const forced = computed(() => Object.keys(tags.value).filter((name) => tags.value[name]!.forced).sort());
 
 const kLogLines = 2000;
+const kAlarms = 200;
 const kFrameRate = 30;
 
 let connection: Connection | null = null;
@@ -89,12 +95,20 @@ export async function attempt(name: string, args: Json = {}): Promise<boolean> {
 export function complain(error: unknown): void {
   if (error instanceof RequestError) {
     const control = error.code === 'no-control';
+    const told = problemWords(error.problem);
     toast({
       kind: control ? 'warning' : 'error',
-      text: control ? t('control.needed') : error.problem.what,
-      detail: control ? '' : [error.problem.where, error.problem.advice].filter(Boolean).join(' · '),
+      text: control ? t('control.needed') : told.text,
+      detail: control ? '' : [told.detail, placeOf(error.problem.where), told.advice].filter(Boolean).join(' · '),
     });
   } else toast({ kind: 'error', text: String(error) });
+}
+
+/** The server tells a place as an object, or as words. */
+function placeOf(where: unknown): string {
+  if (typeof where === 'string') return where;
+  const { file, line } = (where ?? {}) as { file?: string; line?: number };
+  return file ? [file, line || ''].filter(Boolean).join(':') : '';
 }
 
 export async function fetchJson<T>(path: string): Promise<T> {
@@ -151,6 +165,14 @@ export async function answerAsked(give: boolean): Promise<void> {
   await attempt('session.answer', { give });
 }
 
+/** Some alarms were looked at: they are not announced any more. */
+export function markSeen(which: (alarm: Alarm) => boolean): void {
+  alarms.value = alarms.peek().map((each) => (which(each) ? { ...each, seen: true } : each));
+}
+
+/** The newest alarm when this page came; -1 while that is not known. */
+let lastOld = -1;
+
 type Event = Json & { event: string };
 const events: Record<string, (event: Event) => void> = {
   // A cell that begins has a layout of its own: all that is known of the one before is asked for anew.
@@ -167,6 +189,8 @@ const events: Record<string, (event: Event) => void> = {
     youHold.value = next.youHold;
     if (youHold.value) waiting.value = null;
     else asked.value = null;
+    if (lastOld < 0) lastOld = Number(e.alarms ?? 0);
+    if (!next.program || next.program.ended || next.program.paused) pausing.value = false;
   },
   tags: (e) => {
     const values = e.values as Record<string, TagValue>;
@@ -178,7 +202,7 @@ const events: Record<string, (event: Event) => void> = {
     parts.value = next;
   },
   log: (e) => {
-    const lines = e.lines as LogLine[];
+    const lines = (e.lines as LogLine[]).map((line) => ({ ...line, text: plain(line.text) }));
     const last = log.value[log.value.length - 1]?.number ?? -1;
     // After a reconnect the history comes again; a new cell counts from the beginning.
     const again = lines.length > 0 && lines[0]!.number <= last;
@@ -188,9 +212,10 @@ const events: Record<string, (event: Event) => void> = {
   alarm: (e) => {
     const alarm = readAlarm(e);
     if (alarms.value.some((each) => each.number === alarm.number && each.what === alarm.what)) return;
-    alarms.value = [...alarms.value, alarm].slice(-200);
-    const kind = alarm.severity === 'warning' ? 'warning' : 'error';
-    toast({ kind, text: alarm.what, detail: [alarm.where, alarm.advice].filter(Boolean).join(' · ') });
+    // Those from before this page came are listed, and announced where the cell stands for one of them.
+    const old = lastOld < 0 || alarm.number <= lastOld;
+    alarm.seen = old && status.peek()?.state === 'running';
+    alarms.value = [...alarms.value, alarm].slice(-kAlarms);
   },
   program: (e) => {
     program.value = e;
@@ -234,6 +259,7 @@ let wasOpen = false;
 function changeLink(state: LinkState): void {
   link.value = state;
   if (state === 'open') {
+    lastOld = -1;
     if (wasOpen) toast({ kind: 'ok', text: t('link.back') });
     wasOpen = true;
     forgetFrames();
@@ -247,6 +273,11 @@ function changeLink(state: LinkState): void {
   asked.value = null;
   waiting.value = null;
   plans.value = {};
+  // What is not current is not shown.
+  tags.value = {};
+  program.value = null;
+  pausing.value = false;
+  forgetFrames();
 }
 
 export function connect(): void {

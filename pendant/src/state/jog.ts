@@ -3,7 +3,9 @@ import { effect, signal } from '@preact/signals';
 import { Follower } from '../wire/follower';
 import { Jogger } from '../wire/jogger';
 import type { Json } from '../wire/connection';
-import { complain, connected, jogEvents, mayMove, request, robot, tell } from './cell';
+import { t } from '../i18n';
+import { complain, connected, jogEvents, mayMove, request, robot, status, tell } from './cell';
+import { toast } from './toasts';
 import { kept } from './settings';
 
 export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user' | 'drive';
@@ -53,7 +55,7 @@ export function jogArgs(axis: number | number[], direction: number): Json {
 export function pressJog(axis: number, direction: 1 | -1): void {
   if (!mayMove.peek()) return;
   const key = `${jogMode.peek()}/${axis}/${direction}`;
-  if (jogStep.peek() > 0 && jogMode.peek() !== 'drive') return void step(axis, direction, key);
+  if (jogStep.peek() > 0 && jogMode.peek() !== 'drive') return step(axis, direction, key);
   heldBack.value = null;
   heldKey.value = key;
   void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, direction) });
@@ -99,21 +101,43 @@ export function release(): void {
   follower.end();
 }
 
-let stepping = false;
-async function step(axis: number, direction: number, key: string): Promise<void> {
-  if (stepping) return;
-  stepping = true;
-  heldKey.value = key;
+/** Steps that were pressed and are not done yet. */
+export const stepsToGo = signal(0);
+const kMostSteps = 20;
+/** Counts up when what waits is dropped. */
+let round = 0;
+let last: Promise<void> = Promise.resolve();
+
+/** Each press counts: a step waits for those before it. What is refused, or let go of control, drops all that wait. */
+function step(axis: number, direction: number, key: string): void {
+  if (stepsToGo.peek() >= kMostSteps) return toast({ kind: 'warning', text: t('move.queueFull', { most: kMostSteps }) });
   const joint = jogMode.peek() === 'joint';
   const turns = joint ? robot.peek()?.joints[axis]?.unit !== 'm' : axis >= 3;
   const amount = direction * (turns ? stepDegrees(jogStep.peek()) * (Math.PI / 180) : jogStep.peek() * 0.001);
+  // As it is asked for now, whatever is chosen meanwhile.
   const { direction: _, ...args } = jogArgs(axis, direction) as Json & { direction: number };
+  ++stepsToGo.value;
+  const mine = round;
+  last = last
+    .then(() => (mine === round ? oneStep({ ...args, amount }, key) : undefined))
+    .finally(() => {
+      if (mine === round) --stepsToGo.value;
+    });
+}
+
+export function dropSteps(): void {
+  ++round;
+  stepsToGo.value = 0;
+}
+
+async function oneStep(args: Json, key: string): Promise<void> {
+  heldKey.value = key;
   try {
-    await request('jog.step', { ...args, amount }, 30_000);
+    await request('jog.step', args, 30_000);
   } catch (error) {
+    dropSteps();
     complain(error);
   } finally {
-    stepping = false;
     if (heldKey.peek() === key) heldKey.value = '';
   }
 }
@@ -125,9 +149,20 @@ effect(() => {
   heldBack.value = event.why ? { what: event.why, reason: event.text } : null;
 });
 effect(() => {
-  if (!connected.value || !mayMove.value) release();
+  if (!connected.value || !mayMove.value) {
+    release();
+    dropSteps();
+  }
+});
+// A stop, whoever asks for it, ends what waits, too.
+let stateBefore = '';
+effect(() => {
+  const state = status.value?.state ?? '';
+  if (state !== stateBefore) dropSteps();
+  stateBefore = state;
 });
 addEventListener('blur', release);
+addEventListener('blur', dropSteps);
 addEventListener('pagehide', release);
 document.addEventListener('visibilitychange', () => {
   if (document.visibilityState !== 'visible') release();

@@ -56,4 +56,5 @@ export function valueNow(name: string): number {
 /** A new connection counts frames from anew. */
 export function forgetFrames(): void {
   newest = null;
+  beat.value++;
 }

@@ -50,6 +50,13 @@ export async function loadScene(): Promise<void> {
   }
 }
 
+/** Places of the robot's joints as they follow each other from base to TCP; those that do not lead there come last. */
+export function armOrder(info: RobotInfo): number[] {
+  const way = chains.value[info.name]?.path().map((joint) => joint.name) ?? [];
+  const rank = (i: number) => (way.includes(info.joints[i]!.name) ? way.indexOf(info.joints[i]!.name) : way.length + i);
+  return info.joints.map((_, i) => i).sort((a, b) => rank(a) - rank(b));
+}
+
 const fields = computed(() => {
   const out = new Map<string, string>();
   for (const each of cell.value?.robots ?? [])

@@ -1,14 +1,14 @@
 /** The robot's picture on a page: in 3D where there is WebGL, as sticks where there is none. */
-import { effect, signal } from '@preact/signals';
+import { computed, effect, signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
-import { cell, parts, plans, robot } from '../state/cell';
+import { cell, connected, parts, plans, robot, status } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
 import { baseNow, frames, jointValues, models, scene } from '../state/models';
 import { chosenPoints, dryPaths, pointsIn3d, problemsIn3d } from '../state/preview';
 import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
-import type { Vec3 } from '../wire/types';
+import type { Touch, Vec3 } from '../wire/types';
 import { FlatView } from './FlatView';
 import type { CellPicture, Ghost, Handle, Layers } from './picture';
 import type { ViewName } from './stage';
@@ -27,11 +27,15 @@ function webgl(): boolean {
   }
 }
 const canDraw = webgl();
+/** As texts tell them apart: a status without news draws nothing. */
+const told = computed(() => JSON.stringify((status.value?.contacts.list ?? []).filter((each) => each.now)));
+const touching = computed(() => JSON.parse(told.value) as Touch[]);
 
 export function RobotView() {
   const [failed, setFailed] = useState(!canDraw);
   return (
     <section class="view" aria-label={t('view.label')}>
+      {!connected.value && <p class="view-old">{t('link.oldPicture')}</p>}
       {failed ? <FlatView /> : <Picture onFail={() => setFailed(true)} />}
     </section>
   );
@@ -106,6 +110,11 @@ function follow(picture: CellPicture): (() => void)[] {
     effect(() => picture.setPoints(pointsIn3d.value, chosenPoints.value)),
     effect(() => picture.setDryRun(dryPaths.value, problemsIn3d.value)),
     effect(() => picture.setParts(parts.value)),
+    effect(() => {
+      scene.value;
+      models.value;
+      picture.setContacts(touching.value);
+    }),
     effect(() => picture.setLayers(layers.value)),
     effect(() => showPlans(picture)),
     effect(() => picture.setHandle(handle.value)),

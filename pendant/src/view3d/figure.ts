@@ -35,6 +35,7 @@ export class RobotFigure {
     for (const each of model.links) for (const visual of each.visuals) link(each.name).add(shape(visual, ready));
     for (const joint of model.joints) {
       const fixed = new THREE.Group();
+      fixed.userData.joint = joint.name;
       const object = new THREE.Group();
       place(fixed, joint.origin);
       link(joint.parent).add(fixed.add(object.add(link(joint.child))));

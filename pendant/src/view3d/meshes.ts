@@ -2,6 +2,8 @@
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
+/** What the files held, whose geometry all copies share. */
+export const readFiles = new Set<THREE.Object3D>();
 const files = new Map<string, Promise<THREE.Object3D | null>>();
 
 function file(address: string): Promise<THREE.Object3D | null> {
@@ -10,8 +12,10 @@ function file(address: string): Promise<THREE.Object3D | null> {
     out = new GLTFLoader().loadAsync(address).then(
       (got) => {
         got.scene.traverse((each) => {
+          each.userData.ofFile = true;
           if (each instanceof THREE.Mesh) each.castShadow = each.receiveShadow = true;
         });
+        readFiles.add(got.scene);
         return got.scene;
       },
       (error: unknown) => {

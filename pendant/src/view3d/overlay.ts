@@ -45,9 +45,12 @@ export class Overlay {
 }
 
 /** Takes everything out and gives its memory back. */
-function empty(group: THREE.Group): void {
+export function empty(group: THREE.Group): void {
   group.traverse((each) => {
-    if (each instanceof THREE.Mesh || each instanceof THREE.Line) each.geometry.dispose();
+    if (each instanceof THREE.Mesh || each instanceof THREE.Line) {
+      each.geometry.dispose();
+      (each.material as THREE.Material).dispose();
+    }
     if (each instanceof THREE.Sprite) {
       each.material.map?.dispose();
       each.material.dispose();
@@ -57,7 +60,7 @@ function empty(group: THREE.Group): void {
 }
 
 /** A name that always faces whoever looks, as large on the screen from near and far. */
-function label(text: string, strong: boolean): THREE.Sprite {
+export function label(text: string, strong: boolean, color = strong ? `#${kChosen.toString(16)}` : '#ffffff'): THREE.Sprite {
   const canvas = document.createElement('canvas');
   const pen = canvas.getContext('2d')!;
   const font = `${strong ? 700 : 600} 30px system-ui, sans-serif`;
@@ -69,7 +72,7 @@ function label(text: string, strong: boolean): THREE.Sprite {
   pen.beginPath();
   pen.roundRect(0, 0, canvas.width, canvas.height, 10);
   pen.fill();
-  pen.fillStyle = strong ? `#${kChosen.toString(16)}` : '#ffffff';
+  pen.fillStyle = color;
   pen.textBaseline = 'middle';
   pen.fillText(text, 10, 23);
   const map = new THREE.CanvasTexture(canvas);

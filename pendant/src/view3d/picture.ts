@@ -1,12 +1,13 @@
 /** The cell in 3D: robots, scene, parts, frames, trail, plan, ghost, and the handle that the TCP is dragged by. */
 import * as THREE from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
-import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Vec3 } from '../wire/types';
+import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Touch, Vec3 } from '../wire/types';
 import type { DryPath, DryProblem, NamedPose } from '../state/preview';
 import { compose, inverse } from './chain';
 import { RobotFigure } from './figure';
+import { Contacts } from './contacts';
 import { Overlay } from './overlay';
-import { axes, place, shape } from './shapes';
+import { axes, dispose, disposeAll, place, shape } from './shapes';
 import { Stage, type ViewName } from './stage';
 import { Trail } from './trail';
 
@@ -47,6 +48,7 @@ export class CellPicture {
   private readonly zones = new THREE.Group();
   private readonly frames = new THREE.Group();
   private readonly overlay = new Overlay();
+  private readonly contacts = new Contacts();
   private readonly moving = new Map<string, THREE.Object3D>();
   private readonly carried: { object: THREE.Object3D; home: THREE.Vector3; axis: THREE.Vector3; field: string }[] = [];
   private readonly trails = new Map<string, Trail>();
@@ -57,6 +59,10 @@ export class CellPicture {
     opacity: 0.3,
     depthWrite: false,
     roughness: 0.6,
+    // Behind what stands at the same place, so that both do not flicker.
+    polygonOffset: true,
+    polygonOffsetFactor: 2,
+    polygonOffsetUnits: 8,
   });
   private readonly redraw = () => this.stage.redraw();
   /** Meshes come later than what they belong to: the view takes them in as long as nobody has turned it. */
@@ -73,7 +79,7 @@ export class CellPicture {
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
-    this.stage.scene.add(this.things, this.zones, this.frames, this.overlay.group);
+    this.stage.scene.add(this.things, this.zones, this.frames, this.overlay.group, this.contacts.group);
   }
 
   setTheme(dark: boolean): void {
@@ -107,7 +113,10 @@ export class CellPicture {
   private remove(name: string): void {
     const ground = this.grounds.get(name)?.group;
     for (const object of [this.overlay.group, this.frames]) if (object.parent === ground) this.stage.scene.add(object);
-    for (const object of [ground, this.trails.get(name)?.line]) object?.removeFromParent();
+    for (const object of [ground, this.trails.get(name)?.line]) {
+      if (object) dispose(object);
+      object?.removeFromParent();
+    }
     this.paths.delete(name);
     this.robots.delete(name);
     this.grounds.delete(name);
@@ -116,7 +125,10 @@ export class CellPicture {
   }
 
   setScene(scene: SceneInfo): void {
-    for (const group of [this.things, this.zones]) group.clear();
+    for (const group of [this.things, this.zones]) {
+      dispose(group);
+      group.clear();
+    }
     this.moving.clear();
     this.carried.length = 0;
     for (const thing of scene.things) {
@@ -142,8 +154,18 @@ export class CellPicture {
     this.redraw();
   }
 
+  /** What touches what it should not: a red mark with pair and depth, and both bodies in red. */
+  setContacts(touches: readonly Touch[]): void {
+    const bodies = new Map<string, THREE.Object3D>();
+    for (const group of [this.things, this.zones]) for (const each of group.children) bodies.set(each.name, each);
+    for (const [robot, figure] of this.robots) figure.root.traverse((each) => each.name && bodies.set(`${robot}/${each.name}`, each));
+    this.contacts.show(touches, bodies);
+    this.redraw();
+  }
+
   /** Frames that have names. */
   setFrames(frames: ({ name: string } & Pose)[]): void {
+    dispose(this.frames);
     this.frames.clear();
     for (const frame of frames) {
       const object = axes(0.05, 0.9);
@@ -233,7 +255,9 @@ export class CellPicture {
 
   /** The path that is planned, and where the robot will be at its end; null takes them away. */
   setPlan(robot: string, plan: Plan | null): void {
-    this.paths.get(robot)?.removeFromParent();
+    const before = this.paths.get(robot);
+    if (before) dispose(before);
+    before?.removeFromParent();
     this.paths.delete(robot);
     if (plan?.path && plan.path.length > 1) {
       const form = new THREE.BufferGeometry().setFromPoints(plan.path.map((p) => new THREE.Vector3(...p)));
@@ -323,6 +347,10 @@ export class CellPicture {
 
   end(): void {
     this.setHandle(null);
+    for (const ghost of this.ghosts.values()) disposeAll(ghost.root);
+    disposeAll(this.stage.scene);
+    this.contacts.end();
+    this.ghostLook.dispose();
     this.stage.end();
   }
 }

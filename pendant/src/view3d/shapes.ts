@@ -1,7 +1,7 @@
 /** Shapes of the wire as three's objects. Metres, z up. */
 import * as THREE from 'three';
 import type { Pose, Visual } from '../wire/types';
-import { meshNode } from './meshes';
+import { meshNode, readFiles } from './meshes';
 
 const kPlain: [number, number, number, number] = [0.74, 0.77, 0.81, 1];
 const materials = new Map<string, THREE.MeshStandardMaterial>();
@@ -68,6 +68,35 @@ export function shape(visual: Visual, ready: () => void, edges = false): THREE.O
     });
   }
   return group;
+}
+
+/** Gives back the graphics memory of what is shown no more. Materials that are shared, and meshes of files, stay. */
+export function dispose(object: THREE.Object3D): void {
+  object.traverse((each) => {
+    if (!(each instanceof THREE.Mesh || each instanceof THREE.Line)) return;
+    if (!each.userData.ofFile) each.geometry.dispose();
+    if (each.material instanceof THREE.LineBasicMaterial && each.material !== lineMaterial) each.material.dispose();
+  });
+}
+
+/**
+ * The picture is gone. Whatever a renderer has drawn keeps that renderer, and with it the canvas and the page around it, until it is
+ * disposed of; what later pictures share is given back, too, and comes anew with the first that draws it.
+ */
+export function disposeAll(scene: THREE.Object3D): void {
+  const all = (object: THREE.Object3D) =>
+    object.traverse((each) => {
+      if (!(each instanceof THREE.Mesh || each instanceof THREE.Line || each instanceof THREE.Sprite)) return;
+      each.geometry.dispose();
+      for (const look of [each.material].flat() as (THREE.Material & { map?: THREE.Texture | null })[]) {
+        look.map?.dispose();
+        look.dispose();
+      }
+    });
+  all(scene);
+  for (const file of readFiles) all(file);
+  for (const look of materials.values()) look.dispose();
+  lineMaterial.dispose();
 }
 
 const lineMaterial = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.28 });

@@ -194,6 +194,8 @@ export class Stage {
     this.running = false;
     this.watcher.disconnect();
     this.controls.dispose();
+    this.grid?.dispose();
+    this.sun.dispose();
     this.renderer.dispose();
   }
 }

@@ -1,5 +1,5 @@
 /** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
-import type { Alarm, CellInfo, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Vec3, Visual } from './types';
+import type { Alarm, CellInfo, Contacts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual } from './types';
 import type { Json } from './connection';
 
 const list = (value: unknown): Json[] => (Array.isArray(value) ? (value as Json[]) : []);
@@ -20,6 +20,7 @@ function readProgram(value: unknown): ProgramStatus | null {
     paused: program.paused === true,
     ended: program.ended === true,
     ready: program.state === 'ready' || program.begun === false,
+    hash: text(program.hash),
     line: num(program.line, 0),
     source: text(program.source),
     passes: num(program.cycle, 0),
@@ -28,6 +29,29 @@ function readProgram(value: unknown): ProgramStatus | null {
     waitsFor: text(program.waits_for),
     problem: text(program.problem),
   };
+}
+
+function readTouch(each: Json): Touch {
+  const { position } = each;
+  const at = Array.isArray(position) && position.length === 3 && position.every((v) => typeof v === 'number') ? (position as Vec3) : null;
+  return { a: text(each.a), b: text(each.b), depth: num(each.depth, 0), at, now: each.now === true, text: text(each.text) };
+}
+
+function readContacts(value: unknown): Contacts {
+  const got = (value && typeof value === 'object' ? value : {}) as Json;
+  return {
+    checked: got.checked !== false,
+    touching: got.touching === true,
+    unchecked: Array.isArray(got.unchecked) ? got.unchecked.map(text).filter(Boolean) : [],
+    list: list(got.list).map(readTouch),
+  };
+}
+
+function readCannot(value: unknown): Status['cannot'] {
+  const out: Status['cannot'] = {};
+  for (const [name, why] of Object.entries((value ?? {}) as Record<string, Json | null>))
+    if (why && typeof why === 'object') out[name] = { code: text(why.code), what: text(why.what), advice: text(why.advice) };
+  return out;
 }
 
 export function readStatus(event: Json, client: number): Status {
@@ -48,6 +72,9 @@ export function readStatus(event: Json, client: number): Status {
     program: readProgram(event.program),
     failure: text(event.failure),
     inactive: Array.isArray(event.inactive) ? (event.inactive as string[]) : [],
+    causeCode: text(event.cause_code),
+    contacts: readContacts(event.contacts),
+    cannot: readCannot(event.can),
     jogged: Array.isArray(event.jogged) ? (event.jogged as string[]) : [],
   };
 }
@@ -98,6 +125,7 @@ export function readPart(each: Json): PartPose {
     p: each.p as Vec3,
     q: each.q as Quat,
     here: each.in_world !== false,
+    taken: each.taken === true,
     heldBy: text(each.held_by),
   };
 }

@@ -22,6 +22,8 @@ export interface ProgramStatus {
   ended: boolean;
   /** It stands ready, and was not started yet. */
   ready: boolean;
+  /** Of what stands ready, to start that and nothing else; empty when it has begun. */
+  hash: string;
   line: number;
   /** The statement at that line. */
   source: string;
@@ -32,6 +34,25 @@ export interface ProgramStatus {
   tasks: number;
   waitsFor: string;
   problem: string;
+}
+
+/** Two that touched and should not have; lengths in m, in the world. */
+export interface Touch {
+  a: string;
+  b: string;
+  depth: number;
+  at: Vec3 | null;
+  now: boolean;
+  text: string;
+}
+export interface Contacts {
+  /** False: nothing in this cell finds contacts. */
+  checked: boolean;
+  touching: boolean;
+  /** In sentences: bodies whose contacts nothing finds. */
+  unchecked: string[];
+  /** Newest last. */
+  list: Touch[];
 }
 
 export interface Status {
@@ -52,6 +73,11 @@ export interface Status {
   failure: string;
   /** Hardware that is not active. */
   inactive: string[];
+  /** Why it does not run, as the cell counts it; '' where it runs or does not say. */
+  causeCode: string;
+  contacts: Contacts;
+  /** What cannot be done now and why, by request (resume, discard, back …); what is not named can be. */
+  cannot: Record<string, { code: string; what: string; advice?: string }>;
   /** Robots that somebody moves by hand. */
   jogged: string[];
 }
@@ -160,6 +186,8 @@ export interface PartPose extends Pose {
   name: string;
   /** False while it waits in a feeder or was taken away. */
   here: boolean;
+  /** It was in the cell and an outfeed has taken it away. */
+  taken: boolean;
   /** The robot that holds it. */
   heldBy: string;
 }

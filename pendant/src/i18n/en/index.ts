@@ -7,6 +7,7 @@ import { points } from './points';
 import { signals } from './signals';
 import { run } from './run';
 import { shell } from './shell';
+import { told } from './told';
 import { view } from './view';
 
-export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell };
+export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell, ...told };

@@ -68,4 +68,6 @@ export const move = {
   'goto.seconds': 'about {seconds} s',
   'goto.bad': 'Not a number',
   'goto.outside': 'Outside {range}',
+  'move.queued': '{count} steps to go',
+  'move.queueFull': 'At most {most} steps wait; this one was not taken.',
 } as const;

@@ -1,7 +1,7 @@
 export const plots = {
   'plots.bar': 'Plots',
   'plots.pause': 'Pause',
-  'plots.live': 'Go on',
+  'plots.live': 'Resume',
   'plots.window': 'Time shown',
   'plots.zoomIn': 'Zoom in',
   'plots.zoomOut': 'Zoom out',
@@ -25,4 +25,11 @@ export const plots = {
   'plots.setTcp': 'TCP position',
   'plots.setSpeed': 'TCP speed',
   'plots.setLoop': 'Control loop',
+  'plots.tag': 'signal {name}',
+  'plots.measured': 'measured',
+  'plots.commanded': 'commanded',
+  'plots.speed': 'speed',
+  'plots.commandedSpeed': 'commanded speed',
+  'plots.torque': 'torque',
+  'plots.commandedTorque': 'commanded torque',
 } as const;

@@ -14,4 +14,5 @@ export const view = {
   'view.zones': 'Zones and bins',
   'view.clearTrail': 'Clear trail',
   'view.flat': 'Simple view: this browser has no WebGL.',
+  'view.contact': '{a} – {b}: {mm} mm',
 } as const;

@@ -70,4 +70,6 @@ export const move: Record<keyof typeof en, string> = {
   'goto.seconds': 'unos {seconds} s',
   'goto.bad': 'No es un número',
   'goto.outside': 'Fuera de {range}',
+  'move.queued': 'faltan {count} pasos',
+  'move.queueFull': 'Como máximo esperan {most} pasos; este no se aceptó.',
 };

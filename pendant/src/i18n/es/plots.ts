@@ -3,7 +3,7 @@ import type { plots as en } from '../en/plots';
 export const plots: Record<keyof typeof en, string> = {
   'plots.bar': 'Gráficas',
   'plots.pause': 'Pausa',
-  'plots.live': 'Continuar',
+  'plots.live': 'Reanudar',
   'plots.window': 'Tiempo mostrado',
   'plots.zoomIn': 'Acercar',
   'plots.zoomOut': 'Alejar',
@@ -27,4 +27,11 @@ export const plots: Record<keyof typeof en, string> = {
   'plots.setTcp': 'Posición del TCP',
   'plots.setSpeed': 'Velocidad del TCP',
   'plots.setLoop': 'Lazo de control',
+  'plots.tag': 'señal {name}',
+  'plots.measured': 'medido',
+  'plots.commanded': 'ordenado',
+  'plots.speed': 'velocidad',
+  'plots.commandedSpeed': 'velocidad ordenada',
+  'plots.torque': 'par',
+  'plots.commandedTorque': 'par ordenado',
 };

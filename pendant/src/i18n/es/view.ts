@@ -16,4 +16,5 @@ export const view: Record<keyof typeof en, string> = {
   'view.zones': 'Zonas y cajas',
   'view.clearTrail': 'Borrar traza',
   'view.flat': 'Vista simple: este navegador no tiene WebGL.',
+  'view.contact': '{a} – {b}: {mm} mm',
 };

@@ -1,6 +1,7 @@
 /** Simulated or on the real robot: what would be connected is shown first, and a person arms it. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { plain } from '../../i18n/told';
 import { able } from '../../state/abilities';
 import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
 import { ask, open } from '../../ui/ask';
@@ -116,7 +117,7 @@ function WhatIsThere({ found }: { found: Reachable }) {
           <Icon name="alarm" />
           <div>
             <strong>{found.why}</strong>
-            <p>{found.advice}</p>
+            <p>{plain(found.advice)}</p>
           </div>
         </div>
       )}

@@ -1,6 +1,7 @@
 /** What cell this is, what it runs on, and putting it back to its beginning. */
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
+import { plain } from '../../i18n/told';
 import { cell, complain, mayMove, request, status } from '../../state/cell';
 import { Button, Card, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
@@ -91,7 +92,7 @@ function Check() {
                   {each.line ? `:${each.line}` : ''}
                 </small>
                 <strong>{each.what}</strong>
-                {each.advice && <span>{each.advice}</span>}
+                {each.advice && <span>{plain(each.advice)}</span>}
               </li>
             ))}
           </ul>

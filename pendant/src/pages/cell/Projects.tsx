@@ -85,6 +85,7 @@ export function Projects() {
                       <strong>{titleOf(each, list)}</strong>
                       <small>{[each.robots.join(', '), each.folder].filter(Boolean).join(' · ')}</small>
                     </span>
+                    {each.recent && !here && <span class="chip">{t('cell.recent')}</span>}
                     {here && <span class="chip good">{t('cell.isOpen')}</span>}
                   </button>
                 </li>

@@ -2,7 +2,8 @@
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { t, word } from '../../i18n';
-import { alarms, log } from '../../state/cell';
+import { problemWords } from '../../i18n/told';
+import { alarms, log, markSeen } from '../../state/cell';
 import { kept } from '../../state/settings';
 import type { LogLine } from '../../wire/types';
 import { Button, Empty, Search, Segmented } from '../../ui/controls';
@@ -11,7 +12,7 @@ import { Icon } from '../../ui/Icon';
 
 export function AlarmList() {
   const list = [...alarms.value].reverse();
-  const seen = () => (alarms.value = alarms.value.map((each) => ({ ...each, seen: true })));
+  const seen = () => markSeen(() => true);
   if (list.length === 0) return <Empty icon="check" text={t('alarms.none')} />;
   return (
     <>
@@ -28,15 +29,16 @@ export function AlarmList() {
               <p class="note">
                 <time>{clockTime(alarm.time)}</time> · <code>{alarm.code}</code>
               </p>
-              <h3>{alarm.what}</h3>
+              <h3>{problemWords(alarm).text}</h3>
+              {problemWords(alarm).detail && <p>{problemWords(alarm).detail}</p>}
               {alarm.where && (
                 <p>
                   <b>{t('health.where')}:</b> {alarm.where}
                 </p>
               )}
-              {alarm.advice && (
+              {problemWords(alarm).advice && (
                 <p>
-                  <b>{t('alarms.do')}:</b> {alarm.advice}
+                  <b>{t('alarms.do')}:</b> {problemWords(alarm).advice}
                 </p>
               )}
             </div>

@@ -1,6 +1,7 @@
 /** Hardware and controllers: their states, who uses what, and taking them to another state. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
+import { causeWords, plain } from '../../i18n/told';
 import { attempt, complain, mayMove, request } from '../../state/cell';
 import { type Component, type Controller, controllers, hardware, health, loadHealth } from '../../state/health';
 import { ask, open } from '../../ui/ask';
@@ -68,7 +69,7 @@ function ComponentCard({ component }: { component: Component }) {
         <h3>{name}</h3>
         <StateChip state={state} />
       </header>
-      {fallen && <p class="health-bad">{t('health.failed', { cause: fallen.cause })}</p>}
+      {fallen && <p class="health-bad">{t('health.failed', { cause: causeWords(fallen.cause) })}</p>}
       <p class="note">
         {[component.type, component.plugin, component.rate ? `${number(component.rate, 0)} Hz` : ''].filter(Boolean).join(' · ')}
         {component.missed > 0 && ` · ${t('health.missed')}: ${component.missed}`}
@@ -172,7 +173,7 @@ function SwitchDialog({ onClose }: { onClose: () => void }) {
       </ul>
       {plan && (
         <p role="status" class={plan.ok ? 'note' : 'health-bad'}>
-          {plan.ok ? t('health.plan', { start: plan.start.join(', ') || '–', stop: plan.stop.join(', ') || '–' }) : [plan.reason, plan.advice].filter(Boolean).join(' ')}
+          {plan.ok ? t('health.plan', { start: plan.start.join(', ') || '–', stop: plan.stop.join(', ') || '–' }) : [plain(plan.reason), plain(plan.advice ?? '')].filter(Boolean).join(' ')}
         </p>
       )}
     </Dialog>

@@ -1,7 +1,7 @@
 /** One line that says what holds the robot back, or soon will: what the cell says while it moves, else what is near. */
 import { computed } from '@preact/signals';
 import { t } from '../../i18n';
-import { mayMove, robot } from '../../state/cell';
+import { connected, mayMove, robot } from '../../state/cell';
 import { heldBack, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
@@ -17,6 +17,7 @@ const kAt = 0.01;
 /** 0 far from every singularity, 1 in one; NaN where there is no telling. */
 export const singularity = computed(() => {
   beat.value;
+  if (!connected.value) return NaN;
   const name = robot.value?.name ?? '';
   const gain = chain.value?.smallestGain(jointValues(name)) ?? NaN;
   if (!Number.isFinite(gain)) return NaN;
@@ -24,11 +25,12 @@ export const singularity = computed(() => {
 });
 
 interface Condition {
-  tone: 'good' | 'warn' | 'bad';
+  tone: 'good' | 'warn' | 'bad' | 'off';
   text: string;
 }
 
 function condition(): Condition {
+  if (!connected.value) return { tone: 'off', text: '–' };
   if (mayMove.value && programMoves()) return { tone: 'warn', text: t('move.blocked') };
   const held = heldWords();
   if (held) return { tone: heldBack.value?.what === 'singular' ? 'bad' : 'warn', text: held };

@@ -1,6 +1,7 @@
 /** The way to a place: looked along by the cell and shown first, then gone as long as the key is held. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
+import { plain } from '../../i18n/told';
 import { mayMove, request, robot } from '../../state/cell';
 import { heldKey, pressGoTo, release } from '../../state/jog';
 import { beat } from '../../state/live';
@@ -98,7 +99,7 @@ export function GoKey({ goal }: { goal: Goal | null }) {
         {t(moving ? 'goto.moving' : 'goto.move')}
       </HoldButton>
       <p class="note" role="status">
-        {known && !known.ok && <span class="problem-text">{known.reason}</span>}
+        {known && !known.ok && <span class="problem-text">{plain(known.reason ?? '')}</span>}
         {known?.ok && !moving && wordsOf(known)}
         {held && <span class="problem-text">{held}</span>}
         {mayMove.value && programMoves() && <span class="problem-text">{t('move.blocked')}</span>}

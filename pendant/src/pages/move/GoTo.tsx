@@ -2,6 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { request as ask, robot } from '../../state/cell';
+import { armOrder } from '../../state/models';
 import { valueNow } from '../../state/live';
 import { settings } from '../../state/settings';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
@@ -116,7 +117,8 @@ function Points(props: { points: PointValue[]; chosen: string; onChange: (name: 
 function JointFields(props: { joints: JointInfo[]; values: string[]; onChange: (values: string[]) => void }) {
   return (
     <div class="goto-fields">
-      {props.joints.map((joint, i) => {
+      {armOrder(robot.value!).map((i) => {
+        const joint = props.joints[i]!;
         const value = read(props.values[i] ?? '') / factor(joint);
         const range = t('move.range', { lower: jointText(joint.lower, joint.unit, 0), upper: jointText(joint.upper, joint.unit, 0) });
         const bad = !Number.isFinite(value) ? t('goto.bad') : outside(joint, value) ? t('goto.outside', { range }) : undefined;

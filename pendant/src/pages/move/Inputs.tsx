@@ -2,11 +2,12 @@
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect } from 'preact/hooks';
 import { t } from '../../i18n';
-import { mayMove, robot } from '../../state/cell';
+import { mayMove } from '../../state/cell';
 import { heldKey, jogMode, type JogMode, jogSpeed, pressJog, pushJog, release } from '../../state/jog';
 import { frames } from '../../state/models';
 import { toast } from '../../state/toasts';
 import { Button } from '../../ui/controls';
+import { axesNow } from './axes';
 import { programMoves } from './JogKeys';
 import { chooseMode } from './JogSettings';
 import { sticks } from './sticks';
@@ -67,10 +68,10 @@ function useKeyboard(): void {
       const axis = up >= 0 ? up : kDown.indexOf(event.code);
       if (axis >= 0) {
         event.preventDefault();
-        const axes = { joint: robot.peek()?.joints.length ?? 0, drive: 2 }[jogMode.peek() as string] ?? 6;
-        if (event.repeat || axis >= axes) return;
+        const wanted = axesNow()[axis];
+        if (event.repeat || !wanted) return;
         held = event.code;
-        pressJog(axis, up >= 0 ? 1 : -1);
+        pressJog(wanted.index, up >= 0 ? 1 : -1);
       } else if (event.code === 'KeyM' && !event.repeat) {
         release();
         const modes = frames.peek().length ? kModes : kModes.filter((each) => each !== 'user');

@@ -2,7 +2,7 @@
 import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
 import { mayMove, programRuns, status } from '../../state/cell';
-import { heldKey, jogMode, pressJog, release } from '../../state/jog';
+import { heldKey, jogMode, pressJog, release, stepsToGo } from '../../state/jog';
 import { beat } from '../../state/live';
 import { jointText } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
@@ -19,9 +19,10 @@ export function JogKeys() {
   const axes = axesNow();
   return (
     <div class={`jog-keys ${axes.length > 6 ? 'many' : ''}`} role="group" aria-label={t('move.axes')}>
-      {axes.map((axis, i) => (
-        <Row key={`${jogMode.value}/${i}`} axis={axis} index={i} blocked={blocked} />
+      {axes.map((axis) => (
+        <Row key={`${jogMode.value}/${axis.index}`} axis={axis} index={axis.index} blocked={blocked} />
       ))}
+      <StepsToGo />
     </div>
   );
 }
@@ -58,6 +59,14 @@ function JogKey(props: { axis: Axis; index: number; direction: 1 | -1; blocked: 
     >
       <Icon name={direction > 0 ? 'plus' : 'minus'} size={26} />
     </HoldButton>
+  );
+}
+
+function StepsToGo() {
+  return (
+    <p class="jog-queue" role="status">
+      {stepsToGo.value > 0 && t('move.queued', { count: stepsToGo.value })}
+    </p>
   );
 }
 

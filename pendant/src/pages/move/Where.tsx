@@ -1,7 +1,7 @@
 import { t } from '../../i18n';
 import { jogMode } from '../../state/jog';
 import { beat, valueOf } from '../../state/live';
-import { models } from '../../state/models';
+import { armOrder, models } from '../../state/models';
 import { robot } from '../../state/cell';
 import { angle, angleUnit, jointText, mm } from '../../ui/format';
 import { rollPitchYaw } from '../../view3d/chain';
@@ -36,7 +36,7 @@ function Tcp() {
 function Joints() {
   const info = robot.value;
   if (!info) return null;
-  const cells = info.joints.map((joint): [string, string, string] => [
+  const cells = armOrder(info).map((i) => info.joints[i]!).map((joint): [string, string, string] => [
     jointTitle(joint.name),
     jointText(valueOf(`${joint.interface}/position`), joint.unit),
     '',

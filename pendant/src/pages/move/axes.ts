@@ -2,7 +2,7 @@
 import { conjugate, multiply, rollPitchYaw, rotate } from '../../view3d/chain';
 import { jogMode, userFrame } from '../../state/jog';
 import { robot } from '../../state/cell';
-import { baseNow, frames } from '../../state/models';
+import { armOrder, baseNow, frames } from '../../state/models';
 import { t } from '../../i18n';
 import { valueNow } from '../../state/live';
 import type { JointInfo, Pose, Quat, Vec3 } from '../../wire/types';
@@ -14,6 +14,8 @@ export interface Axis {
   value: number;
   unit: 'm' | 'rad';
   joint?: JointInfo;
+  /** What the cell counts it as. */
+  index: number;
 }
 
 /** From its limit on, the share of a joint's range (at most 10°, 20 mm) in which it counts as near. */
@@ -65,24 +67,22 @@ export function axesNow(): Axis[] {
   const info = robot.value;
   if (!info) return [];
   if (jogMode.value === 'joint')
-    return info.joints.map((joint) => ({
-      name: jointTitle(joint.name),
-      value: valueNow(`${joint.interface}/position`),
-      unit: joint.unit === 'm' ? 'm' : 'rad',
-      joint,
-    }));
+    return armOrder(info).map((index) => {
+      const joint = info.joints[index]!;
+      return { name: jointTitle(joint.name), value: valueNow(`${joint.interface}/position`), unit: joint.unit === 'm' ? 'm' : 'rad', joint, index };
+    });
   if (jogMode.value === 'drive') {
     const base = baseNow(info.name) ?? info.base;
     return [
-      { name: t('move.ahead'), value: gone(info.base, base), unit: 'm' },
-      { name: t('move.toLeft'), value: rollPitchYaw(multiply(conjugate(info.base.q), base.q))[2], unit: 'rad' },
+      { name: t('move.ahead'), value: gone(info.base, base), unit: 'm', index: 0 },
+      { name: t('move.toLeft'), value: rollPitchYaw(multiply(conjugate(info.base.q), base.q))[2], unit: 'rad', index: 1 },
     ];
   }
   const at = inFrame(tcpPose(), shownFrame().pose);
   const turned = rollPitchYaw(at.q);
   const names = ['x', 'y', 'z'] as const;
   return [
-    ...names.map((color, i): Axis => ({ name: color.toUpperCase(), color, value: at.p[i]!, unit: 'm' })),
-    ...names.map((color, i): Axis => ({ name: `R${color.toUpperCase()}`, color, value: turned[i]!, unit: 'rad' })),
+    ...names.map((color, i): Axis => ({ name: color.toUpperCase(), color, value: at.p[i]!, unit: 'm', index: i })),
+    ...names.map((color, i): Axis => ({ name: `R${color.toUpperCase()}`, color, value: turned[i]!, unit: 'rad', index: 3 + i })),
   ];
 }

@@ -2,9 +2,10 @@
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { cell } from '../../state/cell';
+import { armOrder } from '../../state/models';
 import { Button, Empty, Search } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { chosen, kMostTraces, pairOf, shown, traces } from './traces';
+import { chosen, kMostTraces, pairOf, readable, shown, traces } from './traces';
 
 const kShownAtOnce = 80;
 
@@ -12,7 +13,7 @@ export function ChooseDialog({ onClose }: { onClose: () => void }) {
   const [words, setWords] = useState('');
   const on = shown.value.map((each) => each.name);
   const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
-  const found = traces.value.filter((each) => wanted.every((word) => each.name.toLowerCase().includes(word)));
+  const found = traces.value.filter((each) => wanted.every((word) => `${each.name} ${readable(each.name)}`.toLowerCase().includes(word)));
   const toggle = (name: string) => (chosen.value = on.includes(name) ? on.filter((each) => each !== name) : [...on, name]);
   const full = on.length >= kMostTraces;
   return (
@@ -33,7 +34,7 @@ export function ChooseDialog({ onClose }: { onClose: () => void }) {
           <li key={each.name}>
             <label>
               <input type="checkbox" checked={on.includes(each.name)} disabled={full && !on.includes(each.name)} onChange={() => toggle(each.name)} />
-              <span>{each.name}</span>
+              <span title={each.name}>{readable(each.name)}</span>
               <small>{each.unit}</small>
             </label>
           </li>
@@ -54,13 +55,14 @@ function sets(): { name: string; list: string[] }[] {
   };
   const robots = cell.value?.robots ?? [];
   for (const robot of robots) {
+    const joints = armOrder(robot).map((i) => robot.joints[i]!);
     const of = robots.length > 1 ? `${robot.name}: ` : '';
-    add(of + t('plots.setJoints'), robot.joints.flatMap((joint) => pairOf(joint.interface)));
-    add(of + t('plots.setVelocities'), robot.joints.map((joint) => `${joint.interface}/velocity`));
-    add(of + t('plots.setEfforts'), robot.joints.map((joint) => `${joint.interface}/effort`));
+    add(of + t('plots.setJoints'), joints.flatMap((joint) => pairOf(joint.interface)));
+    add(of + t('plots.setVelocities'), joints.map((joint) => `${joint.interface}/velocity`));
+    add(of + t('plots.setEfforts'), joints.map((joint) => `${joint.interface}/effort`));
     add(of + t('plots.setTcp'), ['x', 'y', 'z'].map((axis) => `${robot.name}/tcp/${axis}`));
     add(of + t('plots.setSpeed'), [`${robot.name}/tcp/speed`]);
-    for (const joint of robot.joints) add(`${of}${joint.name.replace(/_joint$/, '').replaceAll('_', ' ')}`, pairOf(joint.interface));
+    for (const joint of joints) add(`${of}${joint.name.replace(/_joint$/, '').replaceAll('_', ' ')}`, pairOf(joint.interface));
   }
   add(t('plots.setLoop'), ['loop/period_us', 'loop/cost_us', 'loop/late']);
   return out;

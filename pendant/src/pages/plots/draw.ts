@@ -4,6 +4,7 @@ import 'uplot/dist/uPlot.min.css';
 import { number } from '../../i18n';
 import { decimalsOf } from '../../ui/format';
 import type { Slice } from './history';
+import { leastSpan, padded } from './span';
 
 export interface View {
   from: number;
@@ -39,7 +40,7 @@ export class Plot {
           drag: { x: true, y: false, setScale: false },
           bind: { dblclick: () => () => (hooks.onReset(), null) },
         },
-        scales: { x: { time: false }, y: { range: (_, min, max) => padded(min, max) } },
+        scales: { x: { time: false }, y: { range: (_, min, max) => padded(min, max, leastSpan(unit)) } },
         axes: [
           { ...axis, values: (_, ticks, __, ___, step) => ticks.map((tick) => `${number(tick, decimalsOf(step))} s`) },
           { ...axis, size: 70, values: (_, ticks, __, ___, step) => ticks.map((tick) => number(tick, decimalsOf(step))), label: unit || undefined, labelSize: unit ? 18 : 0, labelFont: '13px system-ui, sans-serif' },
@@ -87,11 +88,3 @@ export class Plot {
   }
 }
 
-/** A constant is shown in the middle, not as a line at the edge or as blown-up noise. */
-function padded(min: number | null, max: number | null): [number, number] {
-  if (min === null || max === null || !Number.isFinite(min + max)) return [-1, 1];
-  const span = max - min;
-  const least = Math.max(1e-4, 1e-4 * Math.max(Math.abs(min), Math.abs(max)));
-  if (span < least) return [min - least * 10, max + least * 10];
-  return [min - 0.06 * span, max + 0.06 * span];
-}

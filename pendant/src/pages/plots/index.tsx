@@ -9,7 +9,7 @@ import { Button, Empty, Loading, Segmented } from '../../ui/controls';
 import { ChooseDialog } from './Choose';
 import { csv } from './history';
 import './plots.css';
-import { chosen, colourOf, history, isCommand, record, shown, sliceOf, titleOf, type Trace, valuesAt } from './traces';
+import { chosen, colourOf, history, isCommand, readable, record, shown, sliceOf, titleOf, type Trace, valuesAt } from './traces';
 import type { Plot, View } from './draw';
 
 const seconds = kept<string>('plots.seconds', '15');
@@ -113,12 +113,12 @@ function Legend({ list, all }: { list: Trace[]; all: Trace[] }) {
       {list.map((each, i) => (
         <li key={each.name}>
           <i class={isCommand(each.name) ? 'dashed' : ''} style={{ '--trace': colourOf(each.name, all, darkNow.value) }} aria-hidden="true" />
-          <span>{each.name}</span>
-          <output aria-label={each.name}>
+          <span title={each.name}>{readable(each.name)}</span>
+          <output aria-label={readable(each.name)}>
             {number(values[i] ?? NaN, 4)} {each.unit}
           </output>
           <Button
-            label={t('plots.remove', { name: each.name })}
+            label={t('plots.remove', { name: readable(each.name) })}
             icon="close"
             bare
             tone="quiet"
@@ -164,7 +164,7 @@ function Curve({ unit, list, all }: { unit: string; list: Trace[]; all: Trace[] 
     };
   }, [box, key, dark]);
   return (
-    <div class="plots-canvas" ref={setBox} role="img" aria-label={t('plots.picture', { names: list.map((each) => each.name).join(', ') })}>
+    <div class="plots-canvas" ref={setBox} role="img" aria-label={t('plots.picture', { names: list.map((each) => readable(each.name)).join(', ') })}>
       {!ready && <Loading />}
     </div>
   );

@@ -1,6 +1,7 @@
 /** What can be plotted and what is; colours; the ring that fills from the page's first opening on. */
 import { computed } from '@preact/signals';
-import { robot, tags } from '../../state/cell';
+import { type Key, t } from '../../i18n';
+import { cell, robot, tags } from '../../state/cell';
 import { layout, onFrame } from '../../state/live';
 import { kept } from '../../state/settings';
 import { shownIn } from '../../ui/format';
@@ -81,3 +82,21 @@ export function valuesAt(time: number, list: Trace[]): (number | null)[] {
 }
 
 export const titleOf = (trace: Trace) => (trace.unit ? `${trace.name} [${trace.unit}]` : trace.name);
+
+const kWhat: Record<string, Key> = {
+  position: 'plots.measured', velocity: 'plots.speed', effort: 'plots.torque',
+  command_position: 'plots.commanded', command_velocity: 'plots.commandedSpeed', command_effort: 'plots.commandedTorque',
+};
+
+/** `arm/shoulder_pan_joint/command_position` as it is read: “shoulder pan, commanded”. The robot is said where there are several. */
+export function readable(name: string): string {
+  if (name.startsWith(kTag)) return t('plots.tag', { name: name.slice(kTag.length) });
+  const parts = name.split('/');
+  const last = parts.pop()!;
+  const robots = cell.value?.robots.map((each) => each.name) ?? [];
+  if (robots.length === 1 && parts[0] === robots[0]) parts.shift();
+  const middle = parts.map((each) => (each === 'tcp' ? 'TCP' : each.replace(/_joint$/, '').replaceAll('_', ' ')));
+  const what = kWhat[last] ? t(kWhat[last]!) : last.replaceAll('_', ' ');
+  if (middle.length === 0) return what;
+  return parts[parts.length - 1] === 'tcp' || parts[0] === 'loop' ? [...middle, what].join(' ') : `${middle.join(' ')}, ${what}`;
+}

@@ -1,7 +1,9 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
-import { attempt, complain, mayMove, program, request, status } from '../../state/cell';
+import { plain } from '../../i18n/told';
+import { attempt, complain, mayMove, pausing, program, request, status } from '../../state/cell';
+import { step } from '../../state/actions';
 import { lastCycle } from '../../state/cycle';
 import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
@@ -10,6 +12,7 @@ import { Dialog } from '../../ui/Dialog';
 import { duration, shortened } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import { RobotView } from '../../view3d/RobotView';
+import { EndKey } from '../run/Keys';
 import { NoPass } from '../run/NoPass';
 import { BreakpointButton } from './CodeView';
 import * as doc from './documents';
@@ -79,17 +82,12 @@ function Buttons() {
     );
   return (
     <div class="program-buttons">
-      {now?.paused ? (
-        <Button label={t('program.go')} icon="run" big tone="good" disabled={!may} onClick={() => void attempt('program.go')} />
-      ) : (
-        <Button label={t('program.pause')} icon="pause" big tone="warn" disabled={!may} onClick={() => void longAttempt('program.pause')} />
-      )}
-      <Button label={t('program.end')} icon="stop" big disabled={!may} onClick={() => void longAttempt('program.stop')} />
-      <Button label={t('program.stepOver')} icon="step" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'over' })} />
-      <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'into' })} />
-      <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused} onClick={() => void longAttempt('program.step', { how: 'out' })} />
+      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!may || pausing.value} onClick={() => void step()} />
+      <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('into')} />
+      <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('out')} />
       <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready || !now?.paused} onClick={() => void runFrom(line)} />
       <BreakpointButton />
+      <EndKey disabled={!may} />
     </div>
   );
 }
@@ -202,11 +200,7 @@ function Problems() {
         </div>
       )}
       {now.kind === 'done' && <DryAnswer stale={stale} />}
-      {doc.fileName.value !== '' && list.length === 0 && now.kind !== 'runs' && (
-        <p class="program-fine">
-          <Icon name="check" size={20} /> {t('program.noProblems')}
-        </p>
-      )}
+      {list.length === 0 && now.kind !== 'runs' && <Checked />}
       <ul class="program-problems">
         {[...list].sort((a, b) => a.line - b.line).map((each, i) => (
           <li key={i}>
@@ -217,13 +211,31 @@ function Problems() {
                   {t('program.line', { line: each.line })} · {t(each.severity === 'error' ? 'program.error' : 'program.warning')}
                 </small>
                 <strong>{each.what}</strong>
-                {each.advice && <span>{each.advice}</span>}
+                {each.advice && <span>{plain(each.advice)}</span>}
               </span>
             </button>
           </li>
         ))}
       </ul>
     </>
+  );
+}
+
+/** Only what was looked through is called right. */
+function Checked() {
+  if (doc.fileName.value === '') return null;
+  if (!doc.isProgram.value)
+    return (
+      <div class="program-note">
+        <p>{t('program.notChecked')}</p>
+        <a href="#/cell">{t('program.toCell')}</a>
+      </div>
+    );
+  if (!doc.checked.value) return <p class="program-note">{t('program.beingChecked')}</p>;
+  return (
+    <p class="program-fine">
+      <Icon name="check" size={20} /> {t('program.noProblems')}
+    </p>
   );
 }
 
@@ -296,7 +308,7 @@ function Tasks() {
               {t('program.waitsFor')} {word('program.wait', task.waits_for)} {task.text}
             </p>
           )}
-          {task.problem && <p class="program-failed">{task.problem}</p>}
+          {task.problem && <p class="program-failed">{plain(task.problem)}</p>}
           {(task.tool || task.frame || task.robot) && (
             <p class="note">{[task.robot, task.tool, task.frame].filter(Boolean).join(' · ')}</p>
           )}

@@ -1,19 +1,20 @@
 import { number, t } from '../../i18n';
-import { parts, robot, status } from '../../state/cell';
+import { connected, parts, robot, status } from '../../state/cell';
 import { lastCycle, meanCycle } from '../../state/cycle';
 import { beat, valueOf } from '../../state/live';
 import { scene } from '../../state/models';
 import { duration } from '../../ui/format';
 
-/** Parts that lie in a bin and are not held, of those there are. */
+/** Parts that lie in a bin and are not held, or were taken away from the cell, of those there are. */
 export function partsInBins(): { done: number; all: number } {
   const regions = (scene.value?.things ?? []).filter((thing) => thing.kind === 'bin');
   const all = Object.values(parts.value);
   const inside = all.filter(
     (part) =>
-      part.here &&
-      !part.heldBy &&
-      regions.some((bin) => bin.visuals[0]?.size?.every((side, i) => Math.abs(part.p[i]! - bin.p[i]!) <= side / 2 + 1e-6)),
+      part.taken ||
+      (part.here &&
+        !part.heldBy &&
+        regions.some((bin) => bin.visuals[0]?.size?.every((side, i) => Math.abs(part.p[i]! - bin.p[i]!) <= side / 2 + 1e-6))),
   );
   return { done: inside.length, all: all.length };
 }
@@ -28,11 +29,11 @@ export function Figures() {
       <Figure name={t('run.cycles')} value={program ? String(program.passes) : '–'} />
       <Figure
         name={t('run.cycleTime')}
-        value={duration(lastCycle.value)}
-        note={Number.isFinite(meanCycle.value) ? `⌀ ${duration(meanCycle.value)}` : ''}
+        value={program ? duration(lastCycle.value) : '–'}
+        note={program && Number.isFinite(meanCycle.value) ? `⌀ ${duration(meanCycle.value)}` : ''}
       />
       <Figure name={t('run.tcpSpeed')} value={number(Number.isFinite(speed) ? speed * 1000 : NaN, 0)} note="mm/s" />
-      {counted.all > 0 && <Figure name={t('run.parts')} value={t('run.partsOf', counted)} />}
+      {counted.all > 0 && <Figure name={t('run.parts')} value={connected.value ? t('run.partsOf', counted) : '–'} />}
     </dl>
   );
 }

@@ -1,6 +1,6 @@
 import { t } from '../../i18n';
-import { resume } from '../../state/actions';
-import { attempt, mayMove, status } from '../../state/cell';
+import { step } from '../../state/actions';
+import { attempt, mayMove, pausing, status } from '../../state/cell';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
 import { chosen } from './Choice';
@@ -10,40 +10,32 @@ function start(): void {
   const it = status.peek()?.program;
   const other = chosen.peek();
   if (other) void attempt('program.from', { program: other, confirmed: true });
-  else if (it?.ready) void attempt('program.start', { as_saved: true });
+  else if (it?.ready) void attempt('program.start', { as_saved: true, file: it.file, hash: it.hash });
   else if (it) void attempt('program.from', { program: it.file, confirmed: true });
 }
 
-/** Start, or pause and go on, in one big key; step and end beside it. */
+/** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. */
 export function Keys() {
   const now = status.value;
   const it = now?.program;
-  const disabled = !mayMove.value || (!it && !chosen.value) || now?.state === 'fault';
-  const ended = it ? it.ended || it.ready : true;
-  const paused = it?.paused ?? false;
-  const held = now?.state === 'held';
-  const end = () =>
-    ask({ title: `${t('run.stop')}?`, text: t('run.stopText'), action: t('run.stop'), tone: 'danger', onYes: () => void attempt('program.stop') });
+  const may = mayMove.value;
+  if (it && !it.ended && !it.ready)
+    return (
+      <div class="run-keys goes">
+        <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!may || now.state === 'fault' || pausing.value} onClick={() => void step()} />
+        <EndKey disabled={!may} />
+      </div>
+    );
+  const disabled = !may || (!it && !chosen.value) || now?.state !== 'running';
   return (
     <div class="run-keys">
-      <Button {...mainKey(ended, paused, held)} big disabled={disabled} class="main" />
-      <Button
-        label={t('run.step')}
-        icon="step"
-        big
-        disabled={disabled || ended || held || !paused}
-        onClick={() => void attempt('program.step', { how: 'over' })}
-      />
-      <Button label={t('run.stop')} icon="stop" big disabled={disabled || ended} onClick={end} />
+      <Button label={t('run.start')} icon="run" tone="good" big disabled={disabled} class="main" onClick={start} />
     </div>
   );
 }
 
-function mainKey(ended: boolean, paused: boolean, held: boolean) {
-  if (ended)
-    return { label: t('run.start'), icon: 'run', tone: 'good', onClick: start } as const;
-  if (held) return { label: t('bar.resume'), icon: 'run', tone: 'good', onClick: () => void resume() } as const;
-  if (paused)
-    return { label: t('run.continue'), icon: 'run', tone: 'good', onClick: () => void attempt('program.go') } as const;
-  return { label: t('run.pause'), icon: 'pause', tone: 'plain', onClick: () => void attempt('program.pause') } as const;
+export function EndKey({ disabled }: { disabled: boolean }) {
+  const end = () =>
+    ask({ title: `${t('run.stop')}?`, text: t('run.stopText'), action: t('run.stop'), tone: 'danger', onYes: () => void attempt('program.stop') });
+  return <Button label={t('run.stop')} class="end-program" disabled={disabled} onClick={end} />;
 }

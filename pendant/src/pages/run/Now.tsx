@@ -1,5 +1,6 @@
 import { type Key, t, word } from '../../i18n';
-import { program, status } from '../../state/cell';
+import { plain } from '../../i18n/told';
+import { pausing, program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
 import { NoPass } from './NoPass';
 
@@ -16,6 +17,7 @@ export function programWord(): { text: string; tone: string } {
   if (it.ready) return { text: t('program.ready'), tone: 'off' };
   if (it.ended) return { text: word('program', it.state), tone: it.state === 'failed' ? 'bad' : 'off' };
   if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
+  if (pausing.value) return { text: t('state.pausing'), tone: 'warn' };
   if (it.paused) return { text: t('program.paused'), tone: 'warn' };
   return { text: word('program', it.state), tone: 'busy' };
 }
@@ -44,7 +46,7 @@ export function Now() {
       )}
       {it.ended && it.problem && (
         <p class="problem-text">
-          <b>{t('run.problem')}:</b> {it.problem}
+          <b>{t('run.problem')}:</b> {plain(it.problem)}
         </p>
       )}
       <NoPass />

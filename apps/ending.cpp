@@ -1,0 +1,96 @@
+#include "apps/ending.hpp"
+
+#include <fcntl.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
+
+#include "apps/options.hpp"
+#include "polyarm/cell/run.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+std::atomic<bool> simulated{true};
+sem_t terminated;  // posted by SIGTERM
+
+/// The first stops on the path, the second at once; with the third the process ends where it is.
+void on_request(int number) {
+  if (cell::stops_requested() >= 2) {
+    ::signal(number, SIG_DFL);
+    ::raise(number);
+  }
+  cell::request_stop();
+  if (number == SIGTERM) ::sem_post(&terminated);
+}
+
+void on_loss(int) {
+  cell::request_stop_once();
+}
+
+void on_suspend(int) {
+  cell::request_hold();
+}
+
+void catch_signal(int number, void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  ::sigaction(number, &action, nullptr);
+}
+
+/// Nothing real moves, so nothing is lost when a build, a check or a plugin does not listen.
+void end_in_time() {
+  constexpr auto kOnThePath = std::chrono::milliseconds(500), kAtOnce = std::chrono::milliseconds(350);
+  while (::sem_wait(&terminated) != 0 && errno == EINTR) {
+  }
+  std::this_thread::sleep_for(kOnThePath);
+  if (!simulated) return;
+  cell::request_stop();
+  std::this_thread::sleep_for(kAtOnce);
+  if (!simulated) return;
+  constexpr std::string_view kText = "polyarm: a simulated cell was ended on SIGTERM before it was done\n";
+  if (::write(STDERR_FILENO, kText.data(), kText.size()) < 0) {  // nobody is there, who needs no telling
+  }
+  ::_exit(kStopped);
+}
+
+}  // namespace
+
+void stop_on_signals(bool wall_clock) {
+  ::sem_init(&terminated, 0, 0);
+  for (const int number : {SIGINT, SIGTERM, SIGQUIT}) catch_signal(number, on_request);
+  struct sigaction before {};
+  ::sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) catch_signal(SIGHUP, on_loss);
+  for (const int number : {SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR})
+    catch_signal(number, on_loss);
+  for (const int number : {SIGPIPE, SIGXFSZ}) catch_signal(number, SIG_IGN);
+  if (wall_clock) {
+    catch_signal(SIGTSTP, on_suspend);
+    for (const int number : {SIGTTIN, SIGTTOU}) catch_signal(number, SIG_IGN);
+  }
+  std::thread(end_in_time).detach();
+}
+
+void set_simulated(bool is) {
+  simulated = is;
+}
+
+void write_to_nobody() noexcept {
+  const int error = errno;
+  if (const int nobody = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nobody >= 0) {
+    ::dup2(nobody, STDOUT_FILENO);
+    ::close(nobody);
+  }
+  errno = error;
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,410 @@
+#include "apps/new_cell.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "apps/options.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/cell/check.hpp"
+#include "polyarm/cell/robots.hpp"
+#include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/motion/move_plan.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kParts = 3;
+
+/// Where things stand, in the world: metres, in which the robot stands at the origin. Everything is rounded
+/// to millimetres, as a person would write it.
+struct Layout {
+  double distance = 0.4;  ///< of feeder and tray from the robot's axis
+  double table = 0;       ///< height of the table's top
+  double yaw = 0;         ///< of the tool, rad
+  double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
+  double lift = 0.1;      ///< above a place before and after it
+
+  double x() const { return round(distance * std::cos(angle)); }
+  double y() const { return round(distance * std::sin(angle)); }
+  static double round(double metres) { return std::round(1000 * metres) / 1000 + 0.0; }
+};
+
+/// Of what fits the robot's size.
+struct Sizes {
+  double reach = 0.5, tool = 0.1, tool_mass = 0.15, part = 0.04, part_mass = 0.05, pitch = 0.06;
+};
+
+Sizes sizes_of(const description::RobotModel& model, double reach) {
+  Sizes out;
+  out.reach = reach;
+  out.tool = std::clamp(Layout::round(0.2 * reach), 0.05, 0.3);
+  out.part = std::clamp(std::round(20 * reach) * 0.002, 0.02, 0.08);
+  out.part = Layout::round(out.part);
+  const double payload = model.provenance.payload_kg.value_or(0.5);
+  out.tool_mass = std::clamp(0.3 * payload, 0.03, 1.5);
+  out.part_mass = std::min(std::pow(out.part, 3) * 800, 0.4 * payload);
+  out.pitch = Layout::round(1.5 * out.part);
+  return out;
+}
+
+Pose down(double x, double y, double z, double yaw) {
+  return {{x, y, z}, from_rpy(std::numbers::pi, 0, yaw)};
+}
+
+/// Every pose of the program, in its order.
+struct Point {
+  const char* name;
+  Pose pose;
+};
+std::vector<Point> points_of(const Layout& l, const Sizes& s) {
+  const double x = l.x(), y = l.y(), top = l.table + s.part, above = Layout::round(top + l.lift);
+  const double gap = 0.005;  // so high above the tray a part is let go of
+  return {{"Above", down(Layout::round(l.distance), 0, above, l.yaw)},
+          {"PrePick", down(x, y, above, l.yaw)},
+          {"Pick", down(x, y, top, l.yaw)},
+          {"PrePlace", down(x, -y, above, l.yaw)},
+          {"Place", down(x, -y, Layout::round(top + gap), l.yaw)}};
+}
+
+/// The moves that the program makes, one pass for each part.
+std::vector<motion::Move> moves_of(const std::vector<Point>& points, const Sizes& sizes) {
+  using motion::MoveKind;
+  std::vector<motion::Move> out;
+  const auto go = [&](MoveKind kind, std::size_t point, double y) {
+    motion::Move move;
+    move.kind = kind;
+    move.speed = 0.5;
+    Pose at = points[point].pose;
+    at.position.y += y;
+    move.targets.push_back({at, points[point].name});
+    out.push_back(std::move(move));
+  };
+  go(MoveKind::joint, 0, 0);
+  for (int n = 0; n < kParts; ++n) {
+    go(MoveKind::joint, 1, 0), go(MoveKind::line, 2, 0), go(MoveKind::line, 1, 0);
+    const double along = n * sizes.pitch;
+    go(MoveKind::joint, 3, along), go(MoveKind::line, 4, along), go(MoveKind::line, 3, along);
+  }
+  go(MoveKind::joint, 0, 0);
+  return out;
+}
+
+std::string metres(double value) {
+  return fmt::format("{:.4g}", Layout::round(value));
+}
+
+std::string at(double x, double y, double z) {
+  return fmt::format("[{}, {}, {}]", metres(x), metres(y), metres(z));
+}
+
+std::string millimetres(double value) {
+  return fmt::format("{:.0f}mm", 1000 * value);
+}
+
+// --- the files
+
+std::string cell_yaml(const NewCell& asked, const std::string& hardware) {
+  return fmt::format(
+      "polyarm: cell/1\n"
+      "# A robot takes parts from a feeder and puts them into a tray.\n"
+      "robots:\n"
+      "  arm: {{model: {}, hardware: {}, tool: tool}}   # the tool is described in tool.yaml\n"
+      "scene: scene.yaml        # what stands around the robot\n"
+      "signals: signals.yaml    # names for inputs and outputs\n"
+      "program: main.script\n",
+      asked.robot, hardware);
+}
+
+std::string scene_yaml(const Layout& l, const Sizes& s) {
+  const double depth = std::max(0.5 * l.distance, 6 * s.part), width = 2 * (l.y() + 3 * s.part);
+  const double tray_y = -l.y() + s.pitch * (kParts - 1) / 2;
+  const std::string tray_size = fmt::format(
+      "[{}, {}, {}]", metres(3 * s.part), metres(s.pitch * (kParts - 1) + 2.5 * s.part), metres(2 * s.part));
+  std::string out = fmt::format(
+      "polyarm: scene/1\n"
+      "# World frame: the robot's base stands at the origin. Metres unless a unit is said.\n"
+      "floor: {{height: {}}}\n"
+      "fixtures:\n"
+      "  table: {{box: [{}, {}, 0.04], at: {}}}\n"
+      "bins:\n"
+      "  tray: {{at: {}, inner: {}, walls: false}}\n"
+      "feeders:\n"
+      "  feeder: {{at: {}}}          # where it puts a part: the middle of the part\n"
+      "parts:                                       # weigh yours: what is held depends on it\n",
+      metres(std::min(l.table - 0.1, -0.6 * s.reach)), metres(depth), metres(width),
+      at(l.x(), 0, l.table - 0.02), at(l.x(), tray_y, l.table), tray_size,
+      at(l.x(), l.y(), l.table + s.part / 2));
+  const std::string edge = millimetres(s.part);
+  for (int n = 0; n < kParts; ++n)
+    out += fmt::format(
+        "  part_{}: {{kind: part, box: [{}, {}, {}], mass: {:.3g}kg, feeder: feeder, goal: {{at: {}, bin: "
+        "tray}}}}\n",
+        n + 1, edge, edge, edge, s.part_mass, at(l.x(), -l.y() + n * s.pitch, l.table + s.part / 2));
+  return out;
+}
+
+std::string tool_yaml(const Sizes& s) {
+  const double k = s.tool / 0.1;
+  return fmt::format(
+      "polyarm: tool/1\n"
+      "# A suction cup. tcp: the middle of its lip, seen from the robot's flange; z points out of the tool.\n"
+      "tcp: [0, 0, {}]\n"
+      "mass: {:.3g}kg\n"
+      "center: [0, 0, {}]\n"
+      "gripper: suction\n"
+      "cup_radius: {:.4g}mm\n"
+      "body:                    # what may touch nothing\n"
+      "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n"
+      "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n",
+      metres(s.tool), s.tool_mass, metres(0.4 * s.tool), 225 * s.part, std::min(25 * k, 40.0),
+      metres(0.2 * s.tool), metres(0.1 * s.tool), std::min(12 * k, 300 * s.part),
+      metres(0.8 * s.tool - 0.004), metres(0.6 * s.tool - 0.002));
+}
+
+constexpr const char* kSignals =
+    "polyarm: signals/1\n"
+    "tags:\n"
+    "  Vacuum: {command: arm/tool/vacuum}\n"
+    "  PartHeld: {state: arm/tool/part_present}                    # the sensor in the cup\n"
+    "  Feed: {command: scene/feeder/feed, type: number}            # so many parts are to be brought, in "
+    "all\n"
+    "  PartReady: {state: scene/feeder/present}                    # a part lies there\n"
+    "  PartsReady: {state: scene/feeder/count, type: number}       # so many lie there\n"
+    "  PartsLeft: {state: scene/feeder/remaining, type: number}    # so many it still has\n"
+    "  PartsFed: {state: scene/feeder/presented, type: number}     # so many it has brought\n";
+
+std::string script(const Sizes& s) {
+  return fmt::format(
+      "# Takes each part from the feeder and puts it into the tray, one beside the other.\n"
+      "load points\n"
+      "let parts = {}\n"
+      "let pitch = {}\n"
+      "use speed 50%\n"
+      "movej Above\n"
+      "for n in 1 .. parts\n"
+      "  set Feed = n\n"
+      "  wait PartReady timeout 5s\n"
+      "  movej PrePick\n"
+      "  movel Pick\n"
+      "  set Vacuum = true\n"
+      "  wait PartHeld timeout 3s\n"
+      "  movel PrePick\n"
+      "  let y = (n - 1) * pitch\n"
+      "  movej offset(PrePlace, y = y)\n"
+      "  movel offset(Place, y = y)\n"
+      "  set Vacuum = false\n"
+      "  wait not PartHeld timeout 3s\n"
+      "  movel offset(PrePlace, y = y)\n"
+      "end\n"
+      "movej Above\n"
+      "log(\"{{parts}} parts are in the tray\")\n",
+      kParts, millimetres(s.pitch));
+}
+
+constexpr const char* kTests =
+    "# polyarm test .\n"
+    "test \"every part goes from the feeder into the tray\"\n"
+    "  run\n"
+    "  expect PartHeld timeout 120s\n"
+    "  expect program.state == \"finished\" timeout 300s\n"
+    "  expect PartsLeft == 0\n"
+    "  expect not PartHeld and not Vacuum\n"
+    "end\n";
+
+std::string points_file(const std::vector<Point>& points) {
+  std::string out =
+      "# Poses of the TCP in the world: x, y, z in metres, roll, pitch, yaw in radians. The tool points "
+      "down.\n"
+      "Pose: RPY\n";
+  for (const Point& point : points) {
+    const Vec3 p = point.pose.position, rpy = to_rpy(point.pose.rotation);
+    out += fmt::format("\nName: {}\nPoint: {}, {}, {}, {:.6f}, {:.6f}, {:.6f}\n", point.name, metres(p.x),
+                       metres(p.y), metres(p.z), rpy.x + 0.0, rpy.y + 0.0, rpy.z + 0.0);
+  }
+  return out;
+}
+
+std::string readme(const NewCell& asked) {
+  return fmt::format(
+      "# {}\n\n"
+      "{} takes parts from a feeder and puts them into a tray. All of it is simulated.\n\n"
+      "| file | what it says |\n|---|---|\n"
+      "| `cell.yaml` | which robot, tool and program |\n"
+      "| `scene.yaml` | table, feeder, tray and parts |\n"
+      "| `tool.yaml` | the suction cup: its TCP, mass and body |\n"
+      "| `signals.yaml` | names for inputs and outputs; `PartReady` says that a part lies at the feeder, "
+      "`PartsReady` how many, `PartsFed` how many it has brought |\n"
+      "| `points.points` | the poses that the program moves to |\n"
+      "| `main.script` | the program |\n"
+      "| `tests.script` | a test of it |\n\n"
+      "```\n"
+      "polyarm check .              # every error of the files, every move along its way\n"
+      "polyarm check . --dry        # the same, and a simulated run: contacts, where parts end\n"
+      "polyarm run . --fast         # as fast as this machine can\n"
+      "polyarm run . --pendant        # with the pendant in a browser\n"
+      "polyarm test .\n"
+      "polyarm run . --robot universal_robots/ur10e --fast    # another robot\n"
+      "```\n\n"
+      "Next: put your own table and parts into `scene.yaml`, teach the points (`polyarm console .`, or the "
+      "pendant), and change the program.\n",
+      asked.name, asked.robot);
+}
+
+void write_files(const fs::path& folder, const NewCell& asked, const Layout& layout, const Sizes& sizes) {
+  const std::string hardware = hardware::driver_available("mujoco") ? "mujoco" : "mock";
+  write_file_atomically(folder / "cell.yaml", cell_yaml(asked, hardware));
+  write_file_atomically(folder / "scene.yaml", scene_yaml(layout, sizes));
+  write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
+  write_file_atomically(folder / "signals.yaml", kSignals);
+  write_file_atomically(folder / "points.points", points_file(points_of(layout, sizes)));
+  write_file_atomically(folder / "main.script", script(sizes));
+  write_file_atomically(folder / "tests.script", kTests);
+  write_file_atomically(folder / "README.md", readme(asked));
+}
+
+// --- looking for a place
+
+/// Taken away with what is in it.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "polyarm_new_cell.XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      throw Error("unwritable", "no folder can be made in " + fs::temp_directory_path().string());
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, const Sizes& sizes) {
+  write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
+  cell::CellFile file;
+  file.folder = folder;
+  cell::RobotEntry entry;
+  entry.name = "arm", entry.model = asked.robot, entry.tool = "tool", entry.hardware = "mock";
+  file.robots.push_back(entry);
+  Problems problems;
+  std::vector<std::string> notes;
+  cell::CellRobots out = cell::resolve_robots(file, open_catalogue(), false, problems, notes);
+  problems.throw_if_errors();
+  return out;
+}
+
+/// The ones that people would take first come first.
+std::vector<Layout> layouts(double reach) {
+  std::vector<Layout> out;
+  for (const double angle : {0.5, 0.35})
+    for (const double table : {0.0, 0.15, -0.15, 0.3, -0.3})
+      for (const double distance : {0.6, 0.5, 0.7, 0.4, 0.8})
+        for (const int quarter : {0, 2, 1, 3}) {
+          Layout l;
+          l.distance = Layout::round(distance * reach);
+          l.table = Layout::round(table * reach);
+          l.yaw = quarter * std::numbers::pi / 2;
+          l.angle = angle;
+          l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
+          out.push_back(l);
+        }
+  return out;
+}
+
+bool can_move(const motion::RobotFacts& robot, const std::vector<double>& from, const Layout& layout,
+              const Sizes& sizes) {
+  try {
+    const std::vector<Point> points = points_of(layout, sizes);
+    for (const Point& point : points) motion::joints_for(robot, point.pose, from, point.name);
+    motion::plan_moves(robot, from, moves_of(points, sizes));
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// What check and check --dry find; contacts among it.
+std::vector<Problem> found_in(const fs::path& folder) {
+  const description::Catalogue catalogue = open_catalogue();
+  const Scratch state;
+  std::vector<Problem> out;
+  for (const bool dry : {false, true}) {
+    cell::CheckOptions options;
+    options.dry = dry;
+    options.state_folder = state.path() / "data";
+    const cell::CheckResult result = cell::check(folder, {}, catalogue, options);
+    for (const Problem& problem : result.problems)
+      if (problem.severity == Severity::error || problem.code == "contact") out.push_back(problem);
+    if (!out.empty()) break;
+  }
+  return out;
+}
+
+}  // namespace
+
+int write_new_cell(const NewCell& asked) {
+  constexpr int kMostTried = 8;
+  std::error_code error;
+  const fs::path& folder = asked.folder;
+  if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
+    throw Error("exists", folder.string() + " is there already, nothing was written",
+                "choose another folder with --folder DIR, or another name");
+  const Scratch scratch;
+  Sizes sizes;
+  sizes = sizes_of(robot_with_tool(asked, scratch.path(), sizes).front()->model,
+                   robot_with_tool(asked, scratch.path(), sizes).front()->facts->chain.reach());
+  const cell::CellRobots robots = robot_with_tool(asked, scratch.path(), sizes);
+  const cell::CellRobot& robot = *robots.front();
+  if (robot.facts->chain.joints() < 3 || !(sizes.reach > 0.05))
+    throw Error("no-arm", "'" + asked.robot + "' has no arm that could take parts",
+                "name an arm: polyarm robots");
+
+  std::optional<Layout> best;
+  std::vector<Problem> why;
+  int tried = 0;
+  for (const Layout& layout : layouts(sizes.reach)) {
+    if (!can_move(*robot.facts, robot.start, layout, sizes)) continue;
+    fs::create_directories(scratch.path() / "try", error);
+    write_files(scratch.path() / "try", asked, layout, sizes);
+    const std::vector<Problem> found = found_in(scratch.path() / "try");
+    if (!best || found.size() < why.size() || found.empty()) best = layout, why = found;
+    if (found.empty() || ++tried >= kMostTried) break;
+  }
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error("unwritable", "the folder " + folder.string() + " cannot be made: " + error.message(),
+                "choose a place where you may write with --folder DIR");
+  write_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
+  if (!best) why = found_in(folder);
+  fmt::print("The cell '{}' is in {}: {}, table, suction cup, feeder, tray and {} parts.\n", asked.name,
+             folder.string(), asked.robot, kParts);
+  if (!best || !why.empty()) {
+    fmt::print(
+        "No place was found that this robot reaches without trouble. Move these in points.points and "
+        "scene.yaml:\n");
+    for (const Problem& problem : why) fmt::print("  {}\n", problem.text());
+    return kFailed;
+  }
+  fmt::print(
+      "Checked, and run once in simulation: every part comes into the tray. Next:\n  cd {}\n"
+      "  polyarm run . --fast\n  polyarm run . --pendant\n  polyarm test .\n",
+      folder.string());
+  return kOk;
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,106 @@
+#include "apps/reach.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <vector>
+
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/secrets.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/cell_reach.hpp"
+#include "polyarm/description/catalogue.hpp"
+
+namespace polyarm::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+/// What a stranger wrote must not steer the terminal.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return text;
+}
+
+void allow(const std::string& what) {
+  if (what.starts_with("host:") && what.size() > 5) return reach().allow_host(what.substr(5));
+  if (what.starts_with(kSecretPrefix) && what.size() > kSecretPrefix.size())
+    return reach().allow_secret(what.substr(kSecretPrefix.size()));
+  std::error_code error;
+  if (!fs::exists(what, error) && !fs::exists(fs::absolute(what, error).parent_path(), error))
+    throw Error("bad-value", "--allow " + what + ": there is no such file or folder",
+                "--allow PATH, --allow host:NAME or --allow secret:NAME");
+  reach().allow(what);
+}
+
+void readable_from(const char* variable, const char* below) {
+  if (const char* value = std::getenv(variable))
+    for (const std::string& folder : split_words(value, ":")) reach().allow_reading(fs::path(folder) / below);
+}
+
+/// A word, or the value of NAME:=VALUE and --name=VALUE.
+void allow_named(const std::string& word) {
+  const auto equals = word.find('=');
+  if (equals != std::string::npos) allow_named(word.substr(equals + 1));
+  if (!word.empty() && !word.starts_with('-')) reach().allow(word);
+}
+}  // namespace
+
+void take_reach_options(int& argc, char** argv) {
+  int kept = 1;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--") {
+      while (i < argc) argv[kept++] = argv[i++];
+      break;
+    }
+    if (word == "--allow" && i + 1 < argc)
+      allow(argv[++i]);
+    else if (word.starts_with("--allow="))
+      allow(word.substr(8));
+    else
+      argv[kept++] = argv[i];
+  }
+  argc = kept;
+  argv[argc] = nullptr;
+  for (int i = 2; i < argc; ++i) allow_named(argv[i]);
+  for (const fs::path& folder : description::default_catalogue_folders()) reach().allow_reading(folder);
+  readable_from("POLYARM_PACKAGES", "");
+  readable_from("ROS_PACKAGE_PATH", "");
+  readable_from("AMENT_PREFIX_PATH", "share");
+  reach().confine();
+}
+
+bool can_ask() {
+  return ::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0;
+}
+
+bool ask(const std::string& question) {
+  fmt::print(stderr, "{} Type yes or no: ", question);
+  std::fflush(stderr);
+  std::string answer;
+  std::getline(std::cin, answer);
+  return trim(answer) == "yes";
+}
+
+void ask_for_reach(const cell::CellFile& file) {
+  const std::vector<cell::Wanted> wanted = cell::wanted_by(file);
+  bool any = false;
+  for (const cell::Wanted& each : wanted) any = any || !each.allowed;
+  if (!any || !can_ask()) return;
+  fmt::print(stderr, "The cell {} wants to reach beyond its folder:\n", file.path.string());
+  for (const cell::Wanted& each : wanted) {
+    fmt::print(stderr, "  {:<8}{}  ({}){}\n", each.kind, printable(each.what), printable(each.why),
+               each.allowed && each.kind != "device" ? "  allowed" : "");
+    if (!each.sha256.empty() && !each.allowed)
+      fmt::print(stderr, "          native code, which would run with all your rights; sha256 {}\n", each.sha256);
+  }
+  if (!ask("Allow this, and remember it for this cell?")) return;
+  for (const cell::Wanted& each : wanted)
+    if (!each.allowed) cell::allow_and_remember(file, each);
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,106 @@
+#include "apps/terminal.hpp"
+
+#include <stdio.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+
+#include "polyarm/base/printable.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+constexpr char kEscape = '\x1b';
+
+/// Empty where nothing is guarded.
+std::string& mark() {
+  static std::string text;
+  return text;
+}
+
+std::string new_mark() {
+  std::uint8_t bytes[16] = {};
+  if (::getrandom(bytes, sizeof bytes, 0) != static_cast<ssize_t>(sizeof bytes)) return "-";
+  std::string out;
+  for (const std::uint8_t byte : bytes) {
+    out += "0123456789abcdef"[byte >> 4];
+    out += "0123456789abcdef"[byte & 15];
+  }
+  return out;
+}
+
+struct Guarded {
+  int descriptor;
+  TerminalText text;
+};
+
+ssize_t write_guarded(void* cookie, const char* data, std::size_t size) {
+  auto& to = *static_cast<Guarded*>(cookie);
+  const std::string out = to.text.pass({data, size});
+  for (std::size_t done = 0; done < out.size();) {
+    const ssize_t count = ::write(to.descriptor, out.data() + done, out.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return 0;  // as stdio has it for a failed write
+    done += static_cast<std::size_t>(count);
+  }
+  return static_cast<ssize_t>(size);
+}
+
+void guard(FILE*& stream, int descriptor, int buffering) {
+  if (::isatty(descriptor) == 0) return;
+  if (mark().empty()) mark() = new_mark();
+  auto* cookie = new Guarded{descriptor, TerminalText(mark())};  // until the process ends
+  FILE* guarded = ::fopencookie(cookie, "w", {nullptr, write_guarded, nullptr, nullptr});
+  if (!guarded) return;
+  ::setvbuf(guarded, nullptr, buffering, BUFSIZ);
+  ::fflush(stream);
+  stream = guarded;
+}
+
+}  // namespace
+
+void guard_terminal() {
+  guard(stdout, STDOUT_FILENO, _IOLBF);
+  guard(stderr, STDERR_FILENO, _IONBF);
+}
+
+std::string own_escape(std::string_view sequence) {
+  return kEscape + mark() + std::string(sequence);
+}
+
+std::string own_return() {
+  return mark().empty() ? "\r" : kEscape + mark() + "\r";
+}
+
+std::string TerminalText::pass(std::string_view piece) {
+  std::string text = std::exchange(kept_, {}) + std::string(piece), out;
+  const std::string own = kEscape + mark_;
+  std::size_t from = 0;
+  for (std::size_t at; (at = text.find(kEscape, from)) != std::string::npos;) {
+    if (at + own.size() >= text.size() && own.starts_with(text.substr(at, own.size()))) {
+      // Cut within the mark, or right behind it.
+      out += printable(std::string_view(text).substr(from, at - from));
+      kept_ = text.substr(at);
+      return out;
+    }
+    const bool ours = std::string_view(text).substr(at).starts_with(own);
+    out += printable(std::string_view(text).substr(from, at - from + (ours ? 0 : 1)));
+    from = at + 1;
+    if (!ours) continue;
+    from = at + own.size();
+    if (text[from] == '\r')
+      out += text[from++];
+    else
+      out += kEscape;
+  }
+  const std::string_view rest = std::string_view(text).substr(from);
+  const std::size_t whole = whole_characters(rest);
+  out += printable(rest.substr(0, whole));
+  kept_ = rest.substr(whole);
+  return out;
+}
+
+}  // namespace polyarm::apps

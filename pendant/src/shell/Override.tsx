@@ -1,0 +1,71 @@
+/** How fast everything goes, in percent of what is planned; on a phone folded behind its value. */
+import { signal } from '@preact/signals';
+import { useEffect, useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { setOverride } from '../state/actions';
+import { mayMove, status } from '../state/cell';
+import { Slider } from '../ui/controls';
+
+/** What was asked for and the cell has not told yet: the next press of an arrow key goes on from there. */
+const wanted = signal<number | null>(null);
+const kTellsWithinMs = 1500;
+let forget: ReturnType<typeof setTimeout> | undefined;
+let latest = -1;
+let underway = false;
+
+/** The newest value goes out as soon as the one before was answered. */
+export function wantOverride(percent: number): void {
+  wanted.value = latest = percent;
+  clearTimeout(forget);
+  forget = setTimeout(() => (wanted.value = null), kTellsWithinMs);
+  if (!underway) send();
+}
+function send(): void {
+  underway = true;
+  const sent = latest;
+  void setOverride(sent).finally(() => {
+    underway = false;
+    if (latest !== sent) send();
+  });
+}
+
+export function Override() {
+  const now = status.value;
+  const [open, setOpen] = useState(false);
+  const told = now ? Math.round(now.override) : NaN;
+  useEffect(() => {
+    if (wanted.peek() === told) wanted.value = null;
+  }, [told]);
+  const percent = wanted.value ?? told;
+  const allowed = now?.allowed ?? 100;
+  const shown = Number.isFinite(percent) ? `${percent} %` : '–';
+  return (
+    <div class={`override ${open ? 'open' : ''}`}>
+      <button
+        type="button"
+        class="override-fold"
+        aria-expanded={open}
+        aria-label={t('bar.speedShow', { percent: Number.isFinite(percent) ? percent : '–' })}
+        onClick={() => setOpen(!open)}
+      >
+        <small>{t('bar.speed')}</small>
+        <strong>{shown}</strong>
+      </button>
+      <div class="override-slide">
+        <Slider
+          label={t('bar.speed')}
+          value={Number.isFinite(percent) ? percent : 0}
+          shown={shown}
+          min={0}
+          max={100}
+          step={1}
+          unit="%"
+          disabled={!mayMove.value}
+          onInput={wantOverride}
+          onChange={wantOverride}
+        />
+        {allowed < 100 && <small>{t('bar.allowed', { percent: Math.round(allowed) })}</small>}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,58 @@
+/** What touches what it should not: both bodies in red, and a mark between them that says the pair and how deep. */
+import * as THREE from 'three';
+import { t, number } from '../i18n';
+import type { Touch } from '../wire/types';
+import { empty, label } from './overlay';
+
+const kRed = 0xe5484d;
+const kMost = 8;
+
+export class Contacts {
+  readonly group = new THREE.Group();
+  private readonly painted = new Map<THREE.Mesh, THREE.Material | THREE.Material[]>();
+  private readonly look = new THREE.MeshStandardMaterial({ color: kRed, emissive: 0x5a0a0e, roughness: 0.5 });
+
+  /** `bodies`: what there is by the names that contacts use, `arm/forearm_link` or `table`. */
+  show(touches: readonly Touch[], bodies: ReadonlyMap<string, THREE.Object3D>): void {
+    for (const [mesh, material] of this.painted) mesh.material = material;
+    this.painted.clear();
+    empty(this.group);
+    for (const touch of touches.slice(0, kMost)) {
+      for (const name of [touch.a, touch.b]) this.paint(bodies.get(name));
+      this.mark(touch, bodies);
+    }
+  }
+
+  end(): void {
+    this.look.dispose();
+    for (const material of this.painted.values()) for (const each of [material].flat()) each.dispose();
+  }
+
+  /** The meshes of a body, and not those of bodies that hang on it by a joint. */
+  private paint(body: THREE.Object3D | undefined): void {
+    if (!body) return;
+    const open = [body];
+    for (let each = open.pop(); each; each = open.pop()) {
+      if (each !== body && each.userData.joint) continue;
+      if (each instanceof THREE.Mesh && !this.painted.has(each)) {
+        this.painted.set(each, each.material as THREE.Material);
+        each.material = this.look;
+      }
+      open.push(...each.children);
+    }
+  }
+
+  private mark(touch: Touch, bodies: ReadonlyMap<string, THREE.Object3D>): void {
+    const at = touch.at ? new THREE.Vector3(...touch.at) : middle(bodies.get(touch.a) ?? bodies.get(touch.b));
+    if (!at) return;
+    const ball = new THREE.Mesh(new THREE.SphereGeometry(0.012, 16, 12), new THREE.MeshBasicMaterial({ color: kRed, depthTest: false }));
+    ball.renderOrder = 6;
+    ball.position.copy(at);
+    ball.add(label(t('view.contact', { a: touch.a, b: touch.b, mm: number(1000 * touch.depth, 1) }), true, '#ff9a9e'));
+    this.group.add(ball);
+  }
+}
+
+function middle(body: THREE.Object3D | undefined): THREE.Vector3 | null {
+  return body ? new THREE.Box3().setFromObject(body).getCenter(new THREE.Vector3()) : null;
+}

@@ -1,0 +1,163 @@
+#pragma once
+/// How much of anything a cell takes from outside: one list for each room, from which both the constants and
+/// docs/bounds.md are made. A row is NAME, value, unit, what is bounded, what happens beyond.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#define POLYARM_BOUNDS_REQUESTS(X)                                                                            \
+  X(kRequestBytes, 1 << 20, "bytes", "one request, from any door", "refused, and the connection is closed")   \
+  X(kRequestNesting, 64, "levels", "brackets in a request", "refused: bad-request")                           \
+  X(kRequestIdBytes, 256, "bytes", "the `id` of a request", "refused: bad-request")                           \
+  X(kOpenRequests, 1000, "requests", "requests that wait or go on, of all who ask", "refused: busy")          \
+  X(kOpenRequestsOfOne, 200, "requests", "the same of one connection", "refused: busy")                       \
+  X(kOpenRequestBytes, 16 << 20, "bytes", "what these were read from", "refused: busy")                       \
+  X(kErrorTextBytes, 2048, "bytes", "each text of an error", "cut")                                           \
+  X(kErrorProblems, 200, "problems", "problems listed in one error", "left out")                              \
+  X(kAddedNameBytes, 200, "bytes", "a name that a request adds: points, frames, tools, groups, controllers",  \
+    "refused: too-long")                                                                                      \
+  X(kDataValues, 20000, "values", "points and variables of a cell, when a request adds one",                  \
+    "refused: too-many")                                                                                      \
+  X(kLoadedControllers, 64, "controllers", "controllers of a cell, when a request loads one",                 \
+    "refused: too-many")                                                                                      \
+  X(kBreakpoints, 500, "breakpoints", "breakpoints", "refused: too-many")                                     \
+  X(kProjectFiles, 2000, "files", "files of a project that are listed; drafts and new files",                 \
+    "left out; refused: too-many")                                                                            \
+  X(kFileBytes, 900'000, "bytes", "a file that is read, written or kept as a draft", "refused: too-large")    \
+  X(kDraftsBytes, 16 << 20, "bytes", "all drafts of a project", "refused: too-large")                         \
+  X(kVersionsOfFile, 100, "versions", "earlier versions of one file", "the oldest is deleted")                \
+  X(kVersionsBytes, 16 << 20, "bytes", "earlier versions of one file, together", "the oldest are deleted")    \
+  X(kRecordings, 200, "files", "recordings of a cell, when a request begins one", "refused: too-many")
+
+#define POLYARM_BOUNDS_SOCKET(X)                                                                              \
+  X(kSocketClients, 64, "connections", "connections to the local socket", "closed")                           \
+  X(kSocketWaitingBytes, 1 << 20, "bytes", "requests of one connection that wait",                            \
+    "no more is read from it until they have been taken")                                                     \
+  X(kSocketUnreadBytes, 16 << 20, "bytes", "answers that a client has not read", "the connection is closed")  \
+  X(kSocketLinesATick, 16, "requests", "requests taken in one tick (2 ms)", "taken in the next tick")
+
+#define POLYARM_BOUNDS_PAGE(X)                                                                                \
+  X(kPageClients, 100, "connections", "pages and programs that are connected",                                \
+    "status 503, but for those who may take control")                                                         \
+  X(kControlSeats, 8, "connections", "further ones of those who may take control",                            \
+    "status 503")                                                                                             \
+  X(kControlSeat_ms, 10000, "ms", "time in which one of these takes control or asks for it",                  \
+    "the connection is closed")                                                                               \
+  X(kConnections, 256, "connections", "connections that have shown a token", "status 503")                    \
+  X(kStrangers, 64, "connections", "connections that have shown none yet",                                    \
+    "the oldest of the address with the most is closed")                                                      \
+  X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                       \
+    "the connection is closed")                                                                               \
+  X(kHeadBytes, 16 << 10, "bytes", "head of an HTTP request", "status 400")                                   \
+  X(kUrgentLines, 64, "requests", "stops, holds and heartbeats of one client that wait",                      \
+    "the oldest heartbeat is left out; else the connection is closed")                                        \
+  X(kUrgentBytes, 512, "bytes", "a stop, hold or heartbeat that is read before all others",                   \
+    "read in its turn")                                                                                       \
+  X(kClientInBytes, 4 << 20, "bytes", "requests of one client that wait", "refused: busy")                    \
+  X(kAllInBytes, 64 << 20, "bytes", "the same of all clients", "refused: busy")                               \
+  X(kWatcherRequestBytes, 128 << 10, "bytes", "a request of a client without control",                        \
+    "refused: too-long")                                                                                      \
+  X(kLinesATick, 48, "requests", "requests taken in one tick (2 ms), one of each client in turn",             \
+    "taken in the next tick")                                                                                 \
+  X(kTakeTime_us, 1000, "µs", "time that this may take", "taken in the next tick")                            \
+  X(kClientOutMessages, 4096, "messages", "answers and events that a client has not read",                    \
+    "events are left out from half of it on; then the connection is closed")                                  \
+  X(kClientOutBytes, 16 << 20, "bytes", "the same, in bytes", "the same")                                     \
+  X(kAllOutBytes, 128 << 20, "bytes", "the same of all clients",                                              \
+    "who has more than 1 MiB unread is closed")                                                               \
+  X(kClientLinesASecond, 500, "requests/s", "requests of one client, after a burst",                          \
+    "the connection is closed")                                                                               \
+  X(kClientBurst, 2000, "requests", "requests of one client at once", "the connection is closed")             \
+  X(kClientBytesASecond, 4 << 20, "bytes", "requests of one client in a second, after a burst",               \
+    "the connection is closed")                                                                               \
+  X(kClientBurstBytes, 32 << 20, "bytes", "requests of one client at once", "the connection is closed")       \
+  X(kClientNameBytes, 60, "bytes", "the name of a client", "cut")                                             \
+  X(kSlowJobs, 64, "jobs", "pictures, meshes and backups that wait to be made", "status 503")                 \
+  X(kZipBytes, 64 << 20, "bytes", "a project's zip", "refused: too-large; status 413")                        \
+  X(kUploads, 2, "bodies", "bodies that are received at a time", "status 503")                                \
+  X(kUnzippedBytes, 256 << 20, "bytes", "a project, unpacked", "refused: too-large")                          \
+  X(kZipFiles, 5000, "files", "files of a project's zip", "refused: too-large")
+
+#define POLYARM_BOUNDS_ROS2(X)                                                                               \
+  X(kSampleBytes, 4 << 20, "bytes", "one message, request or reply, coming or going", "refused and counted") \
+  X(kSamplesToTake, 1000, "messages", "messages that wait for the cell", "dropped and counted")              \
+  X(kSamplesToSend, 10000, "messages", "messages that wait to be sent, of answers and of topics",            \
+    "not sent and counted")                                                                                  \
+  X(kExchangeBytes, 32 << 20, "bytes", "messages on their way from or to the process that speaks DDS",       \
+    "dropped, or not sent, and counted")                                                                     \
+  X(kRemoteEndpoints, 10000, "endpoints", "endpoints of others that are kept in mind", "passed over")        \
+  X(kRemoteMatches, 50000, "matches", "their matches with topics and services of the cell", "passed over")   \
+  X(kLatchedBytes, 16 << 20, "bytes", "of one topic that is latched, kept for the process that speaks DDS",  \
+    "the oldest are left out when it is started again")                                                      \
+  X(kDdsMemory, 1 << 30, "bytes", "memory of the process that speaks DDS", "it ends, and is started again")
+
+#define POLYARM_BOUNDS_LINKS(X)                                          \
+  X(kModbusClients, 16, "connections", "connections to a Modbus server", \
+    "the one that was silent for longest is closed")
+
+#define POLYARM_BOUNDS_FILES(X)                                                                               \
+  X(kYamlNesting, 64, "levels", "brackets within brackets in YAML", "refused: yaml-syntax")                   \
+  X(kYamlValues, 5000000, "values", "a YAML file with its aliases written out", "refused: too-large")         \
+  X(kUnknownKeys, 50, "keys", "unknown keys of one map that are named", "the number of the others")           \
+  X(kProblemsTold, 500, "problems", "problems that check lists", "the number of the others")                  \
+  X(kProblemsInText, 100, "problems", "problems in the text of one error", "the number of the others")        \
+  X(kQuotedBytes, 200, "bytes", "a value that a message quotes", "cut, with an ellipsis")                     \
+  X(kSuggestedBytes, 100, "bytes", "a name for which the nearest is looked for", "none is suggested")         \
+  X(kSuggestedNames, 5000, "names", "names among which it is looked for", "the others are not looked at")     \
+  X(kXacroElements, 2000000, "elements", "elements and evaluations of a xacro", "refused")                    \
+  X(kXacroNesting, 150, "levels", "macros, includes and texts of a xacro within each other", "refused")       \
+  X(kXacroTextBytes, 5000000, "bytes", "one evaluated text of a xacro", "refused")                            \
+  X(kXacroBytes, 100000000, "bytes", "all evaluated texts of a xacro", "refused")                             \
+  X(kLaunchFiles, 500, "files", "launch files that include each other", "refused: too-many-includes")         \
+  X(kLaunchElements, 50000, "elements", "elements of all of them", "refused: too-many-elements")              \
+  X(kLaunchNesting, 32, "levels", "includes within includes", "refused")
+
+#define POLYARM_BOUNDS_PROGRAMS(X)                                                                            \
+  X(kProgramBytes, 16 << 20, "bytes", "one file of a program", "refused: too-large")                          \
+  X(kProgramProblems, 200, "problems", "wrong lines of a program that are told", "the rest is not read")      \
+  X(kBlockNesting, 400, "levels", "blocks within blocks", "refused: too-deep")                                \
+  X(kExpressionNesting, 300, "levels", "brackets and signs within each other", "refused: too-deep")           \
+  X(kCallNesting, 200, "calls", "functions that call one another", "the program ends: too-deep")             \
+  X(kStatementsATick, 500, "statements", "statements of all tasks in one tick (2 ms)", "in the next tick")    \
+  X(kTextBytes, 65536, "bytes", "a text", "the program ends: too-long")                                       \
+  X(kListValues, 10000, "values", "a list with all that is in it", "the program ends: too-long")              \
+  X(kMovesAhead, 1000, "moves", "moves that have been asked for and have not arrived", "the program waits")   \
+  X(kDataNames, 200000, "names", "points, values and tags of a cell", "refused: too-many")                    \
+  X(kChangesKept, 1024, "changes", "changes of values that are kept for those who ask", "the oldest go")      \
+  X(kValuesKept, 500000, "values", "values in these changes", "the oldest go")                                \
+  X(kEventsKept, 1000, "events", "events that are kept for those who ask", "the oldest go")                   \
+  X(kEventBytes, 4096, "bytes", "a text of an event that is kept", "cut, with an ellipsis")
+
+/// Every list with its heading.
+#define POLYARM_BOUNDS(LIST)                         \
+  LIST("Requests", POLYARM_BOUNDS_REQUESTS)          \
+  LIST("The local socket", POLYARM_BOUNDS_SOCKET)    \
+  LIST("The page and its port", POLYARM_BOUNDS_PAGE) \
+  LIST("ROS 2", POLYARM_BOUNDS_ROS2)                 \
+  LIST("Links", POLYARM_BOUNDS_LINKS)                \
+  LIST("Files", POLYARM_BOUNDS_FILES)                \
+  LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS)
+
+namespace polyarm::bounds {
+
+#define POLYARM_BOUND(name, value, unit, what, beyond) inline constexpr std::size_t name = value;
+#define POLYARM_BOUND_LIST(title, list) list(POLYARM_BOUND)
+POLYARM_BOUNDS(POLYARM_BOUND_LIST)
+#undef POLYARM_BOUND_LIST
+#undef POLYARM_BOUND
+
+struct Bound {
+  const char* name;
+  std::uint64_t value;
+  const char *unit, *what, *beyond;
+};
+struct Room {
+  const char* title;
+  std::vector<Bound> bounds;
+};
+/// All of them, by room.
+const std::vector<Room>& all();
+/// As Markdown: the tables of docs/bounds.md.
+std::string reference();
+
+}  // namespace polyarm::bounds

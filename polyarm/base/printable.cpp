@@ -1,0 +1,88 @@
+#include "polyarm/base/printable.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "polyarm/base/bounds.hpp"
+
+namespace polyarm {
+
+namespace {
+
+/// Bytes of a character by its first one; 0: none begins so.
+std::size_t length_of(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first >= 0xC2 && first <= 0xDF) return 2;
+  if (first >= 0xE0 && first <= 0xEF) return 3;
+  return first >= 0xF0 && first <= 0xF4 ? 4 : 0;
+}
+
+bool continues(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
+
+/// Whether a whole character of `length` bytes stands at the front.
+bool is_whole(std::string_view text, std::size_t length) {
+  if (length == 0 || text.size() < length) return false;
+  for (std::size_t i = 1; i < length; ++i)
+    if (!continues(text[i])) return false;
+  return true;
+}
+
+std::uint32_t code_of(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character[0]);
+  if (character.size() == 1) return first;
+  std::uint32_t out = first & (0xFFu >> (character.size() + 1));
+  for (const char c : character.substr(1)) out = out << 6 | (static_cast<unsigned char>(c) & 0x3Fu);
+  return out;
+}
+
+/// Overlong forms and halves of pairs are no characters.
+bool is_character(std::uint32_t code, std::size_t length) {
+  if (length == 3) return code >= 0x800 && !(code >= 0xD800 && code <= 0xDFFF);
+  return length != 4 || (code >= 0x10000 && code <= 0x10FFFF);
+}
+
+bool steers(std::uint32_t code) {
+  if (code < 0x20) return code != '\n' && code != '\t';
+  return (code >= 0x7F && code <= 0x9F) || code == 0x061C || code == 0x200E || code == 0x200F ||
+         (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = length_of(static_cast<unsigned char>(text[0]));
+    const bool whole = is_whole(text, length) && is_character(code_of(text.substr(0, length)), length);
+    const std::string_view character = text.substr(0, whole ? length : 1);
+    text.remove_prefix(character.size());
+    const std::uint32_t code = whole ? code_of(character) : static_cast<unsigned char>(character[0]);
+    if (whole && !steers(code))
+      out += character;
+    else
+      out += code < 0x100 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
+  }
+  return out;
+}
+
+std::string shortened(std::string_view text) {
+  constexpr std::size_t kLongest = bounds::kQuotedBytes;
+  if (text.size() <= kLongest) return std::string(text);
+  const std::string_view cut = text.substr(0, kLongest);
+  return std::string(cut.substr(0, whole_characters(cut))) + "…";
+}
+
+std::size_t whole_characters(std::string_view text) {
+  for (std::size_t back = 1; back <= 3 && back <= text.size(); ++back) {
+    const char c = text[text.size() - back];
+    if (continues(c)) continue;
+    return length_of(static_cast<unsigned char>(c)) > back ? text.size() - back : text.size();
+  }
+  return text.size();
+}
+
+}  // namespace polyarm

@@ -1,0 +1,157 @@
+#include "polyarm/base/reach.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm {
+
+namespace fs = std::filesystem;
+
+namespace {
+thread_local int as_user = 0;
+
+bool inside_any(const fs::path& path, const std::vector<fs::path>& roots) {
+  return std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return inside(path, root); });
+}
+
+fs::path plain(const fs::path& path) {
+  std::error_code error;
+  return fs::absolute(path, error).lexically_normal();
+}
+
+void add(std::vector<fs::path>& to, const fs::path& path) {
+  if (!path.empty() && std::find(to.begin(), to.end(), path) == to.end()) to.push_back(path);
+}
+}  // namespace
+
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  const fs::path out = fs::weakly_canonical(path, error);
+  return error ? plain(path) : fs::absolute(out, error).lexically_normal();
+}
+
+bool inside(const fs::path& path, const fs::path& root) {
+  auto at = path.begin();
+  for (const fs::path& part : root) {
+    if (part.empty()) continue;  // of a '/' at the end
+    if (at == path.end() || *at != part) return false;
+    ++at;
+  }
+  return true;
+}
+
+fs::path project_root(const fs::path& cell_folder) {
+  fs::path root = resolved(cell_folder.empty() ? fs::path(".") : cell_folder);
+  std::error_code error;
+  while (root.has_relative_path() && fs::is_regular_file(root / "cell.yaml", error) &&
+         fs::is_regular_file(root.parent_path() / "cell.yaml", error))
+    root = root.parent_path();
+  return root;
+}
+
+void Reach::confine() {
+  const std::lock_guard lock(mutex_);
+  confined_ = true;
+}
+
+void Reach::enter(const fs::path& cell_folder) {
+  if (AsUser::active()) return;
+  const fs::path root = project_root(cell_folder);
+  const std::lock_guard lock(mutex_);
+  add(cells_, root);
+}
+
+void Reach::allow(const fs::path& path) {
+  const fs::path real = resolved(path);
+  const std::lock_guard lock(mutex_);
+  add(allowed_, real);
+}
+
+void Reach::allow_reading(const fs::path& folder) {
+  if (folder.empty()) return;
+  const fs::path named = plain(folder), real = resolved(folder);
+  const std::lock_guard lock(mutex_);
+  add(readable_, named);
+  add(readable_, real);
+}
+
+void Reach::allow_host(const std::string& host) {
+  const std::lock_guard lock(mutex_);
+  hosts_.insert(host);
+}
+
+bool Reach::host_allowed(const std::string& host) const {
+  if (is_loopback(host)) return true;
+  const std::lock_guard lock(mutex_);
+  return !confined_ || hosts_.contains(host) || hosts_.contains("all");
+}
+
+void Reach::allow_secret(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  secrets_.insert(name);
+}
+
+bool Reach::secret_allowed(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return !confined_ || secrets_.contains(name);
+}
+
+bool Reach::confined() const {
+  const std::lock_guard lock(mutex_);
+  return confined_ && !cells_.empty();
+}
+
+std::vector<fs::path> Reach::cells() const {
+  const std::lock_guard lock(mutex_);
+  return cells_;
+}
+
+bool Reach::allows(const fs::path& path, const fs::path& real, Use use) const {
+  const std::lock_guard lock(mutex_);
+  if (!confined_ || cells_.empty()) return true;
+  if (inside_any(real, cells_) || inside_any(real, allowed_)) return true;
+  return use == Use::read && (inside_any(real, readable_) || inside_any(plain(path), readable_));
+}
+
+void Reach::check(const fs::path& path, const fs::path& real, Use use) const {
+  if (AsUser::active() || allows(path, real, use)) return;
+  const bool link = real != plain(path);
+  throw Error(Problem{"outside-cell",
+                      {path.string()},
+                      std::string("a cell may not ") + (use == Use::read ? "read" : "write") +
+                          " this file, which is outside its folder " + cells().back().string() +
+                          (link ? ": links lead to " + real.string() : ""),
+                      "copy it into the cell's folder; or, if you trust the cell, add --allow " +
+                          real.string() + " to the command"});
+}
+
+Reach& reach() {
+  static Reach only;
+  return only;
+}
+
+AsUser::AsUser() {
+  ++as_user;
+}
+AsUser::~AsUser() {
+  --as_user;
+}
+bool AsUser::active() {
+  return as_user > 0;
+}
+
+bool is_loopback(const std::string& host) {
+  if (host == "localhost" || host == "::1" || host == "[::1]") return true;
+  return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+fs::path config_folder() {
+  const char* set = std::getenv("XDG_CONFIG_HOME");
+  if (set && *set == '/') return fs::path(set) / "polyarm";
+  const char* home = std::getenv("HOME");
+  return home && *home ? fs::path(home) / ".config" / "polyarm" : fs::path();
+}
+
+}  // namespace polyarm

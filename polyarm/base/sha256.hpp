@@ -1,0 +1,10 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace polyarm {
+
+/// SHA-256 (FIPS 180-4) of the bytes, as 64 hexadecimal digits. By it native code is known again.
+std::string sha256(std::string_view bytes);
+
+}  // namespace polyarm

@@ -1,0 +1,60 @@
+#pragma once
+/// Contacts of a simulated world, as a cell tells of them. Cell thread.
+#include <deque>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/control/control_loop.hpp"
+
+namespace polyarm::cell {
+
+/// Whose motion a contact came of.
+enum class ContactDuring { program, jog, move, start, other };
+const char* name(ContactDuring during);
+
+struct ContactReport {
+  std::string a, b;    ///< "arm/forearm", "arm/tool", "fixture table", "part cube", "floor"
+  std::string robot;   ///< whose motion it was; empty: nobody knows
+  int number = 0;      ///< of the findings
+  Nanoseconds time = 0;
+  double depth = 0;    ///< m, the deepest so far
+  Vec3 position;       ///< m, in the world
+  bool now = false;    ///< it touches now
+  bool deeper = false; ///< the pair touched already, and went on into each other
+  ContactDuring during = ContactDuring::other;
+  Location where;      ///< the move of the program, where that was under way
+  /// "arm/forearm touched fixture table at 1.234 s, 2.10 mm deep".
+  std::string sentence() const;
+};
+/// {a, b, robot, at_s, depth, position, now, doing, where, text}
+nlohmann::json json_of(const ContactReport& contact);
+
+/// Keeps the newest contacts, and those that still touch.
+class ContactWatch {
+ public:
+  static constexpr std::size_t kKept = 16;
+  /// Looks at a cycle; the contacts that are new in it, oldest first, without whose motion they are. Theirs
+  /// until the next call.
+  std::vector<ContactReport*> tick(const control::Snapshot& snapshot, const std::vector<std::string>& names);
+  const std::deque<ContactReport>& list() const { return list_; }
+  /// Something touches now.
+  bool touching() const { return touching_ != nullptr; }
+  /// One of those that touch now; null: nothing does.
+  const ContactReport* touching_now() const { return touching_; }
+
+ private:
+  void follow(const hardware::WorldState& world);
+  void make_room();
+
+  std::deque<ContactReport> list_;
+  const ContactReport* touching_ = nullptr;
+  int seen_ = 0;
+};
+
+class Cell;
+/// {checked, stop, touching, unchecked, list}, as docs/pendant.md has it.
+nlohmann::json contacts_json(const Cell& cell);
+
+}  // namespace polyarm::cell

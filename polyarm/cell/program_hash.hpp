@@ -1,0 +1,12 @@
+#pragma once
+#include <string>
+
+#include "polyarm/program/ast.hpp"
+
+namespace polyarm::cell {
+
+/// Tells a program with all that it includes from others, and from itself before it was changed: 16 hexadecimal
+/// digits, not for security.
+std::string program_hash(const program::Program& program);
+
+}  // namespace polyarm::cell

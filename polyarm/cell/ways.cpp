@@ -1,0 +1,108 @@
+#include "polyarm/cell/ways.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "polyarm/cell/cell.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+using control::RunState;
+
+Problem in_fault(const Cell& cell) {
+  return {"fault",
+          {},
+          std::string("the cell is in a fault: ") + control::name(cell.snapshot().cause),
+          "polyarm control recover, then polyarm control resume"};
+}
+
+Problem still_moving(const Cell& cell) {
+  return {"stopping",
+          {},
+          std::string("the cell is ") + control::name(cell.snapshot().state) + " and still moves",
+          "ask again when it stands"};
+}
+
+/// A stop that is not asked for any more is answered by the loop one cycle later.
+bool is_moving_state(RunState state) {
+  return state == RunState::stopping || state == RunState::backing;
+}
+
+}  // namespace
+
+std::optional<Problem> why_no_resume(const Cell& cell) {
+  const RunState state = cell.snapshot().state;
+  if (state == RunState::fault) return in_fault(cell);
+  if (is_moving_state(state)) return still_moving(cell);
+  const ContactReport* contact = cell.contacts().touching_now();
+  if (state == RunState::held && contact && cell.motion_left())
+    return Problem{"in-contact",
+                   {},
+                   fmt::format("{} still touches {} ({:.2f} mm deep), and the motion that is held goes on from there",
+                               contact->a, contact->b, 1e3 * contact->depth),
+                   "polyarm control back leads out along the path; or polyarm control discard forgets the motion, "
+                   "then jog away slowly and polyarm control resume; --anyway goes on all the same"};
+  return cell.held_place().pushed();
+}
+
+std::optional<Problem> why_no_discard(const Cell& cell) {
+  const RunState state = cell.snapshot().state;
+  if (state == RunState::fault) return in_fault(cell);
+  if (is_moving_state(state)) return still_moving(cell);
+  if (state == RunState::running)
+    return Problem{"not-held", {}, "nothing is held: the cell runs", "polyarm control hold comes first"};
+  return std::nullopt;
+}
+
+std::optional<Problem> why_no_back(const Cell& cell) {
+  const RunState state = cell.snapshot().state;
+  if (state == RunState::fault) return in_fault(cell);
+  if (is_moving_state(state)) return still_moving(cell);
+  if (state != RunState::held)
+    return Problem{"wrong-state",
+                   {},
+                   std::string("the loop is at ") + control::name(state),
+                   "only what is held steps back: polyarm control hold"};
+  return cell.held_place().pushed();
+}
+
+std::optional<Problem> why_no_recover(const Cell& cell) {
+  const RunState state = cell.snapshot().state;
+  if (state == RunState::fault) return std::nullopt;
+  return Problem{"no-fault",
+                 {},
+                 std::string("there is no fault to leave: the cell is ") + control::name(state),
+                 state == RunState::held ? "polyarm control resume" : "nothing has to be done"};
+}
+
+std::optional<Problem> why_no_statement(const Cell& cell) {
+  const RunState state = cell.snapshot().state;
+  if (!cell.arming().armed())
+    return Problem{"disarmed", {}, "no program goes on: real hardware that nobody has armed", "polyarm control arm"};
+  if (state == RunState::fault) return in_fault(cell);
+  if (is_moving_state(state)) return still_moving(cell);
+  if (state == RunState::held)
+    return Problem{"held",
+                   {},
+                   std::string("the cell is held (") + control::name(cell.snapshot().cause) +
+                       "), and no statement of the program begins",
+                   "polyarm control resume"};
+  return std::nullopt;
+}
+
+nlohmann::json ways_json(const Cell& cell) {
+  const auto of = [](const std::optional<Problem>& why) {
+    return why ? nlohmann::json{{"code", why->code}, {"what", why->what}, {"advice", why->advice}}
+               : nlohmann::json();
+  };
+  return {{"resume", of(why_no_resume(cell))},
+          {"discard", of(why_no_discard(cell))},
+          {"back", of(why_no_back(cell))},
+          {"recover", of(why_no_recover(cell))},
+          {"program", of(why_no_statement(cell))}};
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,135 @@
+#include "polyarm/description/bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::description {
+
+namespace {
+
+constexpr double kLevel = 0.2;  // sine of the angle up to which an axis counts as horizontal
+constexpr std::size_t kFewest = 2;
+
+const Joint* joint_above(const RobotModel& model, std::size_t link) {
+  const int joint = model.links[link].parent_joint;
+  return joint < 0 ? nullptr : &model.joints[static_cast<std::size_t>(joint)];
+}
+
+/// T_root_link with all joints at zero.
+Pose pose_of(const RobotModel& model, std::size_t link) {
+  Pose out;
+  for (const Joint* joint = joint_above(model, link); joint;
+       joint = joint_above(model, static_cast<std::size_t>(joint->parent_link)))
+    out = joint->origin * out;
+  return out;
+}
+
+bool carries_joints(const RobotModel& model, std::size_t link) {
+  return std::any_of(model.joints.begin(), model.joints.end(), [&](const Joint& joint) {
+    return joint.parent_link == static_cast<int>(link) && joint.moves();
+  });
+}
+
+bool is_wheel(const RobotModel& model, std::size_t link) {
+  const Joint* joint = joint_above(model, link);
+  if (!joint || joint->type != JointType::continuous || carries_joints(model, link)) return false;
+  if (std::abs((pose_of(model, link).rotation * joint->axis).z) > kLevel) return false;
+  const std::vector<Shape>& shapes = model.links[link].collisions;
+  return std::any_of(shapes.begin(), shapes.end(), [](const Shape& shape) {
+    return shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::sphere;
+  });
+}
+
+bool rigid_with_root(const RobotModel& model, std::size_t link) {
+  const Joint* joint = joint_above(model, link);
+  for (; joint && !joint->moves(); joint = joint_above(model, static_cast<std::size_t>(joint->parent_link))) {
+  }
+  return !joint;
+}
+
+/// "a, b, c and 4 more"
+std::string some(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 5;
+  if (names.size() <= kShown) return join(names, ", ");
+  const std::vector<std::string> first(names.begin(), names.begin() + kShown);
+  return fmt::format("{} and {} more", join(first, ", "), names.size() - kShown);
+}
+
+bool is_identity(const Inertial& inertial) {
+  return inertial.inertia == std::array<double, 6>{1, 0, 0, 1, 0, 1};
+}
+
+/// Nobody's joints all have this effort.
+bool is_placeholder_effort(double effort) {
+  return effort == 1 || effort == 1000 || effort >= 9999;
+}
+
+}  // namespace
+
+bool has_body(const std::vector<Shape>& shapes) {
+  return std::any_of(shapes.begin(), shapes.end(),
+                     [](const Shape& shape) { return shape.kind != ShapeKind::mesh; });
+}
+
+std::vector<std::string> links_without_body(const RobotModel& model) {
+  std::vector<std::string> out;
+  for (const Link& link : model.links)
+    if (!has_body(link.collisions) && !(link.collisions.empty() && link.visuals.empty()))
+      out.push_back(link.name);
+  return out;
+}
+
+std::vector<char> links_on_the_floor(const RobotModel& model, bool stands_free) {
+  std::vector<std::size_t> wheels;
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (is_wheel(model, i)) wheels.push_back(i);
+  if (wheels.size() < kFewest) return std::vector<char>(model.links.size(), stands_free ? 1 : 0);
+  std::vector<char> out(model.links.size(), 0);
+  for (std::size_t i = 0; i < model.links.size(); ++i) out[i] = rigid_with_root(model, i) ? 1 : 0;
+  for (const std::size_t wheel : wheels) {
+    out[wheel] = 1;
+    for (const Joint* joint = joint_above(model, wheel); joint;
+         joint = joint_above(model, static_cast<std::size_t>(joint->parent_link)))
+      out[static_cast<std::size_t>(joint->parent_link)] = 1;
+  }
+  return out;
+}
+
+std::vector<std::string> placeholders(const RobotModel& model) {
+  std::vector<std::string> out, identities, ones;
+  std::vector<double> efforts;
+  std::size_t masses = 0;
+  for (const int index : model.actuated)
+    if (const auto& effort = model.joints[static_cast<std::size_t>(index)].limits.effort)
+      efforts.push_back(*effort);
+  if (efforts.size() >= kFewest && is_placeholder_effort(efforts.front()) &&
+      std::all_of(efforts.begin(), efforts.end(), [&](double e) { return e == efforts.front(); }))
+    out.push_back(fmt::format(
+        "the effort limit of all {} joints is {:g}, which looks like a placeholder: forces and what the robot "
+        "can carry are not its own",
+        efforts.size(), efforts.front()));
+  for (const Link& link : model.links) {
+    if (!link.inertial) continue;
+    ++masses;
+    if (is_identity(*link.inertial)) identities.push_back(link.name);
+    if (link.inertial->mass == 1) ones.push_back(link.name);
+  }
+  if (!identities.empty())
+    out.push_back(fmt::format(
+        "the inertia of {} is the identity (1 kg m²), which looks like a placeholder: how the robot moves in "
+        "physics is not its own",
+        some(identities)));
+  if (masses > kFewest && ones.size() == masses)
+    out.push_back(fmt::format(
+        "the mass of all {} links is 1 kg, which looks like a placeholder: how the robot moves in physics is "
+        "not its own",
+        masses));
+  return out;
+}
+
+}  // namespace polyarm::description

@@ -1,0 +1,73 @@
+#pragma once
+/// A program of Polyarm's own that runs beside it, for what is not to share its memory: started, looked
+/// after, and known how it ended.
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polyarm/process/channel.hpp"
+
+namespace polyarm::process {
+
+/// Where a program lies that is built with Polyarm: beside the module or program that this code is in, or
+/// where modules lie. Empty: nowhere.
+std::string find_program(const std::string& name);
+/// The folders that find_program looks into, for a message.
+std::string program_folders();
+
+/// One line of plain characters, whatever it was: for terminals.
+std::string printable(std::string text);
+
+/// How a process ended.
+struct Ending {
+  int code = 0, signal = 0;  ///< signal 0: it ended by itself, with the code
+  std::string last_words;    ///< the last line of what it wrote as errors, printable
+  /// "was ended by SIGABRT (…: Assertion … failed)"
+  std::string text() const;
+};
+
+/// One at a time; one thread. The child is killed when the thread that started it ends.
+class Child {
+ public:
+  Child() = default;
+  ~Child() { kill(); }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// The program with the descriptors `handed` as 3 and on, the null device as 0 and 1, a process group of
+  /// its own (Ctrl-C does not reach it), and signals as they were at birth. Throws Error("no-process").
+  void start(const std::string& program, std::vector<std::string> words, std::span<const int> handed);
+  bool running() const { return process_ > 0; }
+  pid_t process() const { return process_; }
+  /// To poll for its end, and for what it writes as errors; -1 where there is none.
+  int end() const { return end_.number(); }
+  int errors() const { return errors_.number(); }
+  /// Takes what it has written as errors; never waits.
+  void listen();
+  /// Nothing while it runs; never waits.
+  std::optional<Ending> ended();
+  /// Waits for its end for so long, then kills it.
+  Ending finish(std::chrono::milliseconds patience);
+  void kill();
+
+ private:
+  pid_t process_ = 0;
+  Descriptor end_, errors_;
+  std::string words_;
+};
+
+struct ChildRules {
+  int handed = 0;                                  ///< descriptors 3 and on that it keeps
+  pid_t parent = 0;                                ///< who started it
+  std::size_t most_memory = std::size_t{1} << 30;  ///< bytes of data; more ends it
+};
+/// First in the child's main: it ends with its parent, gains no rights, keeps no other descriptors, leaves no
+/// core file and has a bound on its memory. False where the parent is gone already.
+bool become_child(const ChildRules& rules);
+
+}  // namespace polyarm::process

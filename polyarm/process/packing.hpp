@@ -1,0 +1,87 @@
+#pragma once
+/// Numbers, texts and bytes one after the other, for messages between two processes of one machine. A reader
+/// trusts nothing: what is not there is nothing, and `good()` is false from then on.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace polyarm::process {
+
+class Packer {
+ public:
+  /// Writes into `room` from its beginning; its memory is used again.
+  explicit Packer(std::vector<std::byte>& room) : out_{room} { out_.clear(); }
+
+  template <class T>
+  requires std::is_arithmetic_v<T> Packer& number(T value) { return bytes(&value, sizeof value); }
+  template <std::size_t N>
+  Packer& array(const std::array<std::uint8_t, N>& value) {
+    return bytes(value.data(), N);
+  }
+  Packer& text(std::string_view text) {
+    number(static_cast<std::uint32_t>(text.size()));
+    return bytes(text.data(), text.size());
+  }
+  /// To the end of the message, without a length.
+  Packer& rest(std::span<const std::byte> rest) { return bytes(rest.data(), rest.size()); }
+
+ private:
+  Packer& bytes(const void* from, std::size_t count) {
+    const auto* begin = static_cast<const std::byte*>(from);
+    out_.insert(out_.end(), begin, begin + count);
+    return *this;
+  }
+  std::vector<std::byte>& out_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::span<const std::byte> message) : left_{message} {}
+
+  bool good() const { return good_; }
+  template <class T>
+  requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) T number() {
+    T value{};
+    bytes(&value, sizeof value);
+    return value;
+  }
+  bool truth() { return number<std::uint8_t>() != 0; }
+  template <std::size_t N>
+  std::array<std::uint8_t, N> array() {
+    std::array<std::uint8_t, N> value{};
+    bytes(value.data(), N);
+    return value;
+  }
+  /// Longer than `most`: none.
+  std::string text(std::size_t most) {
+    const auto size = number<std::uint32_t>();
+    if (!good_ || size > most || size > left_.size()) {
+      good_ = false;
+      return {};
+    }
+    std::string out(reinterpret_cast<const char*>(left_.data()), size);
+    left_ = left_.subspan(size);
+    return out;
+  }
+  std::span<const std::byte> rest() const { return good_ ? left_ : std::span<const std::byte>{}; }
+
+ private:
+  void bytes(void* to, std::size_t count) {
+    if (!good_ || left_.size() < count) {
+      good_ = false;
+      return;
+    }
+    std::memcpy(to, left_.data(), count);
+    left_ = left_.subspan(count);
+  }
+  std::span<const std::byte> left_;
+  bool good_ = true;
+};
+
+}  // namespace polyarm::process

@@ -1,0 +1,83 @@
+/// What of a robot has a body, stands on the floor, or looks like a placeholder.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "polyarm/description/bodies.hpp"
+#include "polyarm/description/urdf.hpp"
+
+namespace polyarm::bodies_test {
+namespace {
+
+using description::RobotModel;
+
+RobotModel read(const std::string& inside) {
+  Problems problems;
+  RobotModel out = description::read_urdf("<robot name='r'>" + inside + "</robot>", "r.urdf", problems);
+  EXPECT_FALSE(problems.has_errors());
+  return out;
+}
+
+std::string wheel(const std::string& name, const std::string& parent, const std::string& xyz) {
+  return "<link name='" + name +
+         "'><collision><geometry><cylinder radius='0.1' length='0.05'/></geometry></collision></link>"
+         "<joint name='" + name + "_joint' type='continuous'><parent link='" + parent + "'/><child link='" + name +
+         "'/><origin xyz='" + xyz + "' rpy='1.5708 0 0'/><axis xyz='0 0 1'/></joint>";
+}
+
+TEST(Bodies, LinksOfMeshesAloneOrOfNothingButLooksHaveNone) {
+  const RobotModel model = read(
+      "<link name='base'><collision><geometry><mesh filename='a.stl'/></geometry></collision></link>"
+      "<link name='arm'><collision><geometry><box size='1 1 1'/></geometry></collision>"
+      "<collision><geometry><mesh filename='a.stl'/></geometry></collision></link>"
+      "<link name='hand'><visual><geometry><box size='1 1 1'/></geometry></visual></link>"
+      "<link name='tool0'/>"
+      "<joint name='a' type='fixed'><parent link='base'/><child link='arm'/></joint>"
+      "<joint name='b' type='fixed'><parent link='arm'/><child link='hand'/></joint>"
+      "<joint name='c' type='fixed'><parent link='hand'/><child link='tool0'/></joint>");
+  EXPECT_EQ(description::links_without_body(model), (std::vector<std::string>{"base", "hand"}));
+}
+
+TEST(Bodies, WheelsAndWhatCarriesThemMayTouchTheFloorAnArmMayNot) {
+  const RobotModel model = read(
+      "<link name='chassis'/><link name='caster'/><link name='steer'/>"
+      "<link name='arm'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+      "<joint name='f' type='fixed'><parent link='chassis'/><child link='caster'/></joint>"
+      "<joint name='s' type='revolute'><parent link='chassis'/><child link='steer'/><axis xyz='0 0 1'/>"
+      "<limit lower='-1' upper='1' effort='5' velocity='1'/></joint>"
+      "<joint name='a' type='revolute'><parent link='chassis'/><child link='arm'/><axis xyz='0 1 0'/>"
+      "<limit lower='-1' upper='1' effort='5' velocity='1'/></joint>" +
+      wheel("front", "steer", "0.3 0 0") + wheel("left", "chassis", "0 0.2 0") + wheel("right", "chassis", "0 -0.2 0"));
+  const auto stands = description::links_on_the_floor(model, false);
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    EXPECT_EQ(stands[i] != 0, model.links[i].name != "arm") << model.links[i].name;
+}
+
+TEST(Bodies, ArmsHaveNoWheels) {
+  const RobotModel model = read("<link name='base'/>" + wheel("wrist", "base", "0 0 1"));
+  for (const char stands : description::links_on_the_floor(model, false)) EXPECT_EQ(stands, 0);
+  for (const char stands : description::links_on_the_floor(model, true)) EXPECT_EQ(stands, 1);
+}
+
+std::string arm_with(const std::string& effort, const std::string& inertia, const std::string& mass) {
+  std::string out;
+  for (const char* name : {"base", "one", "two"})
+    out += "<link name='" + std::string(name) + "'><inertial><mass value='" + mass + "'/><inertia ixx='" + inertia +
+           "' iyy='" + inertia + "' izz='" + inertia + "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+  for (const auto& [joint, parent, child] : {std::tuple{"a", "base", "one"}, std::tuple{"b", "one", "two"}})
+    out += "<joint name='" + std::string(joint) + "' type='revolute'><parent link='" + parent + "'/><child link='" +
+           child + "'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' velocity='1' effort='" + effort + "'/></joint>";
+  return out;
+}
+
+TEST(Bodies, RoundNumbersEverywhereLookLikePlaceholders) {
+  EXPECT_TRUE(description::placeholders(read(arm_with("28", "0.01", "2"))).empty());
+  for (const char* effort : {"1", "1000"})
+    EXPECT_EQ(description::placeholders(read(arm_with(effort, "0.01", "2"))).size(), 1u) << effort;
+  const auto all = description::placeholders(read(arm_with("1", "1", "1")));
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_NE(all[1].find("base, one, two"), std::string::npos) << all[1];
+}
+
+}  // namespace
+}  // namespace polyarm::bodies_test

@@ -1,0 +1,176 @@
+#include "polyarm/ros_files/python_launch.hpp"
+
+#include <gtest/gtest.h>
+
+#include "polyarm/ros_files/python_text.hpp"
+#include "tests/description/support.hpp"
+#include "tests/support/folder.hpp"
+
+namespace polyarm::ros_files::python_launch_test {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+std::filesystem::path packages(const std::string& name) {
+  return name == "arm_bringup" ? "/ws/arm_bringup" : "";
+}
+
+PythonLaunch read(const std::string& text, const std::map<std::string, std::string>& given = {}) {
+  return read_python_launch(text, "/ws/arm_bringup/launch/arm.launch.py", given, packages);
+}
+
+bool says(const PythonLaunch& launch, const std::string& piece) {
+  for (const auto& [where, what] : launch.not_taken)
+    if (what.find(piece) != std::string::npos) return true;
+  return false;
+}
+
+// The form that the demos and drivers of ROS 2 share.
+constexpr const char* kUsual = R"(# a comment with "quotes" and FindPackageShare("none")
+from launch import LaunchDescription
+
+def launch_setup(context, *args, **kwargs):
+    prefix = LaunchConfiguration("prefix")
+    description = Command(
+        [
+            PathJoinSubstitution([FindExecutable(name="xacro")]), " ",
+            PathJoinSubstitution([FindPackageShare("arm_bringup"), "urdf", "arm.urdf.xacro"]),
+            " ", "prefix:=", prefix,
+            " ", "use_fake_hardware:=", LaunchConfiguration("fake"),
+        ]
+    )
+    controllers = PathJoinSubstitution([FindPackageShare("arm_bringup"), "config", "controllers.yaml"])
+    control_node = Node(
+        package="controller_manager", executable="ros2_control_node",
+        parameters=[{"robot_description": description}, controllers],
+    )
+    rviz = Node(package="rviz2", parameters=["/no/such.yaml"])
+    return [control_node, rviz]
+
+def generate_launch_description():
+    declared = []
+    declared.append(DeclareLaunchArgument("prefix", default_value='""', description="of names"))
+    declared.append(DeclareLaunchArgument("fake", default_value="true"))
+    return LaunchDescription(declared + [OpaqueFunction(function=launch_setup)])
+)";
+
+TEST(PythonLaunch, ResolvesPathsAndTakesDefaultsThatAreWrittenDown) {
+  const PythonLaunch launch = read(kUsual);
+  ASSERT_EQ(launch.descriptions.size(), 1u);
+  EXPECT_EQ(launch.descriptions[0].file, "/ws/arm_bringup/urdf/arm.urdf.xacro");
+  EXPECT_EQ(launch.descriptions[0].arguments, (Pairs{{"prefix", ""}, {"use_fake_hardware", "true"}}));
+  EXPECT_EQ(launch.descriptions[0].where.line, 6);
+  ASSERT_EQ(launch.parameters.size(), 1u) << "rviz's are not the controllers'";
+  EXPECT_EQ(launch.parameters[0].file, "/ws/arm_bringup/config/controllers.yaml");
+  ASSERT_EQ(launch.arguments.size(), 2u);
+  EXPECT_TRUE(launch.not_taken.empty());
+  EXPECT_EQ(launch.line(),
+            "polyarm run --description /ws/arm_bringup/urdf/arm.urdf.xacro --controllers "
+            "/ws/arm_bringup/config/controllers.yaml prefix:= use_fake_hardware:=true");
+}
+
+TEST(PythonLaunch, ValuesFromOutsideGoBeforeDefaults) {
+  const PythonLaunch launch = read(kUsual, {{"fake", "false"}, {"prefix", "left_"}});
+  EXPECT_EQ(launch.descriptions.at(0).arguments,
+            (Pairs{{"prefix", "left_"}, {"use_fake_hardware", "false"}}));
+  EXPECT_TRUE(launch.arguments.at(0).given);
+}
+
+TEST(PythonLaunch, KnowsTheOtherWaysToNameFiles) {
+  const auto file = [](const std::string& expression) {
+    const PythonLaunch launch =
+        read("share = get_package_share_directory('arm_bringup')\nname = 'arm'\nrobot = Command(['xacro ', " +
+             expression + "])\n");
+    return launch.descriptions.empty() ? std::string("none") : launch.descriptions[0].file.string();
+  };
+  for (const char* expression :
+       {"os.path.join(share, 'urdf', 'arm.xacro')", "share + '/urdf/arm.xacro'",
+        "f'{share}/urdf/{name}.xacro'",
+        "PathSubstitution(FindPackageShare('arm_bringup')) / 'urdf' / 'arm.xacro'",
+        "str(Path(share) / 'urdf' / 'arm.xacro')",
+        "FindPackageShare(package='arm_bringup').find('arm_bringup'), '/urdf/arm.xacro'",
+        "launch_ros.substitutions.FindPackageShare('arm_bringup'), '/urdf', '/arm.xacro'",
+        "\"\"\"/ws/arm_bringup/urdf/arm.xacro\"\"\""})
+    EXPECT_EQ(file(expression), "/ws/arm_bringup/urdf/arm.xacro") << expression;
+}
+
+TEST(PythonLaunch, TakesTheMappingsOfAFileThatIsProcessed) {
+  const PythonLaunch launch = read(
+      "x = '/ws/arm.xacro'\n"
+      "d = xacro.process_file(x, mappings={'sim': 'true', 'n': str(count())}).toxml()\n");
+  ASSERT_EQ(launch.descriptions.size(), 1u);
+  EXPECT_EQ(launch.descriptions[0].arguments, (Pairs{{"sim", "true"}}));
+  EXPECT_TRUE(says(launch, "'n'"));
+}
+
+TEST(PythonLaunch, SaysWhatIsComputedAndTakesNoneOfIt) {
+  const PythonLaunch computed = read(
+      "DeclareLaunchArgument('port')\n"
+      "DeclareLaunchArgument('model', default_value=pick_model())\n"
+      "a = Command(['xacro ', LaunchConfiguration('model')])\n"
+      "b = Command(['xacro ', FindPackageShare('not_here'), '/arm.xacro'])\n"
+      "c = Command(['xacro /ws/arm.xacro port:=', LaunchConfiguration('port')])\n"
+      "n = Node(package='controller_manager', parameters=[os.path.join(f(), 'c.yaml')])\n");
+  ASSERT_EQ(computed.descriptions.size(), 1u);
+  EXPECT_TRUE(computed.descriptions[0].arguments.empty());
+  EXPECT_TRUE(computed.parameters.empty());
+  for (const char* piece :
+       {"'port' has no default", "'model' has no default", "description is not written down", "not_here",
+        "value of 'port'", "node's parameters is not written down"})
+    EXPECT_TRUE(says(computed, piece)) << piece;
+  EXPECT_TRUE(read("").line().empty());
+}
+
+TEST(PythonLaunch, AConditionIsNotTaken) {
+  const PythonLaunch launch = read("f = '/a.xacro' if sim else '/b.xacro'\nd = Command(['xacro ', f])\n");
+  EXPECT_TRUE(launch.descriptions.empty());
+  EXPECT_FALSE(launch.not_taken.empty());
+}
+
+TEST(PythonLaunch, VariablesOfParameterFilesGoIntoTheLine) {
+  const test::Folder folder;
+  const auto yaml = folder.write("c.yaml", "jtc: {ros__parameters: {joints: [$(var prefix)joint_1]}}\n");
+  const PythonLaunch launch = read(
+      "DeclareLaunchArgument('prefix', default_value='left_')\n"
+      "DeclareLaunchArgument('other', default_value='x')\n"
+      "d = Command(['xacro /ws/arm.xacro'])\n"
+      "n = Node(package='controller_manager', parameters=[ParameterFile('" +
+      yaml + "', allow_substs=True)])\n");
+  EXPECT_EQ(launch.variables(), (Pairs{{"prefix", "left_"}}));
+  EXPECT_NE(launch.line().find(" prefix:=left_"), std::string::npos) << launch.line();
+  EXPECT_EQ(launch.line().find("other"), std::string::npos);
+}
+
+TEST(PythonLaunch, OddWordsAreQuotedInTheLine) {
+  const PythonLaunch launch = read("d = Command(['xacro /ws/arm.xacro a:=\"$(rm -rf)\"'])\n");
+  EXPECT_NE(launch.line().find("'a:=\"$(rm'"), std::string::npos) << launch.line();
+}
+
+TEST(PythonText, IsCutIntoWords) {
+  std::vector<std::string> words;
+  for (const PythonToken& token : python_tokens("a = f\"x{b}\" # c\n'''d\ne''' == 1.5\n"))
+    words.push_back(token.text);
+  EXPECT_EQ(words, (std::vector<std::string>{"a", "=", "x{b}", "d\ne", "==", "1.5"}));
+  EXPECT_EQ(python_tokens("\n\nx").at(0).line, 3);
+  EXPECT_TRUE(python_tokens("'does not end\n").empty());
+}
+
+TEST(PythonLaunchFuzz, AnythingEndsInTime) {
+  read(std::string(1 << 21, '('));
+  read(std::string(1 << 20, '['));
+  std::string deep, calls;
+  for (int i = 0; i < 20'000; ++i) deep += "\"a\".f(", calls += "f([{'a': ";
+  read(deep);
+  read(calls);
+  for (const char* begin : {"a = 'x'\n", "a = ['x']\n", "a = {'x': 'y'}\n"})
+    for (const char* doubled : {"a = a + a\n", "a = [a, a]\n", "a = (a, [a], {'b': a})\n"}) {
+      std::string text = begin;
+      for (int i = 0; i < 200; ++i) text += doubled;
+      read(text + "d = Command(a)\n");
+    }
+  description::test::Mutator mutate(5);
+  for (int i = 0; i < 2000; ++i) read(mutate(kUsual));
+}
+
+}  // namespace
+}  // namespace polyarm::ros_files::python_launch_test

@@ -1,0 +1,58 @@
+/// `polyarm new cell`: what it writes runs as it is.
+#include <gtest/gtest.h>
+
+#include "polyarm/base/file.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/folder.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Finished;
+using test::run_command;
+
+class NewCell : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(NewCell, ChecksRunsAndPassesItsTest) {
+  const test::Folder folder;
+  const std::string cell = (folder.path() / "mine").string();
+  const Finished made = run_command({"new", "cell", "mine", "--robot", GetParam(), "--folder", cell});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  for (const char* file : {"README.md", "cell.yaml", "scene.yaml", "tool.yaml", "signals.yaml",
+                           "points.points", "main.script", "tests.script"})
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "mine" / file)) << file;
+  const Finished checked = run_command({"check", cell});
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  EXPECT_NE(checked.output.find("0 errors, 0 warnings"), std::string::npos) << checked.output;
+  EXPECT_EQ(run_command({"check", cell, "--dry"}).exit_code, 0);
+  const Finished run = run_command({"run", cell, "--fast", "--quiet"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const Finished tested = run_command({"test", cell});
+  EXPECT_EQ(tested.exit_code, 0) << tested.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, NewCell,
+                         ::testing::Values("universal_robots/ur3e", "universal_robots/ur10e",
+                                           "fanuc/lr_mate_200id", "abb/irb_120"));
+
+TEST(NewCellCommand, WritesOverNothing) {
+  const test::Folder folder;
+  folder.write("mine/mine.txt", "kept");
+  const Finished refused = run_command(
+      {"new", "cell", "mine", "--robot", "demo/r6bot", "--folder", (folder.path() / "mine").string()});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.output.find("is there already"), std::string::npos) << refused.output;
+  EXPECT_EQ(read_file(folder.path() / "mine" / "mine.txt"), "kept");
+}
+
+TEST(NewCellCommand, SaysTheNearestRobot) {
+  const test::Folder folder;
+  const Finished refused = run_command(
+      {"new", "cell", "mine", "--robot", "fanuc/lr_mat", "--folder", (folder.path() / "mine").string()});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.output.find("did you mean 'fanuc/lr_mate_"), std::string::npos) << refused.output;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "mine"));
+}
+
+}  // namespace
+}  // namespace polyarm

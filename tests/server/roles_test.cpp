@@ -1,0 +1,283 @@
+/// Who may ask what: every request, at every role, in front of a whole cell.
+#include "polyarm/cell/request_roles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/server/pendant.hpp"
+#include "polyarm/server/sessions.hpp"
+#include "polyarm/server/token.hpp"
+#include "tests/support/lock_step_cell.hpp"
+#include "tests/support/web_peer.hpp"
+
+namespace polyarm::server {
+namespace {
+
+using cell::Role;
+using test::Json;
+using test::LockStepCell;
+using test::WebPeer;
+
+std::set<std::string> every_request() {
+  std::set<std::string> out;
+  for (const cell::RequestInfo& info : cell::request_table()) out.insert(info.name);
+  for (const std::string& name : Sessions::requests()) out.insert(name);
+  return out;
+}
+
+TEST(RolesTest, EveryRequestHasOneAndEveryRowARequest) {
+  std::set<std::string> rows;
+  for (const cell::RequestRole& row : cell::request_roles())
+    EXPECT_TRUE(rows.insert(row.request).second) << row.request << " is there twice";
+  EXPECT_EQ(rows, every_request());
+  EXPECT_EQ(cell::role_needed("what.was.forgotten", Json::object()), Role::administer);
+}
+
+/// What may bring to rest is no motion; everything else that moves needs control.
+TEST(RolesTest, WhatMayMoveIsNotForWatchers) {
+  const std::set<std::string> rests = {"control.hold", "control.stop"};
+  for (const cell::RequestInfo& info : cell::request_table()) {
+    Json full = Json::object();
+    for (const cell::RequestRole& row : cell::request_roles())
+      if (row.tells_without && row.request == std::string(info.name)) full[row.tells_without] = true;
+    if (info.moves && !rests.contains(info.name)) {
+      EXPECT_NE(cell::role_needed(info.name, full), Role::watch) << info.name;
+    }
+  }
+}
+
+TEST(RolesTest, ThePageOfThePendantHasTheTable) {
+  const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/pendant.md");
+  EXPECT_NE(page.find(cell::role_reference()), std::string::npos)
+      << "docs/pendant.md should have this table:\n"
+      << cell::role_reference();
+}
+
+class RolesInACell : public ::testing::Test {
+ protected:
+  RolesInACell() {
+    const std::string arm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + arm + ", hardware: mock}\n");
+    folder.write("work.script", "wait 1s\n");
+    lock_step = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));
+    PendantOptions options;
+    options.port = 0;
+    options.token = "secret";
+    pendant = std::make_unique<Pendant>(options, nobody);
+    pendant->attach(lock_step->cell());
+    lock_step->run(0.05);
+  }
+  ~RolesInACell() override { pendant->detach(); }
+
+  std::unique_ptr<WebPeer> connect(Role role) {
+    auto peer = std::make_unique<WebPeer>(pendant->port());
+    EXPECT_EQ(peer->upgrade({"Authorization: Bearer " + token_for("secret", role)}), 101);
+    return peer;
+  }
+  Json ask(WebPeer& peer, Json request) {
+    const int id = ++last_;
+    request["id"] = id;
+    peer.send(request);
+    for (int n = 0; n < 20'000 && peer.answer(id).is_null(); ++n) {
+      pendant->serve();
+      if (n % 5 == 4) lock_step->tick();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      peer.listen();
+      peer.take();
+    }
+    return peer.answer(id);
+  }
+  std::string code(const Json& answer) {
+    return answer.value("ok", false) ? "ok"
+           : answer.is_null()        ? "none"
+                                     : answer["error"]["code"].get<std::string>();
+  }
+  /// The request as somebody asks it who does not only want to be told.
+  static Json asked(const cell::RequestRole& row) {
+    Json out{{"request", row.request}};
+    if (row.tells_without) out[row.tells_without] = true;
+    return out;
+  }
+  std::vector<cell::RequestRole> above(Role role) {
+    std::vector<cell::RequestRole> out;
+    for (const cell::RequestRole& row : cell::request_roles())
+      if (row.role > role) out.push_back(row);
+    return out;
+  }
+
+  struct Nobody : cell::Observer {};
+  Nobody nobody;
+  test::Folder folder;
+  std::unique_ptr<LockStepCell> lock_step;
+  std::unique_ptr<Pendant> pendant;
+  int last_ = 0;
+};
+
+TEST_F(RolesInACell, WithoutControlNothingIsDoneThatIsMoreThanTelling) {
+  const auto holder = connect(Role::administer), watcher = connect(Role::administer);
+  ASSERT_EQ(code(ask(*holder, {{"request", "session.take"}})), "ok");
+  for (const cell::RequestRole& row : above(Role::watch))
+    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-control") << row.request;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ".state" / "drafts"));
+  EXPECT_FALSE(lock_step->cell().restart());
+}
+
+TEST_F(RolesInACell, ALinkAllowsNoMoreThanItsRoleEvenInControl) {
+  for (const Role role : {Role::operate, Role::program}) {
+    const auto peer = connect(role);
+    EXPECT_EQ(ask(*peer, {{"request", "session.hello"}})["result"]["role"], cell::name(role));
+    ASSERT_TRUE(ask(*peer, {{"request", "session.take"}})["result"]["you_hold"].get<bool>());
+    for (const cell::RequestRole& row : above(role))
+      EXPECT_EQ(code(ask(*peer, asked(row))), "no-role") << row.request;
+    EXPECT_EQ(code(ask(*peer, {{"request", "control.override"}, {"percent", 50}})), "ok");
+    ask(*peer, {{"request", "session.release"}});
+  }
+}
+
+TEST_F(RolesInACell, WhoMayOnlyWatchIsToldEverythingAndStops) {
+  const auto watcher = connect(Role::watch);
+  EXPECT_EQ(code(ask(*watcher, {{"request", "session.take"}})), "no-role");
+  for (const cell::RequestRole& row : above(Role::watch))
+    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-role") << row.request;
+  EXPECT_EQ(code(ask(*watcher, {{"request", "health"}})), "ok");
+  EXPECT_EQ(code(ask(*watcher, {{"request", "control.override"}})), "ok") << "without percent it only tells";
+  EXPECT_EQ(code(ask(*watcher, {{"request", "control.stop"}})), "ok");
+  lock_step->run(0.1);
+  EXPECT_EQ(lock_step->cell().snapshot().state, control::RunState::held);
+}
+
+TEST_F(RolesInACell, TheProjectIsReadAndReplacedByThoseWhoMay) {
+  const auto status = [&](Role role, const std::string& method) {
+    return WebPeer::status(WebPeer::fetch(pendant->port(), "/api/project.zip?name=x",
+                                          {"Authorization: Bearer " + token_for("secret", role)}, method,
+                                          method == "PUT" ? "no zip" : ""));
+  };
+  EXPECT_EQ(status(Role::watch, "GET"), 403);
+  EXPECT_EQ(status(Role::program, "PUT"), 403);
+  EXPECT_EQ(status(Role::administer, "PUT"), 400) << "it is no zip, but was looked at";
+}
+
+TEST_F(RolesInACell, ADraftIsOfWhoWroteIt) {
+  const auto peer = connect(Role::administer);
+  ask(*peer, {{"request", "session.hello"}, {"name", "Tablet 4"}});
+  ask(*peer, {{"request", "session.take"}});
+  ASSERT_EQ(code(ask(*peer, {{"request", "files.draft"},
+                             {"name", "work.script"},
+                             {"text", "wait 2s"},
+                             {"by", "somebody else"}})),
+            "ok");
+  EXPECT_EQ(ask(*peer, {{"request", "files.read"}, {"name", "work.script"}})["result"]["draft"]["by"], "Tablet 4");
+}
+
+TEST_F(RolesInACell, DraftsHaveABound) {
+  const auto peer = connect(Role::administer);
+  ask(*peer, {{"request", "session.take"}});
+  std::string last = "ok";
+  for (std::size_t i = 0; i <= bounds::kDraftsBytes / 800'000 + 1 && last == "ok"; ++i)
+    last = code(ask(*peer, {{"request", "files.draft"},
+                            {"name", "draft" + std::to_string(i) + ".script"},
+                            {"text", std::string(800'000, 'x')}}));
+  EXPECT_EQ(last, "too-large");
+}
+
+TEST_F(RolesInACell, SeatsForWatchersRunOutBeforeThoseForControl) {
+  std::vector<std::unique_ptr<WebPeer>> watchers;
+  for (std::size_t i = 0; i < bounds::kPageClients; ++i) watchers.push_back(connect(Role::watch));
+  WebPeer one_more(pendant->port()), operating(pendant->port());
+  EXPECT_EQ(one_more.upgrade({"Authorization: Bearer " + token_for("secret", Role::watch)}), 503);
+  EXPECT_EQ(operating.upgrade({"Authorization: Bearer secret"}), 101);
+  EXPECT_TRUE(ask(operating, {{"request", "session.take"}})["result"]["you_hold"].get<bool>());
+}
+
+/// Sessions without a port, so that what comes in within one tick is known.
+class ManyClients : public RolesInACell {
+ protected:
+  ManyClients() : sessions(nobody, "7") {
+    sessions.attach(lock_step->cell());
+    for (int i = 0; i < 100; ++i) clients.push_back(sessions.welcome({"client", true, Role::administer}));
+  }
+  ~ManyClients() override { sessions.detach(); }
+  /// The answers that wait to be sent to it.
+  std::vector<Json> answers(std::size_t client) {
+    std::vector<Json> out;
+    while (const auto each = clients[client]->next())
+      if (!each->binary) out.push_back(Json::parse(*each->body));
+    return out;
+  }
+  Sessions sessions;
+  std::vector<std::shared_ptr<Client>> clients;
+};
+
+TEST_F(ManyClients, AStopIsTakenInTheSameTickHoweverMuchOthersAsk) {
+  for (std::size_t i = 0; i < clients.size(); ++i)
+    for (std::size_t n = 0; n < bounds::kClientBurst - 1; ++n)
+      ASSERT_TRUE(clients[i]->take(R"({"id":1,"request":"points"})", 100.0));
+  for (std::size_t i : {std::size_t{99}, std::size_t{0}, std::size_t{50}}) {
+    clients[i]->take(R"({"id":"stop","request":"control.stop"})", 100.0);
+    sessions.serve();
+    bool answered = false;
+    for (const Json& each : answers(i)) answered = answered || each["id"] == "stop";
+    EXPECT_TRUE(answered) << i;
+    lock_step->tick();
+  }
+  lock_step->run(0.1);
+  EXPECT_EQ(lock_step->cell().snapshot().state, control::RunState::held);
+}
+
+TEST_F(ManyClients, EachHasItsTurn) {
+  for (std::size_t n = 0; n < bounds::kClientBurst; ++n) clients[0]->take(R"({"id":1,"request":"points"})", 100.0);
+  for (std::size_t i = 1; i < clients.size(); ++i)
+    clients[i]->take(R"({"id":2,"request":"session.hello"})", 100.0);
+  std::set<std::size_t> answered;
+  for (int tick = 0; tick < 400 && answered.size() < 99; ++tick) {
+    sessions.serve();
+    lock_step->tick();
+    for (std::size_t i = 1; i < clients.size(); ++i)
+      if (!answers(i).empty()) answered.insert(i);
+  }
+  EXPECT_EQ(answered.size(), 99u);
+  EXPECT_LT(answers(0).size(), bounds::kClientBurst) << "the chatty one is not done before the others";
+}
+
+TEST_F(ManyClients, WhatWasSentBeforeAStopDoesNotMoveWhatItStopped) {
+  clients[0]->take(R"({"id":1,"request":"session.take"})", 100.0);
+  sessions.serve();
+  clients[0]->take(R"({"id":2,"request":"control.resume"})", 100.0);
+  clients[0]->take(R"({"id":3,"request":"control.stop"})", 100.0);
+  sessions.serve();
+  lock_step->run(0.1);
+  std::string resumed;
+  for (const Json& each : answers(0))
+    if (each["id"] == 2) resumed = code(each);
+  EXPECT_EQ(resumed, "overtaken");
+  EXPECT_EQ(lock_step->cell().snapshot().state, control::RunState::held);
+}
+
+TEST_F(ManyClients, WhoHasNoControlSendsShortRequests) {
+  clients[0]->take("{\"id\":1,\"request\":\"program.check\",\"name\":\"work.script\",\"text\":\"" +
+                       std::string(bounds::kWatcherRequestBytes, '#') + "\"}",
+                   100.0);
+  sessions.serve();
+  const auto told = answers(0);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(code(told.front()), "too-long");
+}
+
+TEST_F(ManyClients, EndingWhatIsNotOpenKeepsNothing) {
+  clients[0]->take(R"({"id":1,"request":"session.watch","rate":0})", 100.0);
+  for (int i = 0; i < 100; ++i)
+    clients[0]->take("{\"id\":2,\"request\":\"session.end\",\"of\":\"" + std::string(100'000, 'x') + "\"}", 100.0);
+  for (int i = 0; i < 400; ++i) sessions.serve();
+  EXPECT_EQ(lock_step->cell().requests().open(), 0u);
+  EXPECT_GE(answers(0).size(), 30u) << "all that there was room for were answered";
+}
+
+}  // namespace
+}  // namespace polyarm::server
