@@ -19,6 +19,8 @@ function(polyarm_headers name libraries)
   add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   target_link_libraries(${name} PRIVATE ${libraries})
   target_precompile_headers(${name} PRIVATE ${POLYARM_PRECOMPILED} ${ARGN})
+  # Not out of ccache: it does not see that a tree at another's path has other headers of ours.
+  set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "")
 endfunction()
 
 # The same for programs, whose code the compiler places in another way than a library's.
@@ -40,6 +42,8 @@ function(polyarm_precompiled target headers)
 endfunction()
 
 polyarm_headers(polyarm_library_headers fmt::fmt ${POLYARM_PRECOMPILED_FORMAT})
+polyarm_headers(polyarm_reckoning_headers fmt::fmt ${POLYARM_PRECOMPILED_FORMAT})
+target_compile_options(polyarm_reckoning_headers PRIVATE ${POLYARM_RECKONING_OPTIONS})
 
 # Rooms that wait for people, files and sockets, and all of which look at a cell: less optimized, which takes a quarter
 # off a compiler's work, and with cell.hpp (two seconds) compiled before. Where one edits (preset dev) a change in a
