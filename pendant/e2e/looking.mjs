@@ -11,7 +11,9 @@ let page;
 const main = () => page.getByRole('main');
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });
 const value = async (name) => Number((await main().getByRole('status', { name, exact: true }).innerText()).replace('−', '-').replace(',', '.').split(' ')[0]);
-const kJoint = 'arm/elbow_joint';
+// As the page names curves; their signals are arm/elbow_joint/position and …/command_position.
+const kMeasured = 'elbow, measured';
+const kCommanded = 'elbow, commanded';
 
 test('shows a joint as commanded and as measured while it moves, and what both were at the cursor', async () => {
   page = await at.open();
@@ -20,11 +22,11 @@ test('shows a joint as commanded and as measured while it moves, and what both w
   await button('Choose curves').click();
   await page.getByRole('dialog').getByRole('button', { name: 'elbow', exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Close' }).click();
-  const picture1 = main().getByRole('img', { name: new RegExp(`${kJoint}/position`) });
+  const picture1 = main().getByRole('img', { name: new RegExp(kMeasured) });
   await picture1.waitFor();
   // Enough of it to look into: some seconds in which the joint was moved.
-  const first = await value(`${kJoint}/position`);
-  await until(async () => (await at.goOn(), Math.abs((await value(`${kJoint}/position`)) - first) > 5), 120, 'the joint moving');
+  const first = await value(kMeasured);
+  await until(async () => (await at.goOn(), Math.abs((await value(kMeasured)) - first) > 5), 120, 'the joint moving');
   const from = at.watcher.time;
   await until(() => at.watcher.time > from + 3, 60, 'some seconds');
   await button('Pause').click();
@@ -34,7 +36,7 @@ test('shows a joint as commanded and as measured while it moves, and what both w
   for (let i = 0; i <= 20; ++i) {
     await page.mouse.move(box.x + 90 + ((box.width - 110) * i) / 20, box.y + box.height / 2);
     await page.waitForTimeout(150);
-    const told = [await value(`${kJoint}/position`), await value(`${kJoint}/command_position`)];
+    const told = [await value(kMeasured), await value(kCommanded)];
     if (told.every(Number.isFinite)) seen.push(told);
   }
   await picture(page, 'cursor');
@@ -44,7 +46,7 @@ test('shows a joint as commanded and as measured while it moves, and what both w
 });
 
 test('zooms by dragging and exports what is shown', async () => {
-  const canvas = main().getByRole('img', { name: new RegExp(`${kJoint}/position`) });
+  const canvas = main().getByRole('img', { name: new RegExp(kMeasured) });
   const rows = async () => {
     const [download] = await Promise.all([page.waitForEvent('download'), button('Export CSV').click()]);
     const file = join(at.cell.home, 'curves.csv');

@@ -104,7 +104,7 @@ test('Stop is named for what it is', async () => {
   const page = await at.open();
   await stopKey(page).waitFor();
   const spanish = await screen(at.chrome.browser, at.cell.link, { locale: 'es-ES' });
-  await spanish.getByRole('button', { name: /^Parar .*parada por software, no es una parada de emergencia$/ }).waitFor();
+  await spanish.getByRole('button', { name: /^Parar .*parada por software, no de emergencia$/ }).waitFor();
   await spanish.context().close();
 });
 

@@ -1,6 +1,20 @@
-# The page, in Chromium where that is installed; skipped without npm.
-add_test(NAME pendant COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/pendant/run $<TARGET_FILE:polyarm>)
-set_tests_properties(pendant PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 1800 RUN_SERIAL TRUE)
+# The page's types and unit tests; then one test for each file of cases in Chromium, where that is installed. Skipped
+# without npm. Each case starts cells and a browser, which is work for two cores: one file at a time.
+set(run ${CMAKE_CURRENT_SOURCE_DIR}/pendant/run)
+set(servos "")
 if(TARGET servos_bus_process)
-  set_tests_properties(pendant PROPERTIES ENVIRONMENT "POLYARM_SERVOS=$<TARGET_FILE:servos_bus_process>")
+  set(servos POLYARM_SERVOS=$<TARGET_FILE:servos_bus_process>)
 endif()
+add_test(NAME pendant COMMAND ${run} $<TARGET_FILE:polyarm>)
+set_tests_properties(pendant PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 300)
+file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/pendant/e2e/*.mjs)
+foreach(file ${files})
+  file(STRINGS ${file} cases REGEX "from './suite.mjs'")
+  if(cases)
+    get_filename_component(name ${file} NAME)
+    string(REGEX REPLACE "[.].*" "" short ${name})
+    add_test(NAME pendant.${short} COMMAND ${run} $<TARGET_FILE:polyarm> ${name})
+    set_tests_properties(pendant.${short} PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL TRUE
+      ENVIRONMENT "${servos}")
+  endif()
+endforeach()

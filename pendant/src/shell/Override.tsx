@@ -45,11 +45,9 @@ export function Override() {
         type="button"
         class="override-fold"
         aria-expanded={open}
-        aria-label={t('bar.speedShow', { percent: Number.isFinite(percent) ? percent : '–' })}
         onClick={() => setOpen(!open)}
       >
-        <small>{t('bar.speed')}</small>
-        <strong>{shown}</strong>
+        <small>{t('bar.speed')}</small> <strong>{shown}</strong>
       </button>
       <div class="override-slide">
         <Slider

@@ -139,7 +139,6 @@ export const shell = {
   'control.asking': 'Asked {name} for control: {seconds} s',
   'control.askingShort': 'Asked',
   'stop.offline': 'not connected: use the emergency stop',
-  'bar.speedShow': 'Speed {percent} %, change',
   'alarms.strip': 'Alarm',
   'alarms.more': '+{count} more',
   'alarms.details': 'Details',

@@ -141,7 +141,6 @@ export const shell: Record<keyof typeof en, string> = {
   'control.asking': 'Control pedido a {name}: {seconds} s',
   'control.askingShort': 'Pedido',
   'stop.offline': 'sin conexión: use la parada de emergencia',
-  'bar.speedShow': 'Velocidad {percent} %, cambiar',
   'alarms.strip': 'Alarma',
   'alarms.more': '+{count} más',
   'alarms.details': 'Detalles',
