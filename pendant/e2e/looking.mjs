@@ -29,8 +29,8 @@ test('shows a joint as commanded and as measured while it moves, and what both w
   await until(async () => (await at.goOn(), Math.abs((await value(kMeasured)) - first) > 5), 120, 'the joint moving');
   const from = at.watcher.time;
   await until(() => at.watcher.time > from + 3, 60, 'some seconds');
-  await button('Pause').click();
-  await button('Resume').waitFor();
+  await button('Freeze').click();
+  await button('Follow').waitFor();
   const box = await picture1.boundingBox();
   const seen = [];
   for (let i = 0; i <= 20; ++i) {

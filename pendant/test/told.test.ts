@@ -39,6 +39,8 @@ describe('what the cell tells', () => {
     expect(plain('it is held (go on: polyarm control resume; or wait)')).toBe('it is held (wait)');
     expect(plain('let it go back; or resume with --anyway')).toBe('let it go back');
     expect(plain('polyarm control arm')).toBe('');
+    for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is no whole STL (export it again)', 'another polyarm runs this cell: process 12'])
+      expect(plain(text)).toBe(text);
   });
 
   it('says a problem by its code, and what the cell says of it below', () => {

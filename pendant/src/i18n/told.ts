@@ -27,7 +27,8 @@ export function causeWords(cause: string, code = ''): string {
 
 export const ofContact = (cause: string) => /contact|touched/.test(cause);
 
-const kCommand = /\bpolyarm[ -]\w|(?:^|[\s('`])--[a-z]|\btypes? ['`]/;
+// A path may hold the name, too: /home/me/polyarm-cells/arm.stl.
+const kCommand = /(?<![\w./-])polyarm [a-z]+(?<!runs)\b|(?:^|[\s('`])--[a-z]|\btypes? ['`]/;
 
 /** Without what only a terminal can do: each clause that says so goes. */
 export function plain(text: string): string {

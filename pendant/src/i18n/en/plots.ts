@@ -1,7 +1,7 @@
 export const plots = {
   'plots.bar': 'Plots',
-  'plots.pause': 'Pause',
-  'plots.live': 'Resume',
+  'plots.pause': 'Freeze',
+  'plots.live': 'Follow',
   'plots.window': 'Time shown',
   'plots.zoomIn': 'Zoom in',
   'plots.zoomOut': 'Zoom out',

@@ -2,8 +2,8 @@ import type { plots as en } from '../en/plots';
 
 export const plots: Record<keyof typeof en, string> = {
   'plots.bar': 'Gráficas',
-  'plots.pause': 'Pausa',
-  'plots.live': 'Reanudar',
+  'plots.pause': 'Congelar',
+  'plots.live': 'Seguir',
   'plots.window': 'Tiempo mostrado',
   'plots.zoomIn': 'Acercar',
   'plots.zoomOut': 'Alejar',
