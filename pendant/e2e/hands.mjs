@@ -222,7 +222,7 @@ test('switches the device off and on, and says what is missing meanwhile', async
   await button('Deactivate').click();
   await yes();
   await state(page).getByText('Not ready').waitFor();
-  await state(page).getByText(/^mujoco: not active/).waitFor();
+  await state(page).getByText(/^mujoco, joint_trajectory_controller: not active/).waitFor();
   await picture(page, 'not-ready');
   await main().getByRole('button', { name: 'Activate' }).click();
   await yes();

@@ -20,6 +20,7 @@ test('a robot is chosen from the catalogue', async () => {
   await button(/^In control/).waitFor();
   await go(page, 'Program');
   await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').waitFor();
   await go(page, 'Cell');
   await shown('Shown', 'Choose robot');
@@ -116,6 +117,7 @@ test('it runs, and parts arrive', async (t) => {
   t.diagnostic(`from the link to the second part in the tray: ${((Date.now() - began) / 1000).toFixed(1)} s of page time`);
   assert.ok(Date.now() - began < 300_000, 'it took more than 5 minutes');
   await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').waitFor();
 });
 

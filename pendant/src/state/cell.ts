@@ -170,6 +170,12 @@ export function markSeen(which: (alarm: Alarm) => boolean): void {
   alarms.value = alarms.peek().map((each) => (which(each) ? { ...each, seen: true } : each));
 }
 
+/** The first state is asked for; changes come by themselves. A cell without a program refuses. */
+async function loadProgram(): Promise<void> {
+  const now = await request<Json>('program').catch(() => null);
+  if (now && !program.peek()) program.value = now;
+}
+
 /** The newest alarm when this page came; -1 while that is not known. */
 let lastOld = -1;
 
@@ -180,6 +186,7 @@ const events: Record<string, (event: Event) => void> = {
     takeLayout(new Layout(Number(e.id), e.fields as Field[]));
     plans.value = {};
     program.value = null;
+    void loadProgram();
     loadCell().catch(complain);
   },
   status: (e) => {

@@ -1,5 +1,4 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
-import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
 import { attempt, complain, mayMove, pausing, program, request, status } from '../../state/cell';
@@ -73,7 +72,7 @@ function Buttons() {
   const ready = may && doc.fileName.value !== '' && doc.isProgram.value;
   if (!goes)
     return (
-      <div class="program-buttons">
+      <div key="start" class="program-buttons">
         <Button label={t('program.start')} icon="run" big tone="good" disabled={!ready || doc.errors.value > 0} title={doc.errors.value > 0 ? t('program.startErrors') : undefined} onClick={() => void doc.start()} />
         <Button label={t('program.dry')} icon="eye" big disabled={!doc.isProgram.value || dry.value.kind === 'runs'} onClick={beginDry} />
         <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready} onClick={() => void runFrom(line)} />
@@ -81,7 +80,7 @@ function Buttons() {
       </div>
     );
   return (
-    <div class="program-buttons">
+    <div key="goes" class="program-buttons">
       <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!may || pausing.value} onClick={() => void step()} />
       <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('into')} />
       <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('out')} />
@@ -285,7 +284,6 @@ interface TaskNow {
 }
 
 function Tasks() {
-  useProgram();
   const all = (program.value?.tasks as TaskNow[] | undefined) ?? [];
   const tasks = [...all].sort((a, b) => Number(doc.goesOn(b)) - Number(doc.goesOn(a)));
   if (tasks.length === 0) return <p class="program-note">{t('program.noTasks')}</p>;
@@ -330,19 +328,4 @@ function Tasks() {
       ))}
     </>
   );
-}
-
-/** The first state is asked for; what changes comes by itself. */
-function useProgram(): void {
-  const [asked, setAsked] = useState(false);
-  useEffect(() => {
-    if (asked || program.value) return;
-    setAsked(true);
-    request<Record<string, unknown>>('program').then(
-      (now) => {
-        if (!program.peek()) program.value = now;
-      },
-      () => undefined,
-    );
-  }, [asked, program.value]);
 }

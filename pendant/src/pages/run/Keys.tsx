@@ -14,21 +14,22 @@ function start(): void {
   else if (it) void attempt('program.from', { program: it.file, confirmed: true });
 }
 
-/** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. */
+/** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. The keys are
+ * other elements than Start, so that a press that began on Start is never a press on Step. */
 export function Keys() {
   const now = status.value;
   const it = now?.program;
   const may = mayMove.value;
   if (it && !it.ended && !it.ready)
     return (
-      <div class="run-keys goes">
+      <div key="goes" class="run-keys goes">
         <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!may || now.state === 'fault' || pausing.value} onClick={() => void step()} />
         <EndKey disabled={!may} />
       </div>
     );
   const disabled = !may || (!it && !chosen.value) || now?.state !== 'running';
   return (
-    <div class="run-keys">
+    <div key="start" class="run-keys">
       <Button label={t('run.start')} icon="run" tone="good" big disabled={disabled} class="main" onClick={start} />
     </div>
   );
