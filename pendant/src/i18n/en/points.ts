@@ -37,7 +37,7 @@ export const points = {
   'points.many': '{count} points',
   'points.touchUp': 'Re-teach position',
   'points.touchUpQ': 'Re-teach {name}?',
-  'points.touchUpText': 'The point becomes where the robot stands now. It can be undone.',
+  'points.touchUpText': 'The point is set to where the robot is now. You can undo this.',
   'points.touched': 'Re-taught {name}',
   'points.shift': 'Shift',
   'points.shiftTitle': 'Shift {names}',

@@ -38,7 +38,7 @@ export const signals = {
   'signals.is.number': 'number',
   'signals.is.boolean': 'on or off',
   'signals.is.text': 'text',
-  'signals.badNumber': 'This is no number',
+  'signals.badNumber': 'Not a number',
   'signals.set': 'Set once',
   'signals.force': 'Force',
   'signals.simulate': 'Simulate',

@@ -69,7 +69,7 @@ function Buttons() {
   const goes = doc.anyRunning.value;
   const may = mayMove.value;
   const line = doc.atLine.value;
-  const ready = may && doc.fileName.value !== '' && doc.isProgram.value;
+  const ready = may && doc.fileName.value !== '' && doc.isProgram.value && status.value?.state === 'running';
   if (!goes)
     return (
       <div key="start" class="program-buttons">
