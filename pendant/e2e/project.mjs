@@ -5,7 +5,7 @@ import { go, launch, state } from './browser.mjs';
 import { until, Watcher } from './cell.mjs';
 import { suite } from './suite.mjs';
 
-const { at, test } = suite({ chain: true });
+const { at, test, endProgram } = suite({ chain: true });
 const { cell, goOn } = at;
 let page, began;
 
@@ -18,10 +18,7 @@ test('a robot is chosen from the catalogue', async () => {
   began = Date.now();
   page = await at.open();
   await button(/^In control/).waitFor();
-  await go(page, 'Program');
-  await button('End program').click();
-  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
-  await button('Start').waitFor();
+  await endProgram();
   await go(page, 'Cell');
   await shown('Shown', 'Choose robot');
   await page.getByRole('searchbox', { name: 'Search robots' }).fill('ur5e');
