@@ -342,6 +342,7 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
   while (!arm.open.empty() && arm.open.front().id <= through &&
          motion.state_of(arm.open.front().id) == motion::MoveState::done)
     arm.open.pop_front();
+  if (arm.open.empty() || !motion.ended_badly_from(arm.open.front().id)) return std::nullopt;
   // What failed says more than what was discarded before it for that reason.
   for (const auto wanted :
        {motion::MoveState::failed, motion::MoveState::refused, motion::MoveState::discarded})

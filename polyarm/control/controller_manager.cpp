@@ -34,19 +34,23 @@ bool usable_after_error(controllers::Controller& controller) noexcept {
   }
 }
 
+Error not_offered(const std::string& name, const std::vector<std::string>& known, const char* kind,
+                  const std::string& controller) {
+  const std::string owner = name.substr(0, name.rfind('/') + 1);
+  const bool owner_known = std::any_of(known.begin(), known.end(),
+                                       [&](const std::string& other) { return other.starts_with(owner); });
+  return Error(owner_known ? "interface-not-offered" : "unknown-interface",
+               "the controller '" + controller + "' needs the " + kind + " interface '" + name +
+                   "', which no hardware offers" + did_you_mean(name, known),
+               "check the joint names and the interfaces of the hardware");
+}
+
 std::vector<std::size_t> resolve(const std::vector<std::string>& names, const std::vector<std::string>& known,
                                  const char* kind, const std::string& controller, auto find) {
   std::vector<std::size_t> out;
   for (const std::string& name : names) {
     const auto index = find(name);
-    const bool owner_known = std::any_of(known.begin(), known.end(), [&](const std::string& other) {
-      return other.starts_with(name.substr(0, name.rfind('/') + 1));
-    });
-    if (!index)
-      throw Error(owner_known ? "interface-not-offered" : "unknown-interface",
-                  "the controller '" + controller + "' needs the " + kind + " interface '" + name +
-                      "', which no hardware offers" + did_you_mean(name, known),
-                  "check the joint names and the interfaces of the hardware");
+    if (!index) throw not_offered(name, known, kind, controller);
     out.push_back(*index);
   }
   return out;

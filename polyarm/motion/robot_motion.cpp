@@ -282,6 +282,10 @@ MoveState RobotMotion::state_of(std::uint64_t id) const {
   return id <= settled_ ? MoveState::done : MoveState::running;
 }
 
+bool RobotMotion::ended_badly_from(std::uint64_t id) const {
+  return ended_badly_.lower_bound(id) != ended_badly_.end();
+}
+
 std::optional<Problem> RobotMotion::problem_of(std::uint64_t id) const {
   const auto found = problems_.find(id);
   return found == problems_.end() ? std::nullopt : std::optional(found->second);

@@ -78,6 +78,8 @@ class RobotMotion {
   void end(std::uint64_t id);
 
   MoveState state_of(std::uint64_t id) const;
+  /// Whether the move `id`, or one after it, failed, was refused or was discarded. O(log n).
+  bool ended_badly_from(std::uint64_t id) const;
   /// How far the moves from `first` to `last` have come.
   Travel travel(std::uint64_t first, std::uint64_t last) const;
   /// Why a move failed.
