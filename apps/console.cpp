@@ -12,6 +12,7 @@
 #include "apps/dialogue.hpp"
 #include "apps/jog_keys.hpp"
 #include "apps/options.hpp"
+#include "apps/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
 
@@ -92,6 +93,7 @@ class Console {
                    a_.hardware.empty() ? "mock" : a_.hardware};
     }
     if (a_.pendant) arguments.push_back("--pendant");
+    for (const std::string& each : allowed_by_options()) arguments.insert(arguments.end(), {"--allow", each});
     talk_.say("starting the simulation of " + robot_text() + " …");
     cell_.start(folder_, arguments);
     editor_.set_folder(cell_.folder());

@@ -25,7 +25,14 @@ std::string printable(std::string text) {
   return text;
 }
 
+std::vector<std::string>& kept() {
+  static std::vector<std::string> all;
+  return all;
+}
+
 void allow(const std::string& what) {
+  const bool named = what.starts_with("host:") || what.starts_with(kSecretPrefix);
+  kept().push_back(named ? what : fs::absolute(what).string());
   if (what.starts_with("host:") && what.size() > 5) return reach().allow_host(what.substr(5));
   if (what.starts_with(kSecretPrefix) && what.size() > kSecretPrefix.size())
     return reach().allow_secret(what.substr(kSecretPrefix.size()));
@@ -72,6 +79,10 @@ void take_reach_options(int& argc, char** argv) {
   readable_from("ROS_PACKAGE_PATH", "");
   readable_from("AMENT_PREFIX_PATH", "share");
   reach().confine();
+}
+
+const std::vector<std::string>& allowed_by_options() {
+  return kept();
 }
 
 bool can_ask() {

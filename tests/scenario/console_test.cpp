@@ -37,12 +37,12 @@ class Console : public ::testing::Test {
     fs::remove_all(folder);
   }
   /// The console in the working folder, told these lines.
-  Finished told(const std::vector<std::string>& lines) {
+  Finished told(const std::vector<std::string>& lines, const std::string& options = "") {
     std::string text;
     for (const std::string& line : lines) text += line + "\n";
     write_file_atomically(folder / "answers.txt", text);
     const std::string command =
-        POLYARM_COMMAND " console " + work.string() + " < " + (folder / "answers.txt").string() + " 2>&1";
+        POLYARM_COMMAND " console " + work.string() + options + " < " + (folder / "answers.txt").string() + " 2>&1";
     std::FILE* const out = ::popen(command.c_str(), "r");
     Finished done;
     char part[4096];
@@ -277,6 +277,17 @@ TEST_F(Console, ACellThatCannotStartSaysWhy) {
                         "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur33}\n");
   const Finished done = told({"1", "0"});
   EXPECT_TRUE(in_order(done, {"the simulation has not started", "ur33", "console.log"}));
+}
+
+TEST_F(Console, WhatItsCommandLineAllowsHoldsForTheCellThatItStarts) {
+  write_file_atomically(folder / "outside.yaml", "polyarm: scene/1\nfloor: {height: -0.75}\n");
+  write_file_atomically(work / "cell.yaml",
+                        "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3, hardware: mock}\n"
+                        "scene: ../outside.yaml\n");
+  EXPECT_TRUE(has(told({"1", "0", "0"}), "the simulation has not started"));
+  const Finished done = told({"1", "0", "0"}, " --allow " + (folder / "outside.yaml").string());
+  EXPECT_FALSE(has(done, "the simulation has not started")) << done.output;
+  EXPECT_TRUE(has(done, "is running; its files are in")) << done.output;
 }
 
 TEST_F(Console, AnotherCellIsConnectedWithAndStaysWhenTheConsoleLeaves) {
