@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/program_hash.hpp"
 #include "polyarm/cell/requests_later.hpp"
@@ -175,6 +176,15 @@ void require_as_shown(Cell& cell, const Json& arguments) {
                 "look at it, and start it then");
 }
 
+/// `saved`: of the program with what it includes, or of its script alone as files.read tells it.
+void require_saved_as_shown(Cell& cell, const std::string& saved) {
+  const std::string file = cell.program()->interpreter().program().file;
+  if (saved.empty() || saved == program_hash(program::load_program(file)) || saved == content_hash(read_file(file)))
+    return;
+  throw Error("program-changed", "the files of '" + file + "' were changed since they were shown",
+              "look at them, and start it then");
+}
+
 Poll program_start(Cell& cell, const Json& arguments) {
   require_may_begin(cell);
   if (!cell.program())
@@ -188,13 +198,7 @@ Poll program_start(Cell& cell, const Json& arguments) {
   if (!cell.all_idle()) throw Error("moving", "a robot still moves", "wait until it has arrived");
   require_as_shown(cell, arguments);
   if (flag_argument(arguments, "as_saved") && written_since(cell)) {
-    if (!text_argument(arguments, "saved", "").empty() &&
-        text_argument(arguments, "saved") !=
-            program_hash(program::load_program(cell.program()->interpreter().program().file)))
-      throw Error("program-changed",
-                  "the files of '" + cell.program()->interpreter().program().file +
-                      "' were changed since they were shown",
-                  "look at them, and start it then");
+    require_saved_as_shown(cell, text_argument(arguments, "saved", ""));
     const fs::path file = cell.program()->interpreter().program().file;
     cell.prepare_program(fs::proximate(file, cell.file().folder).string(), 0);  // looked for in there
     cell.program()->interpreter().resume();
@@ -262,7 +266,7 @@ const std::vector<RequestRow>& load_rows() {
         "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
         "front of its first line, `as_saved` reads it anew where its file has been written since. Refused as "
         "program-changed where what stands ready is not the `file` or has not the `hash` that `program` told, "
-        "or where its files as they are now have not the hash `saved`",
+        "or where its files as they are now have not the hash `saved` (of `program`, or of `files.read`)",
         true},
        program_start},
       {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},

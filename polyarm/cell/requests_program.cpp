@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/program_hash.hpp"
 #include "polyarm/cell/requests_later.hpp"
@@ -274,6 +275,35 @@ Poll program_edited(Cell& cell, const Json& arguments) {
   return at_once({{"breakpoints", shown_places(cell.breakpoints())}});
 }
 
+Error changed_since_shown(const std::string& name) {
+  return Error("program-changed", "'" + name + "' was changed since it was shown", "look at it, and start it then");
+}
+
+/// What somebody was shown of the script that is to begin: its file and lines.
+struct Shown {
+  std::filesystem::path file;
+  TextLines lines;
+};
+
+/// Where its `hash`, as files.read told it, is given. Throws Error where the file has changed since.
+std::optional<Shown> as_shown(Cell& cell, const Json& arguments) {
+  const std::string hash = text_argument(arguments, "hash", "");
+  if (hash.empty()) return {};
+  const std::string name = text_argument(arguments, "program", "");
+  Shown out{project_file(cell.file().folder, name), {}};
+  const std::string text = read_file(out.file);
+  if (content_hash(text) != hash) throw changed_since_shown(name);
+  out.lines = program::split_lines(text);
+  return out;
+}
+
+/// It was read after it was looked at: another text stands paused, and goes nowhere.
+void require_read_as_shown(const Shown& shown, const program::Program& read) {
+  std::error_code error;
+  if (std::filesystem::equivalent(shown.file, read.file, error) && read.lines != shown.lines)
+    throw changed_since_shown(shown.file.filename().string());
+}
+
 Poll program_from(Cell& cell, const Json& arguments) {
   const double line = number_argument(arguments, "line", 0);
   if (!cell.arming().armed())  // else it would begin by itself as soon as somebody arms the cell
@@ -288,8 +318,10 @@ Poll program_from(Cell& cell, const Json& arguments) {
     throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");
   if (!cell.snapshot().standing || !cell.all_idle())
     throw Error("moving", "a robot still moves", "wait until it has arrived");
+  const std::optional<Shown> shown = as_shown(cell, arguments);
   const program::StartReport report =
       cell.prepare_program(text_argument(arguments, "program", ""), static_cast<int>(line));
+  if (shown) require_read_as_shown(*shown, cell.program()->interpreter().program());
   Json out = assumed(cell, report);
   if (!flag_argument(arguments, "confirmed"))
     out["next"] = "the program stands in front of this line: program.go";
@@ -363,11 +395,12 @@ const std::vector<RequestRow>& program_rows() {
         false},
        program_edited},
       {{"program.from",
-        {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}},
+        {{"line", kNumber}, {"program", kText}, {"confirmed", kFlag}, {"hash", kText}},
         "{where, source, robot, tool, frame, last_point, sets, reads, variables, held, next}",
         "a program that has ended or is paused begins anew at `line` (its first), read from its file: told "
         "is "
-        "what it takes for given; it waits for program.go unless `confirmed`",
+        "what it takes for given; it waits for program.go unless `confirmed`. Refused as program-changed where "
+        "`program`, a script, has not the `hash` that `files.read` told",
         true},
        program_from},
       {{"program.stop",

@@ -102,6 +102,16 @@ TEST_F(ProgramRequests, WhatIsStartedIsWhatWasShown) {
                   .get<bool>());
 }
 
+TEST_F(ProgramRequests, WhatBeginsAnewIsWhatWasShown) {
+  const Json shown = cell->ask({{"request", "files.read"}, {"name", "work.script"}})["result"];
+  Json from{{"request", "program.from"}, {"program", "work.script"}, {"hash", shown["hash"]}, {"confirmed", true}};
+  folder.write("work.script", "load work_data\nmoveto B\n");
+  EXPECT_EQ(error_of(cell->ask(from)), "program-changed");
+  EXPECT_EQ(word(), "none") << "nothing has begun";
+  from["hash"] = cell->ask({{"request", "files.read"}, {"name", "work.script"}})["result"]["hash"];
+  EXPECT_TRUE(cell->ask(from)["ok"].get<bool>());
+}
+
 TEST_F(ProgramRequests, ACellWithoutAProgramSaysSoAndBeginsOneAtALine) {
   const Json now = state();
   EXPECT_EQ(now["state"], "none");

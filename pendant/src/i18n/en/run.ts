@@ -46,4 +46,5 @@ export const run = {
   'wait.lock': 'a lock',
   'wait.tasks': 'its tasks',
   'wait.next turn': 'its next turn',
+  'run.resumeFirst': 'Press Resume first: the cell is held.',
 } as const;

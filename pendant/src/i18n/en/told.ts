@@ -1,6 +1,6 @@
 /** What the cell tells by a code: causes of stops, what is wrong, what to do about it. */
 export const told = {
-  'cause.asked': 'Stop pressed',
+  'cause.asked': 'Pause or Stop was pressed',
   'cause.gap': 'The machine paused the process; the cell stopped on its path',
   'cause.cellSilent': "The cell's thread did not answer for 0.5 s",
   'cause.component': 'A hardware component failed',
@@ -88,4 +88,9 @@ export const told = {
   'do.no-cell': 'Open a cell on the page Cell',
   'told.in-contact': 'Something still touches',
   'do.in-contact': 'Jog away slowly, or step back',
+  'told.program-changed': 'The program has changed since it was shown',
+  'do.program-changed': 'Look at it again, then press Start',
+  'told.no-role': 'This link does not allow it',
+  'do.no-role': 'Open a link that allows it',
+  'told.unknown-cell': 'This cell cannot be opened',
 } as const;

@@ -48,4 +48,5 @@ export const run: Record<keyof typeof en, string> = {
   'wait.lock': 'un cierre',
   'wait.tasks': 'sus tareas',
   'wait.next turn': 'su próximo turno',
+  'run.resumeFirst': 'Pulse primero Reanudar: la celda está retenida.',
 };

@@ -1,7 +1,7 @@
 import type { told as en } from '../en/told';
 
 export const told: Record<keyof typeof en, string> = {
-  'cause.asked': 'Se pulsó Parar',
+  'cause.asked': 'Se pulsó Pausa o Parar',
   'cause.gap': 'La máquina detuvo el proceso; la celda paró en su trayectoria',
   'cause.cellSilent': 'El hilo de la celda no respondió durante 0,5 s',
   'cause.component': 'Falló un componente de los equipos',
@@ -89,4 +89,9 @@ export const told: Record<keyof typeof en, string> = {
   'do.no-cell': 'Abra una celda en la página Celda',
   'told.in-contact': 'Todavía hay contacto',
   'do.in-contact': 'Aléjese despacio en modo manual, o retroceda',
+  'told.program-changed': 'El programa ha cambiado desde que se mostró',
+  'do.program-changed': 'Vuelva a mirarlo y pulse Iniciar',
+  'told.no-role': 'Este enlace no lo permite',
+  'do.no-role': 'Abra un enlace que lo permita',
+  'told.unknown-cell': 'Esta celda no se puede abrir',
 };

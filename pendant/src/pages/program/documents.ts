@@ -341,10 +341,13 @@ export function follow(): () => void {
 
 // --- running it
 
+/** What was shown is what begins: another text is refused. */
+export const shownHash = (): { hash?: string } => (base.value ? { hash: base.value } : {});
+
 /** Saves what is not saved, and begins. */
 export async function start(): Promise<void> {
   if (dirty.value && !(await save())) return;
-  await attempt('program.from', { program: fileName.value, confirmed: true });
+  await attempt('program.from', { program: fileName.value, confirmed: true, ...shownHash() });
 }
 
 /** Has a task not ended yet? */

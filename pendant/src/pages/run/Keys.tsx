@@ -4,14 +4,21 @@ import { attempt, mayMove, pausing, status } from '../../state/cell';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
 import { chosen } from './Choice';
+import { shortName } from './Now';
+import { readAgain, shownText } from './Text';
 
 /** One that stands ready begins, as its file is now; one that has ended, or was chosen here, anew from its file. */
-function start(): void {
+async function start(): Promise<void> {
   const it = status.peek()?.program;
-  const other = chosen.peek();
-  if (other) void attempt('program.from', { program: other, confirmed: true });
-  else if (it?.ready) void attempt('program.start', { as_saved: true, file: it.file, hash: it.hash });
-  else if (it) void attempt('program.from', { program: it.file, confirmed: true });
+  const name = chosen.peek() || it?.file;
+  if (!name) return;
+  const shown = shownText.peek();
+  const hash = shown.hash && shown.file === shortName(name) ? shown.hash : undefined;
+  const begun =
+    chosen.peek() || !it?.ready
+      ? await attempt('program.from', { program: name, confirmed: true, ...(hash && { hash }) })
+      : await attempt('program.start', { as_saved: true, file: it.file, hash: it.hash, ...(hash && { saved: hash }) });
+  if (!begun) ++readAgain.value;
 }
 
 /** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. The keys are
@@ -30,7 +37,8 @@ export function Keys() {
   const disabled = !may || (!it && !chosen.value) || now?.state !== 'running';
   return (
     <div key="start" class="run-keys">
-      <Button label={t('run.start')} icon="run" tone="good" big disabled={disabled} class="main" onClick={start} />
+      <Button label={t('run.start')} icon="run" tone="good" big disabled={disabled} class="main" onClick={() => void start()} />
+      {may && now?.state === 'held' && <p class="note">{t('run.resumeFirst')}</p>}
     </div>
   );
 }

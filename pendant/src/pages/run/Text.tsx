@@ -1,9 +1,15 @@
+import { signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { request, status } from '../../state/cell';
 import { base, fileName, sameFile } from '../program/documents';
 import { chosen } from './Choice';
 import { shortName } from './Now';
+
+/** The file whose text is shown, as it was read; '' where none could be. */
+export const shownText = signal({ file: '', hash: '' });
+/** Rises where the text is to be read anew: it was changed since. */
+export const readAgain = signal(0);
 
 /** The text of the program that runs or that Start begins, with the line that runs, kept in sight. */
 export function Text() {
@@ -16,12 +22,21 @@ export function Text() {
   const hash = sameFile(file, fileName.value) ? base.value : '';  // it may be saved from here
   useEffect(() => {
     setLines([]);
+    shownText.value = { file: '', hash: '' };
     if (!file) return;
-    request<{ text: string }>('files.read', { name: file }).then(
-      (got) => setLines(got.text.split('\n')),
+    let left = false;
+    request<{ text: string; hash: string }>('files.read', { name: file }).then(
+      (got) => {
+        if (left) return;
+        setLines(got.text.split('\n'));
+        shownText.value = { file, hash: got.hash };
+      },
       () => undefined,
     );
-  }, [file, ended, hash]);
+    return () => {
+      left = true;
+    };
+  }, [file, ended, hash, readAgain.value]);
   const line = ended ? -1 : (program?.line ?? -1);
   useEffect(() => {
     const box = list.current;
