@@ -98,6 +98,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
           {"can", cell::ways_json(cell)},
           {"contacts", cell::contacts_json(cell)},
           {"standing", seen.standing},
+          {"motion_left", cell.motion_left()},
           {"armed", cell.arming().armed()},
           {"needs_arming", cell.arming().needed()},
           {"simulated", !cell.arming().needed()},

@@ -72,15 +72,15 @@ function WayBack() {
       <div>
         <strong>{t('contact.title')}</strong> <span>{pairs()}</span>
         <ol>
-          <li>{t(now.state === 'fault' ? 'contact.recover' : 'contact.cancel')}</li>
+          <li>{t(now.state === 'fault' ? 'contact.recover' : now.motionLeft ? 'contact.cancel' : 'contact.canceled')}</li>
           <li>{t(now.contacts.touching ? 'contact.away' : 'contact.clear')}</li>
           <li>{t('contact.resume')}</li>
         </ol>
       </div>
       <div class="row">
         {now.state === 'fault' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may} onClick={() => void recover()} />}
-        {can('discard') && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
-        {can('back') && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void attempt('control.back', { time: 0.5 })} />}
+        {can('discard') && now.motionLeft && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
+        {can('back') && now.motionLeft && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void attempt('control.back', { time: 0.5 })} />}
         {held && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
         {can('resume') && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
       </div>

@@ -38,7 +38,7 @@ function StateShown() {
 
 function Modes() {
   const now = status.value;
-  if (!now) return <div class="modes" />;
+  if (!now || now.state === 'no cell') return <div class="modes" />;
   return (
     <div class="modes" role="group" aria-label={t('mode.label')}>
       <span class={`chip ${now.simulated ? '' : 'warn'}`}>
@@ -86,6 +86,7 @@ function moves(): boolean {
 function Go() {
   const now = status.value;
   const may = mayMove.value;
+  const touches = now?.cannot.resume?.code === 'in-contact'; // the strip says what leads out
   if (now?.state === 'fault')
     return (
       <div class="go">
@@ -101,7 +102,7 @@ function Go() {
   if (isPaused())
     return (
       <div class="go">
-        {now?.state === 'held' && now.moving === false && (
+        {now?.state === 'held' && now.moving === false && now.motionLeft && (
           <Button
             label={t('bar.discard')}
             class="cancel-motion"
@@ -109,12 +110,12 @@ function Go() {
             onClick={() => ask({ title: `${t('bar.discard')}?`, text: t('bar.discardText'), action: t('bar.discard'), onYes: () => void discard() })}
           />
         )}
-        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may} onClick={() => void goOn()} />
+        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may || touches} onClick={() => void goOn()} />
       </div>
     );
   return (
     <div class="go">
-      <Button label={t('bar.hold')} icon="pause" big tone={moves() ? 'warn' : 'plain'} disabled={!connected.value} onClick={() => void hold()} />
+      <Button label={t('bar.hold')} icon="pause" big tone={moves() ? 'warn' : 'plain'} disabled={!connected.value || now?.state === 'no cell'} onClick={() => void hold()} />
     </div>
   );
 }

@@ -49,6 +49,7 @@ function runningWord(): StateWord {
   if (pausing.value) return word(t('state.pausing'), 'warn', 'clock');
   if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
   if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
+  if (program?.state === 'waiting' && now.moving) return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');
   return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
 }

@@ -61,6 +61,7 @@ export function readStatus(event: Json, client: number): Status {
     state: text(event.state) as Status['state'],
     cause: cause === 'nothing' ? '' : cause,
     moving: event.standing === false,
+    motionLeft: event.motion_left !== false,
     armed: event.armed !== false,
     simulated: event.simulated !== false,
     profile: text(event.profile),

@@ -60,6 +60,8 @@ export interface Status {
   state: RunState | 'no cell';
   cause: string;
   moving: boolean;
+  /** Is there something of a motion that Resume would go on with? */
+  motionLeft: boolean;
   armed: boolean;
   simulated: boolean;
   profile: string;

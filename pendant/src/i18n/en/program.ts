@@ -254,4 +254,5 @@ export const program = {
   'program.notChecked': 'Not checked here. Save the file, then press Check the cell on the page Cell.',
   'program.toCell': 'Open the page Cell',
   'program.beingChecked': 'Checking …',
+  'program.dryContact': 'Dry run: something is touched',
 } as const;

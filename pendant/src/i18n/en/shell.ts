@@ -91,7 +91,7 @@ export const shell = {
   'question.label': 'The program asks',
   'question.wait': 'The program waits for you.',
   'question.answer': 'Answer',
-  'question.go': 'Resume',
+  'question.go': 'Confirm',
 
   'alarms.label': 'Alarms',
   'alarms.count': '{count} new alarms',
@@ -156,4 +156,5 @@ export const shell = {
   'bodies.none': 'Contacts are not detected in this cell: the robot passes through everything.',
   'contact.back': 'Step back',
   'bodies.some': 'Contacts are not detected for {count}: {names}',
+  'contact.canceled': 'No motion is left to go on with.',
 } as const;

@@ -22,7 +22,7 @@ export const signals = {
   'signals.turnOn': 'Turn {name} on',
   'signals.turnOff': 'Turn {name} off',
   'signals.open': 'Open {name}',
-  'signals.never': 'as at the start',
+  'signals.never': 'not changed',
   'signals.ago': '{who}, {time} ago',
   'signals.by.a person': 'a person',
   'signals.by.terminal': 'terminal',
@@ -63,4 +63,5 @@ export const signals = {
   'signals.linkFacts': '{tags} tags · {ms} ms · lost {losses} times',
   'signals.lossHold': 'a loss holds the cell',
   'signals.lossGoOn': 'a loss holds nothing',
+  'signals.by.state': 'measured',
 } as const;

@@ -256,4 +256,5 @@ export const program: Record<keyof typeof en, string> = {
   'program.notChecked': 'No se comprueba aquí. Guarde el archivo y pulse Comprobar la celda en la página Celda.',
   'program.toCell': 'Abrir la página Celda',
   'program.beingChecked': 'Comprobando…',
+  'program.dryContact': 'Ensayo en seco: se toca algo',
 };

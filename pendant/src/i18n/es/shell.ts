@@ -93,7 +93,7 @@ export const shell: Record<keyof typeof en, string> = {
   'question.label': 'El programa pregunta',
   'question.wait': 'El programa le espera.',
   'question.answer': 'Respuesta',
-  'question.go': 'Reanudar',
+  'question.go': 'Confirmar',
 
   'alarms.label': 'Alarmas',
   'alarms.count': '{count} alarmas nuevas',
@@ -158,4 +158,5 @@ export const shell: Record<keyof typeof en, string> = {
   'bodies.none': 'En esta celda no se detectan contactos: el robot atraviesa todo.',
   'contact.back': 'Retroceder',
   'bodies.some': 'No se detectan contactos de {count}: {names}',
+  'contact.canceled': 'No queda ningún movimiento por continuar.',
 };

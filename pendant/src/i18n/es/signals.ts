@@ -24,7 +24,7 @@ export const signals: Record<keyof typeof en, string> = {
   'signals.turnOn': 'Activar {name}',
   'signals.turnOff': 'Desactivar {name}',
   'signals.open': 'Abrir {name}',
-  'signals.never': 'como al inicio',
+  'signals.never': 'sin cambios',
   'signals.ago': '{who}, hace {time}',
   'signals.by.a person': 'una persona',
   'signals.by.terminal': 'terminal',
@@ -65,4 +65,5 @@ export const signals: Record<keyof typeof en, string> = {
   'signals.linkFacts': '{tags} etiquetas · {ms} ms · perdido {losses} veces',
   'signals.lossHold': 'una pérdida detiene la celda',
   'signals.lossGoOn': 'una pérdida no detiene nada',
+  'signals.by.state': 'medido',
 };

@@ -43,9 +43,11 @@ export function RunPanel() {
 function Where() {
   const now = status.value?.program;
   if (!now || now.ready) return <p class="program-where off">{t('program.notBegun')}</p>;
-  const state = now.paused ? t('state.programPaused') : word('program.state', now.state);
+  const goes = !now.ended;
+  const still = goes && (status.value?.state === 'held' || status.value?.state === 'stopping');
+  const state = still ? t('state.held') : now.paused ? t('state.programPaused') : goes && status.value?.moving ? t('program.state.running') : word('program.state', now.state);
   return (
-    <div class={`program-where ${now.paused ? 'warn' : now.state}`} role="status">
+    <div class={`program-where ${now.paused || still ? 'warn' : now.state}`} role="status">
       <strong>{state}</strong>
       <span>{t('program.whereIs', { file: shortName(now.file), line: now.line })}</span>
       <dl>
@@ -119,7 +121,7 @@ interface Assumed {
 export async function runFrom(line: number): Promise<void> {
   if (doc.dirty.value && !(await doc.save())) return;
   try {
-    const assumed = await request<Assumed>('program.from', { program: doc.fileName.value, line });
+    const assumed = await request<Assumed>('program.from', { program: doc.fileName.value, line, ...doc.shownHash() });
     open((close) => <FromDialog assumed={assumed} onClose={close} />);
   } catch (error) {
     complain(error);
@@ -252,7 +254,7 @@ function DryAnswer({ stale }: { stale: boolean }) {
     <div class={`program-dry ${stale ? 'stale' : good ? 'good' : 'bad'}`} role="status">
       <Icon name={good ? 'check' : 'alarm'} />
       <span class="grow">
-        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : result.moves === 0 ? t('program.dryNothing') : t('program.dryBad')}</strong>
+        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : result.problems.some((each) => each.code === 'contact') ? t('program.dryContact') : result.moves === 0 ? t('program.dryNothing') : t('program.dryBad')}</strong>
         <small>
           {t('program.dryMoves', { moves: result.moves })}
           {result.seconds !== null && result.seconds !== undefined && ` · ${t('program.dryTime', { time: `${number(result.seconds, 1)} s` })}`}

@@ -1,5 +1,5 @@
 import { type Key, t, word } from '../../i18n';
-import { plain } from '../../i18n/told';
+import { plain, problemWords } from '../../i18n/told';
 import { pausing, program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
 import { NoPass } from './NoPass';
@@ -19,7 +19,7 @@ export function programWord(): { text: string; tone: string } {
   if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
   if (pausing.value) return { text: t('state.pausing'), tone: 'warn' };
   if (it.paused) return { text: t('program.paused'), tone: 'warn' };
-  return { text: word('program', it.state), tone: 'busy' };
+  return { text: now.moving ? t('program.running') : word('program', it.state), tone: 'busy' };
 }
 
 /** The program's name and state, and the statement that it is at. */
@@ -46,12 +46,20 @@ export function Now() {
       )}
       {it.ended && it.problem && (
         <p class="problem-text">
-          <b>{t('run.problem')}:</b> {plain(it.problem)}
+          <b>{t('run.problem')}:</b> {whyEnded(it.problem)}
         </p>
       )}
       <NoPass />
     </div>
   );
+}
+
+/** In the page's language where its code is known. */
+function whyEnded(told: string): string {
+  const problem = (program.value as Json | null)?.problem as { code: string; what: string } | null | undefined;
+  if (!problem?.code) return plain(told);
+  const { text, detail } = problemWords(problem);
+  return detail ? `${text} (${detail})` : text;
 }
 
 interface TaskLine {
