@@ -36,7 +36,7 @@ export class Cell {
     this.output = '';
     this.child = spawn(polyarm, ['run', this.folder, '--pendant', '--port', String(this.port), '--no-socket', ...this.options], {
       cwd: root,
-      env: { ...process.env, XDG_RUNTIME_DIR: this.home, XDG_DATA_HOME: join(this.home, 'data') },
+      env: { ...process.env, XDG_RUNTIME_DIR: this.home, XDG_DATA_HOME: join(this.home, 'data'), XDG_CONFIG_HOME: join(this.home, 'config') },
     });
     for (const stream of [this.child.stdout, this.child.stderr]) stream.on('data', (text) => (this.output += text));
     this.ended = new Promise((done) => this.child.on('exit', done));

@@ -42,21 +42,21 @@ class List {
  public:
   explicit List(const CellFile& file) : file_(file) {}
 
-  std::vector<Wanted> all() {
+  std::vector<Wanted> all(Problems& unread) {
     plugins();
     own_files();
     for (const RobotEntry& robot : file_.robots) of_robot(robot);
     for (const auto& [name, options] : file_.doors)
       for (const std::string& host : graph_hosts(options)) add("host", host, "the door " + name, {});
-    Problems told_later;
-    collect(told_later, [&] { links(); });
+    collect(unread, [&] { links(); });
     return std::move(out_);
   }
 
  private:
   void add(const char* kind, const std::string& what, const std::string& why, const Location& where) {
     Wanted wanted{kind, what, why, where, false};
-    if (wanted.kind == "host") wanted.allowed = reach().host_allowed(what);
+    if (wanted.kind == "host")
+      wanted.allowed = reach().host_allowed(what) || is_approved({"host", subject_of(file_), what});
     if (wanted.kind == "host" && is_loopback(what)) return;
     if (wanted.kind == "device") wanted.allowed = true;  // opened with --real alone, which the user says
     if (wanted.kind == "secret") wanted.allowed = secret_allowed(file_, what);
@@ -68,6 +68,7 @@ class List {
     if (named.empty()) return;
     const fs::path path = file_.folder / named, real = resolved(path);
     if (polyarm::inside(real, project_root(file_.folder)) || reach().allows(path, real, use)) return;
+    if (is_approved({"path", subject_of(file_), real.string()})) return;
     add("file", real.string(), why, where);
   }
 
@@ -158,8 +159,9 @@ void admit_file(const CellFile& file, const LinkEntry& link, std::string& named,
 }
 }  // namespace
 
-std::vector<Wanted> wanted_by(const CellFile& file) {
-  return List(file).all();
+std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread) {
+  Problems told_later;
+  return List(file).all(unread ? *unread : told_later);
 }
 
 void allow_remembered(const fs::path& cell_folder) {
@@ -172,12 +174,16 @@ void allow_remembered(const fs::path& cell_folder) {
   }
 }
 
-void allow_and_remember(const CellFile& file, const Wanted& wanted) {
-  const std::string subject = subject_of(file);
+void remember_allowed(const CellFile& file, const Wanted& wanted) {
   if (wanted.kind == "plugin") return approve({"library", wanted.sha256, wanted.what});
+  if (wanted.kind == "device") return;
+  approve({wanted.kind == "file" ? "path" : wanted.kind, subject_of(file), wanted.what});
+}
+
+void allow_and_remember(const CellFile& file, const Wanted& wanted) {
   if (wanted.kind == "host") reach().allow_host(wanted.what);
   if (wanted.kind == "file") reach().allow(wanted.what);
-  if (wanted.kind != "device") approve({wanted.kind == "file" ? "path" : wanted.kind, subject, wanted.what});
+  remember_allowed(file, wanted);
 }
 
 void admit_links(const CellFile& file, signals::Signals& signals, Problems& problems) {

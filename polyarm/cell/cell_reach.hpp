@@ -22,9 +22,12 @@ struct Wanted {
 
 /// What the cell names, as far as its own files say; what a plugin does is the plugin's. Nothing is loaded,
 /// opened or connected. Files inside the cell, packages and this machine's loopback are not listed.
-std::vector<Wanted> wanted_by(const CellFile& file);
+/// `unread`: what is wrong in files that could name more.
+std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread = nullptr);
 /// What the user has approved for cells in this folder earlier is allowed from now on.
 void allow_remembered(const std::filesystem::path& cell_folder);
+/// Remembers that cells in this folder may reach it, from when one is opened next.
+void remember_allowed(const CellFile& file, const Wanted& wanted);
 /// Allows it, and remembers that for cells in this folder. A plugin is approved by its hash.
 void allow_and_remember(const CellFile& file, const Wanted& wanted);
 

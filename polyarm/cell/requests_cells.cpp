@@ -11,8 +11,8 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
-#include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/check.hpp"
+#include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/program/parser.hpp"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000, kMostCells = 200;
+constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000;
 
 /// A folder for this alone, which goes when nobody needs it any more.
 class Scratch {
@@ -200,91 +200,6 @@ Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::p
   return out;
 }
 
-// --- the cells that there are
-
-fs::path projects_folder() {
-  const char* data = std::getenv("XDG_DATA_HOME");
-  const char* home = std::getenv("HOME");
-  const fs::path base =
-      data && *data ? fs::path(data) : fs::path(home && *home ? home : ".") / ".local/share";
-  return base / "polyarm" / "cells";
-}
-
-constexpr std::size_t kMostRecent = 12;
-fs::path recent_file() {
-  return projects_folder().parent_path() / "recent.json";
-}
-
-/// Cells that were open, the newest first; those that are gone are left out.
-std::vector<fs::path> recent_cells() {
-  std::vector<fs::path> out;
-  std::error_code error;
-  const fs::path file = recent_file();
-  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > 100'000) return out;
-  const Json list = Json::parse(read_file(file), nullptr, false);
-  if (!list.is_array()) return out;
-  for (const Json& each : list)
-    if (each.is_string() && out.size() < kMostRecent &&
-        fs::exists(fs::path(each.get<std::string>()) / "cell.yaml", error))
-      out.emplace_back(each.get<std::string>());
-  return out;
-}
-
-/// Puts the cell in front of those that were open. Where that cannot be written nothing is remembered.
-std::vector<fs::path> note_recent(const fs::path& open) {
-  std::vector<fs::path> all = recent_cells();
-  if (!all.empty() && all.front() == open) return all;
-  std::erase(all, open);
-  all.insert(all.begin(), open);
-  if (all.size() > kMostRecent) all.resize(kMostRecent);
-  Json list = Json::array();
-  for (const fs::path& each : all) list.push_back(each.string());
-  std::error_code error;
-  fs::create_directories(recent_file().parent_path(), error);
-  try {
-    write_file_atomically(recent_file(), list.dump());
-  } catch (const std::exception&) {
-  }
-  return all;
-}
-
-/// The first words of its README.md, or its folder's name.
-std::string title_of(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_regular_file(folder / "README.md", error)) return {};
-  std::string text;
-  Problems ignored;
-  collect(ignored, [&] { text = read_file(folder / "README.md", kLargest); });
-  const std::string first = text.substr(0, text.find('\n'));
-  return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
-}
-
-Json cell_entry(const fs::path& folder, bool recent) {
-  const AsUser user;
-  Json robots = Json::array();
-  try {
-    for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
-  } catch (const Error&) {  // it can be opened, and then says what is wrong
-  }
-  return {{"name", folder.filename().string()},
-          {"folder", folder.string()},
-          {"title", title_of(folder)},
-          {"robots", robots},
-          {"recent", recent}};
-}
-
-void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
-  std::error_code error;
-  std::vector<fs::path> here;
-  for (const auto& entry : fs::directory_iterator(parent, error))
-    if (entry.is_directory(error) && fs::exists(entry.path() / "cell.yaml", error) &&
-        !entry.path().filename().string().starts_with("."))
-      here.push_back(fs::weakly_canonical(entry.path(), error));
-  std::sort(here.begin(), here.end());
-  for (const fs::path& each : here)
-    if (std::find(out.begin(), out.end(), each) == out.end() && out.size() < kMostCells) out.push_back(each);
-}
-
 fs::path new_project(const std::string& name) {
   const auto good = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
@@ -378,38 +293,16 @@ Poll cell_check(Cell& cell, const Json&) {
   });
 }
 
-Poll cell_reach(Cell& cell, const Json&) {
-  return aside([file = cell.file()] {
-    Json list = Json::array();
-    for (const Wanted& each : wanted_by(file))
-      list.push_back({{"kind", each.kind},
-                      {"what", each.what},
-                      {"why", each.why},
-                      {"sha256", each.sha256},
-                      {"allowed", each.allowed}});
-    return Json{{"wants", std::move(list)}};
+Poll cell_reach(Cell& cell, const Json& arguments) {
+  const std::vector<std::string> allowed = list_argument(arguments, "allow");
+  return aside([open = cell.file().path, folder = text_argument(arguments, "folder", ""), allowed] {
+    return reach_of_cell(open, folder, allowed);
   });
 }
 
 Poll cells(Cell& cell, const Json&) {
-  std::error_code error;
-  const fs::path open = fs::weakly_canonical(cell.file().folder, error);
   return later<Json>(
-      cell,
-      [open] {
-        std::vector<fs::path> folders;
-        add_cells(projects_folder(), folders);
-        add_cells(open.parent_path(), folders);
-        // What was open lately stays in sight, and what lies beside it: examples, too, once a project is open.
-        const std::vector<fs::path> recent = note_recent(open);
-        for (const fs::path& each : recent) add_cells(each.parent_path(), folders);
-        Json list = Json::array();
-        for (const fs::path& folder : folders)
-          list.push_back(cell_entry(folder, folder != open && std::find(recent.begin(), recent.end(), folder) !=
-                                                                recent.end()));
-        return Json{{"open", open.string()}, {"cells", std::move(list)}};
-      },
-      [](Cell&, Json& out) { return out; });
+      cell, [open = cell.file().folder] { return known_cells(open); }, [](Cell&, Json& out) { return out; });
 }
 
 Poll cell_save_as(Cell& cell, const Json& arguments) {
@@ -452,9 +345,12 @@ const std::vector<RequestRow>& cells_rows() {
         false},
        cell_check},
       {{"cell.reach",
-        {},
-        "{wants: [{kind, what, why, sha256, allowed}]}",
-        "what the cell's files want to reach beyond its folder: plugins, hosts, devices, files, secrets",
+        {{"folder", kText}, {"allow", kNames}},
+        "{wants: [{kind, what, why, sha256, allowed}], unread}",
+        "what the cell's files want to reach beyond its folder: plugins, hosts, devices, files, secrets; of the "
+        "open cell, or of the one in `folder`, which `cells` lists. `allow`: remember that it may reach these "
+        "hosts (host:NAME) and secrets (secret:NAME) of the list, from when it is opened next. `unread`: what is "
+        "wrong in a file that could name more",
         false},
        cell_reach},
       {{"cells",

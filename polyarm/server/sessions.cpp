@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/request_roles.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/server/control.hpp"
@@ -312,6 +313,11 @@ class Sessions::Work {
   void pass_on(Seat& seat, const std::string& name, Json request, std::size_t bytes) {
     if (!cell_ && (name == "cell.restart" || name == "cell.connect"))
       return answer(seat, request.value("id", Json()), restart(request));
+    if (!cell_ && name == "cells") return answer(seat, request.value("id", Json()), cell::known_cells({}));
+    if (!cell_ && name == "cell.reach")
+      return answer(seat, request.value("id", Json()),
+                    cell::reach_of_cell({}, request.value("folder", ""),
+                                        request.value("allow", std::vector<std::string>{})));
     require_cell();
     if (name == "tags.set" || name == "tags.force" || name == "tags.release" || name == "files.draft")
       request["by"] = name_of(seat.client->number);

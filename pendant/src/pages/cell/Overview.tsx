@@ -2,8 +2,8 @@
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { plain } from '../../i18n/told';
-import { cell, complain, mayMove, request, status } from '../../state/cell';
-import { Button, Card, Loading } from '../../ui/controls';
+import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { Button, Card, Empty, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { RobotInfo } from '../../wire/types';
 import { Mode } from './Mode';
@@ -17,8 +17,22 @@ interface Found {
   line: number;
 }
 
-export function Overview({ onRobots }: { onRobots: () => void }) {
+/** The cell could not be built: another one is opened, or this one again. */
+function NoCell({ onProjects }: { onProjects: () => void }) {
+  return (
+    <Card title={t('cell.noneOpen')}>
+      <Empty icon="cell" text={t('cell.noneOpenText')} />
+      <div class="row">
+        <Button label={t('cell.toProjects')} icon="folder" tone="primary" onClick={onProjects} />
+        <Button label={t('cell.tryAgain')} icon="repeat" disabled={!mayMove.value} onClick={() => void attempt('cell.restart')} />
+      </div>
+    </Card>
+  );
+}
+
+export function Overview({ onRobots, onProjects }: { onRobots: () => void; onProjects: () => void }) {
   const now = cell.value;
+  if (status.value?.state === 'no cell') return <NoCell onProjects={onProjects} />;
   if (!now) return <Loading />;
   return (
     <div class="cell-grid">

@@ -3,11 +3,12 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { cell, complain, mayMove, request } from '../../state/cell';
 import { toast } from '../../state/toasts';
-import { ask, open } from '../../ui/ask';
+import { open } from '../../ui/ask';
 import { Button, Card, Empty, Field, Loading, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { Icon } from '../../ui/Icon';
 import { Working } from './Overview';
+import { ReachDialog, wantsMore } from './Reach';
 import { restart, restarting } from './restart';
 
 interface Project {
@@ -44,13 +45,10 @@ export function Projects() {
       },
     );
   useEffect(() => void load(), []);
+  const begin = (project: Project) =>
+    restart(t('cell.opening', { name: project.name }), t('cell.opened', { name: project.name }), 'cell.open', { folder: project.folder }).then(load);
   const openOne = (project: Project) =>
-    ask({
-      title: t('cell.openQ', { name: titleOf(project, list ?? []) }),
-      text: t('cell.openText'),
-      action: t('cell.open'),
-      onYes: () => void restart(t('cell.opening', { name: project.name }), t('cell.opened', { name: project.name }), 'cell.open', { folder: project.folder }).then(load),
-    });
+    open((close) => <ReachDialog folder={project.folder} name={titleOf(project, list ?? [])} onClose={close} onOpen={() => void begin(project)} />);
   return (
     <div class="cell-grid">
       <Card title={t('cell.thisCell')}>
@@ -128,6 +126,7 @@ function RestoreDialog({ file, taken, onClose, onDone }: { file: File; taken: st
       const { folder } = (await answer.json()) as { folder: string };
       toast({ kind: 'ok', text: t('cell.restored', { name }), detail: folder });
       onDone();
+      if (await wantsMore(folder)) open((close) => <ReachDialog folder={folder} name={name} onClose={close} />);
     } catch (error) {
       toast({ kind: 'error', text: t('cell.notRestored'), detail: String((error as Error).message) });
     }

@@ -28,7 +28,7 @@ export default function Page() {
         onChange={(id) => (tab.value = id)}
       />
       <div class="cell-body" tabIndex={0} role="region" aria-label={t('nav.cell')}>
-        {tab.value === 'cell' && <Overview onRobots={() => (tab.value = 'robot')} />}
+        {tab.value === 'cell' && <Overview onRobots={() => (tab.value = 'robot')} onProjects={() => (tab.value = 'projects')} />}
         {tab.value === 'robot' && <Catalogue onDone={() => (tab.value = 'cell')} />}
         {tab.value === 'projects' && <Projects />}
         {tab.value === 'settings' && <SettingsTab />}

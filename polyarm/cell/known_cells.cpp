@@ -1,0 +1,167 @@
+#include "polyarm/cell/known_cells.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/cell_reach.hpp"
+
+namespace polyarm::cell {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+fs::path projects_folder() {
+  const char* data = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  const fs::path base =
+      data && *data ? fs::path(data) : fs::path(home && *home ? home : ".") / ".local/share";
+  return base / "polyarm" / "cells";
+}
+
+namespace {
+constexpr std::size_t kMostRecent = 12, kMostCells = 200, kLargest = 900'000;
+fs::path recent_file() {
+  return projects_folder().parent_path() / "recent.json";
+}
+
+/// Cells that were open, the newest first; those that are gone are left out.
+std::vector<fs::path> recent_cells() {
+  std::vector<fs::path> out;
+  std::error_code error;
+  const fs::path file = recent_file();
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > 100'000) return out;
+  const Json list = Json::parse(read_file(file), nullptr, false);
+  if (!list.is_array()) return out;
+  for (const Json& each : list)
+    if (each.is_string() && out.size() < kMostRecent &&
+        fs::exists(fs::path(each.get<std::string>()) / "cell.yaml", error))
+      out.emplace_back(each.get<std::string>());
+  return out;
+}
+
+/// Puts the cell in front of those that were open. Where that cannot be written nothing is remembered.
+std::vector<fs::path> note_recent(const fs::path& open) {
+  std::vector<fs::path> all = recent_cells();
+  if (!all.empty() && all.front() == open) return all;
+  std::erase(all, open);
+  all.insert(all.begin(), open);
+  if (all.size() > kMostRecent) all.resize(kMostRecent);
+  Json list = Json::array();
+  for (const fs::path& each : all) list.push_back(each.string());
+  std::error_code error;
+  fs::create_directories(recent_file().parent_path(), error);
+  try {
+    write_file_atomically(recent_file(), list.dump());
+  } catch (const std::exception&) {
+  }
+  return all;
+}
+
+/// The first words of its README.md, or its folder's name.
+std::string title_of(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "README.md", error)) return {};
+  std::string text;
+  Problems ignored;
+  collect(ignored, [&] { text = read_file(folder / "README.md", kLargest); });
+  const std::string first = text.substr(0, text.find('\n'));
+  return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
+}
+
+Json cell_entry(const fs::path& folder, bool recent) {
+  const AsUser user;
+  Json robots = Json::array();
+  try {
+    for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
+  } catch (const Error&) {  // it can be opened, and then says what is wrong
+  }
+  return {{"name", folder.filename().string()},
+          {"folder", folder.string()},
+          {"title", title_of(folder)},
+          {"robots", robots},
+          {"recent", recent}};
+}
+
+void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
+  std::error_code error;
+  std::vector<fs::path> here;
+  for (const auto& entry : fs::directory_iterator(parent, error))
+    if (entry.is_directory(error) && fs::exists(entry.path() / "cell.yaml", error) &&
+        !entry.path().filename().string().starts_with("."))
+      here.push_back(fs::weakly_canonical(entry.path(), error));
+  std::sort(here.begin(), here.end());
+  for (const fs::path& each : here)
+    if (std::find(out.begin(), out.end(), each) == out.end() && out.size() < kMostCells) out.push_back(each);
+}
+
+/// Those that can be opened, the recent ones among them.
+std::vector<fs::path> openable(const fs::path& open, const std::vector<fs::path>& recent) {
+  std::vector<fs::path> folders;
+  add_cells(projects_folder(), folders);
+  if (!open.empty()) add_cells(open.parent_path(), folders);
+  // What was open lately stays in sight, and what lies beside it: examples, too, once a project is open.
+  for (const fs::path& each : recent) add_cells(each.parent_path(), folders);
+  return folders;
+}
+
+Json wants_json(const CellFile& file) {
+  Json list = Json::array();
+  Problems unread;
+  for (const Wanted& each : wanted_by(file, &unread))
+    list.push_back({{"kind", each.kind},
+                    {"what", each.what},
+                    {"why", each.why},
+                    {"sha256", each.sha256},
+                    {"allowed", each.allowed}});
+  return {{"wants", std::move(list)},
+          {"unread", unread.list().empty() ? Json() : Json(unread.list().front().text())}};
+}
+
+/// `text` is host:NAME or secret:NAME of what the cell wants. Nothing else is allowed from a distance.
+void allow_one(const CellFile& file, const std::string& text) {
+  const auto colon = text.find(':');
+  const std::string kind = text.substr(0, colon), what = colon == std::string::npos ? "" : text.substr(colon + 1);
+  if (kind != "host" && kind != "secret")
+    throw Error("not-here", "'" + text + "' cannot be allowed here: hosts and secrets can",
+                kind == "plugin" ? "native code is approved at a terminal: polyarm plugins approve FILE"
+                                 : "files are allowed where the cell is started: polyarm run CELL --allow PATH");
+  for (const Wanted& each : wanted_by(file))
+    if (each.kind == kind && each.what == what) return remember_allowed(file, each);
+  throw Error("not-wanted", "the cell does not want to reach '" + text + "'", "cell.reach lists what it wants");
+}
+}  // namespace
+
+Json known_cells(const fs::path& open_folder) {
+  std::error_code error;
+  const fs::path open = open_folder.empty() ? fs::path{} : fs::weakly_canonical(open_folder, error);
+  const std::vector<fs::path> recent = open.empty() ? recent_cells() : note_recent(open);
+  Json list = Json::array();
+  for (const fs::path& folder : openable(open, recent))
+    list.push_back(cell_entry(
+        folder, folder != open && std::find(recent.begin(), recent.end(), folder) != recent.end()));
+  return Json{{"open", open.string()}, {"cells", std::move(list)}};
+}
+
+Json reach_of_cell(const fs::path& open, const std::string& folder, const std::vector<std::string>& allow) {
+  const AsUser user;
+  std::error_code error;
+  fs::path path = open;
+  if (!folder.empty()) {
+    const fs::path asked = fs::weakly_canonical(folder, error);
+    const std::vector<fs::path> known =
+        openable(open.empty() ? open : fs::weakly_canonical(open, error).parent_path(), recent_cells());
+    if (std::find(known.begin(), known.end(), asked) == known.end())
+      throw Error("unknown-cell", "'" + folder + "' is none of the cells that can be opened", "cells lists them");
+    path = asked;
+  }
+  if (path.empty()) throw Error("no-cell", "no cell is open", "name one: folder");
+  const CellFile file = read_cell_file(path);
+  for (const std::string& each : allow) allow_one(file, each);
+  return wants_json(file);
+}
+
+}  // namespace polyarm::cell
