@@ -71,6 +71,7 @@ test('after a contact only what can be done now can be pressed', async () => {
   await until(() => status().contacts.touching && status().standing, 30, 'standing in contact');
   await until(() => resume.isDisabled(), 10, 'no Resume while it touches');
   await main().getByText('Held', { exact: true }).waitFor();
+  assert.ok(await button('Step').isDisabled(), 'a step would go on');
   await picture(page, 'touching');
   await button('Cancel motion', strip).click();
   await strip.getByText('No motion is left to go on with.').waitFor();

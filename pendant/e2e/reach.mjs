@@ -69,6 +69,7 @@ test('a cell that cannot be built says so, and another one can be opened', async
   await tab('Cell');
   await page.getByRole('main').getByText('No cell is open').waitFor();
   assert.ok(await button('Pause').isDisabled(), 'there is nothing to pause');
+  assert.equal(await page.getByRole('banner').getByText('theirs').count(), 0, 'the cell before is not named');
   await picture(page, 'no-cell');
   await button('Open a project').click();
   await project(/^theirs/).click();

@@ -233,7 +233,7 @@ async function touched(first) {
 
 test('a contact is told with its pair and depth, and leads back step by step', async () => {
   const told = {
-    state: 'held', cause: 'something was touched', cause_code: 'contact',
+    state: 'held', cause: 'something was touched', cause_code: 'contact', motion_left: true,
     contacts: { checked: true, stop: 1, touching: true, unchecked: [], list: [{ a: 'arm/wrist_3_link', b: 'tray', robot: 'arm', at_s: 1, depth: 0.0021, position: [0.3, -0.15, 0.14], now: true, doing: 'jog', where: '', text: '' }] },
     can: { resume: { code: 'in-contact', what: 'still touching' }, back: { code: 'nothing-to-step-back', what: 'nothing' }, discard: null },
   };

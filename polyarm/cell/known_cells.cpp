@@ -136,6 +136,7 @@ void allow_one(const CellFile& file, const std::string& text) {
 }  // namespace
 
 Json known_cells(const fs::path& open_folder) {
+  const AsUser user;
   std::error_code error;
   const fs::path open = open_folder.empty() ? fs::path{} : fs::weakly_canonical(open_folder, error);
   const std::vector<fs::path> recent = open.empty() ? recent_cells() : note_recent(open);

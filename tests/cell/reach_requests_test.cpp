@@ -90,8 +90,8 @@ TEST_F(ReachOfCells, NothingElseIsAllowedFromADistance) {
 
 TEST_F(ReachOfCells, AListThatCannotBeWholeSaysSo) {
   EXPECT_TRUE(reach()["result"]["unread"].is_null());
-  home.write("cells/theirs/signals.yaml", "polyarm: signals/1\nlinks: 7\n");
-  EXPECT_NE(reach()["result"]["unread"].get<std::string>().find("signals.yaml:2"), std::string::npos);
+  home.write("cells/theirs/signals.yaml", "polyarm: signals/1\nlinks:\n  broker: {mqtt: client, host: 192.0.2.7}\n");
+  EXPECT_NE(reach()["result"]["unread"].get<std::string>().find("signals.yaml:3"), std::string::npos);
 }
 
 TEST_F(ReachOfCells, CellsAreListedAndToldOfWhileNoneIsOpen) {

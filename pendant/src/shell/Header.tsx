@@ -1,7 +1,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { pages } from '../pages';
-import { cell, forced, robot, unseenAlarms } from '../state/cell';
+import { cell, forced, robot, status, unseenAlarms } from '../state/cell';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
@@ -17,7 +17,7 @@ export function Header() {
       <div class="brand">
         <img src="/icon.svg" alt="" width={32} height={32} />
         <div>
-          <small class="brand-cell">{cell.value?.name ?? 'Polyarm'}</small>
+          <small class="brand-cell">{(!noCell() && cell.value?.name) || 'Polyarm'}</small>
           <strong title={title()}>{title()}</strong>
         </div>
       </div>
@@ -38,10 +38,13 @@ export function Header() {
   );
 }
 
+/** The one before is not named as if it were there. */
+const noCell = () => status.value?.state === 'no cell';
+
 /** The robot is named by what it is; where there are several, by its name in the cell, too. */
 function title(): string {
   const it = robot.value;
-  if (!it) return '';
+  if (!it || noCell()) return '';
   const what = it.title || it.id;
   return (cell.value?.robots.length ?? 0) > 1 ? `${it.name}: ${what}` : what;
 }

@@ -58,7 +58,7 @@ export function Override() {
           max={100}
           step={1}
           unit="%"
-          disabled={!mayMove.value}
+          disabled={!mayMove.value || Number.isNaN(told)}
           onInput={wantOverride}
           onChange={wantOverride}
         />

@@ -1,6 +1,6 @@
 /** Always at the bottom: the state in words, the modes, the speed, pause and resume, and Stop. */
 import { t } from '../i18n';
-import { discard, goOn, hold, isPaused, recover, setProfile, stop } from '../state/actions';
+import { discard, goOn, hold, isPaused, recover, setProfile, stop, touches } from '../state/actions';
 import { connected, mayMove, programRuns, status } from '../state/cell';
 import { ask, close } from '../ui/ask';
 import { Button } from '../ui/controls';
@@ -86,7 +86,6 @@ function moves(): boolean {
 function Go() {
   const now = status.value;
   const may = mayMove.value;
-  const touches = now?.cannot.resume?.code === 'in-contact'; // the strip says what leads out
   if (now?.state === 'fault')
     return (
       <div class="go">
@@ -110,7 +109,7 @@ function Go() {
             onClick={() => ask({ title: `${t('bar.discard')}?`, text: t('bar.discardText'), action: t('bar.discard'), onYes: () => void discard() })}
           />
         )}
-        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may || touches} onClick={() => void goOn()} />
+        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may || touches()} onClick={() => void goOn()} />
       </div>
     );
   return (

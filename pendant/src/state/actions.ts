@@ -19,6 +19,8 @@ export const recover = () => attempt('control.recover');
 export const discard = () => attempt('control.discard');
 /** What is paused goes on: what is held along its path, else the program that a step or a breakpoint has paused. */
 export const goOn = () => (status.peek()?.state === 'held' ? resume() : attempt('program.go'));
+/** Something still touches, so that nothing can go on; the strip of the contact says what leads out. */
+export const touches = () => status.value?.cannot.resume?.code === 'in-contact';
 /** Can `goOn` do something? */
 export const isPaused = () => {
   const now = status.value;

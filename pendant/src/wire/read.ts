@@ -65,7 +65,7 @@ export function readStatus(event: Json, client: number): Status {
     armed: event.armed !== false,
     simulated: event.simulated !== false,
     profile: text(event.profile),
-    override: num(event.override, 100),
+    override: num(event.override, event.state === 'no cell' ? NaN : 100),
     allowed: num(event.allowed, 100),
     holder,
     youHold: holder !== null && holder.client === client,

@@ -32,7 +32,7 @@ function NoCell({ onProjects }: { onProjects: () => void }) {
 
 export function Overview({ onRobots, onProjects }: { onRobots: () => void; onProjects: () => void }) {
   const now = cell.value;
-  if (status.value?.state === 'no cell') return <NoCell onProjects={onProjects} />;
+  if (status.value?.state === 'no cell' && restarting.value === '') return <NoCell onProjects={onProjects} />;
   if (!now) return <Loading />;
   return (
     <div class="cell-grid">

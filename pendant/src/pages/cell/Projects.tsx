@@ -1,7 +1,7 @@
 /** Cells that can be opened; saving a copy; one zip out and in. */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { cell, complain, mayMove, request } from '../../state/cell';
+import { cell, complain, mayMove, request, status } from '../../state/cell';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
 import { Button, Card, Empty, Field, Loading, Select } from '../../ui/controls';
@@ -49,19 +49,20 @@ export function Projects() {
     restart(t('cell.opening', { name: project.name }), t('cell.opened', { name: project.name }), 'cell.open', { folder: project.folder }).then(load);
   const openOne = (project: Project) =>
     open((close) => <ReachDialog folder={project.folder} name={titleOf(project, list ?? [])} onClose={close} onOpen={() => void begin(project)} />);
+  const none = status.value?.state === 'no cell';
   return (
     <div class="cell-grid">
       <Card title={t('cell.thisCell')}>
         <div class="row">
-          <a class="button" href="/api/project.zip" download={`${cell.value?.name ?? 'cell'}.zip`}>
+          <a class={`button ${none ? 'off' : ''}`} aria-disabled={none || undefined} href={none ? undefined : '/api/project.zip'} download={`${cell.value?.name ?? 'cell'}.zip`}>
             <Icon name="download" size={22} />
             <span>{t('cell.backUp')}</span>
           </a>
           <Restore taken={(list ?? []).map((each) => each.name)} onDone={load} />
         </div>
         <div class="row">
-          <Button label={t('cell.saveAs')} icon="copy" disabled={!mayMove.value} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
-          <Button label={t('cell.new')} icon="plus" disabled={!mayMove.value} onClick={() => open((close) => <NameDialog kind="new" onClose={close} onDone={load} />)} />
+          <Button label={t('cell.saveAs')} icon="copy" disabled={!mayMove.value || none} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
+          <Button label={t('cell.new')} icon="plus" disabled={!mayMove.value || none} onClick={() => open((close) => <NameDialog kind="new" onClose={close} onDone={load} />)} />
         </div>
         <p class="note">{t('cell.backUpText')}</p>
       </Card>

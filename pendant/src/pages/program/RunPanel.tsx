@@ -2,7 +2,7 @@
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
 import { attempt, complain, mayMove, pausing, program, request, status } from '../../state/cell';
-import { step } from '../../state/actions';
+import { step, touches } from '../../state/actions';
 import { lastCycle } from '../../state/cycle';
 import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
@@ -83,7 +83,7 @@ function Buttons() {
     );
   return (
     <div key="goes" class="program-buttons">
-      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!may || pausing.value} onClick={() => void step()} />
+      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!may || touches() || pausing.value} onClick={() => void step()} />
       <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('into')} />
       <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('out')} />
       <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready || !now?.paused} onClick={() => void runFrom(line)} />

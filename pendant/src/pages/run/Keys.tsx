@@ -1,5 +1,5 @@
 import { t } from '../../i18n';
-import { step } from '../../state/actions';
+import { step, touches } from '../../state/actions';
 import { attempt, mayMove, pausing, status } from '../../state/cell';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
@@ -30,7 +30,7 @@ export function Keys() {
   if (it && !it.ended && !it.ready)
     return (
       <div key="goes" class="run-keys goes">
-        <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!may || now.state === 'fault' || pausing.value} onClick={() => void step()} />
+        <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!may || now.state === 'fault' || touches() || pausing.value} onClick={() => void step()} />
         <EndKey disabled={!may} />
       </div>
     );
