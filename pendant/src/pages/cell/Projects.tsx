@@ -75,7 +75,7 @@ export function Projects() {
         ) : (
           <ul class="entries">
             {list.map((each) => {
-              const here = each.folder === cell.value?.folder;
+              const here = !none && each.folder === cell.value?.folder;
               return (
                 <li key={each.folder}>
                   <button type="button" aria-current={here ? 'true' : undefined} class={here ? 'here' : ''} disabled={here || !mayMove.value || restarting.value !== ''} onClick={() => openOne(each)}>
