@@ -97,7 +97,13 @@
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
   X(kYamlNesting, 64, "levels", "brackets within brackets in YAML", "refused: yaml-syntax")                   \
-  X(kYamlValues, 5000000, "values", "a YAML file with its aliases written out", "refused: too-large")         \
+  X(kYamlBytes, 16 << 20, "bytes", "a YAML file", "refused: too-large")                                       \
+  X(kYamlValues, 1000000, "values", "a YAML file with its aliases written out", "refused: too-large")         \
+  X(kXmlBytes, 16 << 20, "bytes", "a URDF, xacro, SRDF or launch file", "refused: too-large")                 \
+  X(kXmlAttributes, 200, "attributes", "attributes of one element of these", "refused: xml-syntax")           \
+  X(kRobots, 64, "robots", "robots of a cell", "refused: too-many")                                           \
+  X(kSceneThings, 2000, "entries", "each section of a scene", "refused: too-many")                            \
+  X(kLinks, 64, "links", "links of a cell", "refused: too-many")                                              \
   X(kUnknownKeys, 50, "keys", "unknown keys of one map that are named", "the number of the others")           \
   X(kProblemsTold, 500, "problems", "problems that check lists", "the number of the others")                  \
   X(kProblemsInText, 100, "problems", "problems in the text of one error", "the number of the others")        \
@@ -114,6 +120,7 @@
 
 #define POLYARM_BOUNDS_PROGRAMS(X)                                                                            \
   X(kProgramBytes, 16 << 20, "bytes", "one file of a program", "refused: too-large")                          \
+  X(kDataBytes, 16 << 20, "bytes", "one file of data or points", "refused: too-large")                        \
   X(kProgramProblems, 200, "problems", "wrong lines of a program that are told", "the rest is not read")      \
   X(kBlockNesting, 400, "levels", "blocks within blocks", "refused: too-deep")                                \
   X(kExpressionNesting, 300, "levels", "brackets and signs within each other", "refused: too-deep")           \

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
 
 namespace polyarm {
 
@@ -27,12 +28,20 @@ std::string Location::text() const {
   return out;
 }
 
+namespace {
+/// As a line tells it; a file may put megabytes into a name.
+std::string bounded(const std::string& text) {
+  if (text.size() <= bounds::kErrorTextBytes) return text;
+  return text.substr(0, whole_characters(std::string_view(text).substr(0, bounds::kErrorTextBytes))) + "…";
+}
+}  // namespace
+
 std::string Problem::text() const {
   const std::string place = where.text();
   std::string out = place.empty() ? "" : place + ": ";
   out += severity == Severity::error ? "error: " : "warning: ";
-  out += what;
-  if (!advice.empty()) out += " (" + advice + ")";
+  out += bounded(what);
+  if (!advice.empty()) out += " (" + bounded(advice) + ")";
   return out;
 }
 

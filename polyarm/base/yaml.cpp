@@ -1,11 +1,6 @@
 #include "polyarm/base/yaml.hpp"
 
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
-#include <map>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -13,24 +8,30 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml_document.hpp"
 
 namespace polyarm {
 
 struct Yaml::Data {
-  YAML::Node node;
-  std::shared_ptr<const std::string> file;
+  std::shared_ptr<const YamlDocument> document;
+  const YamlNode* node;
   std::string key{};  ///< that it stands behind; of an item of a list the list's
 
+  Yaml child(const YamlNode* of, const std::string& behind) const {
+    Yaml out;
+    out.data_ = std::make_shared<const Data>(Data{document, of, behind});
+    return out;
+  }
   /// For messages: "'hardware'", or "this" where nobody knows the key.
   static std::string named(const std::shared_ptr<const Data>& data) {
     return data && !data->key.empty() ? "'" + data->key + "'" : "this";
   }
   /// "a list of 2 values"
   static std::string kind(const std::shared_ptr<const Data>& data) {
-    if (!data || !data->node.IsDefined() || data->node.IsNull()) return "empty";
-    if (data->node.IsMap()) return "a map of keys";
-    if (!data->node.IsSequence()) return "'" + data->node.Scalar() + "'";
-    const std::size_t size = data->node.size();
+    if (!data || data->node->kind == YamlNode::Kind::null) return "empty";
+    if (data->node->kind == YamlNode::Kind::map) return "a map of keys";
+    if (data->node->kind == YamlNode::Kind::scalar) return "'" + shortened(data->node->scalar) + "'";
+    const std::size_t size = data->node->entries.size();
     return size == 0   ? "an empty list"
            : size == 1 ? "a list of one value"
                        : "a list of " + std::to_string(size) + " values";
@@ -45,27 +46,9 @@ Yaml& Yaml::operator=(Yaml&&) noexcept = default;
 Yaml::~Yaml() = default;
 
 namespace {
-constexpr int kDeepest = bounds::kYamlNesting;
 /// Unknown keys of one map that are named; of the others the number is told.
 using bounds::kUnknownKeys;
-/// Values of a file, where one that is named by aliases counts as often as it stands.
-constexpr std::size_t kMostValues = bounds::kYamlValues;
-
-Location place(const YAML::Mark& mark, const std::string& file) {
-  return mark.is_null() ? Location{file} : Location{file, mark.line + 1, mark.column + 1};
-}
-
-/// Refuses nesting beyond any file that people write, before recursion over it can exhaust the stack.
-void check_depth(const std::string& text, const std::string& file) {
-  int depth = 0, line = 1;
-  for (const char c : text) {
-    if (c == '\n') ++line;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kDeepest)
-      throw Error(Problem{"yaml-syntax", {file, line, 0}, "brackets are nested more than 64 deep", {}});
-  }
-}
+using Kind = YamlNode::Kind;
 
 std::string such_as(Dimension dimension) {
   switch (dimension) {
@@ -87,109 +70,38 @@ std::string such_as(Dimension dimension) {
       return "40mm or 30deg";
   }
 }
-/// How many values a document has when every alias is written out, without writing it out.
-class Extent : public YAML::EventHandler {
- public:
-  bool too_large() const { return total_ > kMostValues; }
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t anchor) override { leaf(anchor); }
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t anchor, const std::string&) override {
-    leaf(anchor);
-  }
-  void OnAlias(const YAML::Mark&, YAML::anchor_t anchor) override {
-    const auto known = sizes_.find(anchor);
-    add(known == sizes_.end() ? 1 : known->second);
-  }
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
-    open_.emplace_back(anchor, 1);
-  }
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value) override {
-    open_.emplace_back(anchor, 1);
-  }
-  void OnSequenceEnd() override { close(); }
-  void OnMapEnd() override { close(); }
-
- private:
-  void add(std::size_t values) {
-    std::size_t& sum = open_.empty() ? total_ : open_.back().second;
-    sum = std::min(sum + values, kMostValues + 1);
-  }
-  void leaf(YAML::anchor_t anchor) {
-    if (anchor != 0) sizes_[anchor] = 1;
-    add(1);
-  }
-  void close() {
-    const auto [anchor, values] = open_.back();
-    open_.pop_back();
-    if (anchor != 0) sizes_[anchor] = values;
-    add(values);
-  }
-  std::vector<std::pair<YAML::anchor_t, std::size_t>> open_;
-  std::map<YAML::anchor_t, std::size_t> sizes_;
-  std::size_t total_ = 0;
-};
-
-/// A few lines of aliases of aliases stand for more values than any machine holds.
-void check_extent(const std::string& text, const std::string& file) {
-  if (text.find('*') == std::string::npos || text.find('&') == std::string::npos) return;
-  std::istringstream in(text);
-  YAML::Parser parser(in);
-  Extent extent;
-  while (parser.HandleNextDocument(extent)) {
-  }
-  if (extent.too_large())
-    throw Error(Problem{"too-large",
-                        {file},
-                        "with its aliases written out the file has more than " + std::to_string(kMostValues) +
-                            " values",
-                        "name fewer aliases within what other aliases name"});
-}
 }  // namespace
 
 Yaml Yaml::parse(std::string_view text, std::string name) {
-  auto file = std::make_shared<const std::string>(std::move(name));
-  check_depth(std::string(text), *file);
-  try {
-    check_extent(std::string(text), *file);
-    Yaml out;
-    out.data_ = std::make_shared<const Data>(Data{YAML::Load(std::string(text)), file});
-    return out;
-  } catch (const YAML::Exception& e) {
-    throw Error(Problem{"yaml-syntax", place(e.mark, *file), "not valid YAML: " + e.msg,
-                        "check indentation, colons and quotes on this line and the one before"});
-  }
+  auto document = YamlDocument::parse(text, std::move(name));
+  Yaml out;
+  out.data_ = std::make_shared<const Data>(Data{document, document->root});
+  return out;
 }
 
 Yaml Yaml::load(const std::string& path) {
-  return parse(read_file(path), path);
+  return parse(read_file(path, bounds::kYamlBytes), path);
 }
 
 bool Yaml::defined() const {
-  return data_ && data_->node.IsDefined() && !data_->node.IsNull();
+  return data_ && data_->node->kind != Kind::null;
 }
 bool Yaml::is_map() const {
-  return defined() && data_->node.IsMap();
+  return data_ && data_->node->kind == Kind::map;
 }
 bool Yaml::is_list() const {
-  return defined() && data_->node.IsSequence();
+  return data_ && data_->node->kind == Kind::list;
 }
 bool Yaml::is_scalar() const {
-  return defined() && data_->node.IsScalar();
+  return data_ && data_->node->kind == Kind::scalar;
 }
 Location Yaml::where() const {
-  return data_ ? place(data_->node.Mark(), *data_->file) : Location{};
+  return data_ ? data_->document->where(*data_->node) : Location{};
 }
 
 Yaml Yaml::operator[](std::string_view key) const {
-  Yaml out;
-  if (!is_map()) return out;
-  for (const auto& entry : data_->node)
-    if (entry.first.IsScalar() && entry.first.Scalar() == key)
-      out.data_ = std::make_shared<const Data>(Data{entry.second, data_->file, std::string(key)});
-  return out;
+  const YamlNode* const value = is_map() ? data_->node->value_of(key) : nullptr;
+  return value ? data_->child(value, std::string(key)) : Yaml();
 }
 
 Yaml Yaml::required(std::string_view key) const {
@@ -203,28 +115,22 @@ Yaml Yaml::required(std::string_view key) const {
 std::vector<std::string> Yaml::keys() const {
   std::vector<std::string> out;
   if (is_map())
-    for (const auto& entry : data_->node)
-      if (entry.first.IsScalar()) out.push_back(entry.first.Scalar());
+    for (const auto& [key, value] : data_->node->entries)
+      if (key->kind == Kind::scalar) out.push_back(key->scalar);
   return out;
 }
 
 Location Yaml::key_location(std::string_view key) const {
-  if (is_map())
-    for (const auto& entry : data_->node)
-      if (entry.first.IsScalar() && entry.first.Scalar() == key)
-        return place(entry.first.Mark(), *data_->file);
-  return where();
+  const YamlNode* const found = is_map() ? data_->node->key_of(key) : nullptr;
+  return found ? data_->document->where(*found) : where();
 }
 
 std::vector<Yaml::Entry> Yaml::entries() const {
   std::vector<Entry> out;
   if (!is_map()) return out;
-  for (const auto& entry : data_->node) {
-    if (!entry.first.IsScalar()) continue;
-    out.push_back({entry.first.Scalar(), place(entry.first.Mark(), *data_->file), {}});
-    out.back().value.data_ =
-        std::make_shared<const Data>(Data{entry.second, data_->file, entry.first.Scalar()});
-  }
+  for (const auto& [key, value] : data_->node->entries)
+    if (key->kind == Kind::scalar)
+      out.push_back({key->scalar, data_->document->where(*key), data_->child(value, key->scalar)});
   return out;
 }
 
@@ -232,21 +138,17 @@ std::vector<Yaml> Yaml::items() const {
   std::vector<Yaml> out;
   if (!defined()) return out;
   if (!is_list()) return {*this};
-  for (const auto& item : data_->node) {
-    Yaml child;
-    child.data_ = std::make_shared<const Data>(Data{item, data_->file, data_->key});
-    out.push_back(child);
-  }
+  for (const auto& [none, item] : data_->node->entries) out.push_back(data_->child(item, data_->key));
   return out;
 }
 
 std::string Yaml::tag() const {
-  const std::string out = defined() ? data_->node.Tag() : std::string();
+  const std::string out = defined() ? data_->node->tag : std::string();
   return out == "?" || out == "!" ? std::string() : out;
 }
 
 std::string Yaml::text() const {
-  if (is_scalar()) return data_->node.Scalar();
+  if (is_scalar()) return data_->node->scalar;
   throw Error(Problem{"bad-value", where(),
                       Data::named(data_) + " is " + Data::kind(data_) + ", a single value was expected",
                       is_list()  ? "write the value without brackets and dashes"
@@ -344,11 +246,11 @@ void Yaml::check_keys(const std::vector<std::string>& known, Problems& problems)
   if (!is_map()) return;
   std::size_t unknown = 0;
   Location next;
-  for (const auto& entry : data_->node) {
-    if (!entry.first.IsScalar()) continue;
-    const std::string& key = entry.first.Scalar();
+  for (const auto& [node, value] : data_->node->entries) {
+    if (node->kind != Kind::scalar) continue;
+    const std::string& key = node->scalar;
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const Location where = place(entry.first.Mark(), *data_->file);
+    const Location where = data_->document->where(*node);
     if (++unknown <= kUnknownKeys)
       problems.error("unknown-key", where,
                      "'" + shortened(key) + "' is not known here" + did_you_mean(key, known),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
@@ -324,6 +325,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
+  if (yaml["robots"].keys().size() > bounds::kRobots)
+    throw Error(Problem{"too-many", yaml["robots"].where(),
+                        "the cell has more than " + std::to_string(bounds::kRobots) + " robots",
+                        "divide it into several cells"});
   for (const std::string& name : yaml["robots"].keys())
     cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
   place_carried(cell.robots, problems);

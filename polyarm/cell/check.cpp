@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
@@ -139,7 +140,7 @@ class Checker {
 
   data::ImportFile take(const std::filesystem::path& from, program::KnownNames& known) {
     Problems found;
-    const std::string text = read_file(from);
+    const std::string text = read_file(from, bounds::kDataBytes);
     data::ImportFile file = data::ImportFile::parse(text, from.string(), found);
     for (const Problem& problem : found.list()) problems_.add(problem);
     known.add(file.values());
@@ -206,7 +207,7 @@ class Checker {
     const auto at = read_.find(path);
     if (at != read_.end()) return at->second;
     ReadProgram read;
-    read.program = program::parse(read_file(path), path.string(), read.problems);
+    read.program = program::parse(read_file(path, bounds::kProgramBytes), path.string(), read.problems);
     return read_.emplace(path, std::move(read)).first->second;
   }
 

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 
@@ -123,7 +124,7 @@ void StateFolder::bring(const fs::path& original, bool again) const {
   const bool in_cell = state_.parent_path().filename() == ".state";
   if (in_cell && !fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
   const fs::path copy = state_ / original.filename();
-  if (again || !fs::exists(copy, error)) write_file_atomically(copy, read_file(original));
+  if (again || !fs::exists(copy, error)) write_file_atomically(copy, read_file(original, bounds::kDataBytes));
 }
 
 void StateFolder::renew(const std::string& name, const Location& where) const {

@@ -2,11 +2,13 @@
 #include <tinyxml2.h>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/data/format_parts.hpp"
 
 namespace polyarm::data {
 
 void read_srdf(std::string_view text, const std::string& file, DataSet& out, Problems& problems) {
+  check_xml_bounds(text, file);
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
     return problems.error("bad-xml", {file, document.ErrorLineNum()}, "this is no SRDF: it is no XML");

@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/literal.hpp"
@@ -506,7 +507,7 @@ ImportFile ImportFile::parse(std::string_view text, const std::string& file, Pro
 
 ImportFile ImportFile::load(const std::string& path) {
   Problems problems;
-  ImportFile out = parse(read_file(path), path, problems);
+  ImportFile out = parse(read_file(path, bounds::kDataBytes), path, problems);
   problems.throw_if_errors();
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
@@ -61,7 +62,7 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
 static RobotModel read_entry(const fs::path& file) {
   if (file.extension() != ".urdf") return read_robot_file(file);
   Problems found;
-  RobotModel out = read_urdf(read_file(file), file.string(), found);
+  RobotModel out = read_urdf(read_file(file, bounds::kXmlBytes), file.string(), found);
   if (found.has_errors()) out.hardware.clear();  // it was told when the robot was added
   for (const Link& link : out.links)  // its user has added it with the meshes that it names
     for (const auto* shapes : {&link.visuals, &link.collisions})
@@ -149,7 +150,7 @@ void add_srdf_beside(const fs::path& description, RobotModel& model, Problems& w
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return;
   Problems problems;
-  read_srdf(read_file(file), file.string(), model, problems);
+  read_srdf(read_file(file, bounds::kXmlBytes), file.string(), model, problems);
   problems.throw_if_errors();
   for (const Problem& warning : problems.list()) warnings.add(warning);
 }

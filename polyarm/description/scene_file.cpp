@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/shape_yaml.hpp"
@@ -65,6 +66,13 @@ class SceneReader {
     if (all.defined() && !all.is_map()) {
       problems_.error("bad-value", all.where(), std::string("'") + section + "' must be a map of names",
                       "write 'NAME: {…}' below it");
+      return;
+    }
+    if (all.keys().size() > bounds::kSceneThings) {
+      problems_.error("too-many", all.where(),
+                      std::string("'") + section + "' has more than " + std::to_string(bounds::kSceneThings) +
+                          " entries",
+                      "join those that belong together");
       return;
     }
     std::set<std::string> seen;

@@ -8,8 +8,10 @@
 #include <optional>
 #include <set>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/description/xacro_texts.hpp"
 
 namespace polyarm::description {
@@ -64,6 +66,7 @@ class Expander : private XacroTexts {
     documents_.push_back(std::make_unique<XMLDocument>());
     XMLDocument& document = *documents_.back();
     if (report_) report_->files.push_back(file);
+    check_xml_bounds(text, file.string());
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       throw Error(Problem{"xml-syntax",
                           {file.string(), document.ErrorLineNum()},
@@ -436,7 +439,7 @@ class Expander : private XacroTexts {
     for (const fs::path& file : files) {
       if (++included_ > 5000 || steps_.size() > kDeepest) fail("files include each other without end");
       const Inside inside(*this, Step{frame.file, e.GetLineNum(), "included from here"});
-      const XMLElement* root = load(read_file(file), file);
+      const XMLElement* root = load(read_file(file, bounds::kXmlBytes), file);
       Frame inner{file, scope};
       const Inside there(*this, Step{file, root->GetLineNum(), ""});
       take_namespaces(*root, out);
@@ -460,7 +463,7 @@ std::string expand_xacro_text(std::string_view text, const fs::path& file, const
 
 std::string expand_xacro(const fs::path& file, const XacroOptions& options, Problems& warnings,
                          XacroReport* report) {
-  return expand_xacro_text(read_file(file), file, options, warnings, report);
+  return expand_xacro_text(read_file(file, bounds::kXmlBytes), file, options, warnings, report);
 }
 
 bool uses_xacro(std::string_view text) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 
 namespace polyarm::description {
 
@@ -26,6 +27,7 @@ std::string tags(const std::vector<std::string>& names) {
 }  // namespace
 
 void XmlReader::parse(tinyxml2::XMLDocument& document, std::string_view text, const std::string& file) {
+  check_xml_bounds(text, file);
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     throw Error(Problem{"xml-syntax",
                         {file, document.ErrorLineNum()},

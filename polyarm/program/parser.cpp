@@ -215,7 +215,7 @@ class Parser {
       return error("too-many", s.name_place, "a program includes at most 50 files");
     std::string text;
     try {
-      text = read_file(path);
+      text = read_file(path, bounds::kProgramBytes);
     } catch (const Error& e) {
       return error("no-file", s.name_place,
                    "'" + s.name + "' cannot be included: " + e.problems().front().what,
@@ -431,7 +431,7 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
 
 Program load_program(const std::string& path) {
   Problems problems;
-  Program program = parse(read_file(path), path, problems);
+  Program program = parse(read_file(path, bounds::kProgramBytes), path, problems);
   problems.throw_if_errors();
   return program;
 }

@@ -8,6 +8,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/ros_files/spawner_arguments.hpp"
 
 namespace polyarm::ros_files {
@@ -68,7 +69,8 @@ class LaunchReader {
   void file(Frame frame, const std::string& ns) {
     if (++files_ > kMostFiles)
       throw Error("too-many-includes", "more than 500 launch files are included", "look for an endless loop");
-    const std::string text = read_file(frame.path);
+    const std::string text = read_file(frame.path, bounds::kXmlBytes);
+    check_xml_bounds(text, frame.path.string());
     tinyxml2::XMLDocument xml;
     const auto error = xml.Parse(text.data(), text.size());
     const std::string name = frame.path.string();

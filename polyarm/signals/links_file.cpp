@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
@@ -335,6 +336,10 @@ PoseRange read_range(const Yaml& node) {
 
 std::vector<LinkEntry> read_links(const Yaml& node, const std::filesystem::path& folder, Problems& problems) {
   std::vector<LinkEntry> out;
+  if (node.keys().size() > bounds::kLinks)
+    throw Error(Problem{"too-many", node.where(),
+                        "there are more than " + std::to_string(bounds::kLinks) + " links",
+                        "let one link carry the tags of several"});
   for (const std::string& name : node.keys())
     collect(problems,
             [&] { out.push_back(read_link(name, node[name], node.key_location(name), folder, problems)); });

@@ -7,6 +7,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/base/yaml.hpp"
 
 namespace polyarm {
@@ -29,6 +30,67 @@ TEST(YamlBounds, AliasesOfAliasesAreRefusedBeforeAnybodyWalksThem) {
     EXPECT_EQ(e.problems().front().code, "too-large");
   }
   EXPECT_NO_THROW(Yaml::parse("a: &a {x: 1}\nb: *a\nc: {<<: *a, y: 2}\n", "fine.yaml"));
+}
+
+TEST(YamlBounds, AnAliasWithinWhatItNamesIsAnError) {
+  EXPECT_THROW(Yaml::parse("a: &a [*a]\n", "round.yaml"), Error);
+  EXPECT_THROW(Yaml::parse("a: &a {b: {c: *a}}\n", "round.yaml"), Error);
+}
+
+TEST(YamlBounds, ValuesAndBytesAreRefusedBeyondABound) {
+  std::string values = "x:\n";
+  for (int i = 0; i < 1'100'000; ++i) values += "- 1\n";
+  const std::string comment(17 << 20, '#');
+  for (const std::string& text : {values, comment}) {
+    try {
+      Yaml::parse(text, "large.yaml");
+      FAIL() << "it was read";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.problems().front().code, "too-large");
+    }
+  }
+}
+
+TEST(YamlBounds, EachKeyOfALargeMapIsFoundInLittleTime) {
+  std::string text = "things:\n";
+  for (int i = 0; i < 60'000; ++i) text += "  k" + std::to_string(i) + ": " + std::to_string(i) + "\n";
+  const Yaml yaml = Yaml::parse(text, "many.yaml");
+  const auto begun = Clock::now();
+  double sum = 0;
+  const Yaml things = yaml["things"];
+  for (const std::string& key : things.keys())
+    sum += yaml["things"][key].number() + things.key_location(key).line;
+  EXPECT_LT(Clock::now() - begun, std::chrono::seconds(5));
+  EXPECT_EQ(sum, 59'999 * 30'000.0 + 60'000 * 60'005.0 / 2 - 60'000);
+}
+
+TEST(YamlBounds, AKeyThatStandsTwiceIsTheSameInLargeAndSmallMaps) {
+  std::string text = "k: 1\n? [no, name]\n: 0\nk: 2\n";
+  for (const bool large : {false, true}) {
+    for (int i = 0; large && i < 100; ++i) text += "a" + std::to_string(i) + ": 0\n";
+    const Yaml yaml = Yaml::parse(text, "twice.yaml");
+    EXPECT_EQ(yaml["k"].text(), "2");
+    EXPECT_EQ(yaml["k"].where().line, 4);
+    EXPECT_EQ(yaml.key_location("k").line, 1);
+    EXPECT_FALSE(yaml.has("no"));
+  }
+}
+
+TEST(XmlBounds, AttributesOfOneElementAndBytesAreRefusedBeyondABound) {
+  std::string many = "<!-- \"\"\" -->\n<robot a='<>\"'>\n<link";
+  for (int i = 0; i < 200; ++i) many += " a" + std::to_string(i) + "='\"'";
+  EXPECT_NO_THROW(check_xml_bounds(many + "/></robot>", "fine.xml"));
+  const std::string quotes(1000, '"');
+  EXPECT_NO_THROW(check_xml_bounds("<a b='" + quotes + "'/><![CDATA[" + quotes + "]]>", "fine.xml"));
+  try {
+    check_xml_bounds(many + " b=\"\"/></robot>", "many.xml");
+    FAIL() << "it was taken";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().where.line, 3);
+  }
+  EXPECT_THROW(check_xml_bounds(std::string(17 << 20, ' '), "large.xml"), Error);
+  for (const char* cut : {"<", "<a b='", "<!--", "<![CDATA[", "<a b", ""})
+    EXPECT_NO_THROW(check_xml_bounds(cut, "cut.xml"));
 }
 
 TEST(YamlBounds, DeepNestingIsRefused) {
@@ -59,6 +121,11 @@ TEST(NearestName, IsBoundedInLengthAndNumber) {
   EXPECT_FALSE(nearest_name(std::string(10'000'000, 'x'), names));
   EXPECT_LT(Clock::now() - begun, std::chrono::seconds(10));
   EXPECT_EQ(nearest_name("name_of_a_thing_1x", names), "name_of_a_thing_1");
+}
+
+TEST(ErrorBounds, ALineOfAProblemIsBounded) {
+  const Problem problem{"code", {"file", 1, 2}, std::string(3'000'000, 'x'), std::string(3'000'000, 'y')};
+  EXPECT_LT(problem.text().size(), 5000u);
 }
 
 TEST(ErrorBounds, TheTextOfManyProblemsIsBounded) {

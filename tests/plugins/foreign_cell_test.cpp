@@ -2,6 +2,7 @@
 /// user says otherwise.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "polyarm/base/file.hpp"
@@ -197,6 +198,53 @@ TEST_F(ForeignCell, PipesAndDevicesAreRefusedWithWords) {
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_TELLS(refused.output, "this is a pipe, a file was expected");
+}
+
+/// `before`, then `each` with its number in the place of '#', so many times.
+std::string many(std::string before, const std::string& each, int times) {
+  for (int i = 0; i < times; ++i)
+    for (const char c : each) c == '#' ? before += std::to_string(i) : before += c;
+  return before;
+}
+
+TEST_F(ForeignCell, FilesOfAnySizeAreRefusedWithWordsAndLittleTime) {
+  const auto refuses = [&](const std::string& words) {
+    const auto begun = std::chrono::steady_clock::now();
+    for (const auto& finished : {run(), test::run_command({"check", cell()})}) {
+      EXPECT_EQ(finished.exit_code, 1) << words;
+      EXPECT_TELLS(finished.output, words);
+      EXPECT_LT(finished.output.size(), 200'000u) << words;
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20)) << words;
+  };
+  place.write("foreign/cell.yaml", many("polyarm: cell/1\nrobots:\n", " r#: {model: demo/r6bot}\n", 20'000));
+  refuses("more than 64 robots");
+  cell_with(std::string(17 << 20, '#'));
+  refuses("bytes");
+  cell_with("scene: scene.yaml\n");
+  place.write("foreign/scene.yaml",
+              many("polyarm: scene/1\nfixtures:\n", " f#: {box: [1, 1, 1], at: [5, 5, 5]}\n", 20'000));
+  refuses("'fixtures' has more than 2000 entries");
+  cell_with("signals: signals.yaml\n");
+  place.write("foreign/signals.yaml", many("polyarm: signals/1\nlinks:\n", " l#: {modbus: client}\n", 2000));
+  refuses("more than 64 links");
+  cell_with("program: job\n");
+  place.write("foreign/job.data", "Name: x\nText: " + std::string(17 << 20, 'y') + "\n");
+  refuses("more than 16777216 bytes");
+  place.write("foreign/cell.yaml", "polyarm: cell/1\nrobots: {arm: {model: r.xacro}}\n");
+  place.write("foreign/r.xacro", many("<robot name='r'><g", " a#='1'", 200'000) + "/></robot>");
+  refuses("more than 200 attributes");
+  place.write("foreign/r.xacro", "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><link name='${" +
+                                     std::string(1'000'000, '-') + "1}'/></robot>");
+  refuses("too long");
+}
+
+TEST_F(ForeignCell, ManyTagsAreReadInLittleTime) {
+  cell_with("signals: signals.yaml\n");
+  place.write("foreign/signals.yaml", many("polyarm: signals/1\ntags:\n", " t#: {initial: 1}\n", 30'000));
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(test::run_command({"check", cell()}).exit_code, 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(15));
 }
 
 TEST_F(ForeignCell, TwoRunsOfOneFolderRefuseEachOther) {

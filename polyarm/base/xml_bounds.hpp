@@ -1,0 +1,16 @@
+#pragma once
+/// What a text in XML may cost, looked at before it is parsed: the parser's time grows with the square of the
+/// attributes of one element.
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "polyarm/base/bounds.hpp"
+
+namespace polyarm {
+
+/// Throws Error("too-large" | "xml-syntax") that names `file`.
+void check_xml_bounds(std::string_view text, const std::string& file,
+                      std::size_t most_bytes = bounds::kXmlBytes);
+
+}  // namespace polyarm
