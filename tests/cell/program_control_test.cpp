@@ -270,8 +270,12 @@ TEST_F(ProgramControl, TellsTheLineUnderWayAndNotTheOneThatComesNext) {
     if (cell().program()->ended()) break;
     const double first = cell().snapshot().commands.front();
     if (lines.empty() || lines.back() != line()) lines.push_back(line());
-    if (line() == 2) EXPECT_GT(first, 9.0 * M_PI / 180) << "the robot has come past the first target";
-    if (line() == 4) EXPECT_NEAR(first, 30 * M_PI / 180, 1e-6);
+    if (line() == 2) {
+      EXPECT_GT(first, 9.0 * M_PI / 180) << "the robot has come past the first target";
+    }
+    if (line() == 4) {
+      EXPECT_NEAR(first, 30 * M_PI / 180, 1e-6);
+    }
     EXPECT_EQ(cell().line_under_way().line, line());
     const Json told = ask("program");
     if (asked.empty() || asked.back() != told["where"]["line"]) asked.push_back(told["where"]["line"]);

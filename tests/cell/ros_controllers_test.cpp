@@ -79,7 +79,9 @@ TEST(RosControllers, BothGrippersAnswerGoalsInTheirOwnWords) {
     EXPECT_EQ(last["reached_goal"], true);
     EXPECT_FALSE(last.contains("note")) << "it was judged by its tolerance";
     const Json& first = (*answers)[1]["result"];
-    if (first.contains("feedback")) EXPECT_TRUE(first["feedback"]["position"].is_number()) << first;
+    if (first.contains("feedback")) {
+      EXPECT_TRUE(first["feedback"]["position"].is_number()) << first;
+    }
   }
 }
 
