@@ -1,6 +1,9 @@
 #include "polyarm/base/yaml.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -169,7 +172,8 @@ double Yaml::number(Dimension dimension) const {
           : "write a number in SI units, or one with its unit such as " + such_as(dimension);
   throw Error(Problem{
       "bad-value", where(),
-      Data::named(data_) + " is '" + shortened(value) + "', " + polyarm::name(dimension) + " was expected", advice});
+      Data::named(data_) + " is '" + shortened(value) + "', " + polyarm::name(dimension) + " was expected",
+      advice});
 }
 
 double Yaml::number(Dimension dimension, double fallback) const {
@@ -180,8 +184,10 @@ bool Yaml::boolean() const {
   const std::string value = lower(text());
   if (value == "true" || value == "yes" || value == "on") return true;
   if (value == "false" || value == "no" || value == "off") return false;
-  throw Error(Problem{
-      "bad-value", where(), Data::named(data_) + " is '" + shortened(value) + "', true or false was expected", {}});
+  throw Error(Problem{"bad-value",
+                      where(),
+                      Data::named(data_) + " is '" + shortened(value) + "', true or false was expected",
+                      {}});
 }
 
 bool Yaml::boolean(bool fallback) const {
@@ -209,12 +215,47 @@ Vec3 Yaml::vec3(Dimension dimension) const {
   return {v[0], v[1], v[2]};
 }
 
+namespace {
+bool has_unit(const Yaml& value) {
+  const std::string text = value.text();
+  return !text.empty() && std::isalpha(static_cast<unsigned char>(text.back()));
+}
+
+/// Degrees where radians are meant turn a thing anywhere.
+double turn_of(const Yaml& value) {
+  const double out = value.number(Dimension::angle);
+  if (std::abs(out) > 4 * std::numbers::pi && !has_unit(value))
+    throw Error(
+        Problem{"bad-value", value.where(), "an angle of " + value.text() + " rad is more than two whole turns",
+                "this looks like degrees, write " + value.text() + "deg: angles without a unit are radians"});
+  return out;
+}
+
+/// Likewise millimetres where metres are meant.
+double place_of(const Yaml& value) {
+  constexpr double kFar = 100;
+  const double out = value.number(Dimension::length);
+  if (std::abs(out) >= kFar && !has_unit(value))
+    throw Error(Problem{
+        "bad-value", value.where(), value.text() + " m is far outside of any cell",
+        "this looks like millimetres, write " + value.text() + "mm: lengths without a unit are metres"});
+  return out;
+}
+
+Vec3 three(const Yaml& list, double (*read)(const Yaml&)) {
+  const std::vector<Yaml> v = list.items();
+  if (v.size() != 3) return list.vec3();  // says so
+  return {read(v[0]), read(v[1]), read(v[2])};
+}
+}  // namespace
+
 Pose Yaml::pose() const {
   if (is_map()) {
     Pose out;
-    if (const Yaml at = has("xyz") ? (*this)["xyz"] : (*this)["at"]; at.defined()) out.position = at.vec3();
+    if (const Yaml at = has("xyz") ? (*this)["xyz"] : (*this)["at"]; at.defined())
+      out.position = three(at, place_of);
     if (has("rpy")) {
-      const Vec3 rpy = (*this)["rpy"].vec3(Dimension::angle);
+      const Vec3 rpy = three((*this)["rpy"], turn_of);
       out.rotation = from_rpy(rpy.x, rpy.y, rpy.z);
     }
     if (has("quaternion")) {
@@ -233,8 +274,8 @@ Pose Yaml::pose() const {
                 Data::named(data_) + " is a pose of 3, 6 or 7 numbers, here are " + std::to_string(v.size()),
                 "write [x, y, z], [x, y, z, roll, pitch, yaw] or [x, y, z, qx, qy, qz, qw]"});
   Pose out;
-  const auto metres = [&](std::size_t i) { return v[i].number(Dimension::length); };
-  const auto radians = [&](std::size_t i) { return v[i].number(Dimension::angle); };
+  const auto metres = [&](std::size_t i) { return place_of(v[i]); };
+  const auto radians = [&](std::size_t i) { return turn_of(v[i]); };
   out.position = {metres(0), metres(1), metres(2)};
   if (v.size() == 6) out.rotation = from_rpy(radians(3), radians(4), radians(5));
   if (v.size() == 7)

@@ -33,6 +33,18 @@ void check_yaml_depth(std::string_view text, const std::string& file) {
   }
 }
 
+/// The first of so many lines that a tab indents, from 1; 0: none.
+int line_with_tab(std::string_view text, int lines) {
+  for (int line = 1; line <= lines && !text.empty(); ++line) {
+    const std::string_view one = text.substr(0, text.find('\n'));
+    const auto first = one.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos && one.substr(0, first).find('\t') != std::string_view::npos)
+      return line;
+    text.remove_prefix(std::min(text.size(), one.size() + 1));
+  }
+  return 0;
+}
+
 /// Makes the nodes, and counts the values that the file has with every alias written out.
 class YamlBuilder : public YAML::EventHandler {
  public:
@@ -172,6 +184,11 @@ std::shared_ptr<const YamlDocument> YamlDocument::parse(std::string_view text, s
     YamlBuilder builder(*out);
     parser.HandleNextDocument(builder);
   } catch (const YAML::Exception& e) {
+    if (const int line = line_with_tab(text, e.mark.line + 1); line > 0)
+      throw Error(Problem{"yaml-syntax",
+                          {out->file, line, 1},
+                          "not valid YAML: a tab indents this line",
+                          "indent with blanks: YAML allows no tabs there"});
     throw Error(Problem{"yaml-syntax", marked_place(e.mark, out->file), "not valid YAML: " + e.msg,
                         "check indentation, colons and quotes on this line and the one before"});
   }

@@ -84,10 +84,34 @@ void load_data_of(const program::Program& program, const CellFile& file, DataFil
 }
 }  // namespace
 
+std::string file_of_cell(const CellFile& file, const std::string& name, const Location& where) {
+  namespace fs = std::filesystem;
+  const fs::path path = file.folder / name;
+  std::error_code error;
+  if (fs::exists(path, error) || error) return path.string();
+  std::vector<std::string> there;
+  for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
+    if (const std::string ending = entry.path().extension(); ending == ".yaml" || ending == ".yml")
+      there.push_back((fs::path(name).parent_path() / entry.path().filename()).string());
+  std::sort(there.begin(), there.end());
+  throw Error(Problem{"no-file", where, "there is no file '" + name + "'" + did_you_mean(name, there),
+                      "looked in " + fs::absolute(path.parent_path()).lexically_normal().string()});
+}
+
+void add_robots(const CellFile& file, program::KnownNames& known) {
+  if (file.robots.empty()) return;
+  known.robots.emplace();
+  for (const RobotEntry& robot : file.robots) {
+    known.robots->names.push_back(robot.name);
+    known.robots->tools.push_back(robot.tool);
+  }
+}
+
 Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
                        const std::function<void()>& more_names, const program::ReadPrograms& read) {
   Programs out;
   std::size_t checked = 0;  // who had read them has checked them, too
+  Problems of_data;         // names that are missing because of these are nobody's mistake
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {
     std::optional<program::Program> loaded = read ? read(path) : std::nullopt;
     if (loaded)
@@ -100,26 +124,32 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
     collect(problems, [&] {
       std::filesystem::path path = data::find_file(file.program, file.folder, file.program_where);
       if (!is_script(path))
-        path = files.load_now(path.stem().string() == file.program ? file.program : path.filename().string(),
-                              file.program_where);
+        collect(of_data, [&] {
+          path =
+              files.load_now(path.stem().string() == file.program ? file.program : path.filename().string(),
+                             file.program_where);
+        });
+      if (of_data.has_errors()) return;
       if (path.empty())
         throw Error(Problem{"no-script", file.program_where, "'" + file.program + "' names no ScriptFile",
                             "add 'Name: ScriptFile' and 'Text: <script>' to it"});
       const bool bare = is_script(path) && path.stem() == std::filesystem::path(file.program).stem();
       out.program = load_script(path);
-      if (bare && out.program) load_data_of(*out.program, file, files, problems);
+      if (bare && out.program) load_data_of(*out.program, file, files, of_data);
     });
   if (!file.plc.empty())
     collect(problems, [&] {
       out.plc = load_script(data::find_file(file.plc, file.folder, file.plc_where));
-      if (out.plc) load_data_of(*out.plc, file, files, problems);
+      if (out.plc) load_data_of(*out.plc, file, files, of_data);
     });
+  for (const Problem& problem : of_data.list()) problems.add(problem);
   if (more_names) more_names();
   program::KnownNames known;
   known.add(store);
   known.folder = file.folder;
+  add_robots(file, known);
   for (const auto* loaded : {&out.program, &out.plc})
-    if (*loaded && checked == 0) program::check(**loaded, known, problems);
+    if (*loaded && checked == 0 && !of_data.has_errors()) program::check(**loaded, known, problems);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/data_files.hpp"
+#include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
@@ -20,6 +21,13 @@ bool look_at_plugins(const CellFile& file, Problems& problems);
 struct Programs {
   std::optional<program::Program> program, plc;
 };
+
+/// The file that the cell names, in its folder. Throws Error at the name where there is none, with the
+/// nearest.
+std::string file_of_cell(const CellFile& file, const std::string& name, const Location& where);
+
+/// What a program may call robots and tools.
+void add_robots(const CellFile& file, program::KnownNames& known);
 
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
 /// and checks them against the names of the store, which `more_names` may add to when the data are there.

@@ -40,8 +40,9 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   robots_ = resolve_robots(file_, described.joint_limits, catalogue, options_.real, problems, notes);
   add_hardware_faults(robots_, Severity::error, problems);
   collect(problems, [&] {
-    scene_ = file_.scene.empty() ? scene_without_file(robots_, notes)
-                                 : description::read_scene((file_.folder / file_.scene).string(), problems);
+    scene_ = file_.scene.empty()
+                 ? scene_without_file(robots_, notes)
+                 : description::read_scene(file_of_cell(file_, file_.scene, file_.scene_where), problems);
   });
   unchecked_bodies_ = cell::unchecked_bodies(robots_, scene_);
   for (const auto& more : {unchecked_bodies_, placeholder_notes(robots_)})
@@ -61,7 +62,8 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   loop.stall_holds = file_.loop.stall_holds;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
   loop_ = std::make_unique<control::ControlLoop>(loop);
-  loop_->supervisor().set_contact_stop(options_.allow_contact ? control::ContactStop::none : file_.contact_stop);
+  loop_->supervisor().set_contact_stop(options_.allow_contact ? control::ContactStop::none
+                                                              : file_.contact_stop);
   add_components(loop_->hardware(), robots_, scene_, loop.period, options_.lock_step, manager_, problems);
   problems.throw_if_errors();
   loop_->supervisor().watch_cell = !options_.lock_step && loop_->holds_after_gap();
@@ -177,18 +179,19 @@ void Cell::build_tags(Problems& problems) {
                            states_.add(robot->entry.name + "/tcp/y"),
                            states_.add(robot->entry.name + "/tcp/z")});
   collect(problems, [&] {
-    if (!file_.signals.empty()) signals_ = signals::load_signals((file_.folder / file_.signals).string());
+    if (!file_.signals.empty())
+      signals_ = signals::load_signals(file_of_cell(file_, file_.signals, file_.signals_where));
   });
   if (!options_.lock_step || options_.links) admit_links(file_, signals_, problems);
   if (!options_.lock_step) admit_doors(file_, problems);
   const signals::Signals& signals = signals_;
   std::set<std::string> live(signals.live.begin(), signals.live.end());
   if (options_.test) live.clear();  // a test writes to no file of the user's
-  files_ = std::make_unique<DataFiles>(store_,
-                                       StateFolder(file_.folder, live, options_.keep, options_.state_folder,
-                                                   patience_of(file_, options_.lock_step),
-                                                   file_.path.filename().string()),
-                                       *worker_, options_.lock_step);
+  files_ = std::make_unique<DataFiles>(
+      store_,
+      StateFolder(file_.folder, live, options_.keep, options_.state_folder,
+                  patience_of(file_, options_.lock_step), file_.path.filename().string()),
+      *worker_, options_.lock_step);
   bound_poses(signals_, file_.workspace, *files_);
   for (const signals::LinkEntry& link : signals.links) {  // before the tags that are bound to them
     states_.add("link/" + link.name + "/up");

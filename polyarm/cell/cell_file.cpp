@@ -157,7 +157,8 @@ LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
     if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
   });
   out.overrun = static_cast<control::Overrun>(read_overrun(yaml, problems));
-  if (yaml.has("stall")) collect(problems, [&] {
+  if (yaml.has("stall"))
+    collect(problems, [&] {
       const std::string stall = yaml["stall"].text();
       if (stall != "hold" && stall != "report")
         problems.error("bad-value", yaml["stall"].where(), "stall is '" + shortened(stall) + "'",
@@ -191,6 +192,11 @@ MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
     collect(problems, [&, place = to.first, dimension = to.second] { *place = value.number(dimension); });
     if (!(*to.first > 0) || !std::isfinite(*to.first))
       problems.error("bad-value", value.where(), std::string(key) + " is not above 0", {});
+    constexpr double kMost = 20;  // m/s, far above any arm
+    if (to.second == Dimension::speed && *to.first > kMost)
+      problems.error("bad-value", value.where(),
+                     std::string(key) + " is " + value.text() + ", faster than any robot",
+                     "this looks like mm/s: write such as 500mm/s; speeds without a unit are m/s");
   }
   if (!(motion.speed > 0 && motion.speed <= 1))
     problems.error("bad-value", yaml["speed"].where(),
@@ -241,8 +247,7 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   const auto equals = overrides.robot.find('=');
   const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
   std::error_code error;  // a description that the user names brings meshes and includes from beside it
-  if (std::filesystem::is_regular_file(model, error))
-    reach().allow_reading(resolved(model).parent_path());
+  if (std::filesystem::is_regular_file(model, error)) reach().allow_reading(resolved(model).parent_path());
   if (equals == std::string::npos) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
@@ -313,10 +318,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  std::vector<std::string> keys{"polyarm", "rate",    "robots",  "scene",    "controllers", "activate",
-                                "send",    "plugins", "budget",  "signals",  "program",     "plc",
-                                "motion",  "loop",    "profile", "profiles", "workspace",   "record",
-                                "contacts"};
+  std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
+                                "activate", "send",      "plugins", "budget",  "signals",
+                                "program",  "plc",       "motion",  "loop",    "profile",
+                                "profiles", "workspace", "record",  "contacts"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);

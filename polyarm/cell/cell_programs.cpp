@@ -64,7 +64,7 @@ void Cell::build_programs(Problems& problems) {
   if (!programs.program) return;
   if (test_) {
     ready_program_ = std::move(programs.program);
-  } else {
+  } else if (!problems.has_errors()) {  // else it lacks what those are about
     collect(problems, [&] { start_program(std::move(*programs.program)); });
     begun_ = !options_.waits;
   }

@@ -1,8 +1,6 @@
-#include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/check.hpp"
 
 #include <fmt/format.h>
-
 #include <stdlib.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/cell/frame_check.hpp"
@@ -81,11 +80,14 @@ class Checker {
 
   void files() {
     if (!file_.scene.empty())
-      collect(problems_, [&] { scene_ = description::read_scene(beside(file_.scene), problems_); });
+      collect(problems_, [&] {
+        scene_ = description::read_scene(file_of_cell(file_, file_.scene, file_.scene_where), problems_);
+      });
     if (!file_.signals.empty())
       collect(problems_, [&] {
         Problems found;
-        signals_ = signals::parse_signals(read_file(beside(file_.signals)), beside(file_.signals), found);
+        const std::string from = file_of_cell(file_, file_.signals, file_.signals_where);
+        signals_ = signals::parse_signals(read_file(from), from, found);
         for (const Problem& problem : found.list()) problems_.add(problem);
       });
   }
@@ -99,10 +101,16 @@ class Checker {
   void programs() {
     program::KnownNames known;
     known.folder = file_.folder;
-    for (const signals::Tag& tag : signals_.tags) known.names[tag.name] = program::type_of(tag.initial);
+    add_robots(file_, known);
+    for (const signals::Tag& tag : signals_.tags) {
+      known.names[tag.name] = program::type_of(tag.initial);
+      if (tag.role == data::TagRole::state) known.measured.insert(tag.name);
+    }
+    for (const signals::CameraLink& camera : signals_.cameras) known.names.try_emplace(camera.point);
     add_link_names(known);
     collect(problems_, [&] {  // tags that are written wrong are names all the same
-      if (file_.signals.empty()) return;
+      std::error_code ignored;
+      if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
       for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
         known.names.try_emplace(tag);
     });
@@ -301,7 +309,8 @@ class Checker {
     options.contact_errors = true;
     options.cycles = options_.cycles;
     options.read = [this](const std::filesystem::path& path) { return take_program(path); };
-    const std::filesystem::path scratch = options_.state_folder.empty() ? own_folder() : std::filesystem::path();
+    const std::filesystem::path scratch =
+        options_.state_folder.empty() ? own_folder() : std::filesystem::path();
     options.state_folder = scratch.empty() ? options_.state_folder : scratch / "data";
     check_whole(options);
     std::error_code ignored;

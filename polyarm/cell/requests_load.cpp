@@ -7,6 +7,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/build.hpp"
 #include "polyarm/cell/program_hash.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/cell/requests_work.hpp"
@@ -122,6 +123,7 @@ Poll program_load(Cell& cell, const Json& arguments) {
     }
     if (at == At::data) {
       loading->known.add(c.store());
+      add_robots(c.file(), loading->known);
       loading->known.folder = loading->folder;
       posted = false;
       at = At::checking;

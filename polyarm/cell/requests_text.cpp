@@ -5,6 +5,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/build.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/checker.hpp"
@@ -141,6 +142,7 @@ Poll program_check(Cell& cell, const Json& arguments) {
   program::KnownNames known;
   known.add(cell.store());
   known.folder = cell.file().folder;
+  add_robots(cell.file(), known);
   return later<Json>(
       cell,
       [source, known = std::move(known)]() mutable {

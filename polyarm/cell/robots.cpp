@@ -1,5 +1,7 @@
 #include "polyarm/cell/robots.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -215,6 +217,17 @@ void check_carried(const CellRobot& robot, Problems& problems) {
                      "take 'on' away, or <param name=\"base\">free</param> out of its description");
 }
 
+/// As a program's `payload` is refused that says more than the robot may carry.
+void refuse_overload(const CellRobot& robot, Problems& problems) {
+  const std::optional<double>& rated = robot.model.provenance.payload_kg;
+  const double payload = robot.entry.payload.mass;
+  if (!rated || !(payload > *rated)) return;
+  problems.error("payload", robot.entry.where,
+                 fmt::format("a payload of {:g} kg is more than the {:g} kg that {} may carry", payload,
+                             *rated, robot.model.name),
+                 "carry less, or choose a robot that carries it");
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
                                    const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
@@ -238,6 +251,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
   motion::Workspace workspace(std::move(zones));
   robot->tool = description::find_tool(entry.tool, file.folder.string());
+  refuse_overload(*robot, problems);
   if (auto missing = description::missing_in_tool(entry.tool, file.folder.string()))
     problems.add(std::move(*missing));
   read_joints(*robot, limits, problems);

@@ -25,7 +25,10 @@ void KnownNames::add(const data::DataSet& set) {
 }
 
 void KnownNames::add(const data::DataStore& store) {
-  for (const std::string& name : store.names()) names[name] = type_of(*store.find(name));
+  for (const std::string& name : store.names()) {
+    names[name] = type_of(*store.find(name));
+    if (store.tag_role(name) == data::TagRole::state) measured.insert(name);
+  }
 }
 
 namespace {
@@ -60,6 +63,7 @@ class Checker {
     block(program_.statements, true);
     for (const Statement& s : program_.statements) apart(s);
     check_tasks(program_, scope_);
+    check_cell_names(program_, known_, scope_);
     check_blends(program_, scope_);
     check_values(program_, scope_);
     scope_.warn_of_case();

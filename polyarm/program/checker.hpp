@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "polyarm/data/data_set.hpp"
 #include "polyarm/data/data_store.hpp"
@@ -23,6 +25,12 @@ struct KnownNames {
   std::map<std::string, Type> names;
   /// Where `load` looks for files; nothing: files are not looked for.
   std::optional<std::filesystem::path> folder;
+  std::set<std::string> measured;  ///< tags that the hardware alone sets
+  struct Robots {
+    std::vector<std::string> names, tools;
+  };
+  std::optional<Robots>
+      robots;  ///< of the cell; nothing: what is meant by robots, tools and frames is not looked at
 
   void add(const data::DataSet& set);
   void add(const data::DataStore& store);

@@ -79,6 +79,8 @@ class Scope {
 
 /// Tasks that command one robot, and meetings that one task alone comes to.
 void check_tasks(const Program& program, Scope& scope);
+/// Finds robots, tools and frames that the cell does not have, and tags that no program may set.
+void check_cell_names(const Program& program, const KnownNames& known, Scope& scope);
 /// Finds values that a run would refuse, as far as they are known before.
 void check_values(const Program& program, Scope& scope);
 /// Warns of blends that cannot happen, with the line that prevents each.

@@ -1,0 +1,163 @@
+/// What people write wrong in a cell is told where it stands, once, with what to do.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/check.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+std::string told(const std::vector<Problem>& problems) {
+  std::string out;
+  for (const Problem& p : problems)
+    out += std::filesystem::path(p.where.file).filename().string() + ":" + std::to_string(p.where.line) +
+           " " + p.what + " (" + p.advice + ")\n";
+  return out;
+}
+
+class Mistakes : public ::testing::Test {
+ protected:
+  Mistakes() {
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    cell();
+  }
+  /// Of one robot, which is at `robot`.
+  void cell(const std::string& robot = "", const std::string& more = "") {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                                  ", hardware: mock" + robot + "}\n" + more);
+  }
+  std::string checked() { return told(check(folder.path(), {}, description::Catalogue({}), {}).problems); }
+  /// What a run says before it begins.
+  std::string run() {
+    try {
+      test::LockStepCell built(read_cell_file(folder.path()));
+      return "";
+    } catch (const Error& e) {
+      return told(e.problems());
+    }
+  }
+  /// Both of them, which say the same.
+  std::string both() {
+    const std::string of_check = checked();
+    EXPECT_EQ(run(), of_check);
+    return of_check;
+  }
+  test::Folder folder;
+};
+
+TEST_F(Mistakes, AFileThatIsNotThereIsNamedWhereTheCellNamesIt) {
+  folder.write("scene.yaml", "polyarm: scene/1\n");
+  cell("", "scene: scen.yaml\n");
+  EXPECT_EQ(both().find("cell.yaml:4 there is no file 'scen.yaml'; did you mean 'scene.yaml'? (looked in /"),
+            0u)
+      << checked();
+  cell("", "signals: signals.yaml\n");
+  EXPECT_EQ(both().find("cell.yaml:4 there is no file 'signals.yaml' (looked in /"), 0u) << checked();
+}
+
+TEST_F(Mistakes, ATabInYamlIsCalledATab) {
+  cell("", "motion:\n\tspeed: 50%\n");
+  EXPECT_NE(checked().find("cell.yaml:5 not valid YAML: a tab indents this line (write blanks"),
+            std::string::npos)
+      << checked();
+}
+
+TEST_F(Mistakes, DegreesAndMillimetresWithoutTheirUnitsAreErrors) {
+  cell(", rpy: [0, 0, 90]");
+  EXPECT_NE(
+      both().find("cell.yaml:3 an angle of 90 rad is more than a whole turn (this looks like degrees, write "
+                  "90deg"),
+      std::string::npos)
+      << checked();
+  cell(", at: [0, 350, 0]");
+  EXPECT_NE(
+      both().find("cell.yaml:3 350 m is far outside of any cell (this looks like millimetres, write 350mm"),
+      std::string::npos)
+      << checked();
+  cell(", at: [0, 350mm, 2], rpy: [0, 0, 450deg]");
+  EXPECT_EQ(checked(), "");
+  cell("", "motion: {tcp_speed: 500}\n");
+  EXPECT_NE(both().find("cell.yaml:4 tcp_speed is 500, faster than any robot (this looks like mm/s"),
+            std::string::npos)
+      << checked();
+}
+
+TEST_F(Mistakes, AProgramSetsNoTagThatTheHardwareMeasures) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_1/position, type: number}\n"
+               "  Lamp: {initial: false}\n");
+  folder.write("job.script", "set Where = 1\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_NE(both().find("job.script:1 'Where' says what the hardware measures; a program cannot set it"),
+            std::string::npos)
+      << checked();
+  folder.write("job.script", "set Lamp = Where > 1\n");
+  folder.write("plc.script", "wait Lamp\nset Where = 2\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\nplc: plc.script\n");
+  EXPECT_NE(both().find("plc.script:2 'Where' says"), std::string::npos) << checked();
+}
+
+TEST_F(Mistakes, ARobotThatTheCellDoesNotHaveIsAnErrorBehindAWaitToo) {
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Go: {initial: false}\n");
+  folder.write("job.script", "wait Go\nmovej joints(0, 0, 0, 0, 0, 0), robot amr\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_EQ(both(), "job.script:2 the cell has no robot 'amr'; did you mean 'arm'? (known are: arm)\n");
+}
+
+TEST_F(Mistakes, OneMistakeIsOneError) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
+  folder.write("job.script", "moveto joints(0, 0, 0, 0, 0, 0)\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_EQ(both().find("signals.yaml:3 the tag 'Where' reads 'arm/joint_9/position', which nothing offers"),
+            0u);
+  EXPECT_EQ(checked().find('\n'), checked().size() - 1) << checked();
+  folder.write("places.points",
+               "Pose: RPY\nName: A\nPoint: nan, 0, 1, 0, 0, 0\nName: B\nPoint: 0.3, 0, 1, 0, 0, 0\n");
+  folder.write("job.script", "load places\nmovej A\nmovej B\n");
+  cell("", "program: job.script\n");
+  EXPECT_EQ(run().find("places.points:3 'nan' is no number here"), 0u) << run();
+  EXPECT_EQ(run().find('\n'), run().size() - 1) << "what comes of it is no error of its own: " << run();
+}
+
+TEST_F(Mistakes, NamesThatOnlyThePlcLoadsAreKnown) {
+  folder.write("settings.data", "Name: Delay\nValue: 20ms\n");
+  folder.write("job.script", "wait Delay\n");
+  folder.write("plc.script", "load settings\nwait Delay\n");
+  cell("", "program: job.script\nplc: plc.script\n");
+  EXPECT_EQ(both(), "");
+  folder.write("job.script", "wait Delai\n");
+  EXPECT_NE(both().find("job.script:1 there is nothing called 'Delai'; did you mean 'Delay'?"),
+            std::string::npos);
+}
+
+/// What a cell says that waits for `Ready` of cycledata, which nobody sets.
+std::string waiting(const test::Folder& folder, const std::string& signals, const std::string& plc = "") {
+  folder.write("cycledata.data", "Name: Ready\nBool: False\n");
+  folder.write("job.script", "load cycledata\nwait Ready\n");
+  folder.write("signals.yaml", "polyarm: signals/1\n" + signals);
+  folder.write("plc.script", plc + "wait false\n");
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                   ", hardware: mock}\nprogram: job.script\nsignals: signals.yaml\nplc: plc.script\n");
+  test::LockStepCell cell(read_cell_file(folder.path()));
+  cell.run(4);
+  if (cell.cell().failure()) return cell.cell().failure()->problem.advice;
+  return cell.told("say live: [cycledata]") > 0 ? "a note" : "";
+}
+
+TEST_F(Mistakes, WhoWaitsForWhatAnotherProgramWritesIsToldOfLiveFiles) {
+  EXPECT_EQ(waiting(folder, ""),
+            "nobody in the cell sets 'Ready', which comes from cycledata.data: the run has a copy of that "
+            "file; where "
+            "another program writes it, say live: [cycledata] in signals.yaml");
+  EXPECT_EQ(waiting(folder, "live: [cycledata]\n"), "") << "somebody outside may write it";
+  EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check who is to set these tags");
+}
+
+}  // namespace
+}  // namespace polyarm::cell
