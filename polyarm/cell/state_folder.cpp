@@ -51,7 +51,9 @@ void refuse_links(const fs::path& state) {
       if (reach().confined()) reach().check(place, Reach::Use::write);
       const fs::path real = resolved(place), own = resolved(state.parent_path());
       if (polyarm::inside(own, real))
-        throw Error(Problem{"bad-state", {place.string()}, "this link leads to " + real.string(),
+        throw Error(Problem{"bad-state",
+                            {place.string()},
+                            "this link leads to " + real.string(),
                             "remove it: runs keep what they write in this folder"});
     }
 }
@@ -71,11 +73,11 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   struct stat status {};
   const long pid = ::fstat(fd_, &status) == 0 ? holder_of(status.st_ino) : 0;
   ::close(std::exchange(fd_, -1));
-  throw Error(Problem{"cell-in-use",
-                      {file.parent_path().parent_path().string()},
-                      "another polyarm runs this cell" +
-                          (pid > 0 ? ": process " + std::to_string(pid) : std::string()),
-                      "end it first, or run a copy of the folder"});
+  throw Error(Problem{
+      "cell-in-use",
+      {file.parent_path().parent_path().string()},
+      "another polyarm runs this cell" + (pid > 0 ? ": process " + std::to_string(pid) : std::string()),
+      "end it first, or run a copy of the folder"});
 }
 
 StateLock::~StateLock() {
@@ -120,6 +122,11 @@ fs::path StateFolder::folder_of(const std::string& name) const {
 void StateFolder::bring(const fs::path& original, bool again) const {
   std::error_code error;
   fs::create_directories(state_, error);
+  if (error)
+    throw Error(
+        "unwritable", state_.string() + ": this folder cannot be made: " + error.message(),
+        "a run keeps copies of data files there: work on a copy of the cell where you may write, or have the "
+        "permissions of its folder changed (ls -ld shows them)");
   const fs::path ignore = state_.parent_path() / ".gitignore";
   const bool in_cell = state_.parent_path().filename() == ".state";
   if (in_cell && !fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
