@@ -14,6 +14,7 @@
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/motion/cartesian_joints.hpp"
 #include "polyarm/motion/tcp_rates.hpp"
+#include "polyarm/program/parser.hpp"
 #include "polyarm/ros_files/trajectory_file.hpp"
 
 namespace polyarm::apps {
@@ -108,6 +109,19 @@ void read_points(Setting& setting, const std::string& name, const fs::path& fold
   for (const data::ImportFile& points : files.points) setting.sets.push_back(points.values());
 }
 
+/// What the cell's program loads: of a script its `load` lines, else the data file that names the script.
+void read_points_of_program(Setting& setting) {
+  const cell::CellFile& file = setting.file;
+  if (file.program.empty()) return;
+  const fs::path path = data::find_file(file.program, file.folder, file.program_where);
+  if (path.extension() != ".script")
+    return read_points(setting, file.program, file.folder, file.program_where);
+  Problems ignored;  // of the program check tells
+  const program::Program program = program::parse(read_file(path), path.string(), ignored);
+  for (const program::Statement* load : program::loads(program))
+    read_points(setting, load->name, file.folder, program.at(load->name_place));
+}
+
 cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
   std::vector<std::string> names;
   for (const auto& robot : setting.robots) {
@@ -143,8 +157,7 @@ Setting settle(Request& request, Problems& problems) {
   cell::add_hardware_faults(out.robots, Severity::warning, faults);
   for (const Problem& fault : faults.list()) fmt::print(stderr, "{}\n", fault.text());
   out.robot = chosen(out, request.of);
-  if (!out.file.program.empty() && !out.file.program.ends_with(".script"))
-    read_points(out, out.file.program, out.file.folder, out.file.program_where);
+  read_points_of_program(out);
   for (const std::string& file : request.data)
     read_points(out, fs::path(file).filename().string(), fs::absolute(file).parent_path(), {});
   return out;

@@ -25,6 +25,8 @@ TEST_P(NewCell, ChecksRunsAndPassesItsTest) {
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_NE(checked.output.find("0 errors, 0 warnings"), std::string::npos) << checked.output;
   EXPECT_EQ(run_command({"check", cell, "--dry"}).exit_code, 0);
+  const Finished planned = run_command({"plan", cell, "movej", "PrePick", "movel", "Pick"});
+  EXPECT_EQ(planned.exit_code, 0) << "its program loads the points itself: " << planned.output;
   const Finished run = run_command({"run", cell, "--fast", "--quiet"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   const Finished tested = run_command({"test", cell});
