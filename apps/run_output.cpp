@@ -49,8 +49,9 @@ class TextOutput : public Output {
     line(fmt::format("{:8.3f}      │ {}: {}", seconds(time), task, text));
   }
   void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
-    line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
-                     state == "held" ? "  (type resume, back, discard or stop)" : ""));
+    line(fmt::format(
+        "{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
+        state == "held" && cause != "the run failed" ? "  (type resume, back, discard or stop)" : ""));
   }
   void on_stop(Nanoseconds time, const cell::StopReport& stop) override {
     line(fmt::format("{:8.3f}  {}", seconds(time), stop.sentence()));
@@ -61,8 +62,8 @@ class TextOutput : public Output {
     if (!terminal_ || quiet_) return;
     const Vec3 rpy = to_rpy(tcp.rotation);
     printer_.put(fmt::format("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
-                             seconds(time), printable(robot), tcp.position.x, tcp.position.y, tcp.position.z, rpy.x,
-                             rpy.y, rpy.z));
+                             seconds(time), printable(robot), tcp.position.x, tcp.position.y, tcp.position.z,
+                             rpy.x, rpy.y, rpy.z));
     status_ = true;
   }
 

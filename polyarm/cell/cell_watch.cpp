@@ -196,8 +196,10 @@ void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
   held_place_.tick(snapshot, joint_places_, jogging_->engaged() || contact_watch_.touching());
   if (snapshot.state == control::RunState::stopping && snapshot.cause == control::StopCause::contact)
     stop_watch_.set_category(loop_->supervisor().contact_stop() == control::ContactStop::cut ? 0 : 1);
-  const auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
+  auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
   if (!stop) return;
+  if (failure_ && snapshot.cause == control::StopCause::asked)
+    stop->cause = "the run failed";  // nobody asked
   if (stops_.size() >= kKept) stops_.erase(stops_.begin());
   stops_.push_back(*stop);
   observer_.on_stop(now, *stop);

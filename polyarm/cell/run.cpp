@@ -383,7 +383,9 @@ class Runner {
     const control::Snapshot& seen = cell_.snapshot();
     if (seen.state == told_state_) return;
     told_state_ = seen.state;
-    observer_.on_state(now, control::name(seen.state), control::name(seen.cause));
+    const bool failed = cell_.failure() && seen.cause == control::StopCause::asked;  // by nobody
+    observer_.on_state(now, control::name(seen.state),
+                       failed ? "the run failed" : std::string(control::name(seen.cause)));
   }
 
   void watch_first_motion() {

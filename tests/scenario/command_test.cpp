@@ -6,6 +6,7 @@
 #include <set>
 
 #include "polyarm/base/file.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm {
 namespace {
@@ -229,6 +230,17 @@ TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
   const Finished& finished = running.wait();
   EXPECT_NE(finished.output.find("again"), std::string::npos);
   EXPECT_EQ(finished.output.find("silent"), std::string::npos) << finished.output;
+}
+
+TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {
+  const test::Folder folder;
+  folder.write("job.script", "movej joints(1, 0, 0, 0, 0, 0)\nwait 200ms\nraise \"no part\"\n");
+  folder.write("cell.yaml", std::string("polyarm: cell/1\nrobots: {arm: {model: ") + POLYARM_SOURCE_DIR +
+                                "/examples/r6bot/r6bot.urdf}}\nprogram: job.script\n");
+  const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_NE(run.output.find("held: the run failed\n"), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("was asked for"), std::string::npos) << run.output;
 }
 
 TEST(Run, TheThesisDurationRuleStretchesMoves) {
