@@ -188,7 +188,7 @@ std::shared_ptr<const YamlDocument> YamlDocument::parse(std::string_view text, s
       throw Error(Problem{"yaml-syntax",
                           {out->file, line, 1},
                           "not valid YAML: a tab indents this line",
-                          "indent with blanks: YAML allows no tabs there"});
+                          "write blanks: YAML takes no tabs there"});
     throw Error(Problem{"yaml-syntax", marked_place(e.mark, out->file), "not valid YAML: " + e.msg,
                         "check indentation, colons and quotes on this line and the one before"});
   }

@@ -69,7 +69,7 @@ TEST_F(Mistakes, ATabInYamlIsCalledATab) {
 TEST_F(Mistakes, DegreesAndMillimetresWithoutTheirUnitsAreErrors) {
   cell(", rpy: [0, 0, 90]");
   EXPECT_NE(
-      both().find("cell.yaml:3 an angle of 90 rad is more than a whole turn (this looks like degrees, write "
+      both().find("cell.yaml:3 an angle of 90 rad is more than two whole turns (this looks like degrees, write "
                   "90deg"),
       std::string::npos)
       << checked();
