@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   cell::register_door({"ros2",
-                       {"domain", "range", "peers", "namespace", "distribution"},
+                       {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   apps::guard_terminal();
   try {

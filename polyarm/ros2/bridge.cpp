@@ -26,8 +26,8 @@ Json stamp_of(std::int64_t nanoseconds) {
 }
 
 Bridge::Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
-               std::string space)
-    : cell_{cell}, wire_{options, distribution}, space_{std::move(space)} {
+               std::string space, std::vector<std::string> twists)
+    : cell_{cell}, wire_{options, distribution}, space_{std::move(space)}, twists_{std::move(twists)} {
   while (space_.ends_with('/')) space_.pop_back();
   if (!space_.empty() && space_[0] != '/') space_ = std::string("/").append(space_);
 }
@@ -100,6 +100,13 @@ void Bridge::subscribe(const std::string& node, const std::string& topic, const 
                        guarded([&] { on_message(std::move(message)); });
                        return true;
                      });
+}
+
+std::vector<std::string> Bridge::at_once(const std::vector<std::string>& types) const {
+  std::vector<std::string> out;
+  for (const std::string& type : types)
+    if (std::find(twists_.begin(), twists_.end(), type) != twists_.end()) out.push_back(type);
+  return out.empty() ? std::vector{types.front()} : out;
 }
 
 void offer_standard_services(Bridge& bridge, const std::string& node, ParameterSource source) {

@@ -28,7 +28,7 @@ using OnCall = std::function<void(const Json& request, Reply reply)>;
 class Bridge {
  public:
   Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
-         std::string space);
+         std::string space, std::vector<std::string> twists);
 
   cell::Cell& cell() { return cell_; }
   Wire& wire() { return wire_; }
@@ -51,6 +51,10 @@ class Bridge {
   void service(const std::string& node, const std::string& service, const std::string& type, OnCall call);
   /// A type that there is, in the form of the distribution. Throws Error("unknown-type").
   const messages::TypeInfo& type(const std::string& name) const;
+
+  /// Of the types of one topic those that are offered before anybody publishes it: the first, or what
+  /// `ros2: {cmd_vel: …}` says.
+  std::vector<std::string> at_once(const std::vector<std::string>& types) const;
 
   void subscribe(const std::string& node, const std::string& topic, const std::string& type,
                  std::function<void(Json message)> on_message, Qos qos = {});
@@ -81,6 +85,7 @@ class Bridge {
   bool tells_ = true;
   std::chrono::steady_clock::time_point told_streams_;
   std::string space_;
+  std::vector<std::string> twists_;
   bool changed_ = false;
   std::int64_t offset_ = 0;  ///< ros time − cell time
   /// What was seen of it: the least in this window and the one before, and in the latest few looks.

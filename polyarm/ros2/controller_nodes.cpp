@@ -9,6 +9,7 @@
 #include "polyarm/messages/types.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
+#include "polyarm/ros2/typed_topic.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
 
 namespace polyarm::ros2 {
@@ -140,6 +141,7 @@ class ControllerNode {
   }
   void close_ports() {
     actions_.clear();
+    inputs_.clear();
     outputs_.clear();
     bridge_.wire().remove_node(ports_);
   }
@@ -147,6 +149,7 @@ class ControllerNode {
   void look(const std::string& state) {
     life_.look(state);
     for (OutputTopic& topic : outputs_) topic.look();
+    for (const auto& topic : inputs_) topic->look();
   }
   void serve() {
     const controllers::Controller* controller = bridge_.cell().loop().controllers().find(controller_);
@@ -180,12 +183,21 @@ class ControllerNode {
             make_action_server(bridge_, {ports_, node_ + "/" + port.name, whole, controller_, port.name}));
       if (type == "control_msgs/FollowJointTrajectory") offer_query();
     }
-    for (const std::string& type : port.types) {
-      if (!bridge_.wire().find_type(type) || (port.action && bridge_.wire().find_type(type + "_Goal")))
-        continue;
-      listen(node_ + "/" + port.name, port.name, type);
-      if (port.name == "cmd_vel" && only_base) listen(bridge_.name("cmd_vel"), port.name, type);
-    }
+    std::vector<std::string> types = port.types;
+    std::erase_if(types, [&](const std::string& type) {
+      return !bridge_.wire().find_type(type) || (port.action && bridge_.wire().find_type(type + "_Goal"));
+    });
+    if (types.empty()) return;
+    offer_topic(node_ + "/" + port.name, port.name, types);
+    if (port.name == "cmd_vel" && only_base) offer_topic(bridge_.name("cmd_vel"), port.name, types);
+  }
+
+  void offer_topic(const std::string& topic, const std::string& port, const std::vector<std::string>& types) {
+    inputs_.push_back(
+        std::make_unique<TypedTopic>(bridge_, ports_, topic, types, bridge_.at_once(types),
+                                     [this, topic, port](const std::string& group, const std::string& type) {
+                                       listen(group, topic, port, type);
+                                     }));
   }
 
   /// Where its trajectory will be at a time; time 0 is now.
@@ -227,9 +239,10 @@ class ControllerNode {
   }
 
   /// A message goes the way of every other door's; what an inactive controller is sent is dropped, as in ROS.
-  void listen(const std::string& topic, const std::string& port, const std::string& type) {
+  void listen(const std::string& group, const std::string& topic, const std::string& port,
+              const std::string& type) {
     const bool command = type.find("Twist") != std::string::npos;
-    bridge_.subscribe(ports_, topic, type,
+    bridge_.subscribe(group, topic, type,
                       [this, topic, to = controller_ + "/" + port](Json message) {
                         bridge_.to_cell(message);
                         bridge_.ask(
@@ -295,6 +308,7 @@ class ControllerNode {
   const std::string ports_;  ///< the group of the node's endpoints that come and go with its configuration
   LifeCycle life_;
   std::vector<OutputTopic> outputs_;
+  std::vector<std::unique_ptr<TypedTopic>> inputs_;
   std::vector<std::unique_ptr<Part>> actions_;
 };
 

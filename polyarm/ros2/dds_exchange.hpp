@@ -32,7 +32,7 @@ enum class DdsNews : std::uint8_t {
   made,       ///< id, guid
   not_made,   ///< id, what
   matched,    ///< id, guid, whether it matches
-  known,      ///< guid, user data
+  known,      ///< guid, user data, topic and type where it is a writer
   unknown,    ///< guid
   forgotten,  ///< guid
   sample,     ///< id, writer, sequence, Related, payload

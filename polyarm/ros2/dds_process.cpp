@@ -1,6 +1,7 @@
 /// polyarm_ros2_dds: the only program that parses what comes over DDS's sockets. A cell starts it, tells it
 /// which endpoints there are, and gets payloads as they came; when a packet ends it, the cell goes on and
 /// starts it again. `polyarm_ros2_dds PARENT`, with the three descriptors of a process::Channel.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -132,9 +133,11 @@ class DdsProcess : public ParticipantObserver {
       out.number(number_of(DdsNews::matched)).number(std::uint64_t{id}).array(other).number(matches);
     });
   }
-  void on_known(const Guid& endpoint, const std::string& user_data) override {
+  void on_known(const Guid& endpoint, const std::string& user_data, const Offer& offer) override {
+    const bool fits = std::max(offer.topic.size(), offer.type.size()) <= kMostName;
     tell([&](Packer& out) {
       out.number(number_of(DdsNews::known)).array(endpoint).text(user_data.substr(0, kMostUserData));
+      out.text(fits ? offer.topic : "").text(fits ? offer.type : "");
     });
   }
   void on_unknown(const Guid& endpoint) override {

@@ -57,6 +57,11 @@ struct Related {
   std::int64_t sequence = 0;
 };
 
+/// What a writer of somebody else writes, as DDS calls it ("rt/cmd_vel"); empty: it is a reader.
+struct Offer {
+  std::string topic, type;
+};
+
 /// An endpoint of somebody else that matches one of ours.
 struct Remote {
   Guid guid;

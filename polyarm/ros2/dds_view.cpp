@@ -87,8 +87,11 @@ bool DdsView::take(DdsNews news, process::Unpacker& in) {
     }
     case DdsNews::known: {
       const Guid other = in.array<16>();
-      std::string user_data = in.text(kMostUserData);
-      if (in.good()) know(other, std::move(user_data));
+      Known known;
+      known.user_data = in.text(kMostUserData);
+      known.offer.topic = in.text(kMostName);
+      known.offer.type = in.text(kMostName);
+      if (in.good()) know(other, std::move(known));
       return in.good();
     }
     case DdsNews::unknown:
@@ -123,10 +126,16 @@ void DdsView::match(Id id, const Guid& other, bool matches) {
     matches_ += endpoint->matched.try_emplace(other, Clock::now()).second ? 1 : 0;
 }
 
-void DdsView::know(const Guid& other, std::string user_data) {
+void DdsView::know(const Guid& other, Known known) {
   if (remotes_.size() >= bounds::kRemoteEndpoints && !remotes_.contains(other)) return;
-  user_data.resize(std::min(user_data.size(), kUserDataKept));
-  remotes_[other] = std::move(user_data);
+  known.user_data.resize(std::min(known.user_data.size(), kUserDataKept));
+  remotes_[other] = std::move(known);
+}
+
+bool DdsView::is_offered(const std::string& topic, const std::string& type) const {
+  return std::any_of(remotes_.begin(), remotes_.end(), [&](const auto& remote) {
+    return remote.second.offer.topic == topic && remote.second.offer.type == type;
+  });
 }
 
 Guid DdsView::guid(Id id) const {
@@ -148,7 +157,7 @@ std::vector<Remote> DdsView::matched(Id id) const {
 
 std::string DdsView::user_data(const Guid& endpoint) const {
   const auto known = remotes_.find(endpoint);
-  return known == remotes_.end() ? "" : known->second;
+  return known == remotes_.end() ? "" : known->second.user_data;
 }
 
 }  // namespace polyarm::ros2

@@ -55,18 +55,24 @@ class DdsView {
   std::vector<Remote> matched(Id id) const;
   std::string user_data(const Guid& endpoint) const;
   std::size_t known() const { return remotes_.size(); }
+  /// Somebody else has a writer of this topic and type, as DDS calls them, whether it matches or not.
+  bool is_offered(const std::string& topic, const std::string& type) const;
   /// All endpoints have been answered.
   bool settled() const { return unanswered_ == 0 && prefix_ != kNoGuid; }
   std::uint64_t identities() const { return identities_; }
 
  private:
+  struct Known {
+    std::string user_data;
+    Offer offer;
+  };
   const Endpoint* find(Id id) const { return const_cast<DdsView*>(this)->find(id); }
   void answer(Id id, const Guid& guid);
   void match(Id id, const Guid& other, bool matches);
-  void know(const Guid& other, std::string user_data);
+  void know(const Guid& other, Known known);
 
   std::map<Id, Endpoint> endpoints_;
-  std::map<Guid, std::string> remotes_;  ///< user data
+  std::map<Guid, Known> remotes_;
   Id last_id_ = 0;
   Guid prefix_ = kNoGuid;
   std::uint64_t identities_ = 0;

@@ -68,7 +68,9 @@ inline constexpr auto kNoDiscovery = rtps::DiscoveryProtocol_t::NONE;
 /// Told of the endpoints of others, and of participants that are gone with theirs.
 class DiscoveryListener : public rtps::RTPSParticipantListener {
  protected:
-  virtual void know(const rtps::GUID_t& endpoint, bool there, std::string user_data) = 0;
+  /// `topic`, `type`: of what a writer writes; empty of a reader.
+  virtual void know(const rtps::GUID_t& endpoint, bool there, std::string user_data, std::string topic,
+                    std::string type) = 0;
   virtual void forget(const rtps::GUID_t& participant) = 0;
   /// A participant is new: our endpoints are told to it when this returns.
   virtual void meet(rtps::RTPSParticipant& own, const rtps::GUID_t& participant) = 0;
@@ -83,12 +85,14 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
   void on_reader_discovery(rtps::RTPSParticipant*, rtps::ReaderDiscoveryStatus reason,
                            const rtps::SubscriptionBuiltinTopicData& info, bool& ignored) override {
     ignored = false;
-    know(info.guid, reason != rtps::ReaderDiscoveryStatus::REMOVED_READER, text(info.user_data.data_vec()));
+    know(info.guid, reason != rtps::ReaderDiscoveryStatus::REMOVED_READER, text(info.user_data.data_vec()),
+         {}, {});
   }
   void on_writer_discovery(rtps::RTPSParticipant*, rtps::WriterDiscoveryStatus reason,
                            const rtps::PublicationBuiltinTopicData& info, bool& ignored) override {
     ignored = false;
-    know(info.guid, reason != rtps::WriterDiscoveryStatus::REMOVED_WRITER, text(info.user_data.data_vec()));
+    know(info.guid, reason != rtps::WriterDiscoveryStatus::REMOVED_WRITER, text(info.user_data.data_vec()),
+         info.topic_name.c_str(), info.type_name.c_str());
   }
   void on_participant_discovery(rtps::RTPSParticipant* own, rtps::ParticipantDiscoveryStatus reason,
                                 const rtps::ParticipantBuiltinTopicData& info, bool& ignored) override {
@@ -100,11 +104,12 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
 #else
   void onReaderDiscovery(rtps::RTPSParticipant*, rtps::ReaderDiscoveryInfo&& info) override {
     know(info.info.guid(), info.status != rtps::ReaderDiscoveryInfo::REMOVED_READER,
-         text(info.info.m_qos.m_userData.data_vec()));
+         text(info.info.m_qos.m_userData.data_vec()), {}, {});
   }
   void onWriterDiscovery(rtps::RTPSParticipant*, rtps::WriterDiscoveryInfo&& info) override {
     know(info.info.guid(), info.status != rtps::WriterDiscoveryInfo::REMOVED_WRITER,
-         text(info.info.m_qos.m_userData.data_vec()));
+         text(info.info.m_qos.m_userData.data_vec()), info.info.topicName().c_str(),
+         info.info.typeName().c_str());
   }
   void onParticipantDiscovery(rtps::RTPSParticipant* own, rtps::ParticipantDiscoveryInfo&& info) override {
     using Info = rtps::ParticipantDiscoveryInfo;

@@ -16,7 +16,8 @@ class Ros2Door : public cell::Door {
  public:
   Ros2Door(cell::Cell& cell, const cell::DoorOptions& options)
       : options_{participant_options(options)},
-        bridge_{cell, options_, distribution_of(options), option_of(options, "namespace")} {
+        bridge_{cell, options_, distribution_of(options), option_of(options, "namespace"),
+                twists_of(options)} {
     bridge_.look_at_clock();
     parts_ = {make_robot_node(bridge_), make_manager_node(bridge_), make_controller_nodes(bridge_),
               make_cell_node(bridge_)};

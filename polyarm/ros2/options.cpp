@@ -53,6 +53,15 @@ ParticipantOptions participant_options(const Options& options) {
   return out;
 }
 
+std::vector<std::string> twists_of(const Options& options) {
+  const std::string said = option_of(options, "cmd_vel"), name = lower(said);
+  if (name.empty() || name == "twiststamped") return {"geometry_msgs/TwistStamped"};
+  if (name == "twist") return {"geometry_msgs/Twist"};
+  if (name == "both") return {"geometry_msgs/TwistStamped", "geometry_msgs/Twist"};
+  throw Error("bad-value", "cmd_vel has no type '" + said + "'",
+              "write `ros2: {cmd_vel: …}` with TwistStamped, Twist or both");
+}
+
 messages::Distribution distribution_of(const Options& options) {
   const std::string name = lower(option(options, "distribution", "ROS_DISTRO"));
   if (name == "humble") return messages::Distribution::humble;

@@ -313,7 +313,8 @@ class Participant::Work : public DiscoveryListener {
     if (observer_) observer_->on_match(endpoint.id, guid, matches);
   }
 
-  void know(const rtps::GUID_t& guid, bool there, std::string user_data) override {
+  void know(const rtps::GUID_t& guid, bool there, std::string user_data, std::string topic,
+            std::string type) override {
     const std::lock_guard lock(mutex_);
     if (guid.guidPrefix == own_) return;
     const Guid endpoint = guid_of(guid);
@@ -322,7 +323,7 @@ class Participant::Work : public DiscoveryListener {
       if (observer_) observer_->on_unknown(endpoint);
       return;
     }
-    if (observer_) observer_->on_known(endpoint, user_data);
+    if (observer_) observer_->on_known(endpoint, user_data, {std::move(topic), std::move(type)});
     remotes_[endpoint] = std::move(user_data);
   }
 

@@ -21,7 +21,7 @@ class ParticipantObserver {
   virtual ~ParticipantObserver() = default;
   /// An endpoint of ours matches one of others, or does no longer.
   virtual void on_match(std::size_t id, const Guid& other, bool matches) = 0;
-  virtual void on_known(const Guid& endpoint, const std::string& user_data) = 0;
+  virtual void on_known(const Guid& endpoint, const std::string& user_data, const Offer& offer) = 0;
   virtual void on_unknown(const Guid& endpoint) = 0;
   /// All endpoints whose guids have its prefix are unknown.
   virtual void on_forgotten(const Guid& participant) = 0;

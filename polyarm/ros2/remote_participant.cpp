@@ -442,6 +442,9 @@ std::string RemoteParticipant::user_data_of_writer(const Guid& writer) const {
 std::size_t RemoteParticipant::known() const {
   return work_->look([](const DdsView& view) { return view.known(); });
 }
+bool RemoteParticipant::is_offered(const std::string& topic, const std::string& type) const {
+  return work_->look([&](const DdsView& view) { return view.is_offered(topic, type); });
+}
 bool RemoteParticipant::settled() const {
   return work_->look([](const DdsView& view) { return view.settled(); });
 }

@@ -67,6 +67,8 @@ class RemoteParticipant {
   bool is_matched(Id id) const;
   std::string user_data_of_writer(const Guid& writer) const;
   std::size_t known() const;
+  /// Somebody else has a writer of this topic and type ("rt/cmd_vel", "std_msgs::msg::dds_::Int32_").
+  bool is_offered(const std::string& topic, const std::string& type) const;
 
   /// Whether all endpoints have their guids, or could not be made.
   bool settled() const;

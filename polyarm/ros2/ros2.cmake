@@ -27,7 +27,7 @@ target_link_libraries(polyarm_ros2_wire PUBLIC polyarm_ros2_types polyarm_base p
 add_dependencies(polyarm_ros2_wire polyarm_ros2_dds)
 add_library(polyarm_door_ros2 MODULE ros2/module.cpp ros2/bridge.cpp ros2/controller_nodes.cpp ros2/manager_node.cpp
   ros2/robot_node.cpp ros2/cell_node.cpp ros2/action_server.cpp ros2/parameters.cpp ros2/type_descriptions.cpp
-  ros2/life_cycle.cpp recording/state_messages.cpp)
+  ros2/life_cycle.cpp ros2/typed_topic.cpp recording/state_messages.cpp)
 set_target_properties(polyarm_door_ros2 PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/drivers)
 # What it uses of the cell it finds in the command that loads it.
 target_include_directories(polyarm_door_ros2 PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)

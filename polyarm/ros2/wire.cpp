@@ -175,6 +175,9 @@ class Wire::Work {
 
   void publish(Id id, std::vector<std::byte> payload) { send(to_tell_, {id, std::move(payload), {}, {}}); }
   bool wanted(Id id) const { return participant_.is_matched(id); }
+  bool offered(const std::string& topic, const messages::TypeInfo& type) const {
+    return participant_.is_offered("rt" + topic, type.dds_name);
+  }
 
   std::size_t take(std::size_t most) {
     if ((graph_changed_ || participant_.identities() != told_identities_) && participant_.settled())
@@ -513,6 +516,9 @@ void Wire::publish(Id publisher, std::vector<std::byte> payload) {
 }
 bool Wire::wanted(Id publisher) const {
   return work_->wanted(publisher);
+}
+bool Wire::offered(const std::string& topic, const messages::TypeInfo& type) const {
+  return work_->offered(topic, type);
 }
 std::size_t Wire::take(std::size_t most) {
   return work_->take(most);

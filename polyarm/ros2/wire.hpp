@@ -73,6 +73,8 @@ class Wire {
   void publish(Id publisher, std::vector<std::byte> payload);
   /// Does anybody listen to it?
   bool wanted(Id publisher) const;
+  /// Does anybody else publish this type on the topic ("/cmd_vel"), whether this wire hears it or not?
+  bool offered(const std::string& topic, const messages::TypeInfo& type) const;
   /// Runs the callbacks of at most `most` messages that have come in, and tells the graph what has changed.
   std::size_t take(std::size_t most);
   /// Until something waits to be taken, at most so long.

@@ -112,8 +112,9 @@ int rotten(const std::string& how) {
     if (how == "noise")  // of every number that there is, and some that there are not
       send(static_cast<DdsNews>(random() % 14), [&](process::Packer& out) { out.rest(noise(300)); });
     else if (how == "flood")  // endpoints without end
-      send(DdsNews::known,
-           [&](process::Packer& out) { out.array(guid).text(std::string(kMostUserData, 'x')); });
+      send(DdsNews::known, [&](process::Packer& out) {
+        out.array(guid).text(std::string(kMostUserData, 'x')).text("rt/t").text("T");
+      });
     else  // well-formed
       send(i % 2 == 0 ? DdsNews::matched : DdsNews::sample, [&](process::Packer& out) {
         out.number(id).array(guid);

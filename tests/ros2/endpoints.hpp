@@ -104,7 +104,6 @@ class Wanted {
     controller(name).hears(name + "/joint_trajectory", "trajectory_msgs/msg/JointTrajectory");
     hears(name + "/command", "trajectory_msgs/msg/JointTrajectory");
     hears(name + "/speed_scaling_input", "control_msgs/msg/SpeedScalingFactor");
-    hears(name + "/speed_scaling_input", "std_msgs/msg/Float64");
     publishes(name + "/controller_state", "control_msgs/msg/JointTrajectoryControllerState");
     serves(name + "/query_state", "control_msgs/srv/QueryTrajectoryState");
     return acts(name + "/follow_joint_trajectory", "control_msgs/action/FollowJointTrajectory");
@@ -225,6 +224,32 @@ class CycloneDiscovery {
   }
   std::vector<std::pair<dds_entity_t, bool>> readers_;
   Endpoints seen_;
+};
+
+/// Who reads what at the moment, as a node on Cyclone DDS knows it.
+class CycloneReaders {
+ public:
+  explicit CycloneReaders(const Cyclone& cyclone)
+      : reader_{
+            dds_create_reader(cyclone.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr)} {}
+  /// The types in which a topic is read, as DDS calls both.
+  std::set<std::string> types(const std::string& topic) const {
+    constexpr std::uint32_t kAlive = DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE;
+    std::vector<void*> samples(kMost, nullptr);
+    std::vector<dds_sample_info_t> infos(kMost);
+    const auto count = dds_read_mask(reader_, samples.data(), infos.data(), kMost, kMost, kAlive);
+    std::set<std::string> out;
+    for (int i = 0; i < count; ++i) {
+      const auto& e = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
+      if (e.topic_name == topic) out.insert(e.type_name);
+    }
+    if (count > 0) dds_return_loan(reader_, samples.data(), count);
+    return out;
+  }
+
+ private:
+  static constexpr std::uint32_t kMost = 1000;
+  dds_entity_t reader_;
 };
 
 }  // namespace polyarm::ros2::test

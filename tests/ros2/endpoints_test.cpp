@@ -4,6 +4,8 @@
 #include "tests/ros2/ros2_cell.hpp"
 
 #if defined(POLYARM_CYCLONE) && defined(POLYARM_RMW_FAST)
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -58,14 +60,61 @@ TEST(Ros2Example, JetbotHasOnTheWireWhatTheListSays) {
   Wanted wanted;
   wanted.cell(false).state_broadcaster("/joint_state_broadcaster").controller(base);
   for (const std::string& topic : {base + "/cmd_vel", std::string("/cmd_vel")})
-    for (const char* type : {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
-      wanted.hears(topic, type, false);
+    wanted.hears(topic, "geometry_msgs/msg/TwistStamped", false);
   wanted.publishes(base + "/odom", "nav_msgs/msg/Odometry").publishes("/odom", "nav_msgs/msg/Odometry");
   wanted.publishes("/tf", "tf2_msgs/msg/TFMessage");
   wanted.publishes(base + "/cmd_vel_out", "geometry_msgs/msg/TwistStamped");
   wanted.hears(base + "/cmd_vel_unstamped", "geometry_msgs/msg/Twist", false);
   wanted.hears(base + "/set_odometry", "std_msgs/msg/Float64MultiArray");
   expect_on_the_wire(example.domain(), wanted);
+}
+
+/// The types in which a topic of the jetbot is read, while others publish on it.
+class ReadTypes : public ::testing::Test {
+ protected:
+  using Types = std::set<std::string>;
+  bool become(const test::Example& example, const std::string& topic, const Types& wanted) {
+    if (!cyclone_) cyclone_.emplace(example.domain()), readers_.emplace(*cyclone_);
+    const bool became = wait([&] { return readers_->types(topic) == wanted; }, 10);
+    if (!became)
+      for (const std::string& type : readers_->types(topic)) ADD_FAILURE() << topic << " is read as " << type;
+    return became;
+  }
+  const Types stamped{"geometry_msgs::msg::dds_::TwistStamped_"}, plain{"geometry_msgs::msg::dds_::Twist_"};
+  const Types both{*stamped.begin(), *plain.begin()};
+  std::optional<test::Cyclone> cyclone_;
+  std::optional<test::CycloneReaders> readers_;
+};
+
+/// `ros2 topic echo /cmd_vel` and `ros2 bag record -a` refuse a topic of two types.
+TEST_F(ReadTypes, OfATwistAreThoseThatOthersPublish) {
+  const test::Example example("jetbot");
+  ASSERT_TRUE(become(example, "rt/cmd_vel", stamped)) << "the current type, while nobody publishes";
+  {
+    RmwNode other(example.domain(), RmwNode::Range::localhost);
+    other.writer("rt/cmd_vel", *plain.begin());
+    EXPECT_TRUE(become(example, "rt/cmd_vel", plain));
+    EXPECT_EQ(readers_->types("rt/jetbot_base_controller/cmd_vel"), stamped) << "each topic for itself";
+    RmwNode third(example.domain(), RmwNode::Range::localhost);
+    third.writer("rt/cmd_vel", *stamped.begin());
+    EXPECT_TRUE(become(example, "rt/cmd_vel", both)) << "each that is published is heard";
+  }
+  EXPECT_TRUE(become(example, "rt/cmd_vel", stamped)) << "as before, when they have left";
+  const test::Cyclone cyclone(example.domain());
+  cyclone.writer(geometry_msgs_msg_dds__Twist__desc, "rt/cmd_vel");
+  EXPECT_TRUE(become(example, "rt/cmd_vel", plain)) << "of the other middleware, too";
+}
+
+TEST_F(ReadTypes, OfATwistAreBothWhereTheCellSaysSo) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("polyarm_ros2_both_" + std::to_string(::getpid()));
+  fs::copy(std::string(POLYARM_SOURCE_DIR) + "/examples/jetbot", folder, fs::copy_options::recursive);
+  std::ofstream(folder / "cell.yaml", std::ios::app) << "ros2: {cmd_vel: both}\n";
+  {
+    const test::Example example(folder.string());
+    EXPECT_TRUE(become(example, "rt/cmd_vel", both));
+  }
+  fs::remove_all(folder);
 }
 
 TEST(Ros2Example, PickAndPlaceHasOnTheWireWhatTheListSays) {

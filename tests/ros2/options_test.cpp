@@ -33,6 +33,16 @@ TEST(Ros2Options, NothingSaidIsThisMachineAlone) {
   EXPECT_TRUE(out.peers.empty());
 }
 
+TEST(Ros2Options, TheTypesOfCmdVelAreThoseThatItsKeySays) {
+  using Types = std::vector<std::string>;
+  const std::string stamped = "geometry_msgs/TwistStamped", plain = "geometry_msgs/Twist";
+  EXPECT_EQ(twists_of({}), Types{stamped});
+  EXPECT_EQ(twists_of({{"cmd_vel", "TwistStamped"}}), Types{stamped});
+  EXPECT_EQ(twists_of({{"cmd_vel", "Twist"}}), Types{plain});
+  EXPECT_EQ(twists_of({{"cmd_vel", "both"}}), (Types{stamped, plain}));
+  EXPECT_THROW(twists_of({{"cmd_vel", "Pose"}}), Error);
+}
+
 TEST(Ros2Options, EachRangeOfRos2IsUnderstood) {
   const char* const range = "ROS_AUTOMATIC_DISCOVERY_RANGE";
   EXPECT_FALSE(of({{range, "OFF"}}).discovery);
