@@ -284,8 +284,9 @@ std::string write_urdf(const RobotModel& model) {
 
 bool is_launch_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  return name.ends_with(".launch") || name.ends_with(".launch.py") || name.ends_with(".launch.xml") ||
-         name.ends_with(".launch.yaml");
+  // ROS 2 recommends two names for Python: view.launch.py and view_launch.py.
+  return name.ends_with(".launch") || name.ends_with(".launch.py") || name.ends_with("_launch.py") ||
+         name.ends_with(".launch.xml") || name.ends_with(".launch.yaml");
 }
 
 LaunchHints find_in_launch_file(std::string_view text) {

@@ -9,7 +9,7 @@ namespace {
 using Names = std::vector<std::string>;
 
 TEST(LaunchFile, IsKnownByItsName) {
-  for (const char* name : {"a.launch", "a.launch.py", "folder/a.launch.xml", "a.launch.yaml"})
+  for (const char* name : {"a.launch", "a.launch.py", "a_launch.py", "folder/a.launch.xml", "a.launch.yaml"})
     EXPECT_TRUE(is_launch_file(name)) << name;
   for (const char* name : {"a.py", "a.xml", "a.urdf", "launch", "a.launch/robot.urdf"})
     EXPECT_FALSE(is_launch_file(name)) << name;
