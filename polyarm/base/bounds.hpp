@@ -101,7 +101,7 @@
   X(kYamlValues, 1000000, "values", "a YAML file with its aliases written out", "refused: too-large")         \
   X(kXmlBytes, 16 << 20, "bytes", "a URDF, xacro, SRDF or launch file", "refused: too-large")                 \
   X(kXmlAttributes, 200, "attributes", "attributes of one element of these", "refused: xml-syntax")           \
-  X(kRobots, 64, "robots", "robots of a cell", "refused: too-many")                                           \
+  X(kRobots, 1024, "robots", "robots of a cell", "refused: too-many")                                           \
   X(kSceneThings, 2000, "entries", "each section of a scene", "refused: too-many")                            \
   X(kLinks, 64, "links", "links of a cell", "refused: too-many")                                              \
   X(kUnknownKeys, 50, "keys", "unknown keys of one map that are named", "the number of the others")           \

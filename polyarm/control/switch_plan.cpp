@@ -1,8 +1,10 @@
 #include "polyarm/control/switch_plan.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
+#include <queue>
 #include <set>
 
 #include "polyarm/base/error.hpp"
@@ -277,37 +279,48 @@ std::vector<std::size_t> update_order(std::span<const ControllerView> controller
         later[a].push_back(b), ++waits[b];
     }
   }
+  // The first of those that wait for nothing comes next.
+  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> free;
+  for (std::size_t i = 0; i < n; ++i)
+    if (waits[i] == 0) free.push(i);
   std::vector<std::size_t> out;
-  std::vector<bool> done(n, false);
-  while (out.size() < n) {
-    std::size_t next = 0;
-    while (next < n && (done[next] || waits[next] > 0)) ++next;
-    if (next == n) {
-      std::vector<std::string> names;
-      for (std::size_t i = 0; i < n; ++i)
-        if (!done[i]) names.push_back(controllers[i].name);
-      throw Error("chain-circle", "these controllers wait for each other in a circle: " + join(names, ", "),
-                  "take one link of the chain out");
-    }
-    done[next] = true;
+  while (!free.empty()) {
+    const std::size_t next = free.top();
+    free.pop();
     out.push_back(next);
-    for (const std::size_t b : later[next]) --waits[b];
+    for (const std::size_t b : later[next])
+      if (--waits[b] == 0) free.push(b);
   }
-  return out;
+  if (out.size() == n) return out;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < n; ++i)
+    if (waits[i] > 0) names.push_back(controllers[i].name);
+  throw Error("chain-circle", "these controllers wait for each other in a circle: " + join(names, ", "),
+              "take one link of the chain out");
 }
+
+namespace {
+/// Only such controllers are links of chains.
+bool offers(const ControllerView& controller) {
+  return !controller.references.empty() || !controller.exported.empty();
+}
+bool linked(const ControllerView& a, const ControllerView& b) {
+  return (offers(a) || offers(b)) && (comes_before(a, b) || comes_before(b, a));
+}
+}  // namespace
 
 std::vector<std::size_t> chain_of(std::span<const ControllerView> controllers, std::size_t first,
                                   const std::vector<bool>& active) {
   std::vector<bool> in(controllers.size(), false);
   in[first] = true;
-  for (bool again = true; again;) {
-    again = false;
-    for (std::size_t i = 0; i < controllers.size(); ++i)
-      for (std::size_t j = 0; j < controllers.size(); ++j)
-        if (in[i] && !in[j] && active[j] &&
-            (comes_before(controllers[i], controllers[j]) || comes_before(controllers[j], controllers[i])))
-          in[j] = again = true;
-  }
+  std::vector<std::size_t> found{first};
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (std::size_t j = 0; j < controllers.size(); ++j)
+      if (active[j] && !in[j] && linked(controllers[found[k]], controllers[j])) {
+        in[j] = true;
+        found.push_back(j);
+      }
+  if (found.size() == 1) return found;
   std::vector<std::size_t> out;
   for (const std::size_t i : update_order(controllers))
     if (in[i]) out.push_back(i);

@@ -218,7 +218,7 @@ TEST_F(ForeignCell, FilesOfAnySizeAreRefusedWithWordsAndLittleTime) {
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20)) << words;
   };
   place.write("foreign/cell.yaml", many("polyarm: cell/1\nrobots:\n", " r#: {model: demo/r6bot}\n", 20'000));
-  refuses("more than 64 robots");
+  refuses("more than 1024 robots");
   cell_with(std::string(17 << 20, '#'));
   refuses("bytes");
   cell_with("scene: scene.yaml\n");
