@@ -386,7 +386,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"EndlessAxis", "axis: [0, 0, 2]", "axis: [0, 1e308, 1.7e308]", 7, "has no direction"},
         Bad{"LimitsSwapped", "lower: 0", "lower: 60mm", 7, "is not below the upper limit"},
         Bad{"NoVelocity", "velocity: 1", "velocity: 0", 7, "above zero"},
-        Bad{"Far", "axis: [0, 0, 2]", "xyz: [0, 0, 1e6]", 7, "smaller than a kilometre"},
+        Bad{"Far", "axis: [0, 0, 2]", "xyz: [0, 0, 1e6]", 7, "far outside of any cell"},
         Bad{"NegativeMass", "{name: tool0}", "{name: tool0, mass: -1}", 10, "above zero"},
         Bad{"ShortInertia", "{name: tool0}", "{name: tool0, mass: 1, inertia: [1, 1, 1]}", 10,
             "six numbers, here are 3"},

@@ -234,7 +234,7 @@ TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
 
 TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {
   const test::Folder folder;
-  folder.write("job.script", "movej joints(1, 0, 0, 0, 0, 0)\nwait 200ms\nraise \"no part\"\n");
+  folder.write("job.script", "movej joints(50deg, 0deg, 0deg, 0deg, 0deg, 0deg)\nwait 200ms\nraise \"no part\"\n");
   folder.write("cell.yaml", std::string("polyarm: cell/1\nrobots: {arm: {model: ") + POLYARM_SOURCE_DIR +
                                 "/examples/r6bot/r6bot.urdf}}\nprogram: job.script\n");
   const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});

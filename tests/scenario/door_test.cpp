@@ -179,10 +179,12 @@ TEST_F(DoorTest, OneMessageWithARateIsRepeated) {
   for (const double gone_to : {0.1, 0.3}) {
     EXPECT_EQ(run_command({"send", "tail", "data: [" + std::to_string(gone_to) + "]"}).exit_code, 0);
     bool back = false;
-    for (int tries = 0; tries < 500 && !back; ++tries)
-      for (const json& state : asked({"interfaces"})["states"])
+    for (int tries = 0; tries < 500 && !back; ++tries) {
+      const json all = asked({"interfaces"});
+      for (const json& state : all["states"])
         back = back || (state["name"] == "arm/joint_6/position" &&
                         std::abs(state["value"].get<double>() - 0.2) < 1e-6);
+    }
     EXPECT_TRUE(back) << "it was sent again after " << gone_to;
   }
   stream.signal(SIGINT);

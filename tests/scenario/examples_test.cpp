@@ -291,7 +291,7 @@ TEST(Check, FindsNothingInTheExamplesOnAnyOfTheFiveRobots) {
 TEST(Check, ADryRunListsContactsByLine) {
   const ExampleCopy copy("pick_and_place");
   std::string scene = read_file(copy.file("scene.yaml"));
-  scene.insert(scene.find("bins:"), "  wall: {box: [0.3, 0.02, 0.5], at: [0.3, 0, 0.25]}\n");
+  scene.insert(scene.find("bins:"), "  wall: {box: [0.1, 0.02, 0.3], at: [0.3, -0.09, 0.15]}\n");
   write_file_atomically(copy.file("scene.yaml"), scene);
   EXPECT_EQ(run_command({"check", copy.path()}).exit_code, 0);
   const Finished dry = run_command({"check", copy.path(), "--dry", "--cycles", "1"});

@@ -157,7 +157,8 @@ TEST_F(ServoWatchdog, ADeadBusIsTriedUntilItAnswers) {
 
 TEST_F(ServoWatchdog, AServoThatHasNotHeardItIsToldAgain) {
   turn();
-  std::atomic<int> deaf = 3;
+  static std::atomic<int> deaf;  // the thread of the servos may outlive this function
+  deaf = 3;
   fake->on_instruction([&](std::uint64_t) {
     if (deaf > 0 && fake->get(2, family->goal_velocity) == 0) {
       --deaf;
