@@ -28,7 +28,7 @@ test('lists what took hold: when, how often, asked and given, who commands, why 
   const send = (data) => at.watcher.request('send', { to: 'forward/commands', message: JSON.stringify({ data }) });
   await send([1.2, 0]);
   const velocity = limits().and(page.getByRole('region', { name: 'arm/elbow_joint/position, Velocity' }));
-  await velocity.getByText('Begin at the place where the joint stands', { exact: false }).waitFor();
+  await velocity.getByText('Begin where the joint is', { exact: false }).waitFor();
   await velocity.getByText('forward', { exact: true }).waitFor();
   await velocity.getByText(/^68\.7\d+ °$/).waitFor();
   await velocity.getByText(/^00:\d\d:\d\d\.\d \(\d.* ago\)$/).waitFor();

@@ -1,8 +1,8 @@
 #include "polyarm/base/printable.hpp"
 
-#include <fmt/format.h>
-
+#include <array>
 #include <cstdint>
+#include <cstdio>
 
 #include "polyarm/base/bounds.hpp"
 
@@ -50,6 +50,13 @@ bool steers(std::uint32_t code) {
          (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
 }
 
+/// "\x1b" of a byte, "\u202e" of a character. Without fmt: the kit for plugins links without it.
+std::string escaped(std::uint32_t code) {
+  std::array<char, 16> out{};
+  const int size = std::snprintf(out.data(), out.size(), code < 0x100 ? "\\x%02x" : "\\u%04x", code);
+  return {out.data(), static_cast<std::size_t>(size)};
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -64,7 +71,7 @@ std::string printable(std::string_view text) {
     if (whole && !steers(code))
       out += character;
     else
-      out += code < 0x100 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
+      out += escaped(code);
   }
   return out;
 }
