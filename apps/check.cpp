@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Problems that are told; of the others the number.
+/// So many problems are printed; of the rest only their number.
 constexpr std::size_t kMostTold = bounds::kProblemsTold;
 
 std::span<const Problem> first_of(const std::vector<Problem>& problems) {

@@ -57,7 +57,7 @@ void print_table(const std::vector<std::string>& headings, const std::vector<std
 /// A JSON value as a person reads it.
 std::string shown(const Json& value);
 
-/// The value at `path` within an answer; null where there is none, or something else is on the way.
+/// The value at `path` within an answer; null where the answer has no such value.
 const Json& part(const Json& from, std::initializer_list<const char*> path);
 // What an answer says, whatever kind it has: a missing or other value is 0, empty or false.
 double number_of(const Json& value);

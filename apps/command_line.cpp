@@ -62,7 +62,7 @@ const CLI::App& innermost(const CLI::App& app) {
   return inner.empty() ? app : innermost(*inner.front());
 }
 
-/// Words that nothing takes, with what was likely meant; empty where there are none.
+/// The words that no option and no argument takes, each with the nearest known one.
 std::string not_understood(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining(true);
   const CLI::App& at = innermost(app);
@@ -130,7 +130,7 @@ Option* Option::positive() {
 Option* Option::not_negative() {
   return bounded([](double n) { return n >= 0; }, "of at least 0");
 }
-/// What is no number at all is told by the check of the option's type, which comes first.
+/// A value that is not a number never comes here: the type of the option refuses it first.
 Option* Option::bounded(const std::function<bool(double)>& fits, const std::string& which) {
   option_->check(CLI::Validator(
       [=](std::string& value) {

@@ -168,7 +168,7 @@ void print_message(const Json& message, bool json) {
   std::fflush(stdout);
 }
 
-/// Seconds without a message after which a watcher is told why.
+/// After so many seconds without a message `watch` says why none comes.
 constexpr double kPatience = 2;
 
 int watch(Client& client, const std::string& name, double rate, int count, bool json) {

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <vector>
 
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
@@ -18,13 +19,6 @@ namespace polyarm::apps {
 namespace fs = std::filesystem;
 
 namespace {
-/// What a stranger wrote must not steer the terminal.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return text;
-}
-
 std::vector<std::string>& kept() {
   static std::vector<std::string> all;
   return all;
@@ -104,7 +98,7 @@ void ask_for_reach(const cell::CellFile& file) {
   if (!any || !can_ask()) return;
   fmt::print(stderr, "The cell {} wants to reach beyond its folder:\n", file.path.string());
   for (const cell::Wanted& each : wanted) {
-    fmt::print(stderr, "  {:<8}{}  ({}){}\n", each.kind, printable(each.what), printable(each.why),
+    fmt::print(stderr, "  {:<8}{}  ({}){}\n", each.kind, printable_line(each.what), printable_line(each.why),
                each.allowed && each.kind != "device" ? "  allowed" : "");
     if (!each.sha256.empty() && !each.allowed)
       fmt::print(stderr, "          native code, which would run with all your rights; sha256 {}\n", each.sha256);

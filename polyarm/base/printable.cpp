@@ -44,8 +44,8 @@ bool is_character(std::uint32_t code, std::size_t length) {
   return length != 4 || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-bool steers(std::uint32_t code) {
-  if (code < 0x20) return code != '\n' && code != '\t';
+bool steers(std::uint32_t code, bool one_line) {
+  if (code < 0x20) return one_line || (code != '\n' && code != '\t');
   return (code >= 0x7F && code <= 0x9F) || code == 0x061C || code == 0x200E || code == 0x200F ||
          (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
 }
@@ -57,9 +57,7 @@ std::string escaped(std::uint32_t code) {
   return {out.data(), static_cast<std::size_t>(size)};
 }
 
-}  // namespace
-
-std::string printable(std::string_view text) {
+std::string shown(std::string_view text, bool one_line) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
@@ -68,12 +66,22 @@ std::string printable(std::string_view text) {
     const std::string_view character = text.substr(0, whole ? length : 1);
     text.remove_prefix(character.size());
     const std::uint32_t code = whole ? code_of(character) : static_cast<unsigned char>(character[0]);
-    if (whole && !steers(code))
+    if (whole && !steers(code, one_line))
       out += character;
     else
       out += escaped(code);
   }
   return out;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  return shown(text, false);
+}
+
+std::string printable_line(std::string_view text) {
+  return shown(text, true);
 }
 
 std::string shortened(std::string_view text) {

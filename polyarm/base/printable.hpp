@@ -10,6 +10,10 @@ namespace polyarm {
 /// the direction of text, and bytes that are no UTF-8 become their numbers: \x1b, \x9b, \u202e.
 std::string printable(std::string_view text);
 
+/// The same for what must stay on one line: line feeds and tabs become numbers, too, so that a name cannot look
+/// like a line of its own.
+std::string printable_line(std::string_view text);
+
 /// `text` as it is quoted in a message: at most 200 bytes of it, cut between characters.
 std::string shortened(std::string_view text);
 

@@ -46,5 +46,9 @@ TEST(Shortened, CutsLongTextsBetweenCharacters) {
   EXPECT_EQ(printable(shortened(text)), shortened(text));
 }
 
+TEST(Printable, ALineStaysOneLine) {
+  EXPECT_EQ(printable_line("host\n  plugin\tx\x1b[2J ä"), "host\\x0a  plugin\\x09x\\x1b[2J ä");
+}
+
 }  // namespace
 }  // namespace polyarm
