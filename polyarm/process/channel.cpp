@@ -28,15 +28,6 @@ constexpr std::size_t kMemory = kHeadOfMemory + 2 * kRing;
 }
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) ::close(number_);
-}
-Descriptor::Descriptor(Descriptor&& other) noexcept : number_{std::exchange(other.number_, -1)} {}
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  std::swap(number_, other.number_);
-  return *this;
-}
-
 SharedMemory::SharedMemory(std::size_t size)
     : descriptor_{::memfd_create("polyarm", MFD_CLOEXEC | MFD_ALLOW_SEALING)} {
   // Who could make it smaller could end the other side by it.

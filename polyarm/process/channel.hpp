@@ -12,22 +12,10 @@
 #include <vector>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/descriptor.hpp"
 #include "polyarm/process/shared_ring.hpp"
 
 namespace polyarm::process {
-
-/// Closed at the end.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_{number} {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept;
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 /// Memory that another process can map by its descriptor, of a size that nobody can change any more.
 class SharedMemory {

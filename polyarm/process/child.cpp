@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/printable.hpp"
 
 extern char** environ;
 
@@ -154,29 +155,12 @@ void Child::listen() {
   if (count == 0) errors_ = Descriptor();
 }
 
-std::string printable(std::string text) {
-  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const auto follows = [&](std::size_t i) { return at(i) >= 0x80 && at(i) < 0xc0; };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (at(i) >= ' ' && at(i) <= '~') continue;
-    // UTF-8 of what is no control: two bytes from U+00A0 on, three.
-    const bool two = (at(i) == 0xc2 && at(i + 1) >= 0xa0 && follows(i + 1)) ||
-                     (at(i) > 0xc2 && at(i) < 0xe0 && follows(i + 1));
-    const bool three = at(i) > 0xe0 && at(i) < 0xf0 && follows(i + 1) && follows(i + 2);
-    if (two || three)
-      i += two ? 1 : 2;
-    else
-      text[i] = '?';
-  }
-  return text;
-}
-
 namespace {
 std::string last_line(std::string words) {
   while (!words.empty() && words.back() == '\n') words.pop_back();
   words.erase(0, words.rfind('\n') + 1);
   if (words.size() > kMostTold) words = "..." + words.substr(words.size() - kMostTold);
-  return printable(std::move(words));
+  return printable_line(words);
 }
 }  // namespace
 

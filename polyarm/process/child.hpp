@@ -20,9 +20,6 @@ std::string find_program(const std::string& name);
 /// The folders that find_program looks into, for a message.
 std::string program_folders();
 
-/// One line of plain characters, whatever it was: for terminals.
-std::string printable(std::string text);
-
 /// How a process ended.
 struct Ending {
   int code = 0, signal = 0;  ///< signal 0: it ended by itself, with the code

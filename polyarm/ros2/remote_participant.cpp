@@ -16,6 +16,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
 #include "polyarm/ros2/dds_exchange.hpp"
@@ -276,7 +277,7 @@ class RemoteParticipant::Work {
     if (news == DdsNews::ready) return opened(in);
     if (news == DdsNews::refused) {
       const std::string what = in.text(kMostName), advice = in.text(kMostName);
-      refused_ = {false, process::printable(what), process::printable(advice)};
+      refused_ = {false, printable_line(what), printable_line(advice)};
       return in.good();
     }
     if (news == DdsNews::too_large) return ++statistics_.too_large, in.good();
@@ -284,7 +285,7 @@ class RemoteParticipant::Work {
     if (news == DdsNews::not_made) {
       Unpacker copy = in;
       copy.number<std::uint64_t>();
-      tell({false, process::printable(copy.text(kMostName)), "its topic or service is missing for others"});
+      tell({false, printable_line(copy.text(kMostName)), "its topic or service is missing for others"});
     }
     return view_.take(news, in);
   }
@@ -376,7 +377,7 @@ class RemoteParticipant::Work {
   std::uint64_t beats_ = 0;
   RemoteNews refused_;  ///< what the process has said before it ended
 
-  process::Descriptor bell_;
+  Descriptor bell_;
   std::mutex telling_;  ///< held while OnSample is called
   mutable std::mutex mutex_;
   std::condition_variable opened_;

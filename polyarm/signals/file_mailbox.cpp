@@ -1,7 +1,6 @@
 #include "polyarm/signals/file_mailbox.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -21,31 +20,15 @@
 #include <unordered_map>
 #include <utility>
 
+#include "polyarm/base/descriptor.hpp"
 #include "polyarm/signals/file_watch.hpp"
+#include "polyarm/signals/folder_turn.hpp"
 #include "polyarm/signals/mailbox_merge.hpp"
 
 namespace polyarm::signals {
 
 namespace {
 namespace fs = std::filesystem;
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_{fd} {}
-  Descriptor(Descriptor&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    Descriptor old(std::exchange(fd_, std::exchange(other.fd_, -1)));
-    return *this;
-  }
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
 
 /// What tells one state of a file from another without reading it.
 struct Identity {
@@ -88,8 +71,8 @@ std::string copied(const char* mapping, std::size_t size) {
   std::string content(size, '\0');
   std::size_t done = 0;
   while (done < size) {
-    const ssize_t n = ::write(in.get(), mapping + done, std::min<std::size_t>(size - done, 65536));
-    if (n <= 0 || ::read(out.get(), content.data() + done, static_cast<std::size_t>(n)) != n) break;
+    const ssize_t n = ::write(in.number(), mapping + done, std::min<std::size_t>(size - done, 65536));
+    if (n <= 0 || ::read(out.number(), content.data() + done, static_cast<std::size_t>(n)) != n) break;
     done += static_cast<std::size_t>(n);
   }
   content.resize(done);
@@ -126,30 +109,6 @@ struct Displaced {
   std::optional<std::uint64_t> base;  ///< the version from which whoever writes into it started
   bool settled = true;                ///< that content was taken or is ours
   int looks_left = 0;
-};
-
-/// The lock on a folder that all who change data in it by our rules hold meanwhile; none where the file
-/// system has none.
-class FolderTurn {
- public:
-  explicit FolderTurn(const fs::path& folder)
-      : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
-  /// False where others have it for so long that they have to be left out of account.
-  bool take() {
-    constexpr int kTries = 200, kBetween = 100;  // of so many microseconds
-    for (int i = 0; folder_ && i < kTries; ++i) {
-      if (::flock(folder_.get(), LOCK_EX | LOCK_NB) == 0) return true;
-      if (errno != EWOULDBLOCK && errno != EINTR) return true;
-      std::this_thread::sleep_for(std::chrono::microseconds(kBetween));
-    }
-    return !folder_;
-  }
-  void give_back() {
-    if (folder_) ::flock(folder_.get(), LOCK_UN);
-  }
-
- private:
-  Descriptor folder_;
 };
 
 /// How many looks in a row, 20 ms each, are left out while others have their turn; then somebody is stuck with
@@ -241,6 +200,7 @@ class FileMailbox::Io {
     const bool ours = turn_.take();
     if (!ours && ++left_out_ < kMostLeftOut) return;
     left_out_ = 0;
+    in_turn_ = ours;
     look_in_turn();
     if (ours) turn_.give_back();
   }
@@ -336,11 +296,11 @@ class FileMailbox::Io {
 
   /// Reads without opening where the file is the one that we hold open: opening is news to the watch.
   std::optional<std::string> read_path(const Identity& found) {
-    const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
+    const auto held = standing_ ? identity_of(standing_.number()) : std::nullopt;
     const bool same = held && held->inode == found.inode && held->device == found.device;
     watch_.expect_own_open(!same);
     if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-    auto content = standing_ ? content_of(standing_.get()) : std::nullopt;
+    auto content = standing_ ? content_of(standing_.number()) : std::nullopt;
     watch_.collect();
     watch_.expect_own_open(false);
     return content;
@@ -381,7 +341,9 @@ class FileMailbox::Io {
     known_text_ = content;
     settle(found);
     names_in_file_ = names_of(file);
-    file_version_ = absorb(std::move(file), watch_.take_base(label));
+    const auto base = watch_.take_base(label);
+    const bool merged = in_turn_ && standing_ && is_merged(standing_.number(), content);
+    file_version_ = absorb(std::move(file), merged ? file_version_ : base);
     watch_.resolve(label, file_version_);
   }
 
@@ -414,10 +376,10 @@ class FileMailbox::Io {
 
   /// There may be many of them: one that says that it has not changed costs one call of the system.
   void look_at(Displaced& old) {
-    const auto now = identity_of(old.file.get());
+    const auto now = identity_of(old.file.number());
     if (now && old.settled && *now == old.seen && old.looks_left % kLooksUntilRead != 0) return;
     old.seen = now && !may_be_stale(*now) ? *now : Identity{};
-    auto content = content_of(old.file.get());
+    auto content = content_of(old.file.number());
     if (!content || (*content == old.content && old.settled)) return;
     const bool stands = *content == old.content && old.looks_left < kLooksAtDisplaced / 2;
     old.content = *content;
@@ -455,7 +417,7 @@ class FileMailbox::Io {
     const auto base = watch_.take_base(displaced);
     needs_write_ = false;
     all_is_well();
-    known_ = identity_of(made.get()).value_or(Identity{});
+    known_ = identity_of(made.number()).value_or(Identity{});
     std::set<std::string> names = std::exchange(names_in_file_, names_of(image_));
     Displaced old{std::exchange(standing_, std::move(made)),
                   std::exchange(known_text_, text),
@@ -482,14 +444,15 @@ class FileMailbox::Io {
     struct stat old {};
     const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
     Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    bool good = static_cast<bool>(file) && ::fchmod(file.get(), mode) == 0;
+    bool good = static_cast<bool>(file) && ::fchmod(file.number(), mode) == 0;
     for (std::size_t at = 0; good && at < text.size();) {
-      const ssize_t n = ::write(file.get(), text.data() + at, text.size() - at);
+      const ssize_t n = ::write(file.number(), text.data() + at, text.size() - at);
       if (n < 0 && errno == EINTR) continue;
       good = n > 0;
       if (good) at += static_cast<std::size_t>(n);
     }
-    if (good && ::fdatasync(file.get()) == 0)
+    if (good && in_turn_) mark_as_merged(file.number(), text);
+    if (good && ::fdatasync(file.number()) == 0)
       return Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
     const int error = errno;
     ::unlink(temporary.c_str());
@@ -502,7 +465,7 @@ class FileMailbox::Io {
     if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
       struct stat displaced {};
       const bool there = ::stat(temporary.c_str(), &displaced) == 0;
-      const auto held = standing_ ? identity_of(standing_.get()) : std::nullopt;
+      const auto held = standing_ ? identity_of(standing_.number()) : std::nullopt;
       const bool same = there && held && held->inode == displaced.st_ino && held->device == displaced.st_dev;
       if (!same) standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
       opened_displaced_ = !same;
@@ -528,6 +491,7 @@ class FileMailbox::Io {
   FileWatch watch_;
   FolderTurn turn_;
   int left_out_ = 0;        ///< looks, one after the other
+  bool in_turn_ = false;    ///< in this look
   std::string known_text_;  ///< that stands in the file as far as we know
   std::set<std::string> names_in_file_;
   Identity known_;

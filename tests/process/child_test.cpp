@@ -28,7 +28,7 @@ TEST(Child, HowItEndedIsKnown) {
 
 TEST(Child, ItsLastWordsAreOneLineThatATerminalBears) {
   EXPECT_EQ(of_shell("printf '\\033[2Jred\\302\\233 \\303\\244 \\377\\n' >&2; exit 1").last_words,
-            "?[2Jred?? \xc3\xa4 ?");
+            "\\x1b[2Jred\\x9b \xc3\xa4 \\xff");
   const Ending ending =
       of_shell("i=0; while [ $i -lt 20000 ]; do echo 'many words of a child' >&2; i=$((i+1)); done");
   EXPECT_EQ(ending.code, 0) << "nobody reads what it says, and it goes on";

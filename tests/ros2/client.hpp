@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "polyarm/messages/json.hpp"
@@ -34,25 +35,25 @@ bool wait(Until until, int seconds = 30) {
 class Client {
  public:
   explicit Client(std::uint32_t domain)
-      : participant_{[&] {
+      : participant_{std::make_shared<Participant>([&] {
           ParticipantOptions made;
           made.domain = domain;
           return made;
-        }()} {}
+        }())} {}
 
-  /// Keeps what comes on a topic.
+  /// Keeps what comes on a topic. A fixture may keep it beyond the client: it holds the participant.
   class Listener {
    public:
-    Listener(Participant& participant, const std::string& topic, const std::string& type, Qos qos)
-        : participant_{participant}, type_{*messages::find_type(type)} {
-      id_ = participant.add_reader("rt" + topic, type_.dds_name, qos, "", [this](const Sample& sample) {
+    Listener(std::shared_ptr<Participant> participant, const std::string& topic, const std::string& type, Qos qos)
+        : participant_{std::move(participant)}, type_{*messages::find_type(type)} {
+      id_ = participant_->add_reader("rt" + topic, type_.dds_name, qos, "", [this](const Sample& sample) {
         json message;
         if (messages::to_json(type_, sample.payload, message) != messages::CdrError::none) return;
         const std::lock_guard lock(mutex_);
         messages_.push_back(std::move(message));
       });
     }
-    ~Listener() { participant_.remove(id_); }
+    ~Listener() { participant_->remove(id_); }
     std::size_t count() const {
       const std::lock_guard lock(mutex_);
       return messages_.size();
@@ -67,10 +68,10 @@ class Client {
       return {messages_.begin() + static_cast<std::ptrdiff_t>(count), messages_.end()};
     }
     bool heard() const { return count() > 0; }
-    bool matched() const { return !participant_.matched(id_).empty(); }
+    bool matched() const { return !participant_->matched(id_).empty(); }
 
    private:
-    Participant& participant_;
+    std::shared_ptr<Participant> participant_;
     const messages::TypeInfo& type_;
     Participant::Id id_;
     mutable std::mutex mutex_;
@@ -82,15 +83,15 @@ class Client {
 
   class Publisher {
    public:
-    Publisher(Participant& participant, const std::string& topic, const std::string& type)
-        : participant_{participant}, type_{*messages::find_type(type)} {
-      id_ = participant.add_writer("rt" + topic, type_.dds_name, {}, "");
+    Publisher(std::shared_ptr<Participant> participant, const std::string& topic, const std::string& type)
+        : participant_{std::move(participant)}, type_{*messages::find_type(type)} {
+      id_ = participant_->add_writer("rt" + topic, type_.dds_name, {}, "");
     }
-    bool matched() const { return !participant_.matched(id_).empty(); }
-    void publish(const json& message) { participant_.write(id_, messages::from_json(type_, message)); }
+    bool matched() const { return !participant_->matched(id_).empty(); }
+    void publish(const json& message) { participant_->write(id_, messages::from_json(type_, message)); }
 
    private:
-    Participant& participant_;
+    std::shared_ptr<Participant> participant_;
     const messages::TypeInfo& type_;
     Participant::Id id_;
   };
@@ -105,7 +106,7 @@ class Client {
     return caller.call(request);
   }
 
-  Participant& participant() { return participant_; }
+  Participant& participant() { return *participant_; }
 
  private:
   class Caller {
@@ -154,11 +155,11 @@ class Client {
   };
   Caller& caller_of(const std::string& service, const std::string& type) {
     auto& caller = callers_[service];
-    if (!caller) caller = std::make_unique<Caller>(participant_, service, type);
+    if (!caller) caller = std::make_unique<Caller>(*participant_, service, type);
     return *caller;
   }
 
-  Participant participant_;
+  std::shared_ptr<Participant> participant_;  ///< with those that listen and publish
   std::map<std::string, std::unique_ptr<Caller>> callers_;
 };
 

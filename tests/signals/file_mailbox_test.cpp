@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/xattr.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -313,6 +314,40 @@ TEST_F(Mailbox, TwoOfOurKindThatWriteAtTheSameTimeLoseNothing) {
   }
   far.join();
   EXPECT_EQ(lost, "");
+}
+
+/// So much news of a folder that the system drops some.
+void flood_the_news(const std::filesystem::path& folder) {
+  const std::string one = (folder / "one").string(), two = (folder / "two").string();
+  for (int i = 0; i < 20'000; ++i)
+    for (const std::string& file : {one, two}) ::close(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+}
+
+bool keeps_marks(const std::filesystem::path& folder) {
+  const std::string file = (folder / "marked").string();
+  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const bool kept = ::fsetxattr(fd, "user.polyarm.test", "x", 1, 0) == 0;
+  ::close(fd);
+  return kept;
+}
+
+TEST_F(Mailbox, WhatOneOfOurKindTakesBackIsTakenBackWhereTheSystemSaysNothing) {
+  if (!keeps_marks(folder_)) GTEST_SKIP() << "the file system keeps no extended attributes";
+  rewrite("Name: Ask\nBool: False\n");
+  FileMailbox robot(ImportFile::load(path_), inline_options()), plc(ImportFile::load(path_), inline_options());
+  robot.post("Ask", true);
+  robot.step();
+  plc.step();
+  ASSERT_EQ(plc.take_events().size(), 1u);
+  plc.post("Ask", false);  // the file says what it said at the start
+  plc.step();
+  flood_the_news(folder_);
+  robot.step();
+  const std::vector<MailboxEvent> heard = robot.take_events();
+  ASSERT_EQ(heard.size(), 1u) << "the answer was taken for an old version of the file";
+  ASSERT_EQ(heard[0].values.size(), 1u);
+  EXPECT_FALSE(*heard[0].values[0].second.as_boolean());
+  EXPECT_EQ(content(), "Name: Ask\nBool: False\n");
 }
 
 /// Held as by `polyarm data`, or by another runtime that looks at the file.
