@@ -17,7 +17,7 @@ set(POLYARM_SDK_HEADERS
     hardware/component.hpp hardware/component_rig.hpp hardware/device_lock.hpp hardware/driver_facts.hpp hardware/plugin.hpp
     hardware/world_state.hpp
     controllers/controller.hpp controllers/controller_rig.hpp controllers/filters.hpp controllers/messages.hpp
-    controllers/parameters.hpp controllers/pid.hpp controllers/speed_limiter.hpp)
+    controllers/parameters.hpp controllers/pid.hpp controllers/shared_list.hpp controllers/speed_limiter.hpp)
 
 add_library(polyarm_plugin INTERFACE)
 target_compile_features(polyarm_plugin INTERFACE cxx_std_20)

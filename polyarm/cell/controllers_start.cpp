@@ -30,7 +30,7 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
     std::vector<std::string> left;
     for (const std::string& name : names) {
       try {
-        manager.configure(name);
+        manager.configure_only(name);
         again = true;
       } catch (const Error& e) {
         for (const Problem& problem : e.problems()) found.emplace_back(name, problem);
@@ -41,6 +41,7 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
       for (auto& [name, problem] : found) tell_unconfigured(name, std::move(problem), problems);
     names = std::move(left);
   }
+  manager.refresh();
   return names;
 }
 
@@ -146,10 +147,10 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
   using hardware::LifecycleState;
   std::vector<std::string> wanted;
   for (const controllers::JointFacts& joint : robot.joints) wanted.push_back(joint.name);
-  for (const auto& listed : manager.list()) {
-    auto* follower = dynamic_cast<controllers::JointTrajectoryController*>(manager.find(listed.name));
+  for (const auto& [controller, state] : manager.loaded()) {
+    auto* follower = dynamic_cast<controllers::JointTrajectoryController*>(controller);
     if (follower && follower->joints() == wanted &&
-        (listed.state == LifecycleState::active || (or_inactive && listed.state == LifecycleState::inactive)))
+        (state == LifecycleState::active || (or_inactive && state == LifecycleState::inactive)))
       return follower;
   }
   return nullptr;
@@ -158,8 +159,8 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
 controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
                                                      const control::ControllerManager& manager) {
   const std::string own = robot.entry.name + "/";
-  for (const auto& listed : manager.list()) {
-    auto* wheels = dynamic_cast<controllers::DiffDriveController*>(manager.find(listed.name));
+  for (const auto& [controller, state] : manager.loaded()) {
+    auto* wheels = dynamic_cast<controllers::DiffDriveController*>(controller);
     if (wheels && !wheels->command_interfaces().empty() &&
         wheels->command_interfaces().front().starts_with(own))
       return wheels;

@@ -117,7 +117,35 @@ std::vector<std::string> named(const std::vector<std::string>& names) {
 }
 }  // namespace
 
+/// Contexts share the names as long as the table has the same.
+void ControllerManager::name_interfaces(controllers::ControllerContext& context) {
+  if (named_at_ != table_.changes()) {
+    state_names_ = named(table_.state_names());
+    command_names_ = named(table_.command_names());
+    named_at_ = table_.changes();
+  }
+  context.state_names = state_names_;
+  context.command_names = command_names_;
+}
+
 void ControllerManager::configure(const std::string& name) {
+  configure_only(name);
+  try {
+    refresh();
+  } catch (...) {
+    Slot& s = slot(name);
+    s.state = LifecycleState::unconfigured;
+    withdraw(s);
+    throw;
+  }
+}
+
+void ControllerManager::refresh() {
+  if (!table_.sealed()) bind_all();
+  post_schedule();
+}
+
+void ControllerManager::configure_only(const std::string& name) {
   Slot& s = slot(name);
   if (s.state.load() != LifecycleState::unconfigured)
     throw Error(
@@ -127,8 +155,7 @@ void ControllerManager::configure(const std::string& name) {
   controllers::Controller& c = *s.controller;
   c.forget_interfaces();
   s.context.parameters.begin();
-  s.context.state_names = named(table_.state_names());
-  s.context.command_names = named(table_.command_names());
+  name_interfaces(s.context);
   try {
     const CallbackReturn result = guarded(name, "on_configure", [&] { return c.on_configure(s.context); });
     s.context.parameters.finish(name);
@@ -148,16 +175,6 @@ void ControllerManager::configure(const std::string& name) {
   }
   if (s.options.async) make_runner(s);
   s.state = LifecycleState::inactive;
-  if (!table_.sealed())
-    for (const auto& other : slots_)
-      if (other.get() != &s && other->state.load() != LifecycleState::unconfigured) bind(*other);
-  try {
-    post_schedule();
-  } catch (...) {
-    s.state = LifecycleState::unconfigured;
-    withdraw(s);
-    throw;
-  }
 }
 
 void ControllerManager::withdraw(Slot& s) {
@@ -447,6 +464,12 @@ const controllers::ControllerContext* ControllerManager::context(const std::stri
   for (const auto& s : slots_)
     if (s->name == name) return &s->context;
   return nullptr;
+}
+
+std::vector<std::pair<controllers::Controller*, LifecycleState>> ControllerManager::loaded() const {
+  std::vector<std::pair<controllers::Controller*, LifecycleState>> out;
+  for (const auto& s : slots_) out.emplace_back(s->controller.get(), s->state.load());
+  return out;
 }
 
 std::vector<ListedController> ControllerManager::list() const {

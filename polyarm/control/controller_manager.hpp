@@ -1,8 +1,11 @@
 #pragma once
 #include <atomic>
+#include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/control/switch_plan.hpp"
@@ -71,6 +74,10 @@ class ControllerManager {
   /// unconfigured → inactive. Throws Error with everything that is wrong with its parameters, or naming the
   /// interface that does not exist; then it stays unconfigured (or is finalized, if its on_error says so).
   void configure(const std::string& name);
+  /// The same for one of many, while no loop is running: refresh() has to follow, once for all of them.
+  void configure_only(const std::string& name);
+  /// Binds all controllers again and makes a new schedule.
+  void refresh();
   void cleanup(const std::string& name);  ///< inactive → unconfigured
   void unload(const std::string& name);   ///< anything but active → gone
   /// load and configure.
@@ -106,6 +113,8 @@ class ControllerManager {
   controllers::Controller* find(const std::string& name) const;
   const controllers::ControllerContext* context(const std::string& name) const;
   std::vector<ListedController> list() const;
+  /// Those that are loaded and their states, in the order of list().
+  std::vector<std::pair<controllers::Controller*, hardware::LifecycleState>> loaded() const;
   /// Names of the controllers that the loaded ones have, for hints.
   std::vector<std::string> names() const;
   std::string name_of(int id) const;
@@ -149,11 +158,13 @@ class ControllerManager {
   std::string why_unavailable(const std::string& interface, bool command) const;
   void bind(Slot& slot);
   void withdraw(Slot& slot);
+  void name_interfaces(controllers::ControllerContext& context);
   void make_runner(Slot& slot);
   std::unique_ptr<Commit> commit_of(const SwitchPlan& plan) const;
   std::unique_ptr<Schedule> make_schedule(const std::vector<std::string>& active) const;
   std::unique_ptr<Commit> fall_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
-                                  const std::vector<bool>& active, std::size_t who) const;
+                                  std::span<const ControllerView> chain, std::size_t who) const;
+  std::set<std::size_t> components_of(const ControllerView& view) const;
   std::vector<std::string> active_names() const;
   int home_of(std::span<const ControllerView> chain) const;
   bool commands_beyond(const ControllerView& view, std::size_t component) const;
@@ -175,6 +186,8 @@ class ControllerManager {
   realtime::Jobs& jobs_;
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<std::pair<std::shared_ptr<realtime::Job>, std::unique_ptr<Slot>>> leaving_;
+  controllers::SharedList<std::string> state_names_, command_names_;
+  std::uint64_t named_at_ = ~std::uint64_t{0};  // changes of the table that these have
   int next_id_ = 0;
   std::uint64_t known_epoch_ = 0;
   realtime::Queue<LoopEvent> events_{256};

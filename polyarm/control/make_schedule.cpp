@@ -1,5 +1,9 @@
 /// Schedules as the manager makes them: who is updated in which order, and what falls with what.
 #include <algorithm>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "polyarm/control/schedule.hpp"
 
@@ -26,22 +30,35 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::commit_of(const Sw
   return commit;
 }
 
+namespace {
+std::vector<ControllerView> some_of(std::span<const ControllerView> views, std::span<const std::size_t> which) {
+  std::vector<ControllerView> out;
+  for (const std::size_t i : which) out.push_back(views[i]);
+  return out;
+}
+
+/// What stops when all of a chain stop, or of several: who is in no chain with them is not concerned.
+SwitchPlan plan_of_fall(std::span<const ControllerView> chains) {
+  SwitchRequest request;
+  for (const ControllerView& view : chains) request.deactivate.push_back(view.name);
+  return plan_switch(chains, request, [](const std::string&, bool) { return std::string{}; });
+}
+}  // namespace
+
 std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std::vector<Slot*>& slots,
                                                                       std::span<const ControllerView> views,
-                                                                      const std::vector<bool>& active,
+                                                                      std::span<const ControllerView> chain,
                                                                       std::size_t who) const {
-  SwitchRequest request;
-  for (const std::size_t i : chain_of(views, who, active)) request.deactivate.push_back(views[i].name);
-  const auto available = [this](const std::string& interface, bool command) {
-    return why_unavailable(interface, command);
-  };
-  request.activate = slots[who]->options.fallback;
-  SwitchPlan plan = plan_switch(views, request, available);
-  if (!plan.ok) {  // its fallbacks cannot take over as things stand
-    request.activate.clear();
-    plan = plan_switch(views, request, available);
-  }
-  return commit_of(plan);
+  if (!slots[who]->options.fallback.empty()) {
+    SwitchRequest request;
+    for (const ControllerView& view : chain) request.deactivate.push_back(view.name);
+    request.activate = slots[who]->options.fallback;
+    const SwitchPlan plan = plan_switch(views, request, [this](const std::string& interface, bool command) {
+      return why_unavailable(interface, command);
+    });
+    if (plan.ok) return commit_of(plan);
+  }  // else its fallbacks cannot take over as things stand
+  return commit_of(plan_of_fall(chain));
 }
 
 /// A component of the only group that these command, or where they command none, that they read; -1: there is
@@ -78,6 +95,18 @@ bool ControllerManager::commands_beyond(const ControllerView& view, std::size_t 
   });
 }
 
+std::set<std::size_t> ControllerManager::components_of(const ControllerView& view) const {
+  std::set<std::size_t> out;
+  const auto add = [&](int component) {
+    if (component >= 0) out.insert(static_cast<std::size_t>(component));
+  };
+  for (const std::string& claim : view.commands)
+    if (const auto index = table_.find_command(claim)) add(hardware_.component_of_command(*index));
+  for (const std::string& read : view.states)
+    if (const auto index = table_.find_state(read)) add(hardware_.component_of_state(*index));
+  return out;
+}
+
 std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     const std::vector<std::string>& names) const {
   std::vector<Slot*> slots;
@@ -93,28 +122,23 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     all[i].state = active[i] ? LifecycleState::active : LifecycleState::inactive;
   }
   auto out = std::make_unique<Schedule>();
+  std::vector<std::set<std::size_t>> falling(hardware_.size());  // controllers that fall with a component
   for (const std::size_t i : update_order(all)) {
-    std::vector<ControllerView> chain;
-    for (const std::size_t k : chain_of(all, i, active)) chain.push_back(all[k]);
+    const std::vector<std::size_t> linked = chain_of(all, i, active);
+    const std::vector<ControllerView> chain = some_of(all, linked);
     out->entries.push_back({slots[i], slots[i]->controller.get(), slots[i]->options.divisor,
-                            slots[i]->options.period, active[i] ? fall_of(slots, all, active, i) : nullptr,
+                            slots[i]->options.period, active[i] ? fall_of(slots, all, chain, i) : nullptr,
                             active[i] ? home_of(chain) : -1});
+    if (!active[i]) continue;
+    for (const std::size_t component : components_of(all[i])) falling[component].insert(linked.begin(), linked.end());
   }
   out->failures.reserve(out->entries.size());
   for (std::size_t c = 0; c < hardware_.size(); ++c) {
-    SwitchRequest request;
-    std::vector<bool> falls(slots.size(), false);
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      if (!active[i] || !slots[i]->uses(c, table_, hardware_)) continue;
-      for (const std::size_t k : chain_of(all, i, active)) falls[k] = true;
-    }
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      if (falls[i]) request.deactivate.push_back(all[i].name);
-    out->ties.push_back(0);
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      if (falls[i] && commands_beyond(all[i], c)) out->ties.back() = 1;
-    out->component_falls.push_back(
-        commit_of(plan_switch(all, request, [](const std::string&, bool) { return std::string{}; })));
+    const std::vector<std::size_t> falls(falling[c].begin(), falling[c].end());
+    const bool tied = std::any_of(falls.begin(), falls.end(),
+                                  [&](std::size_t i) { return commands_beyond(all[i], c); });
+    out->ties.push_back(tied ? 1 : 0);
+    out->component_falls.push_back(commit_of(plan_of_fall(some_of(all, falls))));
   }
   return out;
 }

@@ -31,22 +31,6 @@ struct ControllerManager::Slot {
   std::atomic<controllers::ReturnType> own_result{controllers::ReturnType::ok};
   std::atomic<bool> own_stop{false};
   std::unique_ptr<realtime::AsyncRunner> runner;  // last: its thread ends before the rest goes
-
-  bool uses(std::size_t component, const hardware::InterfaceTable& table,
-            const hardware::Hardware& hardware) const {
-    const auto of = [&](int found) { return found == static_cast<int>(component); };
-    const auto& claimed = controller->command_interfaces();
-    const auto& read = controller->state_interfaces();
-    return std::any_of(claimed.begin(), claimed.end(),
-                       [&](const std::string& claim) {
-                         const auto index = table.find_command(claim);
-                         return index && of(hardware.component_of_command(*index));
-                       }) ||
-           std::any_of(read.begin(), read.end(), [&](const std::string& claim) {
-             const auto index = table.find_state(claim);
-             return index && of(hardware.component_of_state(*index));
-           });
-  }
 };
 
 /// A switch, prepared.

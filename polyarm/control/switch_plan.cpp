@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <optional>
 #include <queue>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -41,7 +42,11 @@ class Planner {
   Planner(std::span<const ControllerView> controllers, const SwitchRequest& request,
           const Unavailable& unavailable)
       : all_(controllers), request_(request), unavailable_(unavailable) {
-    for (const ControllerView& c : all_) after_[c.name] = c.state == LifecycleState::active;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      for (const std::string& name : all_[i].commands) claiming_[name].push_back(i);
+      for (const std::string& name : all_[i].references) offering_[name].push_back(i);
+      for (const std::string& name : all_[i].exported) exporting_[name].push_back(i);
+    }
   }
 
   SwitchPlan plan() {
@@ -179,7 +184,8 @@ class Planner {
           return Refusal{"hardware-inactive",
                          "the controller '" + c.name + "' needs '" + name + "', but " + why,
                          "activate the hardware component first"};
-    for (const ControllerView& other : all_) {
+    for (const std::size_t i : concerned_by(c)) {
+      const ControllerView& other = all_[i];
       if (other.name == c.name) continue;
       // Of two that start and want the same, the later one is refused.
       if (active_after(other) && !(starting_.contains(other.name) && rank(other.name) > rank(c.name)))
@@ -199,7 +205,20 @@ class Planner {
     return std::nullopt;
   }
 
+  /// Those that claim the same commands, and those that offer what `c` names.
+  std::set<std::size_t> concerned_by(const ControllerView& c) const {
+    std::set<std::size_t> out;
+    const auto add = [&](const Places& places, const std::string& name) {
+      const auto found = places.find(name);
+      if (found != places.end()) out.insert(found->second.begin(), found->second.end());
+    };
+    for (const std::string& name : c.commands) add(claiming_, name), add(offering_, name);
+    for (const std::string& name : c.states) add(exporting_, name);
+    return out;
+  }
+
   std::optional<Refusal> why_not_stop(const ControllerView& c) const {
+    if (c.references.empty() && c.exported.empty()) return std::nullopt;
     for (const ControllerView& other : all_)
       if (other.name != c.name && active_after(other) &&
           (shares(other.commands, c.references) || shares(other.states, c.exported)))
@@ -242,18 +261,15 @@ class Planner {
 
   /// Command interfaces that no controller offers belong to hardware.
   void add_hardware(const ControllerView& c, std::vector<std::string>& out) const {
-    for (const std::string& name : c.commands) {
-      const bool reference = std::any_of(all_.begin(), all_.end(), [&](const ControllerView& other) {
-        return contains(other.references, name);
-      });
-      if (!reference) out.push_back(name);
-    }
+    for (const std::string& name : c.commands)
+      if (!offering_.contains(name)) out.push_back(name);
   }
 
   std::span<const ControllerView> all_;
   const SwitchRequest& request_;
   const Unavailable& unavailable_;
-  std::map<std::string, bool> after_;
+  using Places = std::unordered_map<std::string_view, std::vector<std::size_t>>;
+  Places claiming_, offering_, exporting_;  ///< controllers by the interfaces that they name
   std::set<std::string> starting_, stopping_;
   SwitchPlan plan_;
 };

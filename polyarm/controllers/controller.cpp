@@ -13,23 +13,17 @@ std::size_t enter(std::vector<std::string>& names, const std::string& name) {
   names.push_back(name);
   return names.size() - 1;
 }
-
-bool contains(const std::vector<std::string>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 }  // namespace
 
 const JointFacts* ControllerContext::find_joint(std::string_view whole_name) const {
-  for (const JointFacts& joint : joints)
-    if (joint.name == whole_name) return &joint;
-  return nullptr;
+  return joints.find(whole_name);
 }
 
 bool ControllerContext::has_state(std::string_view wanted) const {
-  return contains(state_names, wanted);
+  return state_names.find(wanted) != nullptr;
 }
 bool ControllerContext::has_command(std::string_view wanted) const {
-  return contains(command_names, wanted);
+  return command_names.find(wanted) != nullptr;
 }
 
 std::string ControllerContext::whole_name(const std::string& written) const {

@@ -15,6 +15,7 @@
 #include "polyarm/controllers/command_watch.hpp"
 #include "polyarm/controllers/messages.hpp"
 #include "polyarm/controllers/parameters.hpp"
+#include "polyarm/controllers/shared_list.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::controllers {
@@ -60,16 +61,20 @@ struct JointFacts {
   bool states_velocity = true, states_acceleration = false, states_jerk = false;
 };
 
+inline const std::string& name_in_list(const JointFacts& joint) {
+  return joint.name;
+}
+
 struct ControllerContext {
   std::string name;
   std::string type;                ///< as the user wrote it
   std::string robot;               ///< interfaces named without a robot belong to this one
-  std::vector<JointFacts> joints;  ///< of all robots of the cell
+  SharedList<JointFacts> joints;  ///< of all robots of the cell
   Parameters parameters;
   Nanoseconds period = 1'000'000;       ///< of this controller's updates
   Nanoseconds loop_period = 1'000'000;  ///< of the control loop
   /// Interfaces that exist when the controller is configured, references of other controllers among them.
-  std::vector<std::string> state_names, command_names;
+  SharedList<std::string> state_names, command_names;
 
   const JointFacts* find_joint(std::string_view whole_name) const;
   bool has_state(std::string_view name) const;

@@ -85,8 +85,8 @@ class ControllerRig {
  private:
   void bind() {
     for (const std::string& name : controller_->reference_interfaces())
-      add(context_.command_names, commands_, name);
-    for (const std::string& name : controller_->exported_states()) add(context_.state_names, states_, name);
+      add(context_.command_names.edit(), commands_, name);
+    for (const std::string& name : controller_->exported_states()) add(context_.state_names.edit(), states_, name);
     controller_->bind({states_, commands_, places(context_.state_names, controller_->state_interfaces()),
                        places(context_.command_names, controller_->command_interfaces()),
                        places(context_.command_names, controller_->reference_interfaces()), states_,

@@ -30,6 +30,7 @@ std::size_t InterfaceTable::add(Side& side, std::string name, double initial, co
                 "put the controller into the controllers file and start the cell again");
   }
   side.index.emplace(std::move(name), at);
+  ++changes_;
   return at;
 }
 
@@ -39,12 +40,14 @@ void InterfaceTable::remove(Side& side, std::string_view name) {
   side.names[found->second].clear();
   side.free.push_back(found->second);
   side.index.erase(found);
+  ++changes_;
 }
 
 void InterfaceTable::seal(Side& side) {
   for (std::size_t i = kSpare; i-- > 0;) side.free.push_back(side.names.size() + i);
   side.names.resize(side.names.size() + kSpare);
   side.values.resize(side.values.size() + kSpare, kNone);
+  ++changes_;
 }
 
 std::size_t InterfaceTable::add_state(std::string name, double initial) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Every number that hardware and controllers exchange, with its name.
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,6 +44,8 @@ class InterfaceTable {
   /// Entries that stood in the table when it was sealed; all of them before.
   std::size_t built_states() const noexcept { return state_.built; }
   std::size_t built_commands() const noexcept { return command_.built; }
+  /// Counts what changed the names.
+  std::uint64_t changes() const noexcept { return changes_; }
 
  private:
   struct Side {
@@ -53,11 +56,12 @@ class InterfaceTable {
     std::size_t built = 0;
   };
   std::size_t add(Side& side, std::string name, double initial, const char* kind);
-  static void remove(Side& side, std::string_view name);
-  static void seal(Side& side);
+  void remove(Side& side, std::string_view name);
+  void seal(Side& side);
 
   Side state_, command_;
   bool sealed_ = false;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace polyarm::hardware

@@ -32,7 +32,7 @@ struct WorldState {
   static constexpr int kMaxFindings = 64;
   std::vector<PartState> parts;  ///< in the order of Scene::parts
   std::array<Contact, kMaxFindings>
-      findings;           ///< each touching pair once, and again when it goes deeper after it had come to rest;
+      findings;           ///< one for each time that a pair begins to touch;
                           ///< number n of them is at n % kMaxFindings, the newest replace the oldest
   int finding_count = 0;  ///< all findings so far
   int contacts = 0;           ///< contact points in the last physics step

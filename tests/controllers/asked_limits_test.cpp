@@ -27,7 +27,7 @@ std::string refusal_of(const std::function<void()>& send) {
 /// j1 to j3 from -2 to 2 with a velocity of 3 and an effort of 50.
 struct LimitedRig : TrajectoryRig {
   explicit LimitedRig(std::vector<double> start = {0, 0, 0}) : TrajectoryRig(std::move(start)) {
-    for (JointFacts& joint : context.joints) {
+    for (JointFacts& joint : context.joints.edit()) {
       joint.lower = -2, joint.upper = 2;
       joint.velocity = 3, joint.acceleration = 10, joint.states_acceleration = true;
       joint.effort = 50;
@@ -36,7 +36,7 @@ struct LimitedRig : TrajectoryRig {
 };
 
 void set_limits(Made& m) {
-  for (JointFacts& joint : m.rig.context.joints) {
+  for (JointFacts& joint : m.rig.context.joints.edit()) {
     joint.continuous = false;
     joint.lower = -2, joint.upper = 2, joint.velocity = 3, joint.effort = 50;
   }

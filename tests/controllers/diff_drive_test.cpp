@@ -407,7 +407,7 @@ TEST(DiffDrive, PutsAPrefixBeforeItsFrames) {
   EXPECT_EQ(named.drive.find_output("odom")->texts.at("frame_id"), "warehouse/odom");
   Base two(Rig::Values{{"tf_frame_prefix", {"~"}}});
   two.rig.context.joints.push_back(two.rig.context.joints.front());
-  two.rig.context.joints.back().name = "other/left";
+  two.rig.context.joints.edit().back().name = "other/left";
   two.rig.start();
   EXPECT_EQ(two.drive.find_output("tf")->texts.at("child_frame_id"), "base/base_link");
 }

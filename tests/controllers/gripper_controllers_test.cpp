@@ -160,7 +160,7 @@ TEST(Gripper, GoalsThatWaitWhenItStartsOrStopsAreAnswered) {
 
 TEST(Gripper, AGoalBeyondTheLimitsIsRefusedBeforeItMoves) {
   Gripper g;
-  g.rig.context.joints[0].upper = 0.3;
+  g.rig.context.joints.edit()[0].upper = 0.3;
   g.rig.start();
   EXPECT_THROW(g.go(0.8), Error);
   g.run(0.2);

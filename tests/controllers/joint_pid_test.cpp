@@ -80,7 +80,7 @@ TEST(JointPid, GroupsHaveGainsForEachJoint) {
 
 TEST(JointPid, AContinuousJointTurnsTheShorterWay) {
   Made m("velocity_controllers/JointPositionController");
-  m.rig.context.joints[0].continuous = true;
+  m.rig.context.joints.edit()[0].continuous = true;
   m.rig.set("joint", {"j1"});
   m.rig.set("pid.p", {"1"});
   m.rig.start();
@@ -183,7 +183,7 @@ TEST(JointPid, OnePidOfAGroupIsChangedForEveryJoint) {
 
 TEST(JointPid, TellsWhatJointControllerStateHas) {
   Made m("velocity_controllers/JointPositionController");
-  m.rig.context.joints[0].continuous = true;
+  m.rig.context.joints.edit()[0].continuous = true;
   m.rig.set("joint", {"j1"});
   m.rig.set("pid.p", {"2"});
   m.rig.set("pid.i", {"3"});

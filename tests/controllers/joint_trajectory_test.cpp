@@ -254,7 +254,7 @@ TEST(JointTrajectory, VelocitiesAloneAreIntegratedWhereAllowed) {
 
 TEST(JointTrajectory, AContinuousJointTurnsTheShorterWay) {
   TrajectoryRig rig({0});
-  rig.context.joints[0].continuous = true;
+  rig.context.joints.edit()[0].continuous = true;
   rig.start();
   rig.send({point(1, {1.5 * M_PI})});
   rig.run(1.1);

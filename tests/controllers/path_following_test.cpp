@@ -36,7 +36,7 @@ struct PathRig : TrajectoryRig {
 
   PathRig() : TrajectoryRig(std::vector<double>(kJoints, 0.0)) {
     context.period = 1'000'000;
-    for (JointFacts& joint : context.joints) joint.velocity = 2, joint.acceleration = 8, joint.jerk = 100;
+    for (JointFacts& joint : context.joints.edit()) joint.velocity = 2, joint.acceleration = 8, joint.jerk = 100;
     set("command_interfaces", {"position", "velocity", "acceleration"});
     look_anew();
   }

@@ -58,8 +58,8 @@ struct Rig {
     return result;
   }
   void bind() {
-    for (const std::string& one : controller.reference_interfaces()) add(context.command_names, one);
-    for (const std::string& one : controller.exported_states()) add(context.state_names, one);
+    for (const std::string& one : controller.reference_interfaces()) add(context.command_names.edit(), one);
+    for (const std::string& one : controller.exported_states()) add(context.state_names.edit(), one);
     states.resize(context.state_names.size(), 0.0);
     commands.resize(context.command_names.size(), kNone);
     controller.bind({states, commands, places(context.state_names, controller.state_interfaces()),

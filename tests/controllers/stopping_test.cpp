@@ -25,7 +25,7 @@ struct Follower : TrajectoryRig {
            double jerk = kUnlimited)
       : TrajectoryRig(std::vector<double>(joints, 0.0)) {
     context.period = 1'000'000;
-    for (JointFacts& joint : context.joints) {
+    for (JointFacts& joint : context.joints.edit()) {
       joint.velocity = velocity;
       joint.acceleration = acceleration;
       joint.deceleration = deceleration;
@@ -212,9 +212,9 @@ TEST(Stopping, OnCurvesEveryJointStaysWithinItsLimits) {
     Follower rig(3, 1, 1);
     const bool stated = round % 2 == 0;  // then commands are held to the limit
     for (std::size_t j = 0; j < 3; ++j) {
-      rig.context.joints[j].velocity = most_v[j];
-      rig.context.joints[j].acceleration = most_a[j] * (stated ? 1.02 : 1.0);
-      rig.context.joints[j].states_acceleration = stated;
+      rig.context.joints.edit()[j].velocity = most_v[j];
+      rig.context.joints.edit()[j].acceleration = most_a[j] * (stated ? 1.02 : 1.0);
+      rig.context.joints.edit()[j].states_acceleration = stated;
     }
     rig.start();
     rig.follow(curve);

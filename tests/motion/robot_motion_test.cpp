@@ -39,7 +39,7 @@ struct Rig {
                    {{"joints", arm.chain().names()},
                     {"command_interfaces", {"position"}},
                     {"state_interfaces", {"position"}}}) {
-    for (controllers::JointFacts& facts : controller.context().joints)
+    for (controllers::JointFacts& facts : controller.context().joints.edit())
       facts.velocity = 3, facts.acceleration = 12, facts.jerk = 120;
     EXPECT_EQ(controller.configure(), controllers::CallbackReturn::success);
     for (std::size_t j = 0; j < from.size(); ++j)
