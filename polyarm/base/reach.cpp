@@ -147,11 +147,22 @@ bool is_loopback(const std::string& host) {
   return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
-fs::path config_folder() {
-  const char* set = std::getenv("XDG_CONFIG_HOME");
+namespace {
+/// As the XDG Base Directory Specification has it.
+fs::path folder_of_user(const char* variable, const char* below_home) {
+  const char* set = std::getenv(variable);
   if (set && *set == '/') return fs::path(set) / "polyarm";
   const char* home = std::getenv("HOME");
-  return home && *home ? fs::path(home) / ".config" / "polyarm" : fs::path();
+  return home && *home ? fs::path(home) / below_home / "polyarm" : fs::path();
+}
+}  // namespace
+
+fs::path config_folder() {
+  return folder_of_user("XDG_CONFIG_HOME", ".config");
+}
+
+fs::path cache_folder() {
+  return folder_of_user("XDG_CACHE_HOME", ".cache");
 }
 
 }  // namespace polyarm

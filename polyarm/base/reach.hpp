@@ -73,5 +73,7 @@ bool is_loopback(const std::string& host);
 
 /// `$XDG_CONFIG_HOME/polyarm` (or `~/.config/polyarm`): settings of this user. Empty without a home.
 std::filesystem::path config_folder();
+/// `$XDG_CACHE_HOME/polyarm` (or `~/.cache/polyarm`): what can be made anew. Empty without a home.
+std::filesystem::path cache_folder();
 
 }  // namespace polyarm

@@ -8,6 +8,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/catalogue_index.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/description/user_robots.hpp"
@@ -89,8 +90,16 @@ static CatalogueEntry entry_of(const RobotModel& model, std::string name, const 
 
 std::vector<CatalogueEntry> Catalogue::entries() const {
   std::vector<CatalogueEntry> out;
-  for (const fs::path& file : robot_files(folders_))
+  CatalogueIndex index(catalogue_index_file());
+  for (const fs::path& file : robot_files(folders_)) {
+    if (auto known = index.find(file)) {
+      out.push_back(std::move(*known));
+      continue;
+    }
     out.push_back(entry_of(read_entry(file), name_of(file), file));
+    index.add(out.back());
+  }
+  index.save();
   return out;
 }
 

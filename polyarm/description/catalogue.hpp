@@ -27,7 +27,8 @@ class Catalogue {
   /// passed over.
   explicit Catalogue(std::vector<std::filesystem::path> folders) : folders_(std::move(folders)) {}
 
-  /// Every robot, by name. Reads every file; throws Error for one that cannot be read.
+  /// Every robot, by name. Reads files that the index of this user does not know (catalogue_index.hpp); throws
+  /// Error for one that cannot be read.
   std::vector<CatalogueEntry> entries() const;
   std::vector<std::string> names() const;
   /// The file of the robot called `maker/model`, or `model` alone where that is clear; no file is read, and
