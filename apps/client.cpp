@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "apps/ending.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
@@ -79,6 +80,11 @@ Client::~Client() {
 
 void Client::send(const Json& request) {
   const std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (line.size() > bounds::kRequestBytes)
+    throw Error("too-long",
+                fmt::format("this request has {:.2f} MiB, a cell takes {} MiB at once",
+                            static_cast<double>(line.size()) / (1 << 20), bounds::kRequestBytes >> 20),
+                "a trajectory gets shorter with fewer points, or numbers of fewer digits");
   for (std::size_t sent = 0; sent < line.size();) {
     const ssize_t n = ::send(fd_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;

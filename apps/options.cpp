@@ -35,7 +35,9 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
     const auto at = word.find(":=");
     if (at == std::string::npos || at == 0)
       throw Error("bad-value", "'" + word + "' is not NAME:=VALUE",
-                  "arguments of a description come as NAME:=VALUE");
+                  word.find_first_not_of("0123456789.-+eE") == std::string::npos
+                      ? "numbers follow an option, such as --joints or --xyz"
+                      : "arguments of a description come as NAME:=VALUE");
     out[word.substr(0, at)] = word.substr(at + 2);
   }
   return out;

@@ -39,11 +39,11 @@ class TextOutput : public Output {
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (quiet_ || task != "program") return;
-    line(fmt::format("{:8.3f} {:>4} │ {}", seconds(time), where.line, source));
+    line(fmt::format("{:8.3f} {:>4} │ {}", seconds(time), where.line, shortened(source)));
   }
   void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
               const std::string& who) override {
-    if (!quiet_) line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, value, who));
+    if (!quiet_) line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who));
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     line(fmt::format("{:8.3f}      │ {}: {}", seconds(time), task, text));

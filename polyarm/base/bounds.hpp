@@ -103,6 +103,11 @@
   X(kXmlAttributes, 200, "attributes", "attributes of one element of these", "refused: xml-syntax")           \
   X(kRobots, 1024, "robots", "robots of a cell", "refused: too-many")                                           \
   X(kSceneThings, 2000, "entries", "each section of a scene", "refused: too-many")                            \
+  X(kSceneMetres, 1000, "m", "a place or size in a scene", "refused: bad-value")                              \
+  X(kSceneSpeed, 100, "m/s", "a speed in a scene", "refused: bad-value")                                      \
+  X(kSceneAcceleration, 10000, "m/s²", "an acceleration in a scene", "refused: bad-value")                    \
+  X(kSceneMass, 100000, "kg", "the mass of a part", "refused: bad-value")                                     \
+  X(kMoverSeconds, 1000, "s", "the way of a mover, from end to end", "refused: bad-value")                    \
   X(kLinks, 64, "links", "links of a cell", "refused: too-many")                                              \
   X(kUnknownKeys, 50, "keys", "unknown keys of one map that are named", "the number of the others")           \
   X(kProblemsTold, 500, "problems", "problems that check lists", "the number of the others")                  \
@@ -121,7 +126,7 @@
 #define POLYARM_BOUNDS_PROGRAMS(X)                                                                            \
   X(kProgramBytes, 16 << 20, "bytes", "one file of a program", "refused: too-large")                          \
   X(kDataBytes, 16 << 20, "bytes", "one file of data or points", "refused: too-large")                        \
-  X(kProgramProblems, 200, "problems", "wrong lines of a program that are told", "the rest is not read")      \
+  X(kProgramProblems, 200, "problems", "wrong lines of a program that are reported", "the rest is not read")      \
   X(kBlockNesting, 400, "levels", "blocks within blocks", "refused: too-deep")                                \
   X(kExpressionNesting, 300, "levels", "brackets and signs within each other", "refused: too-deep")           \
   X(kCallNesting, 200, "calls", "functions that call one another", "the program ends: too-deep")             \
@@ -129,7 +134,7 @@
   X(kTextBytes, 65536, "bytes", "a text", "the program ends: too-long")                                       \
   X(kListValues, 10000, "values", "a list with all that is in it", "the program ends: too-long")              \
   X(kMovesAhead, 1000, "moves", "moves that have been asked for and have not arrived", "the program waits")   \
-  X(kDataNames, 200000, "names", "points, values and tags of a cell", "refused: too-many")                    \
+  X(kDataNames, 50000, "names", "points, values and tags of a cell", "refused: too-many")                     \
   X(kChangesKept, 1024, "changes", "changes of values that are kept for those who ask", "the oldest go")      \
   X(kValuesKept, 500000, "values", "values in these changes", "the oldest go")                                \
   X(kEventsKept, 1000, "events", "events that are kept for those who ask", "the oldest go")                   \

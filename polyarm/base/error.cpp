@@ -29,16 +29,31 @@ std::string Location::text() const {
 }
 
 namespace {
-/// As a line tells it; a file may put megabytes into a name.
-std::string bounded(const std::string& text) {
-  if (text.size() <= bounds::kErrorTextBytes) return text;
-  return text.substr(0, whole_characters(std::string_view(text).substr(0, bounds::kErrorTextBytes))) + "…";
+/// As a part of one line: a file may put a line feed into a name. What else steers a terminal is shown where
+/// it is printed on one.
+std::string on_one_line(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\n')
+      out += "\\x0a";
+    else if (c == '\r')
+      out += "\\x0d";
+    else
+      out += c;
+  }
+  return out;
+}
+
+/// A file may put megabytes into a name.
+std::string bounded(std::string_view text) {
+  if (text.size() <= bounds::kErrorTextBytes) return on_one_line(text);
+  return on_one_line(text.substr(0, whole_characters(text.substr(0, bounds::kErrorTextBytes)))) + "…";
 }
 }  // namespace
 
 std::string Problem::text() const {
   const std::string place = where.text();
-  std::string out = place.empty() ? "" : place + ": ";
+  std::string out = place.empty() ? "" : on_one_line(place) + ": ";
   out += severity == Severity::error ? "error: " : "warning: ";
   out += bounded(what);
   if (!advice.empty()) out += " (" + bounded(advice) + ")";

@@ -62,7 +62,9 @@ std::string read_file(const std::filesystem::path& path, std::size_t most) {
     refuse("no-file", path, "there is no such file", "check the name and the folder");
   const auto unreadable = [&] {
     refuse("unreadable", path, "cannot be read: " + std::string(std::strerror(errno)),
-           "check its permissions");
+           errno == EMFILE || errno == ENFILE
+               ? "close what is not needed, or allow more open files: ulimit -n"
+               : "check its permissions");
   };
   if (file.fd < 0 || ::fstat(file.fd, &status) != 0) unreadable();
   require_regular(path, status);

@@ -24,8 +24,7 @@ std::string ContactReport::sentence() const {
   const double mm = 1e3 * depth;
   if (during == ContactDuring::start)
     return fmt::format("{} is inside {} where it starts, {:.2f} mm deep", a, b, mm);
-  std::string out = deeper ? fmt::format("{} went deeper into {} at {:.3f} s, {:.2f} mm deep", a, b, seconds(time), mm)
-                           : fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", a, b, seconds(time), mm);
+  std::string out = fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", a, b, seconds(time), mm);
   if (during == ContactDuring::jog) out += ", moved by hand";
   if (during == ContactDuring::move) out += ", on the way to a point that somebody asked for";
   return out;
@@ -80,9 +79,6 @@ std::vector<ContactReport*> ContactWatch::tick(const control::Snapshot& snapshot
     report.a = called(found.a), report.b = called(found.b);
     report.number = number;
     report.time = found.time;
-    report.deeper = std::any_of(list_.begin(), list_.end(), [&](const ContactReport& c) {
-      return c.a == report.a && c.b == report.b && c.now;
-    });
     list_.push_back(std::move(report));
   }
   seen_ = world.finding_count;

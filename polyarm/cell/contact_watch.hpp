@@ -22,7 +22,6 @@ struct ContactReport {
   double depth = 0;    ///< m, the deepest so far
   Vec3 position;       ///< m, in the world
   bool now = false;    ///< it touches now
-  bool deeper = false; ///< the pair touched already, and went on into each other
   ContactDuring during = ContactDuring::other;
   Location where;      ///< the move of the program, where that was under way
   /// "arm/forearm touched fixture table at 1.234 s, 2.10 mm deep".

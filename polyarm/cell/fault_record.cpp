@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
@@ -185,7 +186,7 @@ RecordedCycles read_cycles(const fs::path& csv) {
              std::to_string(kHead.size() + out.states.size() + out.commands.size()));
     RecordedCycles::Row row;
     const auto cycle = parse_number(fields[0]);
-    if (!cycle || *cycle < 0) refuse("'" + fields[0] + "' is no cycle");
+    if (!cycle || !(*cycle >= 0 && *cycle <= 1e15)) refuse("'" + fields[0] + "' is no cycle");
     row.cycle = static_cast<std::uint64_t>(*cycle);
     row.state = fields[1];
     row.cause = fields[2];
@@ -261,6 +262,11 @@ Replay replay_record(const fs::path& folder, const std::string& hardware) {
                         "name the folder of a fault: .state/faults/0001"});
   out.problem = lines[2];
   const double period = parse_number(lines[1].substr(lines[1].find(' ') + 1)).value_or(1e-3);
+  if (!(period >= 1e-5 && period <= 10))
+    throw Error(Problem{"no-record",
+                        {(folder / "fault.txt").string(), 2},
+                        "'" + shortened(lines[1]) + "' is no period of a control loop",
+                        "it has the seconds of one cycle, as in 'period: 0.001'"});
 
   realtime::Jobs jobs;
   hardware::InterfaceTable table;

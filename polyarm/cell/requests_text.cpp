@@ -4,6 +4,7 @@
 #include <map>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/requests_later.hpp"
@@ -210,6 +211,10 @@ Poll cell_restart(Cell& cell, const Json& arguments) {
   wish.hardware = text_argument(arguments, "hardware", "");
   wish.program = text_argument(arguments, "program", "");
   wish.cell = text_argument(arguments, "cell", "");
+  std::error_code error;
+  if (!wish.cell.empty() && !std::filesystem::exists(wish.cell, error))
+    throw Error("unknown-cell", "there is no cell '" + shortened(wish.cell) + "', and this one goes on",
+                "name its folder or its file; `cells` lists those that are known");
   cell.ask_restart(std::move(wish));
   return at_once({{"asked", "restart"}});
 }

@@ -16,6 +16,7 @@
 #include <deque>
 #include <iterator>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "polyarm/base/bounds.hpp"
@@ -95,6 +96,50 @@ class FolderLock {
   int fd_;
   bool held_ = false;
 };
+
+/// Hears the members of the outermost object until its `id`.
+class IdSeeker : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  nlohmann::json found;
+  bool null() override { return !wanted(); }
+  bool boolean(bool) override { return !wanted(); }
+  bool number_integer(std::int64_t value) override { return take(value); }
+  bool number_unsigned(std::uint64_t value) override { return take(value); }
+  bool number_float(double value, const std::string&) override { return take(value); }
+  bool string(std::string& value) override {
+    return value.size() > bounds::kRequestIdBytes ? !wanted() : take(value);
+  }
+  bool binary(nlohmann::json::binary_t&) override { return false; }
+  bool start_object(std::size_t) override { return start_array(0); }
+  bool start_array(std::size_t) override { return !wanted() && ++depth_ <= bounds::kRequestNesting; }
+  bool end_object() override { return --depth_ > 0; }
+  bool end_array() override { return --depth_ > 0; }
+  bool key(std::string& name) override {
+    is_id_ = depth_ == 1 && name == "id";
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override {
+    return false;
+  }
+
+ private:
+  bool wanted() const { return is_id_ && depth_ == 1; }
+  template <typename Value>
+  bool take(const Value& value) {
+    if (!wanted()) return true;
+    found = value;
+    return false;
+  }
+  std::size_t depth_ = 0;
+  bool is_id_ = false;
+};
+
+/// The `id` of a request of which only the beginning is there; null where that has none.
+nlohmann::json id_within(const std::string& begun) {
+  IdSeeker seeker;
+  nlohmann::json::sax_parse(begun, &seeker);
+  return std::move(seeker.found);
+}
 
 struct Client {
   int fd = -1;
@@ -337,9 +382,20 @@ class SocketDoor::Work {
     if (begin > 0) rope.pull();
     client->in.erase(0, begin);
     if (client->in.size() <= kLongestLine) return;
-    take_answer(*client, R"({"ok":false,"error":{"code":"too-long","what":"a request may have 1 MB"}})");
+    refuse_too_long(*client);
     give(*client);
     client->gone = true;
+  }
+
+  void refuse_too_long(Client& client) {
+    nlohmann::json answer{{"ok", false},
+                          {"error",
+                           {{"code", "too-long"},
+                            {"what", "a request may have 1 MB, and the connection is closed"},
+                            {"advice", "send it in parts, on a new connection"},
+                            {"where", ""}}}};
+    if (nlohmann::json id = id_within(client.in); !id.is_null()) answer["id"] = std::move(id);
+    take_answer(client, answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   }
 
   static void give(Client& client) {
@@ -368,7 +424,7 @@ class SocketDoor::Work {
   std::atomic<bool> over_{false};
   std::mutex mutex_;                              // held by the thread where it changes the next
   std::vector<std::shared_ptr<Client>> clients_;  // the thread's; the cell thread copies it
-  std::size_t turn_ = 0;  // the cell thread's: whose line was taken last
+  std::size_t turn_ = 0;                          // the cell thread's: whose line was taken last
   struct stat own_ {};
   std::thread thread_;
 };

@@ -20,16 +20,37 @@ std::optional<std::size_t> CellStates::find(std::string_view name) const {
   return static_cast<std::size_t>(found - names_.begin());
 }
 
+namespace {
+/// Suggests names for wrong ones; not in a file where everything is wrong, since it looks at every name.
+class Suggestions {
+ public:
+  explicit Suggestions(std::vector<std::string> known) : known_{std::move(known)} {}
+  std::string operator()(const std::string& wrong) {
+    constexpr int kMost = 50;
+    return ++wrong_ <= kMost ? did_you_mean(wrong, known_) : std::string{};
+  }
+
+ private:
+  std::vector<std::string> known_;
+  int wrong_ = 0;
+};
+
+Suggestions states_of(const hardware::InterfaceTable& table, const CellStates& own) {
+  std::vector<std::string> known = table.state_names();
+  known.insert(known.end(), own.names().begin(), own.names().end());
+  return Suggestions(std::move(known));
+}
+}  // namespace
+
 TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::InterfaceTable& table,
                        const CellStates& own, data::DataStore& store, Problems& problems)
     : store_(store) {
+  Suggestions states = states_of(table, own), commands(table.command_names());
   for (const signals::Tag& tag : tags) {
     store_.declare_tag(tag.name, tag.initial, tag.role);
     if (tag.role == data::TagRole::state) {
       const auto from_cell = own.find(tag.interface);
       const auto from_table = table.find_state(tag.interface);
-      std::vector<std::string> known = table.state_names();
-      known.insert(known.end(), own.names().begin(), own.names().end());
       if (from_cell)
         in_.push_back({tag, true, *from_cell});
       else if (from_table)
@@ -37,13 +58,13 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
       else
         problems.error("unknown-interface", tag.where,
                        "the tag '" + tag.name + "' reads '" + tag.interface + "', which nothing offers" +
-                           did_you_mean(tag.interface, known));
+                           states(tag.interface));
     }
     if (tag.role == data::TagRole::command) {
       if (!table.find_command(tag.interface)) {
         problems.error("unknown-interface", tag.where,
                        "the tag '" + tag.name + "' drives '" + tag.interface + "', which nothing offers" +
-                           did_you_mean(tag.interface, table.command_names()));
+                           commands(tag.interface));
         continue;
       }
       const auto at = std::find(command_names_.begin(), command_names_.end(), tag.interface);

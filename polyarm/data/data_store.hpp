@@ -55,7 +55,7 @@ class DataStore {
   /// And so many values in all of them, so that changes of long lists keep no more than that.
   static constexpr std::size_t kMostKept = 500'000;
   /// Names that a cell may have; more are refused.
-  static constexpr std::size_t kMostNames = 200'000;
+  static constexpr std::size_t kMostNames = 50'000;
 
   /// The time that changes from now on are noted with.
   void set_now(Nanoseconds now) { now_ = now; }

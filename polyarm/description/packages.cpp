@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"

@@ -48,7 +48,9 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
   out.type = attribute(e, "type", "system");
   if (!out.type.empty() && !holds(kTypes, out.type))
     error(e, "bad-type", "'" + out.type + "' is no type of hardware" + did_you_mean(out.type, kTypes),
-          "write system, actuator or sensor");
+          out.type.find_first_of("/:") == std::string::npos
+              ? "write system, actuator or sensor"
+              : "write system, actuator or sensor; a plugin goes into <hardware><plugin>" + out.type + "</plugin>");
   check_attributes(e, {"name", "type", "rw_rate", "is_async", "thread_priority"});
   out.rw_rate = whole(e, "rw_rate", 0).value_or(0);
   asynchronous(e, out);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/shape_yaml.hpp"
@@ -14,6 +15,34 @@ namespace polyarm::description {
 namespace {
 
 constexpr double kDensity = 500;  // kg/m³, of a part that states no mass
+/// Beyond these is no scene: a unit was forgotten. m, m/s, m/s², kg.
+constexpr double kFarthest = bounds::kSceneMetres, kFastest = bounds::kSceneSpeed,
+                 kHardest = bounds::kSceneAcceleration, kHeaviest = bounds::kSceneMass;
+constexpr double kLongestWay = bounds::kMoverSeconds;  // s; a dry run waits for it
+
+double bounded(double value, const Yaml& y, double most, const char* unit) {
+  if (std::abs(value) <= most) return value;
+  throw Error(Problem{"bad-value", y.where(),
+                      "'" + shortened(y.text()) + "' is more than any scene has: " + format_number(most) +
+                          " " + unit + " at most",
+                      "write the unit, as in 40mm; numbers without one are m, m/s, m/s2 and kg"});
+}
+double amount(const Yaml& y, Dimension of, double fallback, double most, const char* unit) {
+  return y.defined() ? bounded(y.number(of), y, most, unit) : fallback;
+}
+double length(const Yaml& y, double fallback) {
+  return amount(y, Dimension::length, fallback, kFarthest, "m");
+}
+/// Of a list, or of a single number.
+void require_near(const Yaml& y) {
+  if (y.is_map()) return;
+  for (const Yaml& each : y.items())
+    if (each.is_scalar()) bounded(each.number(Dimension::length), each, kFarthest, "m");
+}
+/// What says where a thing is, and how large.
+void require_near(const Yaml& y, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) require_near(y[key]);
+}
 
 std::vector<std::string> with_shapes(std::vector<std::string> keys) {
   keys.insert(keys.end(), shape_keys().begin(), shape_keys().end());
@@ -69,10 +98,10 @@ class SceneReader {
       return;
     }
     if (all.keys().size() > bounds::kSceneThings) {
-      problems_.error("too-many", all.where(),
-                      std::string("'") + section + "' has more than " + std::to_string(bounds::kSceneThings) +
-                          " entries",
-                      "join those that belong together");
+      problems_.error(
+          "too-many", all.where(),
+          std::string("'") + section + "' has more than " + std::to_string(bounds::kSceneThings) + " entries",
+          "join those that belong together");
       return;
     }
     std::set<std::string> seen;
@@ -83,6 +112,7 @@ class SceneReader {
         continue;
       }
       try {
+        require_near(all[name], {"at", "xyz", "inner", "wall", "lower", "upper", "size", "eye", "box"});
         read(name, all[name]);
       } catch (const Error& e) {
         problems_.add(e);
@@ -101,11 +131,15 @@ class SceneReader {
                      problems_);
     const Yaml floor = yaml_["floor"];
     if (floor.is_map()) {
-      scene_.floor_height = floor["height"].number(Dimension::length, 0);
+      scene_.floor_height = length(floor["height"], 0);
     } else if (floor.defined()) {
       scene_.floor = floor.boolean();
     }
-    if (yaml_.has("gravity")) scene_.gravity = yaml_["gravity"].vec3(Dimension::acceleration);
+    if (yaml_.has("gravity")) {
+      scene_.gravity = yaml_["gravity"].vec3(Dimension::acceleration);
+      for (const Yaml& each : yaml_["gravity"].items())
+        bounded(each.number(Dimension::acceleration), each, kHardest, "m/s2");
+    }
   }
 
   void mover(const std::string& name, const Yaml& y) {
@@ -116,13 +150,18 @@ class SceneReader {
     if (!(norm(axis) > 0))
       throw Error(Problem{"bad-value", y["axis"].where(), "the axis has no direction", {}});
     out.axis = normalized(axis);
-    out.lower = y["lower"].number(Dimension::length, out.lower);
-    out.upper = y["upper"].number(Dimension::length, out.upper);
-    out.speed = y["speed"].number(Dimension::speed, out.speed);
-    out.acceleration = y["acceleration"].number(Dimension::acceleration, out.acceleration);
+    out.lower = length(y["lower"], out.lower);
+    out.upper = length(y["upper"], out.upper);
+    out.speed = amount(y["speed"], Dimension::speed, out.speed, kFastest, "m/s");
+    out.acceleration = amount(y["acceleration"], Dimension::acceleration, out.acceleration, kHardest, "m/s2");
     if (!(out.lower < out.upper && out.speed > 0 && out.acceleration > 0))
       throw Error(Problem{
           "bad-value", y.where(), "a mover needs lower < upper, and speed and acceleration above zero", {}});
+    if (std::max((out.upper - out.lower) / out.speed, out.speed / out.acceleration) > kLongestWay)
+      throw Error(Problem{"bad-value", y.where(),
+                          "the mover '" + shortened(name) + "' needs more than " +
+                              format_number(kLongestWay) + " s from one end to the other",
+                          "give it a higher speed or acceleration, or a shorter way"});
     scene_.movers.push_back(out);
   }
 
@@ -197,7 +236,7 @@ class SceneReader {
     Part part;
     part.kind = y["kind"].text(name);
     part.shape = read_shape(y);
-    part.mass = y["mass"].number(Dimension::mass, inertial_of({part.shape}, kDensity).mass);
+    part.mass = amount(y["mass"], Dimension::mass, inertial_of({part.shape}, kDensity).mass, kHeaviest, "kg");
     part.friction = friction(y["friction"], part.friction);
     part.start = y.pose();
     part.feeder = y["feeder"].text("");
@@ -235,6 +274,7 @@ class SceneReader {
     y.check_keys({"at", "bin", "tolerance"}, problems_);
     Goal out;
     out.at = y.required("at").vec3();
+    require_near(y["at"]);
     out.bin = y["bin"].text("");
     out.tolerance = y["tolerance"].number(Dimension::length, out.tolerance);
     if (!(out.tolerance > 0))

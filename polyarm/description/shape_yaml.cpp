@@ -1,5 +1,8 @@
 #include "polyarm/description/shape_yaml.hpp"
 
+#include <string>
+
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::description {
@@ -12,9 +15,13 @@ const std::vector<std::string>& shape_keys() {
 namespace {
 double positive(const Yaml& yaml) {
   const double value = yaml.number(Dimension::length);
-  if (!(value > 0))
-    throw Error(
-        Problem{"bad-value", yaml.where(), "'" + yaml.text() + "' is no size: it must be above zero", {}});
+  constexpr double kLargest = bounds::kSceneMetres;
+  if (!(value > 0 && value <= kLargest))
+    throw Error(Problem{"bad-value",
+                        yaml.where(),
+                        "'" + yaml.text() + "' is no size: it must be above zero and at most " +
+                            std::to_string(bounds::kSceneMetres) + " m",
+                        {}});
   return value;
 }
 }  // namespace

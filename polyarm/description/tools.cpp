@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/shape_yaml.hpp"
@@ -129,7 +131,11 @@ Tool find_tool(const std::string& name, const std::string& folder) {
     std::error_code error;
     if (std::filesystem::is_regular_file(path, error)) return read_tool(Yaml::load(path.string()), name);
   }
-  throw Error("unknown-tool", "there is no tool '" + name + "'" + did_you_mean(name, built_in_tools()),
+  std::vector<std::string> known = built_in_tools();
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (at->path().extension() == ".yaml") known.push_back(at->path().stem().string());
+  throw Error("unknown-tool", "there is no tool '" + name + "'" + did_you_mean(name, known),
               "known are: " + join(built_in_tools(), ", ") + ", or a tool file beside the cell");
 }
 

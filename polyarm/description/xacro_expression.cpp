@@ -16,7 +16,7 @@ namespace polyarm::description {
 
 namespace {
 
-constexpr int kDeepest = 200;
+constexpr int kDeepestExpression = 200;
 constexpr std::size_t kMostSteps = 2'000'000;
 
 struct Token {
@@ -126,14 +126,14 @@ class Evaluator {
       out = items;
     }
     if (here().kind != Token::end) refuse("'" + shown() + "' was not expected");
-    if (depth_of(out) > kDeepest) refuse("its lists lie too deep within each other");
+    if (depth_of(out) > kDeepestExpression) refuse("its lists lie too deep within each other");
     return out;
   }
 
  private:
   struct Deeper {
     explicit Deeper(Evaluator& e) : e_(e) {
-      if (++e_.depth_ > kDeepest) refuse("it is nested too deeply");
+      if (++e_.depth_ > kDeepestExpression) refuse("it is nested too deeply");
       if (++e_.steps_ > kMostSteps) refuse("it takes too long");
     }
     ~Deeper() { --e_.depth_; }

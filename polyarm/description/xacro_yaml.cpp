@@ -16,7 +16,7 @@ namespace polyarm::description {
 
 namespace {
 
-constexpr int kDeepest = 60;
+constexpr int kDeepestYaml = 60;
 constexpr std::size_t kMostNodes = 1'000'000;
 
 const std::map<std::string, double>& units() {
@@ -83,7 +83,7 @@ class Reader {
   explicit Reader(const std::function<XacroValue(const std::string&)>& evaluate) : evaluate_(evaluate) {}
 
   XacroValue value(const YAML::Node& node, int depth = 0) {
-    if (depth > kDeepest || ++nodes_ > kMostNodes)
+    if (depth > kDeepestYaml || ++nodes_ > kMostNodes)
       throw Error("yaml-syntax", "the YAML file is nested too deeply");
     if (node.IsMap()) return map(node, depth);
     if (!node.IsSequence()) return scalar(node);

@@ -138,7 +138,7 @@ void InverseKinematics::Arm::find_six() {
     report = describe_known();
     if (searched(found.family)) {
       // The polynomial's roots have next to nothing that the search of an arm of right angles has not
-      // (docs/measure.md).
+      // (bench/journal/kinematics.md).
       constexpr double kRounded = 1e-6;  // m
       if (found.worst_gap > kRounded || !right_angled(geometry)) find_general(false);
       return;

@@ -36,13 +36,14 @@ const Json& list_of(const Json& message, const char* key) {
   return found != message.end() && found->is_array() ? *found : nothing;
 }
 
+/// Each once: a value can be long, and is told once however often it is asked for.
 std::vector<std::string> names_of(const Json& message, const char* key) {
-  std::vector<std::string> out;
+  std::set<std::string> out;
   for (const Json& each : list_of(message, key))
     if (each.is_string() && each.get_ref<const std::string&>().size() <= kLongestName &&
         out.size() < FoxgloveClient::kMostSubscriptions)
-      out.push_back(each.get<std::string>());
-  return out;
+      out.insert(each.get<std::string>());
+  return {out.begin(), out.end()};
 }
 
 }  // namespace
@@ -142,6 +143,7 @@ void FoxgloveServer::set_parameters(std::map<std::string, Json> parameters) {
   const std::lock_guard lock(mutex_);
   parameters_ = std::move(parameters);
   for (FoxgloveClient* client : clients_) {
+    if (client->waiting_bytes_ >= FoxgloveClient::kMostWaiting) continue;  // it does not read
     if (client->watches_all_) client->put(parameter_values({}));
     if (!client->watches_all_ && !client->watched_.empty())
       client->put(parameter_values({client->watched_.begin(), client->watched_.end()}));
@@ -364,6 +366,7 @@ void FoxgloveClient::fetch_asset(const Json& message) {
 }
 
 void FoxgloveClient::send_asset(std::uint32_t request, const Asset& asset) {
+  if (waiting_bytes_ >= kMostWaiting) return;  // it does not read
   std::string body(1, kFetchAssetResponse);
   put_number(body, request);
   put_number(body, static_cast<std::uint8_t>(asset.data ? 0 : 1));

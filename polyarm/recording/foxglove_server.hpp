@@ -99,7 +99,7 @@ class FoxgloveServer {
 class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
  public:
   static constexpr std::size_t kMostSubscriptions = 1000;
-  /// Bytes waiting from which on the newest wins, and from which on nothing more of channels is taken.
+  /// Bytes waiting from which on the newest wins, and from which on nothing but lists of channels is taken.
   static constexpr std::size_t kComfortable = 256 << 10, kMostWaiting = 8 << 20;
   /// Assets that are being read for it.
   static constexpr int kMostAssets = 16;

@@ -541,12 +541,22 @@ std::vector<std::pair<std::string, std::string>> PythonLaunch::variables() const
   return out;
 }
 
+namespace {
+/// A node of Gazebo gets the topics of its bridge as a YAML file, too. What is not there is left in: its name
+/// is what somebody has to look for.
+bool can_have_controllers(const std::filesystem::path& file) {
+  std::error_code error;
+  return !std::filesystem::is_regular_file(file, error) ||
+         read_file(file).find("ros__parameters") != std::string::npos;
+}
+}  // namespace
+
 std::string PythonLaunch::line() const {
   if (descriptions.empty()) return "";
   const PythonLaunchDescription& description = descriptions.front();
   std::string out = "polyarm run --description " + python_launch::quoted(description.file.string());
   for (const PythonLaunchFile& file : parameters)
-    out += " --controllers " + python_launch::quoted(file.file.string());
+    if (can_have_controllers(file.file)) out += " --controllers " + python_launch::quoted(file.file.string());
   std::set<std::string> said;
   for (const auto& [name, value] : description.arguments)
     if (said.insert(name).second) out += " " + python_launch::quoted(name + ":=" + value);

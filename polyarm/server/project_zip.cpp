@@ -6,10 +6,13 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
@@ -91,9 +94,12 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 fs::path place_of(const std::string& name) {
   const fs::path path(name);
   const auto refuse = [&] {
-    return Error("bad-zip", "the zip has the file '" + name + "', which is none of a project");
+    return Error("bad-zip",
+                 "the zip has the file '" + shortened(printable_line(name)) + "', which is none of a project",
+                 "names are plain text and stay within the folder");
   };
-  if (name.empty() || name.find('\\') != std::string::npos || path.is_absolute() || name.size() > 400)
+  if (name.empty() || name.find('\\') != std::string::npos || path.is_absolute() || name.size() > 400 ||
+      printable_line(name) != name)
     throw refuse();
   for (const fs::path& part : path)
     if (part.string().starts_with('.') || part.empty()) throw refuse();
@@ -105,12 +111,48 @@ void refuse_native(const std::string& name, std::string_view text) {
   const std::string file = lower(fs::path(name).filename().string());
   const bool named = file.ends_with(".so") || file.find(".so.") != std::string::npos ||
                      file.ends_with(".dll") || file.ends_with(".dylib") || file.ends_with(".exe");
-  const bool made = text.starts_with("\x7f" "ELF") || text.starts_with("!<arch>\n") ||
-                    text.starts_with("\xfe\xed\xfa") || text.starts_with("\xcf\xfa\xed\xfe") ||
-                    text.starts_with("\xca\xfe\xba\xbe");
+  const bool made = text.starts_with(
+                        "\x7f"
+                        "ELF") ||
+                    text.starts_with("!<arch>\n") || text.starts_with("\xfe\xed\xfa") ||
+                    text.starts_with("\xcf\xfa\xed\xfe") || text.starts_with("\xca\xfe\xba\xbe");
   if (named || made)
     throw Error("native-code", "the zip brings native code, '" + name + "', which is not taken from a zip",
                 "build plugins on the machine itself, and approve them there: polyarm plugins approve");
+}
+
+Error too_many_files() {
+  return Error("bad-zip", "the zip has too many files", std::to_string(kMostZippedFiles) + " at most");
+}
+
+/// Before the list of files is taken into memory, by what its end says: a zip of 64 MB may list a million.
+void require_few(std::string_view bytes) {
+  constexpr std::size_t kEnd = 22, kLongestNote = 65535, kLarge = 20;
+  const std::size_t from = bytes.size() - std::min(bytes.size(), kEnd + kLongestNote);
+  for (std::size_t at = bytes.find("PK\5\6", from); at != std::string_view::npos && at + kEnd <= bytes.size();
+       at = bytes.find("PK\5\6", at + 1)) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[at + i]); };
+    const bool large = at >= kLarge && bytes.substr(at - kLarge, 4) == "PK\6\7";  // counted in 64 bits
+    if (large || byte(10) + 256u * byte(11) > kMostZippedFiles)
+      throw too_many_files();
+  }
+}
+
+/// Links, devices and pipes are none of a project, and what is locked cannot be read.
+void require_plain(zip_t* zip, zip_uint64_t index, const std::string& name) {
+  constexpr zip_uint32_t kKind = 0170000, kFile = 0100000;
+  zip_uint8_t system = 0;
+  zip_uint32_t attributes = 0;
+  zip_stat_t stat;
+  const bool known = zip_file_get_external_attributes(zip, index, 0, &system, &attributes) == 0 &&
+                     zip_stat_index(zip, index, 0, &stat) == 0;
+  const zip_uint32_t kind = system == ZIP_OPSYS_UNIX ? (attributes >> 16) & kKind : 0;
+  if (!known || (kind != 0 && kind != kFile))
+    throw Error("bad-zip", "'" + name + "' of the zip is no ordinary file", "pack files and folders alone");
+  if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) && stat.encryption_method != ZIP_EM_NONE)
+    throw Error("bad-zip", "'" + name + "' of the zip is encrypted", "pack the project without a password");
+  if ((stat.valid & ZIP_STAT_SIZE) && stat.size > kMostUnzipped)
+    throw Error("bad-zip", "the zip has more than 256 MB in it");
 }
 
 std::string content(zip_t* zip, zip_uint64_t index, const std::string& name, std::size_t most) {
@@ -168,22 +210,27 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error))
     throw Error("exists", "there is a folder '" + folder.string() + "' already", "give another name");
+  require_few(bytes);
   Source source = buffer(bytes.data(), bytes.size());
   const Zip zip = open(source.get(), ZIP_RDONLY);
   (void)source.release();  // the zip's
   const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
   if (count < 0 || static_cast<std::size_t>(count) > kMostZippedFiles)
-    throw Error("bad-zip", "the zip has too many files");
+    throw too_many_files();
   const fs::path coming = folder.parent_path() / ("." + folder.filename().string() + ".coming");
   fs::remove_all(coming, error);
   fs::create_directories(coming);
   try {
     std::size_t left = kMostUnzipped;
+    std::set<fs::path> seen;
     for (zip_uint64_t i = 0; i < static_cast<zip_uint64_t>(count); ++i) {
       const char* const raw = zip_get_name(zip.get(), i, 0);
       const std::string name = raw ? raw : "";
       if (name.ends_with('/')) continue;
       const fs::path file = coming / place_of(name);
+      if (!seen.insert(file).second)
+        throw Error("bad-zip", "the zip has the file '" + name + "' twice", "pack each file once");
+      require_plain(zip.get(), i, name);
       const std::string text = content(zip.get(), i, name, left);
       left -= text.size();
       refuse_native(name, text);

@@ -1,11 +1,13 @@
 /// What a file of any size may cost: its aliases, its unknown keys, and what is said of them.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <string>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/base/yaml.hpp"
@@ -121,6 +123,28 @@ TEST(NearestName, IsBoundedInLengthAndNumber) {
   EXPECT_FALSE(nearest_name(std::string(10'000'000, 'x'), names));
   EXPECT_LT(Clock::now() - begun, std::chrono::seconds(10));
   EXPECT_EQ(nearest_name("name_of_a_thing_1x", names), "name_of_a_thing_1");
+}
+
+TEST(ReadFile, WithoutDescriptorsSaysWhatToDo) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 0;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  std::string what;
+  try {
+    read_file("/etc/hostname");
+  } catch (const Error& e) {
+    what = e.what();
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(what.find("ulimit -n"), std::string::npos) << what;
+  EXPECT_EQ(what.find("permissions"), std::string::npos) << what;
+}
+
+TEST(ErrorBounds, ANameWithALineFeedMakesNoSecondLine) {
+  const Problem problem{"code", {"a\nfile", 1, 2}, "there is no 'x\nok: done'", "or\rthis"};
+  EXPECT_EQ(problem.text(), "a\\x0afile:1:2: error: there is no 'x\\x0aok: done' (or\\x0dthis)");
 }
 
 TEST(ErrorBounds, ALineOfAProblemIsBounded) {

@@ -492,7 +492,12 @@ TEST(FaultRecord, WhatIsNoRecordIsRefusedByLine) {
   EXPECT_EQ(code(head + "1,running,0,none,0.5\n"), "no-record");
   EXPECT_EQ(code(head + "1,running,0,none,0.5,x\n"), "no-record");
   EXPECT_EQ(code(head + "-1,running,0,none,0.5,0\n"), "no-record");
+  EXPECT_EQ(code(head + "1e300,running,0,none,0.5,0\n"), "no-record");
   EXPECT_EQ(code(head + "1,running,0,none,0.5,nan\n"), "none");
+  for (const char* period : {"0", "-1", "1e300", "1e-300"}) {
+    folder.write("fault.txt", std::string("polyarm: fault/1\nperiod: ") + period + "\nwhat happened\n");
+    EXPECT_THROW(cell::replay_record(folder.path(), "mock"), Error) << period;
+  }
 }
 
 }  // namespace

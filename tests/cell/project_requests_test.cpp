@@ -389,6 +389,11 @@ TEST_F(ProjectTest, ACellIsAskedToBeBuiltAnew) {
   EXPECT_EQ(cell->cell().restart()->robot, "abb/irb_120");
 }
 
+TEST_F(ProjectTest, ACellThatIsNotThereDoesNotEndThisOne) {
+  EXPECT_EQ(code({{"request", "cell.restart"}, {"cell", "no/such/cell"}}), "unknown-cell");
+  EXPECT_FALSE(cell->cell().restart());
+}
+
 /// A cell with a catalogue, whose user has a data folder of the test's own.
 class CellsTest : public ::testing::Test {
  protected:
@@ -507,7 +512,8 @@ TEST(NewCell, CanBeOpened) {
   ::setenv("XDG_DATA_HOME", folder.path().c_str(), 1);
   folder.write("cell.yaml",
                "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\n");
-  test::LockStepCell cell(read_cell_file(folder.path()), std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
+  test::LockStepCell cell(read_cell_file(folder.path()),
+                          std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
   const Json made =
       cell.result({{"request", "cell.new"}, {"name", "fresh"}, {"robot", "universal_robots/ur5e"}});
   ::unsetenv("XDG_DATA_HOME");

@@ -216,6 +216,23 @@ TEST_F(SocketDoorTest, ALineWithoutEndIsCutOff) {
   EXPECT_EQ(peer.lines() ? peer.line(0)["error"]["code"] : Json("too-long"), "too-long");
 }
 
+TEST_F(SocketDoorTest, WhatIsTooLongIsRefusedWithItsId) {
+  const std::string room(2 << 20, 'x');
+  for (const std::string begin :
+       {R"({"id":7,"request":"health","x":")", R"({"a":{"id":1},"id":"seven","x":")", R"({"x":")", "x"}) {
+    Peer peer(door->path());
+    std::thread talker([&] { peer.say(begin + room + "\"}\n"); });
+    EXPECT_TRUE(is_let_go(peer));
+    talker.join();
+    if (!peer.lines()) continue;  // the end came before the answer could be read
+    const Json id = begin.find("seven") != std::string::npos ? Json("seven")
+                    : begin.find("id") != std::string::npos  ? Json(7)
+                                                             : Json();
+    EXPECT_EQ(peer.line(0)["error"]["code"], "too-long");
+    EXPECT_EQ(peer.line(0).value("id", Json()), id) << begin;
+  }
+}
+
 TEST_F(SocketDoorTest, AMegabyteInOneLineIsCarried) {
   Peer peer(door->path());
   const std::string room(1'000'000, ' ');

@@ -218,6 +218,27 @@ TEST(SceneFile, RefusesNumbersThatNoThingHas) {
     EXPECT_EQ(findings(body), (std::vector<std::string>{"2 bad-value"})) << body;
 }
 
+TEST(SceneFile, RefusesWhatIsLargerOrFasterThanAnyScene) {
+  for (const char* body :
+       {"movers: {m: {axis: [1, 0, 0], upper: 1e30}}\n", "movers: {m: {axis: [1, 0, 0], lower: -1e30}}\n",
+        "movers: {m: {axis: [1, 0, 0], speed: 1e30}}\n",
+        "movers: {m: {axis: [1, 0, 0], acceleration: 1e30}}\n",
+        "bins: {b: {at: [1e30, 0, 0], inner: [1, 1, 1]}}\n",
+        "bins: {b: {lower: [0, 0, -1e30], upper: [1, 1, 1]}}\n",
+        "outfeeds: {o: {at: [0, 0, 0], size: [1, 1e30, 1]}}\n",
+        "cameras: {c: {at: [0, 0, 0], size: [1, 1, 1], eye: [0, 0, 1e30]}}\n",
+        "fixtures: {f: {box: [1, 1, 1e30], at: [0, 0, 0]}}\n",
+        "fixtures: {f: {sphere: {radius: 1e30}, at: [0, 0, 0]}}\n",
+        "parts: {p: {box: [1, 1, 1], at: [0, 0, 1e30m]}}\n",
+        "parts: {p: {box: [1, 1, 1], at: [0, 0, 0], mass: 1e30}}\n",
+        "parts: {p: {box: [1, 1, 1], at: [0, 0, 0], goal: {at: [0, 1e30, 0]}}}\n"})
+    EXPECT_EQ(findings(body), (std::vector<std::string>{"2 bad-value"})) << body;
+  EXPECT_NE(complaint("gravity: [0, 0, -1e30]\n"), "accepted");
+  EXPECT_NE(complaint("floor: {height: 1e30}\n"), "accepted");
+  EXPECT_TRUE(has(complaint("movers: {m: {axis: [1, 0, 0], speed: 500}}\n"), "100 m/s at most"));
+  EXPECT_EQ(complaint("movers: {m: {axis: [1, 0, 0], upper: 1000, speed: 100}}\n"), "accepted");
+}
+
 TEST(SceneFile, SaysWhatFileItIsNot) {
   for (const char* text : {"", "robot: 1\n", "polyarm: robot/1\n", "[1, 2]\n", "just words\n"})
     EXPECT_THROW(read_scene(Yaml::parse(text, "scene.yaml")), Error) << text;

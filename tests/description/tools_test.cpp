@@ -1,6 +1,10 @@
 #include "polyarm/description/tools.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "tests/description/support.hpp"
 
@@ -82,6 +86,18 @@ TEST(Tools, ThatAreUnknownAreAnsweredWithTheNearestName) {
   } catch (const Error& e) {
     EXPECT_EQ(e.problems().at(0).code, "unknown-tool");
     EXPECT_TRUE(has(e.what(), "did you mean 'suction_cup'"));
+  }
+}
+
+TEST(Tools, AFileBesideTheCellIsANameThatIsSuggested) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / ("polyarm-tools-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "welding_torch.yaml") << "mass: 1\n";
+  try {
+    find_tool("welding_toch", folder.string());
+    FAIL() << "was found";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "did you mean 'welding_torch'"));
   }
 }
 

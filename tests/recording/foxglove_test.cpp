@@ -138,6 +138,32 @@ TEST(FoxgloveServer, ParametersAreReadAndNotSet) {
   EXPECT_EQ(bench.last("parameterValues")["parameters"][0]["value"], 100);
 }
 
+TEST(FoxgloveServer, AParameterIsToldOnceHoweverOftenItIsNamed) {
+  Bench bench;
+  bench.server.set_parameters({{"robot_description", std::string(1000, 'x')}});
+  bench.ask(
+      {{"op", "getParameters"}, {"parameterNames", std::vector<std::string>(900, "robot_description")}});
+  EXPECT_EQ(bench.last("parameterValues")["parameters"].size(), 1u);
+}
+
+TEST(FoxgloveServer, WhatWaitsForOneWhoNeverReadsIsBounded) {
+  Bench bench;
+  const std::string text(100'000, 'x');
+  bench.ask({{"op", "subscribeParameterUpdates"}, {"parameterNames", Json::array()}});
+  bench.server.set_assets([&](const std::string&, const std::function<void(Asset)>& reply) {
+    reply({text, ""});
+  });
+  const std::string fetch = R"({"op":"fetchAsset","uri":"a","requestId":1})";
+  for (int n = 0; n < 300; ++n) {
+    bench.server.set_parameters({{"robot_description", text + std::to_string(n)}});
+    bench.client->take_text(fetch);
+  }
+  for (int n = 0; n < 300'000; ++n) bench.client->take_text(fetch);  // refused: nobody reads the answers
+  std::size_t bytes = 0;
+  while (const auto out = bench.client->next()) bytes += out->body->size();
+  EXPECT_LT(bytes, FoxgloveClient::kMostWaiting + 4 * text.size());
+}
+
 TEST(FoxgloveServer, AnAssetComesWithItsRequestsNumberOrWithAReason) {
   Bench bench;
   int woken = 0;

@@ -141,6 +141,18 @@ TEST(PythonLaunch, VariablesOfParameterFilesGoIntoTheLine) {
   EXPECT_EQ(launch.line().find("other"), std::string::npos);
 }
 
+TEST(PythonLaunch, AFileWithoutParametersIsNoControllersFileInTheLine) {
+  const test::Folder folder;
+  const auto controllers = folder.write("controllers.yaml", "jtc: {ros__parameters: {joints: [a]}}\n");
+  const auto bridge = folder.write("bridge.yaml", "- {ros_topic_name: clock, gz_topic_name: clock}\n");
+  const PythonLaunch launch = read(
+      "d = Command(['xacro /ws/arm.xacro'])\n"
+      "n = Node(package='ros_gz_sim', parameters=['" +
+      bridge + "', '" + controllers + "'])\n");
+  EXPECT_NE(launch.line().find("controllers.yaml"), std::string::npos) << launch.line();
+  EXPECT_EQ(launch.line().find("bridge.yaml"), std::string::npos) << launch.line();
+}
+
 TEST(PythonLaunch, OddWordsAreQuotedInTheLine) {
   const PythonLaunch launch = read("d = Command(['xacro /ws/arm.xacro a:=\"$(rm -rf)\"'])\n");
   EXPECT_NE(launch.line().find("'a:=\"$(rm'"), std::string::npos) << launch.line();

@@ -62,8 +62,12 @@ TEST_F(ProjectZipTest, SecretsStayWhereTheyAre) {
 }
 
 TEST_F(ProjectZipTest, NoNativeCodeComesOutOfAZip) {
-  for (const auto& [name, text] : std::map<std::string, std::string>{
-           {"arm.so", "x"}, {"libarm.so.1", "x"}, {"ARM.DLL", "x"}, {"points.points", "\x7f" "ELF and more"}}) {
+  for (const auto& [name, text] : std::map<std::string, std::string>{{"arm.so", "x"},
+                                                                     {"libarm.so.1", "x"},
+                                                                     {"ARM.DLL", "x"},
+                                                                     {"points.points",
+                                                                      "\x7f"
+                                                                      "ELF and more"}}) {
     write_file_atomically(project() / name, text);
     EXPECT_EQ(code(zip_of(project()), folder.path() / "back"), "native-code") << name;
     EXPECT_FALSE(fs::exists(folder.path() / "back")) << name;
@@ -84,6 +88,63 @@ TEST_F(ProjectZipTest, NoNameLeadsOutOfTheFolder) {
     EXPECT_FALSE(fs::exists(folder.path() / "out"));
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(ProjectZipTest, NamesThatLookLikeOthersAreNoneOfAProject) {
+  const std::string zip = zip_of(project());
+  for (const std::string name : {"sub/a\nok: done", "sub/\xe2\x80\xaetpircs"}) {
+    std::string bad = zip, as = name;
+    as.resize(std::string("sub/a.script").size(), 'x');
+    for (std::size_t at = bad.find("sub/a.script"); at != std::string::npos;
+         at = bad.find("sub/a.script", at))
+      bad.replace(at, as.size(), as);
+    EXPECT_EQ(code(bad, folder.path() / "out"), "bad-zip");
+    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  }
+}
+
+TEST_F(ProjectZipTest, AFileThatStandsTwiceIsRefused) {
+  write_file_atomically(project() / "sub" / "b.script", "x");
+  std::string zip = zip_of(project());
+  for (std::size_t at = 0; (at = zip.find("sub/b.script", at)) != std::string::npos;)
+    zip.replace(at, 12, "sub/a.script");
+  EXPECT_EQ(code(zip, folder.path() / "out"), "bad-zip");
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+}
+
+/// The kind of a file stands in the upper half of its attributes, 8 bytes before the name in the list of all.
+TEST_F(ProjectZipTest, LinksAndDevicesAreNoneOfAProject) {
+  const std::string zip = zip_of(project());
+  const std::size_t name = zip.rfind("sub/a.script"), entry = zip.rfind("PK\x01\x02", name);
+  ASSERT_EQ(name, entry + 46);
+  for (const auto& [kind, expected] : std::map<int, std::string>{
+           {0120777, "bad-zip"}, {0020644, "bad-zip"}, {0010644, "bad-zip"}, {0100644, "ok"}}) {
+    std::string made = zip;
+    made[entry + 5] = 3;  // made on UNIX
+    made[entry + 40] = static_cast<char>(kind & 0xff);
+    made[entry + 41] = static_cast<char>(kind >> 8);
+    EXPECT_EQ(code(made, folder.path() / "out"), expected) << kind;
+    fs::remove_all(folder.path() / "out");
+  }
+}
+
+TEST_F(ProjectZipTest, AListOfTooManyFilesIsNotEvenRead) {
+  const auto why = [&](const std::string& zip) -> std::string {
+    try {
+      unzip_into(zip, folder.path() / "out");
+      return "taken";
+    } catch (const Error& e) {
+      return e.what();
+    }
+  };
+  std::string zip = zip_of(project());
+  const std::size_t end = zip.rfind("PK\5\6");
+  std::string many = zip, large = zip;
+  many.replace(end + 8, 4, "\x89\x13\x89\x13");  // 5001
+  EXPECT_NE(why(many).find("too many files"), std::string::npos) << why(many);
+  large.insert(end, "PK\6\7" + std::string(16, '\0'));
+  EXPECT_NE(why(large).find("too many files"), std::string::npos) << why(large);
+  EXPECT_EQ(why(zip), "taken");
 }
 
 TEST_F(ProjectZipTest, WhatIsDamagedLeavesNothing) {
