@@ -335,8 +335,8 @@ TEST_F(Ros2Cell, AClientOnCycloneSendsGoalsAndSwitchesBesideOneOnFastDds) {
 TEST(Ros2Jetbot, IsDrivenByTwistsWithAndWithoutStamp) {
   const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
   ::setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
-  polyarm::test::Command command(
-      {"run", std::string(POLYARM_SOURCE_DIR) + "/examples/jetbot", "--ros2", "--no-socket"});
+  const polyarm::test::ExampleCopy copy("jetbot");
+  polyarm::test::Command command({"run", copy.path(), "--ros2", "--no-socket"});
   ASSERT_TRUE(command.wait_for("ROS 2: domain")) << command.wait().output;
   Client client(domain);
   const auto odometry = client.listen("/odom", "nav_msgs/Odometry");

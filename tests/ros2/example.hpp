@@ -12,13 +12,13 @@
 
 namespace polyarm::ros2::test {
 
-/// An example as it stands, in a domain of its own.
+/// A copy of an example (or the cell at an absolute path), running in a ROS 2 domain of its own.
 class Example {
  public:
   Example(const std::string& name, std::vector<std::string> more = {}) {
     ::setenv("ROS_DOMAIN_ID", std::to_string(domain_).c_str(), 1);
-    const std::string path =
-        name.starts_with('/') ? name : std::string(POLYARM_SOURCE_DIR) + "/examples/" + name;
+    if (!name.starts_with('/')) copy_.emplace(name);
+    const std::string path = copy_ ? copy_->path() : name;
     more.insert(more.begin(), {"run", path, "--ros2", "--no-socket"});
     command_.emplace(more);
     EXPECT_TRUE(command_->wait_for("ROS 2: domain")) << command_->wait().output;
@@ -29,6 +29,7 @@ class Example {
 
  private:
   const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  std::optional<polyarm::test::ExampleCopy> copy_;
   std::optional<polyarm::test::Command> command_;
 
  public:

@@ -16,10 +16,9 @@ using test::Finished;
 using test::run_command;
 namespace fs = std::filesystem;
 
-const std::string kJetBot = std::string(POLYARM_SOURCE_DIR) + "/examples/jetbot";
-
 TEST(JetBot, RunsWithoutLinksAndSaysSo) {
-  const Finished ran = run_command({"run", kJetBot, "--fast", "--seconds", "2", "--json"});
+  const test::ExampleCopy copy("jetbot");
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--seconds", "2", "--json"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(ran.result()["control_cycles"], 20) << "10 Hz";
   EXPECT_NE(ran.output.find("jetbot_control/JetBotSystemHardware is played by mock"), std::string::npos);
@@ -27,16 +26,18 @@ TEST(JetBot, RunsWithoutLinksAndSaysSo) {
 }
 
 TEST(JetBot, MockIsChosenByItsArgument) {
+  const test::ExampleCopy copy("jetbot");
   const Finished ran =
-      run_command({"run", kJetBot, "use_mock_hardware:=true", "--fast", "--seconds", "1", "--json"});
+      run_command({"run", copy.path(), "use_mock_hardware:=true", "--fast", "--seconds", "1", "--json"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("mock_components/GenericSystem is played by mock"), std::string::npos);
   EXPECT_EQ(ran.output.find("JetBotSystemHardware"), std::string::npos);
 }
 
 TEST(JetBot, PrefixesReachItsJoints) {
+  const test::ExampleCopy copy("jetbot");
   for (const char* file : {"/urdf/jetbot.urdf.xacro", "/urdf/jetbot_body.urdf.xacro"}) {
-    const Finished urdf = run_command({"xacro", kJetBot + file, "prefix:=front_"});
+    const Finished urdf = run_command({"xacro", copy.path() + file, "prefix:=front_"});
     EXPECT_EQ(urdf.exit_code, 0) << urdf.output;
     EXPECT_NE(urdf.output.find("<joint name=\"front_right_wheel_joint\""), std::string::npos) << urdf.output;
     EXPECT_EQ(urdf.output.find("\"right_wheel_joint"), std::string::npos);
@@ -45,9 +46,6 @@ TEST(JetBot, PrefixesReachItsJoints) {
 
 TEST(JetBot, OnTheRobotItSaysWhichBusIsMissing) {
   const test::ExampleCopy copy("jetbot");
-  fs::copy(kJetBot + "/urdf", copy.path() + "/urdf");
-  fs::copy(kJetBot + "/ros2_control", copy.path() + "/ros2_control");
-  fs::copy(kJetBot + "/config", copy.path() + "/config");
   std::string cell = read_file(copy.file("cell.yaml"));
   const std::string declared = "hardware: declared}";
   cell.replace(cell.find(declared), declared.size(),
@@ -93,10 +91,11 @@ class DrivenJetBot : public ::testing::Test {
   }
   static json odometry() { return run_command({"watch", "odom", "--count", "1", "--json"}).result(); }
   fs::path folder;
+  const test::ExampleCopy copy{"jetbot"};
 };
 
 TEST_F(DrivenJetBot, DrivesOnTheMockAndTellsItsOdometry) {
-  Command cell({"run", kJetBot, "use_mock_hardware:=true", "--quiet"});
+  Command cell({"run", copy.path(), "use_mock_hardware:=true", "--quiet"});
   ASSERT_TRUE(up());
   Command twist({"send", "/jetbot_base_controller/cmd_vel", "{linear: {x: 0.01}}", "--rate", "20"});
   EXPECT_TRUE(comes_true([] { return state("jetbot/left_wheel_joint/velocity") > 0.3; }))
@@ -109,7 +108,7 @@ TEST_F(DrivenJetBot, DrivesOnTheMockAndTellsItsOdometry) {
 }
 
 TEST_F(DrivenJetBot, DrivesInPhysics) {
-  Command cell({"run", kJetBot + "/driving.yaml", "--json"});
+  Command cell({"run", copy.path() + "/driving.yaml", "--json"});
   ASSERT_TRUE(cell.wait_for("JetBot"));
   ASSERT_TRUE(up());
   if (!std::isfinite(state("jetbot/base/position.x"))) GTEST_SKIP() << "physics is not built";

@@ -14,33 +14,31 @@ using test::Finished;
 using test::run_command;
 namespace fs = std::filesystem;
 
-const std::string kExamples = std::string(POLYARM_SOURCE_DIR) + "/examples/";
-
 TEST(R6bot, FollowsItsReferenceUnderItsOwnControllerAndItsOwnSystem) {
-  const Finished ran = run_command({"run", kExamples + "r6bot", "--fast", "--json"});
+  const test::ExampleCopy copy("r6bot");
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("ros2_control_demo_example_7/RobotSystem"), std::string::npos);
   EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 3.0) << "the curve takes three seconds";
-  EXPECT_EQ(run_command({"run", kExamples + "r6bot", "--fast", "--json"}).result()["trace_hash"],
+  EXPECT_EQ(run_command({"run", copy.path(), "--fast", "--json"}).result()["trace_hash"],
             ran.result()["trace_hash"]);
 }
 
 TEST(R6bot, OneLineExchangesTheController) {
-  const fs::path copy = fs::temp_directory_path() / ("polyarm_r6bot_" + std::to_string(::getpid()));
-  fs::copy(kExamples + "r6bot", copy, fs::copy_options::recursive);
-  std::string yaml = read_file(copy / "r6bot_controllers.yaml");
+  const test::ExampleCopy copy("r6bot");
+  std::string yaml = read_file(copy.file("r6bot_controllers.yaml"));
   const std::string own = "type: ros2_control_demo_example_7/RobotController";
   yaml.replace(yaml.find(own), own.size(), "type: joint_trajectory_controller/JointTrajectoryController");
-  write_file_atomically(copy / "r6bot_controllers.yaml", yaml);
-  const Finished ran = run_command({"run", copy.string(), "--fast", "--json"});
-  fs::remove_all(copy);
+  write_file_atomically(copy.file("r6bot_controllers.yaml"), yaml);
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 3.0);
 }
 
 TEST(ThreeJoint, RunsFromItsLaunchFile) {
+  const test::ExampleCopy copy("three_joint");
   const Finished ran = run_command(
-      {"run", kExamples + "three_joint/three_joint.launch", "--fast", "--seconds", "1", "--json"});
+      {"run", copy.path() + "/three_joint.launch", "--fast", "--seconds", "1", "--json"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("not applicable here: 'MyRobotHardwareInterface'"), std::string::npos)
       << ran.output;
@@ -48,7 +46,8 @@ TEST(ThreeJoint, RunsFromItsLaunchFile) {
 }
 
 TEST(ThreeJoint, RunsInPhysicsUnderPids) {
-  const Finished ran = run_command({"run", kExamples + "three_joint/pid.yaml", "--hardware", "mock", "--fast",
+  const test::ExampleCopy copy("three_joint");
+  const Finished ran = run_command({"run", copy.path() + "/pid.yaml", "--hardware", "mock", "--fast",
                                     "--seconds", "1", "--json"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
 }
@@ -57,7 +56,8 @@ TEST(RunningCell, IsAskedAndToldFromOutside) {
   const fs::path folder = fs::temp_directory_path() / ("polyarm_door_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   ::setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
-  test::Command cell({"run", kExamples + "three_joint/three_joint.launch", "--seconds", "60", "--quiet"});
+  const test::ExampleCopy copy("three_joint");
+  test::Command cell({"run", copy.path() + "/three_joint.launch", "--seconds", "60", "--quiet"});
   nlohmann::json listed;
   for (int k = 0; k < 200 && !listed.is_array(); ++k) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -189,9 +189,8 @@ TEST_F(TeleopTest, WithoutATerminalItSaysSo) {
 
 class TeleopAtAnArm : public TeleopTest {
  protected:
-  void SetUp() override {
-    start(std::string(POLYARM_SOURCE_DIR) + "/examples/three_joint/three_joint.launch");
-  }
+  void SetUp() override { start(example.path() + "/three_joint.launch"); }
+  const test::ExampleCopy example{"three_joint"};
 };
 
 TEST_F(TeleopAtAnArm, ACellWithoutABaseIsASentence) {

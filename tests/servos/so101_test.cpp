@@ -19,11 +19,11 @@ using test::Finished;
 using test::run_command;
 
 TEST(So101, WavesSimulatedAndRepeatsItself) {
-  const std::string example = std::string(POLYARM_SOURCE_DIR) + "/examples/so101";
-  const Finished ran = run_command({"run", example, "--fast", "--json", "--no-socket"});
+  const ExampleCopy copy("so101");
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_GT(ran.result()["sim_time_s"].get<double>(), 10.9);
-  EXPECT_EQ(run_command({"run", example, "--fast", "--json", "--no-socket"}).result()["trace_hash"],
+  EXPECT_EQ(run_command({"run", copy.path(), "--fast", "--json", "--no-socket"}).result()["trace_hash"],
             ran.result()["trace_hash"]);
 }
 

@@ -131,7 +131,8 @@ inline Finished run_command(const std::vector<std::string>& arguments) {
   return Command(arguments).wait();
 }
 
-/// A copy of an example in a folder of its own, gone at the end.
+/// A copy of an example in a temporary folder, removed at the end. A folder takes one run at a time, so a test that
+/// runs an example runs a copy: other tests may run the same example beside it.
 class ExampleCopy {
  public:
   explicit ExampleCopy(const std::string& example) {
@@ -139,8 +140,11 @@ class ExampleCopy {
     std::string pattern = (fs::temp_directory_path() / "polyarm_XXXXXX").string();
     path_ = ::mkdtemp(pattern.data());
     for (const auto& entry : fs::directory_iterator(fs::path(POLYARM_SOURCE_DIR) / "examples" / example))
-      if (entry.is_regular_file()) fs::copy_file(entry.path(), path_ / entry.path().filename());
+      if (entry.path().filename() != ".state")
+        fs::copy(entry.path(), path_ / entry.path().filename(), fs::copy_options::recursive);
   }
+  ExampleCopy(const ExampleCopy&) = delete;
+  ExampleCopy& operator=(const ExampleCopy&) = delete;
   ~ExampleCopy() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
