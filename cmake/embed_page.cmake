@@ -1,5 +1,6 @@
-# cmake -DPAGE=FOLDER -DOUT=FOLDER -DNPM=npm -P embed_page.cmake: builds the page with npm and writes OUT/embedded_page.cpp,
-# which carries its files, compressed where that helps. PAGE may be empty: then there is no page.
+# cmake -DPAGE=FOLDER -DOUT=FOLDER -DNPM=npm -P embed_page.cmake: builds the pendant's page with npm and writes
+# OUT/embedded_page.cpp, which carries its files. PAGE may be empty: then there is no page.
+include(${CMAKE_CURRENT_LIST_DIR}/embed_files.cmake)
 file(MAKE_DIRECTORY ${OUT})
 set(dist "")
 
@@ -39,56 +40,4 @@ if(PAGE)
     set(dist ${PAGE}/dist)
   endif()
 endif()
-
-set(data "")
-set(rows "")
-if(dist)
-  file(REMOVE_RECURSE ${OUT}/files)
-  file(MAKE_DIRECTORY ${OUT}/files)
-  file(GLOB_RECURSE files RELATIVE ${dist} ${dist}/*)
-  set(n 0)
-  foreach(file ${files})
-    set(gzip false)
-    set(stored ${OUT}/files/${n})
-    if(file MATCHES "[.](html|js|css|json|svg|txt|webmanifest|wasm|ico)$")
-      execute_process(COMMAND gzip -9 -n -c ${dist}/${file} OUTPUT_FILE ${stored} RESULT_VARIABLE failed)
-      if(NOT failed)
-        set(gzip true)
-      endif()
-    endif()
-    if(NOT gzip)
-      file(COPY_FILE ${dist}/${file} ${stored})
-    endif()
-    file(SHA256 ${stored} sum)  # so that this text changes with the file
-    string(APPEND data "// ${file} ${sum}\n"
-      "asm(\".section .rodata\\n.balign 16\\npolyarm_page_${n}:\\n.incbin \\\"${stored}\\\"\\npolyarm_page_${n}_end:\\n"
-      ".byte 0\\n.previous\\n\");\n"
-      "extern \"C\" const char polyarm_page_${n}[], polyarm_page_${n}_end[];\n")
-    string(APPEND rows "    {\"/${file}\", {view(polyarm_page_${n}, polyarm_page_${n}_end), ${gzip}}},\n")
-    math(EXPR n "${n} + 1")
-  endforeach()
-endif()
-file(WRITE ${OUT}/embedded_page.cpp "#include <cstddef>
-#include <map>
-#include <string>
-#include <string_view>
-
-#include \"polyarm/server/assets.hpp\"
-
-${data}
-namespace polyarm::server {
-
-namespace {
-[[maybe_unused]] std::string_view view(const char* begin, const char* end) {
-  return {begin, static_cast<std::size_t>(end - begin)};
-}
-}  // namespace
-
-const std::map<std::string, Asset>& embedded_page() {
-  static const std::map<std::string, Asset> files = {
-${rows}  };
-  return files;
-}
-
-}  // namespace polyarm::server
-")
+embed_files("${dist}" ${OUT} embedded_page embedded_page "/")

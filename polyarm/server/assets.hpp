@@ -12,7 +12,9 @@ struct Asset {
 };
 /// By path ("/index.html", "/assets/index-4f3a.js"). Empty where the command was built without a page.
 const std::map<std::string, Asset>& embedded_page();
-/// The same from a folder, read once; for who works on the page. Throws Error("no-file").
+/// The documentation as a site, by path ("/help/index.html"). Empty where the command was built without a page.
+const std::map<std::string, Asset>& embedded_help();
+/// The page from a folder, read once; for who works on the page. Throws Error("no-file").
 std::map<std::string, Asset> page_in(const std::string& folder);
 /// What gzip has compressed, as it was. Throws Error("bad-gzip") for what is none, or more than 64 MiB.
 std::string unzipped(std::string_view gzip);

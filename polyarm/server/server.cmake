@@ -39,11 +39,26 @@ if(EXISTS ${page}/package-lock.json AND NPM AND NODE)
 elseif(EXISTS ${page}/package-lock.json)
   message(STATUS "npm is missing: the pendant has no page")
 endif()
+set(embedding ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake)
 add_custom_command(
   OUTPUT ${built}/embedded_page.cpp
   COMMAND ${CMAKE_COMMAND} -DPAGE=${page_folder} -DOUT=${built} -DNPM=${NPM} -P ${steps}
-  DEPENDS ${page_made} ${steps}
+  DEPENDS ${page_made} ${steps} ${embedding}
   COMMENT "The pendant's page"
   VERBATIM)
-target_sources(polyarm_server PRIVATE ${built}/embedded_page.cpp)
-set_source_files_properties(${built}/embedded_page.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+# The documentation is the pendant's help. It is built with packages that the page's build installs.
+set(help_steps ${PROJECT_SOURCE_DIR}/cmake/embed_help.cmake)
+file(GLOB help_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/* ${PROJECT_SOURCE_DIR}/docs/decisions/*.md
+     ${PROJECT_SOURCE_DIR}/bench/journal/*.md ${page}/help/*)
+list(FILTER help_sources EXCLUDE REGEX "/decisions$")
+add_custom_command(
+  OUTPUT ${built}/embedded_help.cpp
+  COMMAND ${CMAKE_COMMAND} -DPAGE=${page_folder} -DOUT=${built} -DNODE=${NODE} -P ${help_steps}
+  DEPENDS ${help_sources} ${PROJECT_SOURCE_DIR}/ARCHITECTURE.md ${PROJECT_SOURCE_DIR}/examples/README.md ${help_steps}
+          ${embedding} ${built}/embedded_page.cpp
+  COMMENT "The pendant's help"
+  VERBATIM)
+foreach(embedded embedded_page embedded_help)
+  target_sources(polyarm_server PRIVATE ${built}/${embedded}.cpp)
+  set_source_files_properties(${built}/${embedded}.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
+endforeach()

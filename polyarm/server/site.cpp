@@ -47,7 +47,9 @@ PageSite::PageSite(const PendantOptions& options, Sessions& sessions, Viewers& v
       viewers_(viewers),
       page_(options.page_folder.empty() ? embedded_page() : page_in(options.page_folder)),
       documents_(std::make_shared<const Documents>()),
-      worker_(std::make_unique<cell::Worker>(false)) {}
+      worker_(std::make_unique<cell::Worker>(false)) {
+  page_.insert(embedded_help().begin(), embedded_help().end());
+}
 PageSite::~PageSite() = default;
 
 void PageSite::stop() {
@@ -121,7 +123,12 @@ HttpReply PageSite::page(const HttpRequest& request) const {
   }
   if (request.token == Shown::wrong && request.target.find("token=") != std::string::npos)
     return plain(403, "the token is wrong: open the link that polyarm printed last");
-  const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
+  if (request.path == "/help") {
+    HttpReply out = plain(302, "go on at /help/");
+    out.headers.emplace_back("Location", "/help/");
+    return out;
+  }
+  const auto found = page_.find(request.path.ends_with('/') ? request.path + "index.html" : request.path);
   if (found == page_.end() && request.path == "/")
     return document(text_of(kNoPage), "text/html; charset=utf-8");
   if (found == page_.end()) return plain(404, "there is no such file");

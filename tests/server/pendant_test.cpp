@@ -1,4 +1,5 @@
 /// The pendant's server in front of a whole cell, in lock-step: time is the cell's.
+#include "polyarm/server/assets.hpp"
 #include "polyarm/server/pendant.hpp"
 
 #include <gtest/gtest.h>
@@ -195,6 +196,15 @@ TEST_F(PendantTest, ThePageIsDecompressedForWhoTakesNoGzip) {
     EXPECT_NE(answer.find("Vary: Accept-Encoding"), std::string::npos);
     EXPECT_EQ(body(answer).substr(0, 2), "\x1f\x8b");
   }
+}
+
+TEST_F(PendantTest, TheHelpIsServedWithoutAToken) {
+  if (server::embedded_help().empty()) GTEST_SKIP() << "this build has no page";
+  EXPECT_NE(body(WebPeer::fetch(pendant->port(), "/help/")).find("<h1 id=\"documentation\">"), std::string::npos);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/help/stops.html")), 200);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/help")), 302);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/help/no-such-page.html")), 404);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/helpless/")), 404);
 }
 
 TEST_F(PendantTest, TheCellItsModelAndItsSceneAreThereToBeDrawn) {

@@ -26,6 +26,7 @@ export function Header() {
         <ForceBadge />
         <ControlButton />
         <AlarmsButton />
+        <HelpLink />
         <Button
           label={t('menu.label')}
           icon="settings"
@@ -72,6 +73,16 @@ function AlarmsButton() {
       badge={count}
       onClick={() => open((close) => <Alarms onClose={close} />)}
     />
+  );
+}
+
+/** Opens the documentation, in a tab of its own, at what the open page is about. */
+function HelpLink() {
+  const page = pages.find((each) => each.id === pageId.value) ?? pages[0]!;
+  return (
+    <a class="button quiet bare help-link" href={`/help/${page.help}`} target="polyarm-help" aria-label={t('help.label')} title={t('help.label')}>
+      <Icon name="help" size={22} />
+    </a>
   );
 }
 

@@ -31,6 +31,11 @@ export function Menu({ onClose }: { onClose: () => void }) {
             ))}
           </dl>
         </section>
+        <p>
+          <a href="/help/" target="polyarm-help">
+            {t('help.all')}
+          </a>
+        </p>
         {version.value && <p class="note">{t('menu.version', { version: version.value })}</p>}
       </div>
     </Dialog>

@@ -100,6 +100,8 @@ export const shell = {
   'alarms.why': 'Cause',
   'alarms.do': 'Remedy',
 
+  'help.label': 'Help',
+  'help.all': 'Documentation',
   'menu.label': 'Settings',
   'menu.language': 'Language',
   'menu.auto': 'Default',

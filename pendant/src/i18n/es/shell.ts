@@ -102,6 +102,8 @@ export const shell: Record<keyof typeof en, string> = {
   'alarms.why': 'Causa',
   'alarms.do': 'Remedio',
 
+  'help.label': 'Ayuda',
+  'help.all': 'Documentación (en inglés)',
   'menu.label': 'Ajustes',
   'menu.language': 'Idioma',
   'menu.auto': 'Predeterminado',
