@@ -14,7 +14,7 @@
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
-#include "polyarm/motion/move_plan.hpp"
+#include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm::apps {
 

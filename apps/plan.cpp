@@ -12,8 +12,8 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/data/file_lookup.hpp"
-#include "polyarm/motion/cartesian_joints.hpp"
-#include "polyarm/motion/tcp_rates.hpp"
+#include "polyarm/moves/cartesian_joints.hpp"
+#include "polyarm/moves/tcp_rates.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/ros_files/trajectory_file.hpp"
 

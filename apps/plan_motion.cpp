@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "polyarm/motion/tcp_rates.hpp"
+#include "polyarm/moves/tcp_rates.hpp"
 
 namespace polyarm::apps {
 

@@ -10,8 +10,8 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/chain.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "polyarm/trajectory/limit_use.hpp"
-#include "polyarm/trajectory/timing.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
 namespace polyarm::apps {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "polyarm/data/data_set.hpp"
-#include "polyarm/motion/move_plan.hpp"
+#include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm::apps {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
-#include "polyarm/motion/workspace.hpp"
+#include "polyarm/moves/workspace.hpp"
 
 namespace polyarm::apps {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/motion/cartesian_joints.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/moves/cartesian_joints.hpp"
+#include "polyarm/timing/timing.hpp"
 
 namespace polyarm {
 namespace {

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/motion/cartesian_joints.hpp"
-#include "polyarm/trajectory/path_follower.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/moves/cartesian_joints.hpp"
+#include "polyarm/timing/path_follower.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/support/arm_stop_moments.hpp"
 #include "tests/support/slow_stop.hpp"
 #include "tests/support/stop_moments.hpp"
@@ -127,11 +127,9 @@ void plot(const Case& c) {
     const char* name;
     double target;  // below zero: back, by 0.1 s of the plan
   };
-  const std::vector<Phase> phases{{0.45, "100 %", 1},        {0.95, "40 %", 0.4},
-                                  {1.35, "100 %", 1},        {1.85, "hold", 0},
-                                  {3.0, "back 0.1 s", -0.1}, {3.3, "held", 0},
-                                  {3.75, "resume", 1},       {4.2, "hold", 0},
-                                  {4.8, "discard", 0}};
+  const std::vector<Phase> phases{{0.45, "100 %", 1},  {0.95, "40 %", 0.4},       {1.35, "100 %", 1},
+                                  {1.85, "hold", 0},   {3.0, "back 0.1 s", -0.1}, {3.3, "held", 0},
+                                  {3.75, "resume", 1}, {4.2, "hold", 0},          {4.8, "discard", 0}};
   PathFollower follower(c.path, c.limits, kPeriod);
   follower.begin(1);
   constexpr double kWidth = 150, kHeight = 220, kLeft = 50, kTop = 30;  // per s, per m/s; margins

@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/motion/cartesian_joints.hpp"
-#include "polyarm/trajectory/path_cartesian.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/moves/cartesian_joints.hpp"
+#include "polyarm/paths/cartesian_path.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/support/slow_state_to_state.hpp"
 #include "tests/support/slow_timing.hpp"
 #include "tests/support/test_paths.hpp"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/trajectory/path_override.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/timing/path_override.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/support/test_paths.hpp"
 #ifdef POLYARM_TOPPRA
 #include <toppra/algorithm/toppra.hpp>

@@ -19,7 +19,7 @@
 
 #include "drivers/mujoco/component.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/motion/move_plan.hpp"
+#include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm {
 namespace {

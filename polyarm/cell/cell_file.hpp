@@ -14,7 +14,7 @@
 #include "polyarm/cell/recorder.hpp"
 #include "polyarm/cell/safety_entries.hpp"
 #include "polyarm/control/control_loop.hpp"
-#include "polyarm/motion/robot_facts.hpp"
+#include "polyarm/moves/robot_facts.hpp"
 
 namespace polyarm::ros_files {
 struct ControllersFile;

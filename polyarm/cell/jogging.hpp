@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/motion/jog_controller.hpp"
+#include "polyarm/jog/jog_controller.hpp"
 
 namespace polyarm::cell {
 
@@ -29,8 +29,8 @@ class Jogging {
   /// A step towards the robot's joints being this one's; true when they are. Throws what refuses it.
   bool engage(std::size_t robot);
 
-  /// The session of `robot` that goes on as `session`, or a new one (0). Throws Error("jogged") while somebody
-  /// else's is alive, Error("session-over") for one that was ended.
+  /// The session of `robot` that goes on as `session`, or a new one (0). Throws Error("jogged") while
+  /// somebody else's is alive, Error("session-over") for one that was ended.
   std::uint32_t session(std::size_t robot, std::uint32_t session);
   /// Hands the command on under that session; fills in what belongs to it.
   void send(std::size_t robot, std::uint32_t session, motion::JogCommand command);

@@ -11,8 +11,8 @@
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/data/data_store.hpp"
-#include "polyarm/motion/base_motion.hpp"
-#include "polyarm/motion/robot_motion.hpp"
+#include "polyarm/moves/base_motion.hpp"
+#include "polyarm/moves/robot_motion.hpp"
 #include "polyarm/program/host.hpp"
 
 namespace polyarm::cell {

@@ -3,7 +3,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/point_edits.hpp"
-#include "polyarm/motion/move_plan.hpp"
+#include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm::cell {
 

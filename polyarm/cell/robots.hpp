@@ -9,7 +9,7 @@
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/hardware/hardware.hpp"
-#include "polyarm/motion/robot_motion.hpp"
+#include "polyarm/moves/robot_motion.hpp"
 #include "polyarm/ros_files/manager_parameters.hpp"
 #include "polyarm/ros_files/parameter_file.hpp"
 

@@ -10,7 +10,7 @@
 #include "polyarm/control/supervisor.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/description/robot_model.hpp"
-#include "polyarm/motion/workspace.hpp"
+#include "polyarm/moves/workspace.hpp"
 
 namespace polyarm::cell {
 

@@ -9,7 +9,7 @@
 
 #include "polyarm/controllers/asked_limits.hpp"
 #include "polyarm/controllers/messages.hpp"
-#include "polyarm/trajectory/path_follower.hpp"
+#include "polyarm/timing/path_follower.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
 namespace polyarm::controllers {
@@ -69,13 +69,13 @@ struct TrajectoryRules {
   std::vector<char> continuous;
   bool step = false;  ///< `interpolation_method: none`
   bool partial = false, nonzero_end = false, integrate = false, effort = false;
-  double upsampling = 0;  ///< Hz of the policy behind position chunks; 0: off
+  double upsampling = 0;                ///< Hz of the policy behind position chunks; 0: off
   const AskedLimits* limits = nullptr;  ///< of the same joints; null: none
 };
 
 /// Throws Error with every fault: "no-joints", "unknown-joint", "missing-joint", "no-points", "wrong-size",
-/// "bad-time", "moves-at-end", "in-the-past", "no-effort", "beyond-limits", "not-a-number". `now` is cell time; `action`: tolerances are taken
-/// from the message.
+/// "bad-time", "moves-at-end", "in-the-past", "no-effort", "beyond-limits", "not-a-number". `now` is cell
+/// time; `action`: tolerances are taken from the message.
 std::unique_ptr<TrajectoryGoal> make_goal(const TrajectoryMessage& message, const TrajectoryRules& rules,
                                           Nanoseconds now, bool action);
 

@@ -9,8 +9,8 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/controllers/messages.hpp"
-#include "polyarm/trajectory/path_joint.hpp"
-#include "polyarm/trajectory/path_trajectory.hpp"
+#include "polyarm/paths/joint_path.hpp"
+#include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
 namespace polyarm::ros_files {

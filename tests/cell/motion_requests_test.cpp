@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
-#include "polyarm/trajectory/path_joint.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/paths/joint_path.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 

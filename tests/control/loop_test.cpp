@@ -9,9 +9,9 @@
 #include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/controllers/joint_state_broadcaster.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/paths/joint_path.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
-#include "polyarm/trajectory/path_joint.hpp"
-#include "polyarm/trajectory/timing.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::control {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/trajectory/path_joint.hpp"
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/paths/joint_path.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/controllers/trajectory_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
@@ -36,7 +36,8 @@ struct PathRig : TrajectoryRig {
 
   PathRig() : TrajectoryRig(std::vector<double>(kJoints, 0.0)) {
     context.period = 1'000'000;
-    for (JointFacts& joint : context.joints.edit()) joint.velocity = 2, joint.acceleration = 8, joint.jerk = 100;
+    for (JointFacts& joint : context.joints.edit())
+      joint.velocity = 2, joint.acceleration = 8, joint.jerk = 100;
     set("command_interfaces", {"position", "velocity", "acceleration"});
     look_anew();
   }

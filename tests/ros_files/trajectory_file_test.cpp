@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "polyarm/timing/timing.hpp"
 #include "polyarm/trajectory/splines.hpp"
-#include "polyarm/trajectory/timing.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/test_paths.hpp"
 

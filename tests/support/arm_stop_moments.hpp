@@ -11,8 +11,8 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/chain.hpp"
-#include "polyarm/motion/cartesian_joints.hpp"
-#include "polyarm/trajectory/path_cartesian.hpp"
+#include "polyarm/moves/cartesian_joints.hpp"
+#include "polyarm/paths/cartesian_path.hpp"
 #include "tests/support/stop_moments.hpp"
 
 namespace polyarm::test {

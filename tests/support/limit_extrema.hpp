@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "polyarm/trajectory/path_trajectory.hpp"
+#include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
 namespace polyarm::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "polyarm/trajectory/path.hpp"
+#include "polyarm/paths/path.hpp"
 
 namespace polyarm::test {
 

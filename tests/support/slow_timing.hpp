@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "polyarm/trajectory/path.hpp"
+#include "polyarm/paths/path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
 namespace polyarm::test {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/trajectory/timing.hpp"
+#include "polyarm/timing/timing.hpp"
 #include "tests/support/test_paths.hpp"
 
 namespace polyarm::test {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/trajectory/path.hpp"
+#include "polyarm/paths/path.hpp"
 
 namespace polyarm::test {
 

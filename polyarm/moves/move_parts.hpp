@@ -1,0 +1,64 @@
+#pragma once
+/// The pieces that a plan of moves is made of, between its steps: geometry (MoveGeometry), joins (MoveJoins)
+/// and time (MoveTiming). Inside the room; not for the control cycle.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "polyarm/moves/move_plan.hpp"
+#include "polyarm/moves/robot_facts.hpp"
+#include "polyarm/paths/joint_path.hpp"
+#include "polyarm/paths/path.hpp"
+
+namespace polyarm::motion {
+
+/// Where a move is on a part's own path.
+struct MoveSpan {
+  double from, to;
+  std::size_t move;
+};
+
+/// A piece of a motion: a stretch of one path, with the TCP's way on it.
+struct MovePart {
+  std::shared_ptr<const trajectory::Path> joints, translation, rotation;
+  double from = 0, to = 0, scale = 1;
+  std::vector<MoveSpan> moves;
+  bool joins = false;  ///< two moves: both are on all of it
+  bool curve = false;  ///< a spline of joint moves
+};
+
+/// Moves whose geometry comes from one builder.
+struct MoveRun {
+  bool cartesian = false;
+  std::size_t first = 0, last = 0;
+  std::vector<MovePart> sections;
+};
+
+/// Parts from rest to rest.
+using MoveDraft = std::vector<MovePart>;
+
+/// What every step of a plan is told.
+struct PlanRequest {
+  const RobotFacts& robot;
+  std::span<const Move> moves;
+  const MovePlanOptions& options;
+  trajectory::TcpDistance distance;
+};
+
+inline bool is_cartesian(const Move& move) {
+  return move.kind != MoveKind::joint;
+}
+inline bool goes_through(const Move& move) {
+  return move.through && !is_cartesian(move);
+}
+
+/// The joints at a place on a path.
+std::vector<double> joints_at(const trajectory::Path& path, double s);
+double norm_of(std::span<const double> v);
+/// Are there bounds at the TCP of joint moves?
+bool needs_tcp(const PlanRequest& request, std::size_t first, std::size_t last);
+/// Gives a part of joints the TCP's way on it; where nothing bounds that, none.
+void give_tcp(const PlanRequest& request, MovePart& part, bool bounded);
+
+}  // namespace polyarm::motion

@@ -1,0 +1,44 @@
+#include "polyarm/moves/robot_facts.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/kinematics/inverse.hpp"
+
+namespace polyarm::motion {
+
+std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain) {
+  auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+  return std::make_shared<const RobotFacts>(RobotFacts{robot.name, robot.model, std::move(chain),
+                                                       robot.limits, robot.tcp, robot.home, std::move(solver),
+                                                       robot.workspace, robot.torques});
+}
+
+std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::span<const double> current,
+                               const std::string& what) {
+  const kinematics::IkResult result = robot.solver
+                                          ? robot.solver->solve_nearest(tcp, current, robot.home)
+                                          : kinematics::solve_nearest(robot.chain, tcp, current, robot.home);
+  if (result.status == kinematics::IkStatus::solved) return result.q;
+  throw Error(
+      result.status == kinematics::IkStatus::limits ? "limit" : "unreachable",
+      fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, result.reason),
+      "move the point, the robot's base, or choose a robot that reaches it");
+}
+
+void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const double lower = robot.chain.lower()[j], upper = robot.chain.upper()[j];
+    if (joints[j] >= lower - 1e-9 && joints[j] <= upper + 1e-9) continue;
+    throw Error("limit",
+                fmt::format("{} puts {} at {:.4f}, its limits are {:.4f} to {:.4f}", what,
+                            robot.model->joint_names()[j], joints[j], lower, upper),
+                std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians"
+                                        : "choose a value inside");
+  }
+}
+
+}  // namespace polyarm::motion

@@ -1,0 +1,294 @@
+#include "polyarm/moves/robot_motion.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "polyarm/base/bounds.hpp"
+
+namespace polyarm::motion {
+
+static_assert(RobotMotion::kMostAhead == bounds::kMovesAhead);
+
+namespace {
+/// Outcomes of so many moves that were given up are kept to be asked for.
+constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
+/// Moves in step begin so long after the last of them is ready: the other robots' turns come in the next
+/// tick.
+constexpr Nanoseconds kInStepAhead = 10'000'000;
+
+/// Is the next move on the same path?
+bool goes_on(const Move& move) {
+  return move.blend > 0 || move.through;
+}
+void end_here(Move& move) {
+  move.blend = 0;
+  move.through = false;
+}
+}  // namespace
+
+std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
+                                 std::shared_ptr<InStep> step) {
+  if (waiting_.size() >= kMostWaiting)
+    throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
+                "is the loop running?");
+  if (!waiting_.empty() && (step != waiting_.back().step || waiting_.back().with != with))
+    end_here(waiting_.back().move);
+  waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
+  return last_id_;
+}
+
+void RobotMotion::close() {
+  if (!waiting_.empty()) end_here(waiting_.back().move);
+}
+
+void RobotMotion::tick(Nanoseconds now) {
+  watch();
+  collect();
+  plan();
+  collect();
+  hand_over(now);
+  if (idle()) settled_ = last_id_;
+}
+
+bool RobotMotion::idle() const {
+  return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
+}
+
+/// Moves are planned in order, from where those before them end, as far as something ends the blending.
+void RobotMotion::plan() {
+  if (job_ || waiting_.empty()) return;
+  auto last =
+      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
+  if (const auto& step = waiting_.front().step)  // all of them together, come to rest where they say so
+    last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
+  else if (last == waiting_.end() && waiting_.size() < kMostWaiting)
+    return;
+  else if (last != waiting_.end())
+    ++last;
+  job_ = std::make_shared<Job>();
+  job_->first_id = waiting_.front().id;
+  job_->with = waiting_.front().with;
+  job_->step = waiting_.front().step;
+  job_->from = planned_;
+  job_->options = options_;
+  job_->period = controller_.period();
+  for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
+  waiting_.erase(waiting_.begin(), last);
+  post_([job = job_, &robot = facts(job_->with)] {
+    try {
+      job->plan = plan_moves(robot, job->from, job->moves, job->options);
+      for (const PlannedMotion& motion : job->plan.motions)
+        job->followers.push_back(
+            std::make_unique<trajectory::PathFollower>(motion.path, job->plan.limits, job->period));
+    } catch (const MoveError& why) {
+      job->failure = why.problems().front();
+      job->failed = why.move;
+    } catch (const std::exception& why) {
+      job->failure =
+          Problem{"not-planned", {}, std::string("a move could not be planned: ") + why.what(), {}};
+    }
+    job->done.store(true, std::memory_order_release);
+  });
+}
+
+void RobotMotion::collect() {
+  if (!job_ || !job_->done.load(std::memory_order_acquire)) return;
+  const std::shared_ptr<Job> job = std::exchange(job_, nullptr);
+  if (job->failure) {
+    const std::uint64_t failed = job->first_id + job->failed;
+    if (job->step) job->step->failed_ = true;
+    waiting_.clear();
+    end_badly(job->first_id, MoveState::discarded);
+    ended_badly_[failed] = MoveState::failed;
+    problems_[failed] = *job->failure;
+    return;
+  }
+  const std::uint64_t last = job->first_id + job->moves.size() - 1;
+  for (MovePlan::Warning& warning : job->plan.warnings)
+    warnings_.push_back({job->first_id + warning.move, std::move(warning.problem)});
+  planned_ = job->plan.end;
+  if (job->step) {
+    ++job->step->planned_;
+    if (job->plan.motions.empty()) ++job->step->ready_;  // it is there already
+    job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
+  }
+  const double total = job->plan.duration();
+  for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
+    PlannedMotion& motion = job->plan.motions[i];
+    const double share = motion.path.duration() / total;
+    ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
+                      std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
+                      nullptr});
+  }
+  // Moves to where the robot is anyway arrive with what is before them.
+  if (!ready_.empty())
+    ready_.back().last_id = last;
+  else if (goal_ != 0)
+    active_.last_id = last;
+  else
+    settled_ = last;
+}
+
+/// Whether all whose moves go in step with this one are ready; then it takes as long as theirs.
+bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
+  InStep& step = *ready.step;
+  if (step.failed_) {
+    const std::uint64_t first = ready.first_id;
+    ready_.clear(), waiting_.clear();
+    job_ = nullptr;
+    end_badly(first, MoveState::discarded);
+    return false;
+  }
+  if (ready.leads) {
+    if (!std::exchange(ready.waits, true)) ++step.ready_;
+    if (step.ready_ < step.members_) return false;
+    if (step.start_ < 0) step.start_ = now + kInStepAhead;
+  }
+  trajectory::SpeedProfile profile = ready.motion.path.profile();
+  const double wanted = step.longest_ * ready.share;
+  if (wanted > profile.duration() * (1 + 1e-9)) {
+    profile.stretch(wanted / profile.duration());
+    ready.motion.path = trajectory::TimedPath(ready.motion.path.shared_path(), std::move(profile));
+    const auto limits = ready.follower->limits();
+    ready.follower = std::make_unique<trajectory::PathFollower>(
+        ready.motion.path, std::vector(limits.begin(), limits.end()), controller_.period());
+  }
+  return true;
+}
+
+void RobotMotion::hand_over(Nanoseconds now) {
+  if (goal_ != 0 || ready_.empty()) return;
+  if (ready_.front().step && !in_step(ready_.front(), now)) return;
+  auto goal = std::make_unique<controllers::TrajectoryGoal>();
+  goal->id = controller_.new_goal_id();
+  goal->planned = std::move(ready_.front().follower);
+  goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
+  if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
+  const std::uint64_t id = goal->id;
+  if (!controller_.follow(goal)) {  // in the next tick
+    ready_.front().follower = std::move(goal->planned);
+    return;
+  }
+  goal_ = id;
+  active_ = std::move(ready_.front());
+  ready_.pop_front();
+}
+
+void RobotMotion::watch() {
+  if (goal_ == 0) return;
+  const controllers::GoalStatus& status = controller_.status();
+  const bool refused = status.refused.load(std::memory_order_acquire) >= goal_;
+  if (refused || status.discarded.load(std::memory_order_acquire) >= goal_) {
+    goal_ = 0;
+    job_ = nullptr;
+    ready_.clear(), waiting_.clear();
+    end_badly(settled_ + 1, MoveState::discarded);
+    if (refused) ended_badly_[active_.last_id] = MoveState::refused;
+  } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
+    goal_ = 0;
+    settled_ = active_.last_id;
+    if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was ended
+      const trajectory::TimedPath& path = active_.motion.path;
+      std::size_t hint = 0;
+      planned_.resize(path.joints());
+      path.sample(status.time.load(std::memory_order_relaxed), planned_, {}, {}, {}, hint);
+    }
+  }
+}
+
+void RobotMotion::drop() {
+  waiting_.clear(), ready_.clear();
+  job_ = nullptr;  // what it plans is planned for nothing
+  end_badly((goal_ != 0 ? active_.last_id : settled_) + 1, MoveState::discarded);
+}
+
+void RobotMotion::end(std::uint64_t id) {
+  while (!waiting_.empty() && waiting_.back().id >= id) waiting_.pop_back();
+  if (job_ && job_->first_id + job_->moves.size() > id) job_ = nullptr;
+  while (!ready_.empty() && ready_.back().last_id >= id) ready_.pop_back();
+  if (goal_ != 0 && active_.last_id >= id) active_.ends->store(true, std::memory_order_relaxed);
+}
+
+/// All moves from `first` on.
+void RobotMotion::end_badly(std::uint64_t first, MoveState outcome) {
+  for (std::uint64_t id = first; id <= last_id_; ++id)
+    if (!ended_badly_.contains(id)) ended_badly_[id] = outcome;
+  while (ended_badly_.size() > kMostKept) ended_badly_.erase(ended_badly_.begin());
+  while (problems_.size() > kMostKept) problems_.erase(problems_.begin());
+}
+
+void RobotMotion::add_travel(const Ready& ready, double time, std::uint64_t first, std::uint64_t last,
+                             Travel& out) const {
+  constexpr int kSamples = 64;
+  if (ready.last_id < first || ready.first_id > last) return;
+  const PlannedMotion& motion = ready.motion;
+  const auto end_of = [&](std::uint64_t id) {  // s at which a move ends
+    if (id < ready.first_id) return 0.0;
+    const std::uint64_t i = id - ready.first_id;
+    return i < motion.ends.size() ? motion.ends[i] : motion.path.path().length();
+  };
+  const double from = end_of(first - 1), to = end_of(last);
+  std::size_t hint = 0;
+  const double now = std::clamp(motion.path.profile().at(time, hint).s, from, to);
+  std::vector<double> q(motion.path.joints());
+  const auto way = [&](double a, double b) {
+    double sum = 0;
+    Vec3 before;
+    for (int i = 0; i <= kSamples; ++i) {
+      motion.path.path().at(a + (b - a) * i / kSamples, {q, {}, {}, {}});
+      const Vec3 here = facts(ready.with).chain.forward(q).position;
+      if (i > 0) sum += norm(here - before);
+      before = here;
+    }
+    return sum;
+  };
+  const auto at = [&](double s) { return motion.path.profile().time_at(s); };
+  out.covered += way(from, now), out.left += way(now, to);
+  out.elapsed += at(now) - at(from), out.remaining += at(to) - at(now);
+}
+
+std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
+  if (goal_ == 0) return std::nullopt;
+  return UnderWay{&active_.motion, &facts(active_.with), goal_,
+                  controller_.status().time.load(std::memory_order_relaxed)};
+}
+
+std::uint64_t RobotMotion::move_under_way() const {
+  if (goal_ == 0) return idle() ? 0 : settled_ + 1;
+  const PlannedMotion& motion = active_.motion;
+  std::size_t hint = 0;
+  const double s =
+      motion.path.profile().at(controller_.status().time.load(std::memory_order_relaxed), hint).s;
+  const auto end = std::lower_bound(motion.ends.begin(), motion.ends.end(), s);
+  return std::min(active_.first_id + static_cast<std::uint64_t>(end - motion.ends.begin()), active_.last_id);
+}
+
+Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {
+  Travel out;
+  if (last <= settled_) return out;
+  if (goal_ != 0)
+    add_travel(active_, controller_.status().time.load(std::memory_order_relaxed), first, last, out);
+  for (const Ready& ready : ready_) add_travel(ready, 0, first, last, out);
+  const std::uint64_t planned = !ready_.empty() ? ready_.back().last_id
+                                : goal_ != 0    ? active_.last_id
+                                                : settled_;
+  if (planned < last) out.left = out.remaining = std::numeric_limits<double>::infinity();
+  return out;
+}
+
+MoveState RobotMotion::state_of(std::uint64_t id) const {
+  if (const auto bad = ended_badly_.find(id); bad != ended_badly_.end()) return bad->second;
+  return id <= settled_ ? MoveState::done : MoveState::running;
+}
+
+bool RobotMotion::ended_badly_from(std::uint64_t id) const {
+  return ended_badly_.lower_bound(id) != ended_badly_.end();
+}
+
+std::optional<Problem> RobotMotion::problem_of(std::uint64_t id) const {
+  const auto found = problems_.find(id);
+  return found == problems_.end() ? std::nullopt : std::optional(found->second);
+}
+
+}  // namespace polyarm::motion

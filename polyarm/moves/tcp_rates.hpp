@@ -1,0 +1,52 @@
+#pragma once
+/// How the TCP moves while the joints move along a path: what bounds on its speed, acceleration and jerk are
+/// about. Metres, radians, world axes.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "polyarm/kinematics/chain.hpp"
+#include "polyarm/paths/path.hpp"
+#include "polyarm/paths/pose_piece.hpp"
+
+namespace polyarm::motion {
+
+/// The TCP's derivatives from those of the joints. Const after construction: any thread, no allocation.
+class TcpRates {
+ public:
+  explicit TcpRates(const kinematics::Chain& chain);
+  std::size_t joints() const noexcept { return joints_; }
+  /// All spans have joints() values: joints, and derivatives by whatever parameter.
+  trajectory::PoseDerivatives at(std::span<const double> q, std::span<const double> first,
+                                 std::span<const double> second,
+                                 std::span<const double> third) const noexcept;
+
+ private:
+  std::size_t joints_;
+  std::vector<kinematics::Chain::Axis> axes_;
+  Pose zero_;  // of the TCP, where all joints are zero
+};
+
+enum class TcpPart { translation, rotation };
+
+/// The TCP's way as a path of three values over the parameter of the joints' path. translation: its position,
+/// m. rotation: `first` is the angular velocity by the parameter, `second` and `third` its derivatives; there
+/// are no values that these are derivatives of, so q is 0. Const after construction: any thread, no
+/// allocation in at().
+class TcpPath final : public trajectory::Path {
+ public:
+  /// `joints`: of chain.joints() values, at most Chain::kMaxJoints.
+  TcpPath(const kinematics::Chain& chain, std::shared_ptr<const trajectory::Path> joints, TcpPart part);
+  std::size_t joints() const noexcept override { return 3; }
+  double length() const noexcept override { return path_->length(); }
+  void at(double s, const trajectory::PathDerivatives& out) const noexcept override;
+  std::span<const double> breaks() const noexcept override { return path_->breaks(); }
+
+ private:
+  TcpRates rates_;
+  std::shared_ptr<const trajectory::Path> path_;
+  TcpPart part_;
+};
+
+}  // namespace polyarm::motion

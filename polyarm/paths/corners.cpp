@@ -1,0 +1,133 @@
+// Corners of Cartesian paths: how far they may be rounded, and the paths that come of it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "polyarm/paths/cartesian_path.hpp"
+
+namespace polyarm::trajectory {
+namespace {
+
+constexpr double kRounding = 1e-13;    // of a segment, left between two corners that meet
+constexpr double kEqual = 1e-9;        // of derivatives that are equal, relative
+constexpr double kBack = 1e-3;         // sum of derivatives that are nearly opposite
+constexpr double kWidestCorner = 2.5;  // rad, between a corner's middle and its ends
+constexpr double kLess = 0.8;          // a corner that is too wide is tried again with this share
+constexpr int kTries = 60;
+
+bool equal(const Vec3& a, const Vec3& b) {
+  return norm(a - b) <= kEqual * (1 + norm(a) + norm(b));
+}
+bool goes_on(const PoseDerivatives& a, const PoseDerivatives& b) {
+  return equal(a.linear[0], b.linear[0]) && equal(a.linear[1], b.linear[1]) &&
+         equal(a.angular[0], b.angular[0]) && equal(a.angular[1], b.angular[1]);
+}
+
+}  // namespace
+
+class CartesianPathBuilder::Assembly {
+ public:
+  explicit Assembly(const CartesianPathBuilder& from) : from_(from), segments_(from.segments_) {}
+
+  CartesianSections make() {
+    out_.warnings = from_.problems_.list();
+    out_.sections.emplace_back(from_.start_);
+    double trimmed = 0;
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      const bool last = i + 1 == segments_.size();
+      const double d = last ? 0 : trim(i);
+      append(segments_[i], trimmed, segments_[i].length - d);
+      trimmed = d;
+      if (d > 0)
+        out_.sections.back().append(corner(i, d), 0, 2 * d);
+      else if (!last && !passes(i))
+        out_.sections.emplace_back(segments_[i].end);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  bool passes(std::size_t i) const {
+    return goes_on(segments_[i].at(segments_[i].length), segments_[i + 1].at(0));
+  }
+  PosePiece corner(std::size_t i, double d) const {
+    return joining_piece(segments_[i].at(segments_[i].length - d), segments_[i + 1].at(d),
+                         segments_[i].end.rotation, 2 * d);
+  }
+
+  /// Straight back, and without a turn of the TCP: the corner's curve would stand still in its middle.
+  bool turns_back(std::size_t i) const {
+    const PoseDerivatives a = segments_[i].at(segments_[i].length), b = segments_[i + 1].at(0);
+    return norm(a.linear[0] + b.linear[0]) <= kBack && norm(a.angular[0] + b.angular[0]) <= kBack;
+  }
+
+  /// How far before and after the end of segment `i` the path leaves it.
+  double trim(std::size_t i) {
+    const Segment &before = segments_[i], &after = segments_[i + 1];
+    const double radius = before.corner.radius;
+    if (radius <= 0 || passes(i)) return 0;
+    if (turns_back(i)) {
+      warn(i, 0, "the way turns straight back there");
+      return 0;
+    }
+    const double half = std::min(before.length, after.length) / 2;
+    const double curve = std::min(before.curve_radius, after.curve_radius);
+    double d = std::min({radius, half, curve});
+    bool wide = false;
+    for (int k = 0; k < kTries && !stays_within(i, d, radius); ++k) {
+      d *= kLess;
+      wide = true;
+    }
+    if (d < radius * (1 - 1e-9)) {
+      const char* side = before.length <= after.length ? "before" : "after";
+      warn(i, d,
+           wide            ? std::string("the curve would leave the ball of that radius, or turn too far")
+           : half <= curve ? fmt::format("half of the segment {} it, which is {:.6g} long", side,
+                                         std::min(before.length, after.length))
+                           : fmt::format("the radius of the arc beside it"));
+    }
+    return d;
+  }
+
+  bool stays_within(std::size_t i, double d, double radius) const {
+    const PosePiece piece = corner(i, d);
+    for (const Vec3& point : hull(piece.position))
+      if (norm(point - segments_[i].end.position) > radius * (1 + 1e-9)) return false;
+    for (const Vec3& vector : hull(piece.vector))
+      if (norm(vector) > kWidestCorner) return false;
+    return true;
+  }
+
+  void warn(std::size_t i, double d, const std::string& why) {
+    const Corner& at = segments_[i].corner;
+    out_.warnings.push_back(
+        {"blend-shrunk",
+         {},
+         fmt::format("the radius {:.6g} at {} is shrunk to {:.6g}: {}", at.radius, at.name, d, why),
+         "give a smaller radius, or move the waypoints apart",
+         Severity::warning});
+  }
+
+  /// The part of a segment from `begin` to `end`.
+  void append(const Segment& segment, double begin, double end) {
+    for (std::size_t i = 0; i < segment.pieces.size(); ++i) {
+      const double from = std::max(begin - segment.begins[i], 0.0);
+      const double to = std::min(end - segment.begins[i], segment.pieces[i].length);
+      if (to - from > kRounding * segment.length)
+        out_.sections.back().append(segment.pieces[i], from, to - from);
+    }
+  }
+
+  const CartesianPathBuilder& from_;
+  const std::vector<Segment>& segments_;
+  CartesianSections out_;
+};
+
+CartesianSections CartesianPathBuilder::build() const {
+  problems_.throw_if_errors();
+  return Assembly(*this).make();
+}
+
+}  // namespace polyarm::trajectory

@@ -1,0 +1,41 @@
+#pragma once
+/// A path of polynomial pieces: what lines, splines and the inverse kinematics of a Cartesian path become.
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "polyarm/paths/path.hpp"
+
+namespace polyarm::trajectory {
+
+/// Does the third derivative go on from the piece before?
+enum class PieceJoin { third_jumps, third_continues };
+
+/// Polynomials of degree at most kDegree, one of each joint in each piece. That pieces fit together is the
+/// business of whoever appends them. Thread: built anywhere; then const, at() allocates nothing.
+class PolynomialPath final : public Path {
+ public:
+  static constexpr std::size_t kDegree = 7, kCoefficients = kDegree + 1;
+
+  /// A path of length 0, which stays at `start` (rad or m).
+  explicit PolynomialPath(std::span<const double> start);
+
+  /// A piece of `length` > 0. `coefficients[j * kCoefficients + k]` belongs to joint j and power k of the
+  /// share of the piece, from 0 at its begin to 1 at its end.
+  void append(double length, std::span<const double> coefficients, PieceJoin join = PieceJoin::third_jumps);
+
+  std::size_t joints() const noexcept override { return start_.size(); }
+  double length() const noexcept override { return breaks_.back(); }
+  void at(double s, const PathDerivatives& out) const noexcept override;
+  /// {0, 0} of a path without pieces.
+  std::span<const double> breaks() const noexcept override { return breaks_; }
+  std::size_t pieces() const noexcept { return lengths_.size(); }
+
+ private:
+  std::vector<double> start_;
+  std::vector<double> begins_, lengths_;
+  std::vector<double> coefficients_;  // [piece][joint][power]
+  std::vector<double> breaks_{0, 0};
+};
+
+}  // namespace polyarm::trajectory

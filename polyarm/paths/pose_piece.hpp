@@ -1,0 +1,48 @@
+#pragma once
+/// One piece of a Cartesian path: a line, an arc, or a polynomial that joins two others. Metres, radians, and
+/// whatever frame its poses are given in. Any thread; no allocation.
+#include <array>
+
+#include "polyarm/base/pose.hpp"
+#include "polyarm/paths/rotation.hpp"
+
+namespace polyarm::trajectory {
+
+/// A pose on a path and its first three derivatives by the path parameter. `angular` begins with the angular
+/// velocity; all in the axes of the frame that the pose is given in.
+struct PoseDerivatives {
+  Pose pose;
+  std::array<Vec3, 3> linear, angular;
+};
+
+struct PosePiece {
+  enum class Kind { line, arc, polynomial };
+  Kind kind = Kind::line;
+  double length = 0;
+  /// Line: point + x across. Arc: point + radius (cos(x / radius) across + sin(x / radius) along).
+  Vec3 point, across, along;
+  double radius = 0;
+  /// Line and arc: rotation exp(x turn), which is slerp. Polynomial: what its rotation vector starts from.
+  Quaternion rotation;
+  Vec3 turn;
+  /// Polynomial: coefficients of powers of x / length, of position and rotation vector.
+  std::array<Vec3, 6> position, vector;
+
+  /// At x in [0, length].
+  PoseDerivatives at(double x) const noexcept;
+};
+
+/// From one pose to the other at constant rates; `length` is the parameter's.
+PosePiece line_piece(const Pose& from, const Pose& to, double length) noexcept;
+/// Around `center` in the plane of from.position - center and `axis` x that, perpendicular to each other;
+/// `turn`: of the orientation in its own axes, rad per metre.
+PosePiece arc_piece(const Pose& from, const Vec3& center, const Vec3& axis, double angle,
+                    const Vec3& turn) noexcept;
+/// Through both ends with their first and second derivatives, by polynomials of fifth degree: of position,
+/// and of the rotation vector from `middle`, which must be less than pi away from both.
+PosePiece joining_piece(const PoseDerivatives& from, const PoseDerivatives& to, const Quaternion& middle,
+                        double length) noexcept;
+/// The points of the polynomial's Bézier form, within whose hull it stays.
+std::array<Vec3, 6> hull(const std::array<Vec3, 6>& coefficients) noexcept;
+
+}  // namespace polyarm::trajectory

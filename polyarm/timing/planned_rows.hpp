@@ -1,0 +1,50 @@
+#pragma once
+/// What the joints of a timed path do, in a table that a control cycle can look through cheaply.
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "polyarm/timing/timed_path.hpp"
+#include "polyarm/trajectory/state_to_state.hpp"
+
+namespace polyarm::trajectory {
+
+/// Velocity, acceleration and jerk of all joints as planned, at nodes of time; between them the last two are
+/// linear. Every jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then
+/// const.
+class PlannedRows {
+ public:
+  /// Joints side by side, eight at a time; unused places are 0.
+  static constexpr std::size_t kWidth = 8;
+  struct Rows {
+    double velocity[kWidth], acceleration[kWidth], jerk[kWidth];
+  };
+  /// Of up to eight joints: highest and lowest acceleration (1e300 where there is no joint), highest jerk.
+  struct Limits {
+    double high[kWidth], low[kWidth], jerk[kWidth];
+  };
+
+  /// `spacing`: nodes are at most so far apart, s, and closer where the rows bend: what lies between is off
+  /// by about 1e-4 of a joint's limits.
+  PlannedRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing);
+
+  std::size_t blocks() const noexcept { return blocks_; }
+  std::size_t nodes() const noexcept { return times_.size(); }
+  double time(std::size_t node) const noexcept { return times_[node]; }
+  const Rows* at(std::size_t node) const noexcept { return rows_.data() + node * blocks_; }
+  /// The node at or before `t`; of a pair the second. `hint`: one that is near.
+  std::size_t before(double t, std::size_t hint) const noexcept;
+  /// blocks() rows at `t` (within the path's time), which lies in the interval that begins at `node`.
+  void between(std::size_t node, double t, Rows* out) const noexcept;
+
+  static std::vector<Limits> limits_of(std::span<const MotionLimits> limits, double harder);
+
+ private:
+  void add(double time, std::span<const double> v, std::span<const double> a, std::span<const double> j);
+
+  std::size_t blocks_;
+  std::vector<double> times_;
+  std::vector<Rows> rows_;
+};
+
+}  // namespace polyarm::trajectory

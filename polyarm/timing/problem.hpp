@@ -1,0 +1,66 @@
+#pragma once
+/// The rows of limits on a grid of a path, and how near a motion comes to them between its nodes. Part of
+/// timing.hpp.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "polyarm/timing/jerk_pieces.hpp"
+#include "polyarm/timing/kernels.hpp"
+#include "polyarm/timing/rows.hpp"
+#include "polyarm/timing/solver.hpp"
+
+namespace polyarm::trajectory {
+
+class TimingProblem {
+ public:
+  /// `rows` stays with the caller and belongs to the problem: its places are the problem's.
+  TimingProblem(PathRows& rows, const std::vector<double>& s);
+
+  const SpeedProblem& speeds() const { return speeds_; }
+  /// How much of the limits `motion` uses in each piece (from 1): at five places, between them by the
+  /// polynomial through them, and by how much that may be wrong.
+  void look(const NodeMotion& motion, const JerkPieces& pieces, std::vector<PieceUse>& out);
+  /// Lowers the scales of rows in pieces that exceed their limits, by a little more than that.
+  void tighten(const std::vector<PieceUse>& use);
+  /// To the grid `s` with a node more in each piece of `halve`; scales go along.
+  PointOrigins refine(const std::vector<double>& s, const std::vector<char>& halve);
+
+ private:
+  static constexpr std::size_t kPlaces = kernels::kPlaces;
+
+  void set_up(const std::vector<double>& s);
+  /// The first place of every piece comes first, then the second of every piece, and so on.
+  std::size_t place(std::size_t piece, std::size_t i) const { return i * count_ + piece - 1; }
+  std::size_t begin_of(std::size_t piece) const { return place(piece, 0); }
+  std::size_t middle_of(std::size_t piece) const { return place(piece, kPlaces / 2); }
+  std::size_t end_of(std::size_t piece) const { return place(piece, kPlaces - 1); }
+  void pass(const NodeMotion& motion, const JerkPieces& pieces);
+  void values_of(std::size_t component);
+  void look_at_joint(std::size_t joint);
+  void look_at_norm(std::size_t norm);
+  void peaks(std::size_t kind, const double* values, std::size_t row, double per_high, double per_low);
+  std::vector<double> slacks(const LimitRows& rows, const std::vector<PieceUse>& use, std::size_t norm,
+                             std::size_t kind) const;
+  void fill_velocity();
+  void fill_acceleration();
+  bool jumps(std::size_t before, std::size_t behind) const;
+  void fill_jerk();
+  void fill(LimitRows& plain, LimitRows& norm, const std::vector<std::size_t>& places, LimitKind kind);
+
+  PathRows& rows_;
+  SpeedProblem speeds_;
+  std::size_t count_ = 0;
+  /// How the places are passed, and what a row does there.
+  struct Passing {
+    std::vector<double> speed, square, cube, acceleration, product, jerk, way, end, times;
+  } passing_;
+  std::array<std::vector<double>, 3> value_, norm_;
+  /// By norm or not and by kind, of all pieces: see kernels::Peaks.
+  struct Peaks {
+    std::vector<double> most, above, rows, row;
+  };
+  std::array<std::array<Peaks, 3>, 2> peaks_;
+};
+
+}  // namespace polyarm::trajectory

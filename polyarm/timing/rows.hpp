@@ -1,0 +1,75 @@
+#pragma once
+/// What limits say at places of a path, and how near to them a profile comes. Part of timing.hpp.
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polyarm/timing/timed_path.hpp"
+#include "polyarm/timing/timing.hpp"
+
+namespace polyarm::trajectory {
+
+/// Joints and norms at some places of a path. All lists lie as [row][place]: joints in order, then the
+/// components of the norms.
+class PathRows {
+ public:
+  PathRows(const Path& path, std::span<const MotionLimits> limits, std::span<const NormLimit> norms);
+
+  /// Looks at the path at `s`; forgets other places. Throws Error "bad-path".
+  void look(const std::vector<double>& s);
+
+  std::size_t places() const { return s_.size(); }
+  double s(std::size_t place) const { return s_[place]; }
+  std::size_t joints() const { return limits_.size(); }
+  std::size_t rows() const { return limits_.size() + norms_.size(); }
+  std::size_t components() const { return components_; }
+  /// The components of norm `n` begin here; joints come first.
+  std::size_t first_component(std::size_t norm) const { return component_begin_[norm]; }
+  const double* first(std::size_t component) const { return &first_[component * places()]; }
+  const double* second(std::size_t component) const { return &second_[component * places()]; }
+  const double* third(std::size_t component) const { return &third_[component * places()]; }
+  const MotionLimits& limits(std::size_t joint) const { return limits_[joint]; }
+  const NormLimit& norm(std::size_t n) const { return norms_[n]; }
+  const Path& path() const { return path_; }
+  std::string name(std::size_t row) const;
+
+ private:
+  const Path& path_;
+  std::span<const MotionLimits> limits_;
+  std::span<const NormLimit> norms_;
+  std::vector<std::size_t> component_begin_;
+  std::size_t components_ = 0;
+  std::vector<double> s_, first_, second_, third_, one_;
+};
+
+/// Highest use of limits in a piece of a motion, of joints and of norms, by kind.
+struct PieceUse {
+  std::array<std::array<double, 3>, 2> most{};
+  /// The same at the places of the problem's rows alone.
+  std::array<std::array<double, 3>, 2> rows{};
+  /// Of both, with what may have been missed between places; and whose `most` is the higher one.
+  std::array<double, 3> above{};
+  std::array<std::size_t, 3> row{};
+
+  double highest(std::size_t kind) const {
+    return most[0][kind] > most[1][kind] ? most[0][kind] : most[1][kind];
+  }
+  double all() const {
+    double out = 0;
+    for (std::size_t kind = 0; kind < 3; ++kind) out = highest(kind) > out ? highest(kind) : out;
+    return out;
+  }
+};
+
+/// The highest value of any row over its limit, for each kind, and which row it is.
+struct Ratios {
+  double value[3] = {0, 0, 0};
+  std::size_t row[3] = {0, 0, 0};
+};
+
+/// At every place of `rows` while it is passed as `motion` says (one per place).
+void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
+
+}  // namespace polyarm::trajectory
