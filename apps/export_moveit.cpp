@@ -230,7 +230,7 @@ std::string pilz_yaml() {
 
 /// Of lines and arcs, as the cell plans them itself.
 std::string cartesian_limits_yaml(const cell::Cell& cell) {
-  const motion::TcpLimits& tcp = cell.pace().tcp;
+  const moves::TcpLimits& tcp = cell.pace().tcp;
   return fmt::format(
       "cartesian_limits:\n  max_trans_vel: {}\n  max_trans_acc: {}\n  max_trans_dec: {}\n  max_rot_vel: "
       "{}\n",

@@ -76,11 +76,11 @@ std::vector<Point> points_of(const Layout& l, const Sizes& s) {
 }
 
 /// The moves that the program makes, one pass for each part.
-std::vector<motion::Move> moves_of(const std::vector<Point>& points, const Sizes& sizes) {
-  using motion::MoveKind;
-  std::vector<motion::Move> out;
+std::vector<moves::Move> moves_of(const std::vector<Point>& points, const Sizes& sizes) {
+  using moves::MoveKind;
+  std::vector<moves::Move> out;
   const auto go = [&](MoveKind kind, std::size_t point, double y) {
-    motion::Move move;
+    moves::Move move;
     move.kind = kind;
     move.speed = 0.5;
     Pose at = points[point].pose;
@@ -326,12 +326,12 @@ std::vector<Layout> layouts(double reach) {
   return out;
 }
 
-bool can_move(const motion::RobotFacts& robot, const std::vector<double>& from, const Layout& layout,
+bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, const Layout& layout,
               const Sizes& sizes) {
   try {
     const std::vector<Point> points = points_of(layout, sizes);
-    for (const Point& point : points) motion::joints_for(robot, point.pose, from, point.name);
-    motion::plan_moves(robot, from, moves_of(points, sizes));
+    for (const Point& point : points) moves::joints_for(robot, point.pose, from, point.name);
+    moves::plan_moves(robot, from, moves_of(points, sizes));
     return true;
   } catch (const Error&) {
     return false;

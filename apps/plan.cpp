@@ -99,7 +99,7 @@ struct Setting {
   cell::CellRobot* robot = nullptr;
   std::vector<data::DataSet> sets;
 
-  const motion::RobotFacts& facts() const { return *robot->facts; }
+  const moves::RobotFacts& facts() const { return *robot->facts; }
   const kinematics::Chain& chain() const { return robot->facts->chain; }
 };
 
@@ -178,7 +178,7 @@ std::vector<double> start_of(const Request& request, const Setting& setting) {
     throw Error("bad-value",
                 fmt::format("--from takes a place, or {} numbers for this robot ({}), here are {}",
                             chain.joints(), join(chain.names(), " "), out.size()));
-  motion::check_joints(setting.facts(), out, "--from");
+  moves::check_joints(setting.facts(), out, "--from");
   return out;
 }
 
@@ -214,34 +214,33 @@ double radius_of(const std::string& text, bool& metres) {
               "write 20mm at the TCP, or 0.1 rad");
 }
 
-trajectory::PathSections path_of(const ros_files::JointTrajectoryFile& file, const Request& request,
-                                 const Setting& setting) {
+paths::PathSections path_of(const ros_files::JointTrajectoryFile& file, const Request& request,
+                            const Setting& setting) {
   bool metres = false;
   const double radius = radius_of(request.pace.blend, metres);
   auto points = ros_files::as_waypoints(file, radius);
   if (!request.from.empty()) points.insert(points.begin(), {start_of(request, setting), radius, "--from"});
-  trajectory::JointPathOptions options;
-  if (metres) options.tcp_distance = motion::tcp_distance(setting.chain());
-  for (const trajectory::JointWaypoint& p : points) motion::check_joints(setting.facts(), p.q, p.name);
+  paths::JointPathOptions options;
+  if (metres) options.tcp_distance = moves::tcp_distance(setting.chain());
+  for (const paths::JointWaypoint& p : points) moves::check_joints(setting.facts(), p.q, p.name);
   return request.lines || radius > 0 ? joint_lines(points, options) : joint_spline(points, options);
 }
 
-void plan_section(PlannedMotion& motion, const Setting& setting,
-                  std::unique_ptr<const trajectory::Path> section, const std::vector<MotionLimits>& limits,
-                  double tcp_speed, double tcp_acceleration) {
-  const std::shared_ptr<const trajectory::Path> path = std::move(section);
-  const motion::TcpPath tcp(setting.chain(), path, motion::TcpPart::translation);
-  std::vector<trajectory::NormLimit> norms;
+void plan_section(PlannedMotion& motion, const Setting& setting, std::unique_ptr<const paths::Path> section,
+                  const std::vector<MotionLimits>& limits, double tcp_speed, double tcp_acceleration) {
+  const std::shared_ptr<const paths::Path> path = std::move(section);
+  const moves::TcpPath tcp(setting.chain(), path, moves::TcpPart::translation);
+  std::vector<timing::NormLimit> norms;
   if (tcp_speed > 0 || tcp_acceleration > 0)
     norms.push_back({&tcp, tcp_speed > 0 ? tcp_speed : INFINITY,
                      tcp_acceleration > 0 ? tcp_acceleration : INFINITY, INFINITY, "the TCP"});
-  trajectory::TimingOptions options;
+  timing::TimingOptions options;
   options.norms = norms;
-  const trajectory::Timing timing = time_path(*path, limits, options);
+  const timing::Timing timing = time_path(*path, limits, options);
   std::vector<std::string> bounds;
-  for (const trajectory::NormLimit& norm : norms) bounds.push_back(norm.name);
+  for (const timing::NormLimit& norm : norms) bounds.push_back(norm.name);
   add_section(motion, fmt::format("section {}", motion.sections.size() + 1),
-              std::make_shared<trajectory::TimedPath>(path, timing.profile), timing.active, bounds);
+              std::make_shared<timing::TimedPath>(path, timing.profile), timing.active, bounds);
 }
 
 PlannedMotion from_file(const Request& request, const Setting& setting, Problems& problems) {
@@ -268,7 +267,7 @@ PlannedMotion from_file(const Request& request, const Setting& setting, Problems
     take_trajectory(out, chain, as_timed(file, start, continuous), times);
     return out;
   }
-  trajectory::PathSections path = path_of(file, request, setting);
+  paths::PathSections path = path_of(file, request, setting);
   for (Problem& warning : path.warnings) problems.add(std::move(warning));
   for (auto& section : path.sections)
     plan_section(out, setting, std::move(section), limits, speed.tcp, acceleration.tcp);
@@ -282,11 +281,11 @@ PlannedMotion from_moves(const Request& request, const Setting& setting, Problem
   const kinematics::Chain& chain = setting.chain();
   const std::vector<double> start = start_of(request, setting);
   const NamedPlaces places{setting.facts(), setting.sets};
-  const std::vector<motion::Move> moves = parse_moves(request.words, places, start, request.pace);
-  motion::MovePlan plan;
+  const std::vector<moves::Move> moves = parse_moves(request.words, places, start, request.pace);
+  moves::MovePlan plan;
   try {
     plan = plan_moves(setting.facts(), start, moves);
-  } catch (const motion::MoveError& e) {
+  } catch (const moves::MoveError& e) {
     std::vector<Problem> all = e.problems();
     for (Problem& p : all)
       p.what = fmt::format("move {}, {}: {}", e.move + 1, text_of(moves[e.move]), p.what);
@@ -300,15 +299,15 @@ PlannedMotion from_moves(const Request& request, const Setting& setting, Problem
   describe_joints(out, chain, plan.limits);
   const double tcp = parse_speed(request.pace.speed, "--speed").tcp;
   if (tcp > 0) out.tcp_speed_limit = tcp;
-  for (motion::PlannedMotion& m : plan.motions) {
+  for (moves::PlannedMotion& m : plan.motions) {
     std::string name = text_of(moves[m.first]);
     if (m.last > m.first)
       name = fmt::format("moves {} to {}, {} … {}", m.first + 1, m.last + 1, name, text_of(moves[m.last]));
     else
       name = fmt::format("move {}, {}", m.first + 1, name);
-    add_section(out, name, std::make_shared<trajectory::TimedPath>(std::move(m.path)), m.active, m.bounds);
+    add_section(out, name, std::make_shared<timing::TimedPath>(std::move(m.path)), m.active, m.bounds);
   }
-  for (motion::MovePlan::Warning& warning : plan.warnings) {
+  for (moves::MovePlan::Warning& warning : plan.warnings) {
     warning.problem.what =
         fmt::format("move {}, {}: {}", warning.move + 1, text_of(moves[warning.move]), warning.problem.what);
     problems.add(std::move(warning.problem));

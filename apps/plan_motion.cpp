@@ -10,7 +10,7 @@
 
 namespace polyarm::apps {
 
-using trajectory::TimedPath;
+using timing::TimedPath;
 using trajectory::Trajectory;
 
 namespace {
@@ -23,9 +23,9 @@ std::span<double> part(PlanState& state, std::size_t quantity) {
 }
 
 /// Fills in what the TCP does.
-void with_tcp(const motion::TcpRates& rates, PlanState& state) {
+void with_tcp(const moves::TcpRates& rates, PlanState& state) {
   const auto& v = state.value;
-  const trajectory::PoseDerivatives tcp = rates.at(v[0], v[1], v[2], v[3]);
+  const paths::PoseDerivatives tcp = rates.at(v[0], v[1], v[2], v[3]);
   state.tcp = tcp.pose.position;
   state.tcp_speed = norm(tcp.linear[0]);
 }
@@ -43,7 +43,7 @@ bool PlannedMotion::has_errors() const {
 }
 
 void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const TimedPath> timed,
-                 const std::vector<trajectory::ActiveLimit>& active, const std::vector<std::string>& bounds) {
+                 const std::vector<timing::ActiveLimit>& active, const std::vector<std::string>& bounds) {
   const double begin = motion.duration;
   const std::size_t joints = motion.joints.size();
   std::vector<std::size_t> rows;
@@ -52,7 +52,7 @@ void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const 
     rows.push_back(joints + std::size_t(same - motion.bounds.begin()));
     if (same == motion.bounds.end()) motion.bounds.push_back(bound);
   }
-  for (const trajectory::ActiveLimit& a : active)
+  for (const timing::ActiveLimit& a : active)
     motion.bands.push_back({begin + timed->profile().time_at(a.from), begin + timed->profile().time_at(a.to),
                             a.row < joints ? a.row : rows[a.row - joints], a.kind});
   motion.duration += timed->duration();
@@ -80,7 +80,7 @@ void check_positions(PlannedMotion& motion) {
 }  // namespace
 
 void finish(PlannedMotion& motion, const kinematics::Chain& chain) {
-  motion.at = [rates = motion::TcpRates(chain), timed = motion.timed, sections = motion.sections,
+  motion.at = [rates = moves::TcpRates(chain), timed = motion.timed, sections = motion.sections,
                hint = std::size_t(0)](double t, PlanState& state) mutable {
     std::size_t i = 0;
     while (i + 1 < sections.size() && t >= sections[i].end) ++i;
@@ -177,7 +177,7 @@ void take_trajectory(PlannedMotion& motion, const kinematics::Chain& chain, Traj
   const std::vector<trajectory::JointUse> uses = limit_use(trajectory, limits);
   motion.duration = trajectory.duration();
   motion.sections = {{"as it is timed", 0, motion.duration}};
-  motion.at = [rates = motion::TcpRates(chain), trajectory = std::move(trajectory), hint = std::size_t(0),
+  motion.at = [rates = moves::TcpRates(chain), trajectory = std::move(trajectory), hint = std::size_t(0),
                before = PlanState(chain.joints()),
                after = PlanState(chain.joints())](double t, PlanState& state) mutable {
     trajectory.sample(t, part(state, 0), part(state, 1), part(state, 2), hint);

@@ -28,7 +28,7 @@ struct PlanJoint {
 struct PlanBand {
   double from, to;
   std::size_t row;
-  trajectory::LimitKind kind;
+  timing::LimitKind kind;
 };
 
 struct PlanSection {
@@ -63,7 +63,7 @@ struct PlannedMotion {
   std::function<void(double t, PlanState&)> at;
   /// When the motion is passed on: the sections' paths in time, one behind the other; none where times were
   /// given.
-  std::vector<std::shared_ptr<const trajectory::TimedPath>> timed;
+  std::vector<std::shared_ptr<const timing::TimedPath>> timed;
 
   const std::string& row_name(std::size_t row) const {
     return row < joints.size() ? joints[row].name : bounds[row - joints.size()];
@@ -72,8 +72,8 @@ struct PlannedMotion {
 };
 
 /// Puts a timed path behind what is there. `bounds`: the names of rows of `active` beyond the joints.
-void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const trajectory::TimedPath> timed,
-                 const std::vector<trajectory::ActiveLimit>& active, const std::vector<std::string>& bounds);
+void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const timing::TimedPath> timed,
+                 const std::vector<timing::ActiveLimit>& active, const std::vector<std::string>& bounds);
 /// When all sections are there.
 void finish(PlannedMotion& motion, const kinematics::Chain& chain);
 /// A trajectory with the times it has; problems say which limits it exceeds where. `points`: their times, for

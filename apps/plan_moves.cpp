@@ -12,9 +12,9 @@
 
 namespace polyarm::apps {
 
-using motion::Move;
-using motion::MoveKind;
-using motion::MoveTarget;
+using moves::Move;
+using moves::MoveKind;
+using moves::MoveTarget;
 
 namespace {
 
@@ -143,10 +143,10 @@ class Reader {
       refuse(key + "=", "is nothing that a move has" + did_you_mean(key, known), join(known, "=, ") + "=");
     }
   }
-  static trajectory::ArcOrientation orientation(const std::string& text) {
-    if (text == "fixed") return trajectory::ArcOrientation::fixed;
-    if (text == "tangent") return trajectory::ArcOrientation::tangent;
-    if (text == "interpolated") return trajectory::ArcOrientation::interpolated;
+  static paths::ArcOrientation orientation(const std::string& text) {
+    if (text == "fixed") return paths::ArcOrientation::fixed;
+    if (text == "tangent") return paths::ArcOrientation::tangent;
+    if (text == "interpolated") return paths::ArcOrientation::interpolated;
     refuse("orientation=" + text, "is none of an arc", "fixed, tangent or interpolated");
   }
 

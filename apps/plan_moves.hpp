@@ -23,7 +23,7 @@ PaceValue parse_acceleration(const std::string& text, const std::string& option)
 
 /// What names in moves may mean.
 struct NamedPlaces {
-  const motion::RobotFacts& robot;
+  const moves::RobotFacts& robot;
   std::vector<data::DataSet> sets;  ///< a later one has the last word
   std::vector<std::string> names() const;
 };
@@ -33,10 +33,10 @@ struct NamedPlaces {
 /// pose(x, y, z[, roll, pitch, yaw | , qx, qy, qz, qw]), by(x, y, z) from where the TCP is in the world's
 /// axes or tool(x, y, z) in its own, a name of a place, or a named state of the robot such as home. `from`:
 /// the joint state at the start. Throws Error("bad-move" | "unknown-name" | "bad-value").
-std::vector<motion::Move> parse_moves(const std::vector<std::string>& words, const NamedPlaces& places,
-                                      const std::vector<double>& from, const PaceWords& all);
+std::vector<moves::Move> parse_moves(const std::vector<std::string>& words, const NamedPlaces& places,
+                                     const std::vector<double>& from, const PaceWords& all);
 
 /// "movel Pick", for messages.
-std::string text_of(const motion::Move& move);
+std::string text_of(const moves::Move& move);
 
 }  // namespace polyarm::apps

@@ -28,7 +28,7 @@ Use use_of(const PlanJoint& joint, const PlanPeaks& peaks, std::size_t quantity)
 std::string shares(const PlannedMotion& motion, const PlanSection& section) {
   struct Share {
     std::size_t row;
-    trajectory::LimitKind kind;
+    timing::LimitKind kind;
     double time;
   };
   std::vector<Share> all;

@@ -30,7 +30,8 @@ std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vect
 
 /// On a terminal only: "  42 %" over itself.
 void tell_share(double share) {
-  if (::isatty(STDERR_FILENO)) fmt::print(stderr, "{}{:4.0f} %{}", own_return(), 100 * share, share < 1 ? "" : "\n");
+  if (::isatty(STDERR_FILENO))
+    fmt::print(stderr, "{}{:4.0f} %{}", own_return(), 100 * share, share < 1 ? "" : "\n");
 }
 
 std::string image_of(const std::filesystem::path& file, const WorkspaceMap& map,
@@ -46,7 +47,7 @@ struct Subject {
   std::string name;
   std::optional<kinematics::Chain> chain;
   std::vector<double> home;
-  motion::Workspace allowed;
+  moves::Workspace allowed;
 };
 
 Subject alone(const AskedRobot& robot, const std::string& tool) {

@@ -15,7 +15,7 @@ struct WorkspaceQuestion {
   double at = 0;                       ///< the third coordinate, m
   int resolution = 80;                 ///< cells along the longer edge
   std::optional<Quaternion> rotation;  ///< of the TCP; none: any
-  motion::Workspace allowed;           ///< where the TCP may be; what is outside is not asked for
+  moves::Workspace allowed;            ///< where the TCP may be; what is outside is not asked for
 };
 
 /// One cell of the grid. What is not reached has no joint state and zeros.

@@ -14,7 +14,7 @@ namespace polyarm {
 namespace {
 
 using kinematics::Chain;
-using trajectory::CartesianPathBuilder;
+using paths::CartesianPathBuilder;
 
 Chain arm(const std::string& name, const std::string& tip) {
   const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name);
@@ -23,10 +23,10 @@ Chain arm(const std::string& name, const std::string& tip) {
   return Chain(model, static_cast<int>(model.links.size()) - 1);
 }
 
-std::vector<trajectory::JointWaypoint> waypoints(std::size_t count) {
+std::vector<paths::JointWaypoint> waypoints(std::size_t count) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> even(-2, 2);
-  std::vector<trajectory::JointWaypoint> out(count);
+  std::vector<paths::JointWaypoint> out(count);
   for (auto& w : out) {
     w.radius = 0.2;
     for (int j = 0; j < 6; ++j) w.q.push_back(even(engine));
@@ -36,21 +36,21 @@ std::vector<trajectory::JointWaypoint> waypoints(std::size_t count) {
 
 void joint_lines(benchmark::State& state) {
   const auto points = waypoints(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(trajectory::joint_lines(points));
+  for (auto _ : state) benchmark::DoNotOptimize(paths::joint_lines(points));
 }
 BENCHMARK(joint_lines)->Arg(10)->Arg(50)->Unit(benchmark::kMicrosecond);
 
 void joint_spline(benchmark::State& state) {
   const auto points = waypoints(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(trajectory::joint_spline(points));
+  for (auto _ : state) benchmark::DoNotOptimize(paths::joint_spline(points));
 }
 BENCHMARK(joint_spline)->Arg(10)->Arg(50)->Unit(benchmark::kMicrosecond);
 
 const std::vector<double> kBent{0, -1.4, 1.8, -2.0, -1.57, 0.3};
 
 /// Lines and arcs of about 10 cm, corners of 2 cm, the orientation changing all the way.
-trajectory::CartesianSections twenty_segments(const Pose& start) {
-  using trajectory::ArcOrientation;
+paths::CartesianSections twenty_segments(const Pose& start) {
+  using paths::ArcOrientation;
   CartesianPathBuilder builder(start);
   Pose at = start;
   for (int i = 0; i < 20; ++i) {
@@ -82,7 +82,7 @@ void joints_along_20_segments(benchmark::State& state) {
   std::size_t pieces = 0;
   for (auto _ : state) {
     const auto path = twenty_segments(start);
-    pieces = motion::joints_along(ur, path.sections[0], kBent)->pieces();
+    pieces = moves::joints_along(ur, path.sections[0], kBent)->pieces();
   }
   state.counters["pieces"] = static_cast<double>(pieces);
 }
@@ -96,7 +96,7 @@ void twenty_lines_and_arcs_timed(benchmark::State& state) {
   double duration = 0;
   for (auto _ : state) {
     const auto path = twenty_segments(start);
-    duration = trajectory::timed(motion::joints_along(ur, path.sections[0], kBent), limits).duration();
+    duration = timing::timed(moves::joints_along(ur, path.sections[0], kBent), limits).duration();
   }
   state.counters["motion_s"] = duration;
 }
@@ -109,14 +109,14 @@ void joints_along_line_seven_axes(benchmark::State& state) {
   Pose end = start;
   end.position = end.position + Vec3{0.1, -0.3, 0.1};
   const auto path = CartesianPathBuilder(start).line(end).build();
-  for (auto _ : state) benchmark::DoNotOptimize(motion::joints_along(seven, path.sections[0], q));
+  for (auto _ : state) benchmark::DoNotOptimize(moves::joints_along(seven, path.sections[0], q));
 }
 BENCHMARK(joints_along_line_seven_axes)->Unit(benchmark::kMicrosecond);
 
 void joint_path_at(benchmark::State& state) {
   const Chain ur = arm("universal_robots/ur5e", "tool0");
   const auto path = twenty_segments(ur.forward(kBent));
-  const auto joints = motion::joints_along(ur, path.sections[0], kBent);
+  const auto joints = moves::joints_along(ur, path.sections[0], kBent);
   double q[6], d1[6], d2[6], d3[6], s = 0;
   for (auto _ : state) {
     s = s + 0.01 < joints->length() ? s + 0.01 : 0;

@@ -25,6 +25,8 @@
 namespace polyarm {
 namespace {
 
+using namespace paths;
+using namespace timing;
 using namespace trajectory;
 constexpr double kPeriod = 1e-3;
 
@@ -50,7 +52,7 @@ Case lines_and_arcs(const std::string& robot, const std::vector<double>& q) {
     at = to;
   }
   std::vector<MotionLimits> limits(q.size(), MotionLimits::symmetric(3.14, 12.6, 126));
-  std::shared_ptr<const Path> path = motion::joints_along(chain, builder.build().sections[0], q);
+  std::shared_ptr<const Path> path = moves::joints_along(chain, builder.build().sections[0], q);
   return {robot, limits, timed(path, limits)};
 }
 

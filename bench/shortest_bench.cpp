@@ -27,6 +27,8 @@
 namespace {
 
 using namespace polyarm;
+using namespace polyarm::paths;
+using namespace polyarm::timing;
 using namespace polyarm::trajectory;
 using Engine = std::mt19937_64;
 
@@ -64,7 +66,7 @@ struct PathCase {
   std::vector<MotionLimits> limits;
 };
 
-void paths(const std::string& what, int cases, std::size_t intervals,
+void path_family(const std::string& what, int cases, std::size_t intervals,
            const std::function<PathCase(int)>& make) {
   std::vector<double> ratios;
   double ours = 0, slow = 0;
@@ -102,7 +104,7 @@ std::shared_ptr<const Path> arm_path(const kinematics::Chain& chain, Engine& eng
       else
         builder.line(near(), corner);
     }
-    PathSections joints = motion::joints_along(chain, builder.build(), seed);
+    PathSections joints = moves::joints_along(chain, builder.build(), seed);
     return std::move(joints.sections.front());
   } catch (const Error&) {
     return nullptr;
@@ -173,12 +175,12 @@ int main(int argc, char** argv) {
       return PathCase{test::random_spline(6, points, 1000 * seed + std::uint64_t(k)), arm_limits(engine, 6)};
     };
   };
-  paths("10 waypoints, 6 axes", cases, 600, spline(10));
-  paths("50 waypoints, 6 axes", cases / 4, 2400, spline(50));
+  path_family("10 waypoints, 6 axes", cases, 600, spline(10));
+  path_family("50 waypoints, 6 axes", cases / 4, 2400, spline(50));
   const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
   const description::RobotModel model = catalogue.load("universal_robots/ur5e");
   const kinematics::Chain chain(model, model.tool_link());
-  paths("UR5e, lines, arcs, blends", cases / 4, 1200, [&](int) {
+  path_family("UR5e, lines, arcs, blends", cases / 4, 1200, [&](int) {
     std::shared_ptr<const Path> path;
     for (int tries = 0; !path && tries < 20; ++tries) path = arm_path(chain, engine);
     return PathCase{path, arm_limits(engine, 6)};

@@ -25,6 +25,8 @@
 
 namespace {
 
+using namespace polyarm::paths;
+using namespace polyarm::timing;
 using namespace polyarm::trajectory;
 
 constexpr std::size_t kCases = 20;

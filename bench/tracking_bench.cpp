@@ -24,15 +24,15 @@
 namespace polyarm {
 namespace {
 
-using motion::Move;
-using motion::MoveKind;
+using moves::Move;
+using moves::MoveKind;
 using Values = std::vector<double>;
 
 constexpr double kTimeToSpeed = 0.25, kTimeToAcceleration = 0.1;  // s; as a cell assumes where nobody says
 
 struct Bench {
   description::RobotModel model;
-  motion::RobotFacts facts;
+  moves::RobotFacts facts;
 };
 
 Bench arm(const std::string& name) {
@@ -48,7 +48,7 @@ Bench arm(const std::string& name) {
     effort.push_back(own.effort.value_or(0.0));
   }
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
-  auto torques = motion::torque_limits_of(model, {}, {}, effort);
+  auto torques = moves::torque_limits_of(model, {}, {}, effort);
   const Values home(chain.joints(), 0.0);
   Bench out{std::move(model),
             {name, nullptr, std::move(chain), std::move(limits), {}, home, std::move(solver), {}, torques}};
@@ -112,7 +112,7 @@ std::vector<Move> program(const Bench& bench, const Values& q, std::mt19937_64& 
                           bench.facts.chain.upper()[j] - 0.05);
     return out;
   };
-  const auto pose = [&] { return motion::MoveTarget{bench.facts.chain.forward(near(0.35)), "a pose"}; };
+  const auto pose = [&] { return moves::MoveTarget{bench.facts.chain.forward(near(0.35)), "a pose"}; };
   std::vector<Move> out;
   for (int i = 0; i < 6; ++i) {
     Move move;
@@ -139,7 +139,7 @@ struct Followed {
 };
 
 /// Adds what one motion shows, but where the arm touched itself: nobody looks for that before it moves here.
-void follow(const Bench& bench, const motion::PlannedMotion& motion, Nanoseconds period, Followed& all) {
+void follow(const Bench& bench, const moves::PlannedMotion& motion, Nanoseconds period, Followed& all) {
   Followed out = all;
   const std::size_t n = bench.facts.limits.size();
   Values q(n), v(n), a(n), j(n), measured(n), torque(n);
@@ -183,14 +183,14 @@ void bench(const std::string& name, int programs, std::uint64_t seed) {
     Followed out;
     int done = 0;
     for (int tries = 0; done < programs && tries < 50 * programs; ++tries) {
-      motion::MovePlan plan;
+      moves::MovePlan plan;
       try {
         plan = plan_moves(robot.facts, q, program(robot, q, engine));
       } catch (const Error&) {  // leads where this arm does not go
         continue;
       }
       ++done;
-      for (const motion::PlannedMotion& motion : plan.motions) follow(robot, motion, period, out);
+      for (const moves::PlannedMotion& motion : plan.motions) follow(robot, motion, period, out);
     }
     fmt::print(
         "{:<28} {:4.0f} Hz: {} motions, {:.0f} s, TCP up to {:.2f} m/s, torque up to {:.0f} % ({} motions "

@@ -128,10 +128,10 @@ bool Cell::shut_hardware_down(Nanoseconds patience) {
 
 namespace {
 /// The inside boxes of the cell's workspace: what a pose from outside may be where nobody says more.
-signals::PoseRange range_of(const std::vector<motion::WorkspaceZone>& workspace) {
+signals::PoseRange range_of(const std::vector<moves::WorkspaceZone>& workspace) {
   signals::PoseRange out;
-  for (const motion::WorkspaceZone& zone : workspace) {
-    if (zone.kind != motion::ZoneKind::inside) continue;
+  for (const moves::WorkspaceZone& zone : workspace) {
+    if (zone.kind != moves::ZoneKind::inside) continue;
     const double a[] = {zone.low.x, zone.low.y, zone.low.z}, b[] = {zone.high.x, zone.high.y, zone.high.z};
     for (std::size_t k = 0; k < 3; ++k) {
       out.lower[k] = std::max(out.lower[k], std::min(a[k], b[k]));
@@ -142,7 +142,7 @@ signals::PoseRange range_of(const std::vector<motion::WorkspaceZone>& workspace)
 }
 
 /// Poses from outside keep to the range of their point, else to the workspace: in files and over links.
-void bound_poses(signals::Signals& signals, const std::vector<motion::WorkspaceZone>& zones,
+void bound_poses(signals::Signals& signals, const std::vector<moves::WorkspaceZone>& zones,
                  DataFiles& files) {
   const signals::PoseRange workspace = range_of(zones), wide;
   const auto range = [workspace, points = signals.points](const std::string& name) {
@@ -220,13 +220,13 @@ void Cell::build_controllers(const ros_files::ControllersFile& described, Proble
     controllers::JointTrajectoryController* follower =
         trajectory_controller_of(*robot, loop_->controllers(), !arming_->armed());
     trajectory_controllers_.push_back(follower);
-    motions_.push_back(follower ? std::make_unique<motion::RobotMotion>(
+    motions_.push_back(follower ? std::make_unique<moves::RobotMotion>(
                                       *robot->facts, *follower,
                                       [this](std::function<void()> job) { planner_->post(std::move(job)); })
                                 : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
     controllers::DiffDriveController* wheels = base_controller_of(*robot, loop_->controllers());
-    bases_.push_back(wheels ? std::make_unique<motion::BaseMotion>(*wheels, seconds(loop_->options().period))
+    bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(loop_->options().period))
                             : nullptr);
     places_.emplace_back(*robot, loop_->table(), wheels);
   }
@@ -513,7 +513,7 @@ void Cell::tick_motions(Nanoseconds now) {
     if (!motion || failure_) continue;
     motion->set_options(plan_options());
     motion->tick(now);
-    for (motion::RobotMotion::Warning& warning : motion->take_warnings()) {
+    for (moves::RobotMotion::Warning& warning : motion->take_warnings()) {
       if (moves_ && warning.problem.where.file.empty())
         warning.problem.where = moves_->place_of(*motion, warning.move);
       if (told_warnings_.insert(warning.problem.text()).second) observer_.on_problem(now, warning.problem);
@@ -532,9 +532,9 @@ void Cell::set_profile(const std::string& name) {
   arming_->set_profile(slower, profile.tcp_speed, profile.joint_speed);
 }
 
-motion::JogLimits Cell::jog_limits() const {
+jog::JogLimits Cell::jog_limits() const {
   const ProfileEntry& profile = profile_ == "reduced" ? file_.profiles.reduced : file_.profiles.full;
-  motion::JogLimits out{profile.joint_speed, profile.tcp_speed, profile.tcp_turning};
+  jog::JogLimits out{profile.joint_speed, profile.tcp_speed, profile.tcp_turning};
   if (contact_watch_.touching()) {  // out of it slowly
     constexpr double kJointShare = 0.05, kSpeed = 0.02, kTurning = 0.1;
     out.joint_share = std::min(out.joint_share, kJointShare);
@@ -553,7 +553,7 @@ void Cell::drop_bases() {
     if (base) base->drop();
 }
 
-motion::MovePlanOptions Cell::plan_options() const {
+moves::MovePlanOptions Cell::plan_options() const {
   if (arming_->first_pass()) return {};
   const ProfileEntry& profile = profile_ == "reduced" ? file_.profiles.reduced : file_.profiles.full;
   return {profile.tcp_speed < kNoTcpLimit ? profile.tcp_speed : 0, profile.joint_speed};
@@ -564,7 +564,7 @@ bool Cell::moves_as_planned_now() const {
   if (arming_->first_pass()) return false;
   bool any = false;
   for (const auto& motion : motions_) {
-    const motion::MovePlanOptions* with = motion ? motion->options_under_way() : nullptr;
+    const moves::MovePlanOptions* with = motion ? motion->options_under_way() : nullptr;
     if (with && *with != plan_options()) return false;
     any = any || with;
   }

@@ -69,7 +69,7 @@ struct CellOptions {
   bool contact_errors = false;  ///< with that: they are reported as errors, not as warnings
   /// The program begins when somebody asks for it, and the cell goes on when it has ended.
   bool waits = false;
-  bool no_code = false;  ///< plugins that the cell brings are not loaded, approved or not
+  bool no_code = false;                  ///< plugins that the cell brings are not loaded, approved or not
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: as many as it likes
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
@@ -215,16 +215,16 @@ class Cell {
   const std::string& profile() const { return profile_; }
   void set_profile(const std::string& name);
   /// What motion by hand keeps to now: the profile's, and reduced speed where arming says so.
-  motion::JogLimits jog_limits() const;
+  jog::JogLimits jog_limits() const;
   /// What the profile bounds planned moves by; nothing in the first pass of real hardware, which is governed.
-  motion::MovePlanOptions plan_options() const;
+  moves::MovePlanOptions plan_options() const;
   /// Has the robot no move of a program's queued, planned or under way?
   bool idle(std::size_t robot) const { return !motions_[robot] || motions_[robot]->idle(); }
   /// Who holds control: "program", "jog" or "nobody".
   const char* control_holder() const;
 
   /// Of a robot; null where no trajectory controller moves all its joints.
-  motion::RobotMotion* motion(std::size_t robot) { return motions_[robot].get(); }
+  moves::RobotMotion* motion(std::size_t robot) { return motions_[robot].get(); }
   const MotionEntry& pace() const { return file_.motion; }
   const EventLog& events() const { return observer_; }
 
@@ -348,11 +348,11 @@ class Cell {
   bool links_ready_ = false, told_waiting_ = false, missed_ = false;
   Nanoseconds stopped_at_ = -1;  ///< since when outputs have what they are to have at the end
   std::vector<Camera> cameras_;
-  std::vector<std::unique_ptr<motion::RobotMotion>> motions_;
-  std::vector<std::unique_ptr<motion::BaseMotion>> bases_;  ///< by robot; null: it has no wheels to drive
-  std::vector<MovingBase> places_;                          ///< of bases, by robot
-  std::unique_ptr<ProgramMoves> moves_;                     ///< of the program
-  std::set<std::string> told_warnings_;                     ///< of moves; a loop says them once
+  std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
+  std::vector<std::unique_ptr<moves::BaseMotion>> bases_;  ///< by robot; null: it has no wheels to drive
+  std::vector<MovingBase> places_;                         ///< of bases, by robot
+  std::unique_ptr<ProgramMoves> moves_;                    ///< of the program
+  std::set<std::string> told_warnings_;                    ///< of moves; a loop says them once
   std::vector<controllers::JointTrajectoryController*> trajectory_controllers_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;

@@ -47,9 +47,9 @@ struct RobotEntry {
   bool fault_of_group = false;  ///< `on_fault: group`: a fault of its hardware stops this robot alone
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< it may be armed although facts of it are recalled or estimated
-  std::vector<motion::WorkspaceZone> workspace;  ///< of this robot alone
-  PayloadEntry payload;                          ///< that it carries beside its tool
-  std::vector<RangeEntry> ranges;                ///< of joints, narrower than the robot's
+  std::vector<moves::WorkspaceZone> workspace;  ///< of this robot alone
+  PayloadEntry payload;                         ///< that it carries beside its tool
+  std::vector<RangeEntry> ranges;               ///< of joints, narrower than the robot's
   std::string text;  ///< the description itself, where `model` names the file that it stands in
   Location where;
 };
@@ -59,7 +59,7 @@ struct MotionEntry {
   double speed = 1;                    ///< share of the limits, (0, 1]
   std::optional<double> seconds;       ///< every move takes at least this long
   std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
-  motion::TcpLimits tcp;               ///< of lines and arcs
+  moves::TcpLimits tcp;                ///< of lines and arcs
 };
 
 /// How the control loop runs on the wall clock. What the machine refuses is told and does without.
@@ -97,9 +97,9 @@ struct CellFile {
   LoopEntry loop;
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   ProfileEntries profiles;
-  std::vector<motion::WorkspaceZone> workspace;  ///< of all robots
-  std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules
-  std::optional<RecordOptions> record;           ///< each run is recorded
+  std::vector<moves::WorkspaceZone> workspace;  ///< of all robots
+  std::map<std::string, DoorOptions> doors;     ///< into it, by the names of their modules
+  std::optional<RecordOptions> record;          ///< each run is recorded
 };
 
 /// What the command line puts over the file.

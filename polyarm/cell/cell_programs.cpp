@@ -253,7 +253,7 @@ std::string Cell::hint_of_live() const {
 
 Location Cell::line_under_way(std::optional<std::size_t> robot) const {
   if (!program_ || !begun_ || program_->ended() || jogging_->engaged()) return {};
-  const motion::RobotMotion* const motion = robot && moves_ ? motions_[*robot].get() : nullptr;
+  const moves::RobotMotion* const motion = robot && moves_ ? motions_[*robot].get() : nullptr;
   const std::uint64_t move = motion ? motion->move_under_way() : 0;
   const Location place = move > 0 ? moves_->place_of(*motion, move) : Location{};
   return place.line > 0 ? place : program_->status().where;

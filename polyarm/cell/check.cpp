@@ -245,14 +245,14 @@ class Checker {
     for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
     FrameCheck frames(sets_, robots_, std::move(later));
     for (const auto& [path, read] : read_) frames.look_at(read.program);
-    const motion::RobotFacts* const robot = robots_.size() == 1 ? robots_.front()->facts.get() : nullptr;
+    const moves::RobotFacts* const robot = robots_.size() == 1 ? robots_.front()->facts.get() : nullptr;
     for (const data::DataSet& set : sets_)
       for (const data::Entry& entry : set.entries())
         if (entry.value.is_place()) point(robot, entry, frames);
   }
 
   /// `robot`: null where there are several, and nobody knows which is meant.
-  void point(const motion::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
+  void point(const moves::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
       const data::JointState* joints = entry.value.as_joints();
@@ -260,7 +260,7 @@ class Checker {
       if (!robot) return;
       if (joints) {
         report.joints = joints_by_name(*robot->model, *joints, entry.name);
-        motion::check_joints(*robot, report.joints, entry.name);
+        moves::check_joints(*robot, report.joints, entry.name);
       } else if (!frames.is_no_target(entry.name)) {
         pose(*robot, entry, frames.meanings(entry), report);
       }
@@ -275,7 +275,7 @@ class Checker {
   }
 
   /// One of what the program may mean by it has to be within reach; its moves are looked at one by one later.
-  void pose(const motion::RobotFacts& robot, const data::Entry& entry, const std::vector<Pose>& meanings,
+  void pose(const moves::RobotFacts& robot, const data::Entry& entry, const std::vector<Pose>& meanings,
             PointReport& report) {
     std::optional<Error> why;
     for (const Pose& target : meanings) {
@@ -289,7 +289,7 @@ class Checker {
     if (why) throw *why;
   }
 
-  static std::vector<double> joints_to(const motion::RobotFacts& robot, const Pose& target,
+  static std::vector<double> joints_to(const moves::RobotFacts& robot, const Pose& target,
                                        const std::string& name) {
     const double away = norm(target.position - robot.chain.base().position);
     const double reach = robot.model->provenance.reach_m.value_or(robot.chain.reach());
@@ -298,7 +298,7 @@ class Checker {
                   fmt::format("{} is {:.2f} m from the base, this robot reaches {:.2f} m", name, away, reach),
                   away > 10 ? "this looks like millimetres; points are in metres"
                             : "move the point or choose a robot that reaches it");
-    return motion::joints_for(robot, target, robot.home, name);
+    return moves::joints_for(robot, target, robot.home, name);
   }
 
   void together() {

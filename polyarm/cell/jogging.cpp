@@ -15,14 +15,14 @@ using hardware::LifecycleState;
 
 struct Jogging::Robot {
   std::size_t index = 0;
-  std::string name;                             // of the controller
-  motion::JogController* controller = nullptr;  // the manager's
-  std::vector<std::string> displaced;           // who has the joints otherwise
-  Poll switching;                               // to the controller, or back
+  std::string name;                          // of the controller
+  jog::JogController* controller = nullptr;  // the manager's
+  std::vector<std::string> displaced;        // who has the joints otherwise
+  Poll switching;                            // to the controller, or back
   bool engaged = false, returning = false;
   std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest that was ended
   Nanoseconds renewed = 0, hold = 0;
-  motion::JogWish target;  // streamed last
+  jog::JogWish target;  // streamed last
   std::uint32_t target_session = 0;
   Nanoseconds targeted = 0;
 };
@@ -80,11 +80,11 @@ void Jogging::load(std::size_t i) {
   const CellRobot& of = *cell_.robots()[i];
   robot.name = cell_.robots().size() == 1 ? "jog" : of.entry.name + "_jog";
   while (manager.find(robot.name)) robot.name = "polyarm_" + robot.name;
-  auto made = std::make_unique<motion::JogController>(of.facts->chain, of.joints, of.facts->workspace);
-  motion::JogController* const jog = made.get();
+  auto made = std::make_unique<jog::JogController>(of.facts->chain, of.joints, of.facts->workspace);
+  jog::JogController* const jog = made.get();
   controllers::ControllerContext context;
   context.name = robot.name;
-  context.type = motion::JogController::kType;
+  context.type = jog::JogController::kType;
   context.robot = of.entry.name;
   context.joints = of.joints;
   context.period = cell_.loop().options().period;
@@ -139,7 +139,7 @@ bool Jogging::engage(std::size_t i) {
 
 bool Jogging::alive(const Robot& robot) const {
   if (robot.session <= robot.over || cell_.now() - robot.renewed > robot.hold + kLinger) return false;
-  motion::JogController* const jog = controller(robot);
+  jog::JogController* const jog = controller(robot);
   return jog && jog->status().ended < robot.session;
 }
 
@@ -164,16 +164,16 @@ std::uint32_t Jogging::session(std::size_t i, std::uint32_t wanted) {
   return robot.session;
 }
 
-void Jogging::send(std::size_t i, std::uint32_t session, motion::JogCommand command) {
+void Jogging::send(std::size_t i, std::uint32_t session, jog::JogCommand command) {
   Robot& robot = *robots_[i];
   command.session = session;
   command.stops = robot.stops;
   robot.renewed = cell_.now();
   robot.hold = command.hold;
-  if (motion::JogController* const jog = controller(robot)) jog->send(command);
+  if (jog::JogController* const jog = controller(robot)) jog->send(command);
 }
 
-void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wish) {
+void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogWish& wish) {
   Robot& robot = *robots_[i];
   const double dt = seconds(cell_.now() - robot.targeted);
   const bool goes_on = session != 0 && session == robot.session && robot.target.kind == wish.kind &&
@@ -192,7 +192,7 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wi
     const double v = jumped ? old : blend(old, change);
     wish.joint_speed[j] = std::isfinite(v) ? v : 0;
   }
-  if (goes_on && wish.kind == motion::JogWish::Kind::tcp_target) {
+  if (goes_on && wish.kind == jog::JogWish::Kind::tcp_target) {
     const Pose &now = wish.target, &before = robot.target.target;
     const Vec3 d = now.position - before.position,
                r = to_rotation_vector(now.rotation * inverse(before.rotation));
@@ -208,7 +208,7 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, motion::JogWish& wi
 
 Pose Jogging::last_target(std::size_t i, std::uint32_t session) const {
   const Robot& r = robot(i);
-  if (session != 0 && session == r.session && r.target.kind == motion::JogWish::Kind::tcp_target)
+  if (session != 0 && session == r.session && r.target.kind == jog::JogWish::Kind::tcp_target)
     return r.target.target;
   return r.engaged ? status(i).tcp : cell_.tcp(i);
 }
@@ -216,7 +216,7 @@ Pose Jogging::last_target(std::size_t i, std::uint32_t session) const {
 void Jogging::end(std::size_t i, std::uint32_t session) {
   Robot& robot = *robots_[i];
   if (session != 0 && session != robot.session) return;
-  if (motion::JogController* const jog = controller(robot)) jog->let_go(robot.session);
+  if (jog::JogController* const jog = controller(robot)) jog->let_go(robot.session);
   robot.over = robot.session;
   robot.hold = 0;
   robot.renewed = cell_.now() - kLinger;
@@ -226,13 +226,13 @@ void Jogging::end_all() {
   for (std::size_t i = 0; i < robots_.size(); ++i) end(i);
 }
 
-motion::JogStatus Jogging::status(std::size_t i) const {
-  motion::JogController* const jog = controller(robot(i));
-  return jog ? jog->status() : motion::JogStatus{};
+jog::JogStatus Jogging::status(std::size_t i) const {
+  jog::JogController* const jog = controller(robot(i));
+  return jog ? jog->status() : jog::JogStatus{};
 }
 
 /// Null before it is loaded, and when somebody has unloaded it.
-motion::JogController* Jogging::controller(const Robot& robot) const {
+jog::JogController* Jogging::controller(const Robot& robot) const {
   if (!robot.controller || cell_.loop().controllers().find(robot.name) != robot.controller) return nullptr;
   return robot.controller;
 }
@@ -270,10 +270,10 @@ void Jogging::tick(Nanoseconds now) {
   // Who resumes what is held takes the robots back from who jogs meanwhile.
   if (std::exchange(was_held_, state == control::RunState::held) && state == control::RunState::running)
     end_all();
-  const motion::JogLimits limits = cell_.jog_limits();
+  const jog::JogLimits limits = cell_.jog_limits();
   for (const auto& each : robots_) {
     Robot& robot = *each;
-    motion::JogController* const jog = controller(robot);
+    jog::JogController* const jog = controller(robot);
     if (!jog) robot.engaged = false;
     if (!jog) continue;
     jog->set_limits(limits);

@@ -33,15 +33,15 @@ class Jogging {
   /// somebody else's is alive, Error("session-over") for one that was ended.
   std::uint32_t session(std::size_t robot, std::uint32_t session);
   /// Hands the command on under that session; fills in what belongs to it.
-  void send(std::size_t robot, std::uint32_t session, motion::JogCommand command);
+  void send(std::size_t robot, std::uint32_t session, jog::JogCommand command);
   /// Fills in the velocity of a target that is streamed, from those of the same session before.
-  void estimate(std::size_t robot, std::uint32_t session, motion::JogWish& wish);
+  void estimate(std::size_t robot, std::uint32_t session, jog::JogWish& wish);
   /// The pose that the session has streamed last, else where the TCP is.
   Pose last_target(std::size_t robot, std::uint32_t session) const;
   /// Ends the session, or with 0 every one.
   void end(std::size_t robot, std::uint32_t session = 0);
   void end_all();
-  motion::JogStatus status(std::size_t robot) const;
+  jog::JogStatus status(std::size_t robot) const;
   std::uint32_t new_step() { return ++steps_; }
 
   /// Does anybody jog, or is a robot not back with those who had it?
@@ -55,7 +55,7 @@ class Jogging {
   Robot& robot(std::size_t i) const { return *robots_[i]; }
   void load(std::size_t i);
   bool alive(const Robot& robot) const;
-  motion::JogController* controller(const Robot& robot) const;
+  jog::JogController* controller(const Robot& robot) const;
   void give_back(Robot& robot);
 
   Cell& cell_;

@@ -111,22 +111,22 @@ Pose ProgramMoves::tcp_of_tool(const std::string& name, const Arm& arm, const Lo
               "a tool is a point of the data (the pose of its TCP in tool0), '" + own.name + "' or 'tool0'"});
 }
 
-std::shared_ptr<const motion::RobotFacts> ProgramMoves::tool_of(const std::string& name, Arm& arm,
-                                                                const Location& where) {
+std::shared_ptr<const moves::RobotFacts> ProgramMoves::tool_of(const std::string& name, Arm& arm,
+                                                               const Location& where) {
   const Pose tcp = tcp_of_tool(name, arm, where);
   if (tcp == arm.robot.robot->tool.tcp) return nullptr;
   MadeTool& made = arm.tools[name];
   if (!made.facts || made.tcp != tcp) {
     const description::RobotModel& model = arm.robot.robot->model;
-    made = {tcp, motion::with_chain(
-                     arm.robot.motion->robot(),
-                     kinematics::Chain(model, model.tool_link(), arm.robot.robot->entry.base, tcp))};
+    made = {tcp,
+            moves::with_chain(arm.robot.motion->robot(),
+                              kinematics::Chain(model, model.tool_link(), arm.robot.robot->entry.base, tcp))};
   }
   return made.facts;
 }
 
-motion::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const Pose& frame,
-                                           const Arm& arm, const Location& where) const {
+moves::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const Pose& frame,
+                                          const Arm& arm, const Location& where) const {
   if (const data::JointState* joints = target.value.as_joints())
     return {joints_by_name(arm.robot.robot->model, *joints, target.name), target.name};
   if (const data::Point* point = target.value.as_point()) {
@@ -140,7 +140,7 @@ motion::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, 
                       {}});
 }
 
-void ProgramMoves::pace(const program::Move& from, motion::Move& to) const {
+void ProgramMoves::pace(const program::Move& from, moves::Move& to) const {
   to.speed = pace_.speed;
   if (from.speed) {
     const double value = from.speed->value;
@@ -149,7 +149,7 @@ void ProgramMoves::pace(const program::Move& from, motion::Move& to) const {
         to.tcp_speed = value;
         break;
       case Dimension::angular_speed:
-        (to.kind == motion::MoveKind::joint ? to.joint_speed : to.turn_speed) = value;
+        (to.kind == moves::MoveKind::joint ? to.joint_speed : to.turn_speed) = value;
         break;
       default:
         to.speed = value;
@@ -162,7 +162,7 @@ void ProgramMoves::pace(const program::Move& from, motion::Move& to) const {
         to.tcp_acceleration = value;
         break;
       case Dimension::angular_acceleration:
-        (to.kind == motion::MoveKind::joint ? to.joint_acceleration : to.turn_acceleration) = value;
+        (to.kind == moves::MoveKind::joint ? to.joint_acceleration : to.turn_acceleration) = value;
         break;
       default:
         to.acceleration = value;
@@ -173,21 +173,21 @@ void ProgramMoves::pace(const program::Move& from, motion::Move& to) const {
   if (from.waits && !from.duration && !from.speed) to.joint_pace = pace_.thesis_scale.value_or(0);
 }
 
-std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
-                                                 const Location& where) const {
-  motion::Move made;
-  made.kind = move.kind == program::Move::Kind::joint  ? motion::MoveKind::joint
-              : move.kind == program::Move::Kind::line ? motion::MoveKind::line
-                                                       : motion::MoveKind::arc;
+std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+                                                const Location& where) const {
+  moves::Move made;
+  made.kind = move.kind == program::Move::Kind::joint  ? moves::MoveKind::joint
+              : move.kind == program::Move::Kind::line ? moves::MoveKind::line
+                                                       : moves::MoveKind::arc;
   pace(move, made);
   const bool curve = move.smooth && move.targets.size() > 1;
-  if (curve) made.kind = motion::MoveKind::spline;
+  if (curve) made.kind = moves::MoveKind::spline;
   const double blend = move.blend ? move.blend->value : 0;
-  std::vector<motion::Move> out;
+  std::vector<moves::Move> out;
   for (std::size_t i = 0; i < move.targets.size(); ++i) {
     const bool last = i + 1 == move.targets.size();
     made.targets.push_back(target_of(move.targets[i], frame, arm, where));
-    if ((made.kind == motion::MoveKind::arc || curve) && !last) continue;
+    if ((made.kind == moves::MoveKind::arc || curve) && !last) continue;
     made.blend = last && move.exact ? 0 : blend;
     out.push_back(made);
     made.targets.clear();
@@ -202,19 +202,19 @@ std::vector<motion::Move> ProgramMoves::moves_of(const program::Move& move, cons
 namespace {
 /// A point that this robot was taught is reached in the configuration in which it stood there, with whatever
 /// tool and wherever its frame is now; where that cannot be, in the nearest.
-void keep_as_taught(const program::Move& move, const CellRobot& own, const motion::RobotFacts& robot,
-                    std::vector<motion::Move>& moves) {
+void keep_as_taught(const program::Move& move, const CellRobot& own, const moves::RobotFacts& robot,
+                    std::vector<moves::Move>& moves) {
   if (move.kind != program::Move::Kind::joint || moves.size() != move.targets.size()) return;
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const data::Point* point = move.targets[i].value.as_point();
     const data::Taught* taught = point ? point->taught.get() : nullptr;
     if (!taught || taught->joints.positions.empty() || taught->robot != own.entry.model) continue;
-    motion::MoveTarget& target = moves[i].targets.back();
+    moves::MoveTarget& target = moves[i].targets.back();
     const Pose* pose = std::get_if<Pose>(&target.at);
     try {
       if (pose)
-        target.at = motion::joints_for(robot, *pose, joints_by_name(own.model, taught->joints, target.name),
-                                       target.name);
+        target.at = moves::joints_for(robot, *pose, joints_by_name(own.model, taught->joints, target.name),
+                                      target.name);
     } catch (const Error&) {
     }
   }
@@ -225,9 +225,9 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
   auto facts = tool_of(move.tool, arm, where);
-  std::vector<motion::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  std::vector<moves::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
   check_payload(move, arm, where);
-  const motion::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
+  const moves::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
   if (move.near)
     keep_near(*move.near, facts ? *facts : own, moves);
   else
@@ -237,12 +237,12 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
 
 program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
   const std::size_t index = robot_of(move.robot, where);
-  motion::BaseMotion* const base = arms_[index].robot.base;
+  moves::BaseMotion* const base = arms_[index].robot.base;
   if (!base)
     throw Error(Problem{"no-base", where,
                         "no diff_drive_controller drives '" + arms_[index].robot.robot->entry.name + "'",
                         "drive and turn move a base with wheels; an arm has movej, movel and their like"});
-  motion::BaseMove out;
+  moves::BaseMove out;
   out.turns = move.kind == program::Move::Kind::turn;
   out.amount = move.targets.front().value.as_number()->value;
   const auto pace = [&](const std::optional<data::Number>& said, Dimension own, double& share, double& most,
@@ -283,7 +283,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   auto [of, moves, facts] = prepare(move, where);
   const auto step = step_of(move, index);
   Moves queued{index, arm.robot.motion->last_id() + 1, 0};
-  for (motion::Move& one : moves) {
+  for (moves::Move& one : moves) {
     std::string name = one.end().name;
     queued.last = arm.robot.motion->queue(std::move(one), facts, step);
     arm.open.push_back({queued.last, where, std::move(name)});
@@ -294,13 +294,13 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
 }
 
 /// Poses become the joint states that reach them nearest to `near`.
-void ProgramMoves::keep_near(const data::JointState& near, const motion::RobotFacts& robot,
-                             std::vector<motion::Move>& moves) const {
+void ProgramMoves::keep_near(const data::JointState& near, const moves::RobotFacts& robot,
+                             std::vector<moves::Move>& moves) const {
   const std::vector<double> joints = joints_by_name(*robot.model, near, "'near'");
-  for (motion::Move& move : moves)
-    for (motion::MoveTarget& target : move.targets)
+  for (moves::Move& move : moves)
+    for (moves::MoveTarget& target : move.targets)
       if (const Pose* pose = std::get_if<Pose>(&target.at))
-        target.at = motion::joints_for(robot, *pose, joints, target.name);
+        target.at = moves::joints_for(robot, *pose, joints, target.name);
 }
 
 void ProgramMoves::check_payload(const program::Move& move, const Arm& arm, const Location& where) const {
@@ -313,10 +313,10 @@ void ProgramMoves::check_payload(const program::Move& move, const Arm& arm, cons
 }
 
 /// What the moves of a group share; a second move of the same robot comes after, in nobody's step.
-std::shared_ptr<motion::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm) {
+std::shared_ptr<moves::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm) {
   if (move.step.group == 0 || move.step.members < 2) return nullptr;
   if (step_.group != move.step.group)
-    step_ = {move.step.group, std::make_shared<motion::InStep>(move.step.members), {}};
+    step_ = {move.step.group, std::make_shared<moves::InStep>(move.step.members), {}};
   if (std::find(step_.arms.begin(), step_.arms.end(), arm) != step_.arms.end()) {
     step_.shared->leave();
     return nullptr;
@@ -325,7 +325,7 @@ std::shared_ptr<motion::InStep> ProgramMoves::step_of(const program::Move& move,
   return step_.shared;
 }
 
-void ProgramMoves::forget(const motion::BaseMotion& base) {
+void ProgramMoves::forget(const moves::BaseMotion& base) {
   for (Arm& arm : arms_)
     if (arm.robot.base == &base) arm.robot.base = nullptr;
 }
@@ -338,19 +338,18 @@ void ProgramMoves::forget_ended() {
 
 /// The first of the moves not told about that did not end well; forgets those that did.
 std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
-  const motion::RobotMotion& motion = *arm.robot.motion;
+  const moves::RobotMotion& motion = *arm.robot.motion;
   while (!arm.open.empty() && arm.open.front().id <= through &&
-         motion.state_of(arm.open.front().id) == motion::MoveState::done)
+         motion.state_of(arm.open.front().id) == moves::MoveState::done)
     arm.open.pop_front();
   if (arm.open.empty() || !motion.ended_badly_from(arm.open.front().id)) return std::nullopt;
   // What failed says more than what was discarded before it for that reason.
-  for (const auto wanted :
-       {motion::MoveState::failed, motion::MoveState::refused, motion::MoveState::discarded})
+  for (const auto wanted : {moves::MoveState::failed, moves::MoveState::refused, moves::MoveState::discarded})
     for (const Open& open : arm.open) {
       if (open.id > through || motion.state_of(open.id) != wanted) continue;
       const Open told = open;
       arm.open.clear();
-      if (wanted == motion::MoveState::discarded)
+      if (wanted == moves::MoveState::discarded)
         return program::Progress::ended(
             {"discarded", told.where, "the move to " + told.name + " was discarded", {}});
       Problem problem = motion.problem_of(told.id).value_or(
@@ -371,7 +370,7 @@ program::Progress ProgramMoves::poll(program::Handle handle) {
   for (const Moves& moves : found->second) {
     Arm& arm = arms_[moves.arm];
     if (moves.base) {
-      using State = motion::BaseMotion::State;
+      using State = moves::BaseMotion::State;
       const State state = arm.robot.base ? arm.robot.base->state_of(moves.last) : State::discarded;
       if (state == State::running) return {};
       Problem why{"discarded", {}, "the move of the base was discarded", {}};
@@ -386,7 +385,7 @@ program::Progress ProgramMoves::poll(program::Handle handle) {
       asked_.erase(found);
       return std::move(*bad);
     }
-    arrived = arrived && arm.robot.motion->state_of(moves.last) != motion::MoveState::running;
+    arrived = arrived && arm.robot.motion->state_of(moves.last) != moves::MoveState::running;
   }
   if (!arrived) return {};
   asked_.erase(found);
@@ -402,7 +401,7 @@ bool ProgramMoves::has_room(const std::string& robot) {
 program::Handle ProgramMoves::start_arrival(const std::string& robot) {
   Asked asked;
   for (std::size_t i = 0; i < arms_.size(); ++i) {
-    motion::RobotMotion* motion = arms_[i].robot.motion;
+    moves::RobotMotion* motion = arms_[i].robot.motion;
     if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
     motion->close();
     asked.push_back({i, 0, motion->last_id()});
@@ -418,7 +417,7 @@ program::Travel ProgramMoves::travel(program::Handle handle) const {
     return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   const Moves& moves = found->second.front();
   if (moves.base) return {0, std::numeric_limits<double>::infinity(), 0, kForever};
-  const motion::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
+  const moves::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
   const auto time = [](double s) { return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : kForever; };
   if (way.left == 0 && way.remaining == 0 && way.covered == 0)  // it has arrived
     return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
@@ -449,13 +448,13 @@ data::Value ProgramMoves::here_at(const std::string& robot, const std::string& t
   return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
 }
 
-void ProgramMoves::forget(const motion::RobotMotion& motion) {
+void ProgramMoves::forget(const moves::RobotMotion& motion) {
   for (Arm& arm : arms_)
     if (arm.robot.motion == &motion) arm.robot.motion = nullptr, arm.open.clear();
   asked_.clear();
 }
 
-Location ProgramMoves::place_of(const motion::RobotMotion& motion, std::uint64_t move) const {
+Location ProgramMoves::place_of(const moves::RobotMotion& motion, std::uint64_t move) const {
   for (const Arm& arm : arms_)
     for (const Open& open : arm.open)
       if (arm.robot.motion == &motion && open.id == move) return open.where;
@@ -468,8 +467,8 @@ bool ProgramMoves::under_way(program::Handle handle) const {
   return std::any_of(found->second.begin(), found->second.end(), [&](const Moves& moves) {
     const Robot& robot = arms_[moves.arm].robot;
     if (moves.base)
-      return robot.base && robot.base->state_of(moves.last) == motion::BaseMotion::State::running;
-    return robot.motion && robot.motion->state_of(moves.last) == motion::MoveState::running &&
+      return robot.base && robot.base->state_of(moves.last) == moves::BaseMotion::State::running;
+    return robot.motion && robot.motion->state_of(moves.last) == moves::MoveState::running &&
            robot.motion->move_under_way() <= moves.last;
   });
 }

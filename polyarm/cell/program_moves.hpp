@@ -22,8 +22,8 @@ class ProgramMoves {
  public:
   struct Robot {
     const CellRobot* robot = nullptr;
-    motion::RobotMotion* motion = nullptr;  ///< null: no controller moves it
-    motion::BaseMotion* base = nullptr;     ///< null: it has no wheels that a controller drives
+    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves it
+    moves::BaseMotion* base = nullptr;     ///< null: it has no wheels that a controller drives
   };
   /// `robots`: those that the task may move; none: it moves nothing. `store` has the points that stand for
   /// frames and tools; it outlives this.
@@ -47,8 +47,8 @@ class ProgramMoves {
   /// A move as its robot's planner takes it, without queueing it. `with`: the robot with another TCP.
   struct Prepared {
     std::size_t arm = 0;  ///< index of the robots given
-    std::vector<motion::Move> moves;
-    std::shared_ptr<const motion::RobotFacts> with;
+    std::vector<moves::Move> moves;
+    std::shared_ptr<const moves::RobotFacts> with;
   };
   Prepared prepare(const program::Move& move, const Location& where);
   /// here(), with the robot's joints where `joints_of` says.
@@ -56,10 +56,10 @@ class ProgramMoves {
                       const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
 
   /// Their controllers are going to be unloaded.
-  void forget(const motion::BaseMotion& base);
-  void forget(const motion::RobotMotion& motion);
+  void forget(const moves::BaseMotion& base);
+  void forget(const moves::RobotMotion& motion);
   /// Where the program asks for a move that is under way; empty for one that is not the program's.
-  Location place_of(const motion::RobotMotion& motion, std::uint64_t move) const;
+  Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
   /// True until the robot has come to the end of what start() returned this handle for.
   bool under_way(program::Handle handle) const;
   /// True while something that was asked for has not ended.
@@ -75,7 +75,7 @@ class ProgramMoves {
   /// The robot with another TCP, and which; points may change while a program runs.
   struct MadeTool {
     Pose tcp;
-    std::shared_ptr<const motion::RobotFacts> facts;
+    std::shared_ptr<const moves::RobotFacts> facts;
   };
   struct Arm {
     Robot robot;
@@ -95,18 +95,18 @@ class ProgramMoves {
   Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
   Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
   std::optional<Pose> frame_on_robot(const std::string& name) const;
-  std::shared_ptr<const motion::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
+  std::shared_ptr<const moves::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
   Pose tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const;
-  motion::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,
-                               const Location& where) const;
-  std::vector<motion::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
-                                     const Location& where) const;
-  void pace(const program::Move& from, motion::Move& to) const;
-  void keep_near(const data::JointState& near, const motion::RobotFacts& robot,
-                 std::vector<motion::Move>& moves) const;
+  moves::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,
+                              const Location& where) const;
+  std::vector<moves::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+                                    const Location& where) const;
+  void pace(const program::Move& from, moves::Move& to) const;
+  void keep_near(const data::JointState& near, const moves::RobotFacts& robot,
+                 std::vector<moves::Move>& moves) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
-  std::shared_ptr<motion::InStep> step_of(const program::Move& move, std::size_t arm);
+  std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
 
   std::string task_;
@@ -117,7 +117,7 @@ class ProgramMoves {
   program::Handle last_handle_ = 0;
   struct Step {
     std::uint64_t group = 0;
-    std::shared_ptr<motion::InStep> shared;
+    std::shared_ptr<moves::InStep> shared;
     std::vector<std::size_t> arms;
   };
   Step step_;  ///< the latest

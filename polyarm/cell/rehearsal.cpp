@@ -109,8 +109,8 @@ class Stage : public program::Host {
   struct Arm {
     const CellRobot* robot;
     std::vector<double> at;  ///< after all moves planned so far
-    std::vector<std::pair<motion::Move, Location>> waiting;
-    std::shared_ptr<const motion::RobotFacts> with;
+    std::vector<std::pair<moves::Move, Location>> waiting;
+    std::shared_ptr<const moves::RobotFacts> with;
     bool lost;  ///< nobody knows where it is
   };
 
@@ -135,7 +135,7 @@ class Stage : public program::Host {
     Arm& arm = arms_[move.arm];
     if (arm.with != move.with) plan(arm);
     arm.with = move.with;
-    for (motion::Move& one : move.moves) {
+    for (moves::Move& one : move.moves) {
       arm.waiting.push_back({std::move(one), where});
       if (arm.waiting.back().first.blend <= 0) plan(arm);
     }
@@ -147,17 +147,17 @@ class Stage : public program::Host {
         find_again(arm);
         continue;
       }
-      std::vector<motion::Move> moves;
+      std::vector<moves::Move> moves;
       for (const auto& [move, where] : arm.waiting) moves.push_back(move);
-      const motion::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
+      const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
       try {
-        motion::MovePlan plan = motion::plan_moves(facts, arm.at, moves, cell_.plan_options());
+        moves::MovePlan plan = moves::plan_moves(facts, arm.at, moves, cell_.plan_options());
         if (with_paths_) keep_paths(arm, facts, plan);
         arm.at = std::move(plan.end);
         tell_where(arm);
         out_.moves += moves.size();
         arm.waiting.clear();
-      } catch (const motion::MoveError& e) {
+      } catch (const moves::MoveError& e) {
         tell(e.problems().front(), arm.waiting[e.move].second);
         arm.lost = true;
         out_.moves += e.move + 1;
@@ -167,9 +167,9 @@ class Stage : public program::Host {
     }
   }
 
-  void keep_paths(const Arm& arm, const motion::RobotFacts& facts, const motion::MovePlan& plan) {
+  void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan) {
     std::vector<double> q(arm.at.size());
-    for (const motion::PlannedMotion& motion : plan.motions) {
+    for (const moves::PlannedMotion& motion : plan.motions) {
       RehearsedPath kept{arm.robot->entry.name, arm.waiting[motion.first].second, motion.path.duration(), {}};
       std::size_t hint = 0;
       for (int k = 0; k <= kPathSamples; ++k) {
@@ -182,15 +182,15 @@ class Stage : public program::Host {
 
   /// After a move that cannot be made: as if it had arrived some other way, if its end can be reached at all.
   void find_again(Arm& arm) {
-    const motion::MoveTarget end = arm.waiting.front().first.end();
+    const moves::MoveTarget end = arm.waiting.front().first.end();
     arm.waiting.erase(arm.waiting.begin());
-    const motion::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
+    const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
     try {
       if (const auto* joints = std::get_if<std::vector<double>>(&end.at)) {
-        motion::check_joints(facts, *joints, end.name);
+        moves::check_joints(facts, *joints, end.name);
         arm.at = *joints;
       } else {
-        arm.at = motion::joints_for(facts, std::get<Pose>(end.at), arm.at, end.name);
+        arm.at = moves::joints_for(facts, std::get<Pose>(end.at), arm.at, end.name);
       }
       arm.lost = false;
       tell_where(arm);

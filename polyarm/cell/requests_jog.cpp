@@ -13,14 +13,14 @@ namespace polyarm::cell {
 
 namespace {
 
-using motion::JogCommand;
-using motion::JogHold;
-using Kind = motion::JogWish::Kind;
+using jog::JogCommand;
+using jog::JogHold;
+using Kind = jog::JogWish::Kind;
 
 constexpr Nanoseconds kRenewEvery = 50'000'000, kTellJogEvery = 100'000'000;
 constexpr double kMostHold = 10;
-constexpr double kMostJogged = 1e6;  // beyond it is no way or speed but a mistake
-constexpr double kTargetRounding = 1e-4;   // rad or m; of numbers in messages
+constexpr double kMostJogged = 1e6;       // beyond it is no way or speed but a mistake
+constexpr double kTargetRounding = 1e-4;  // rad or m; of numbers in messages
 
 std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
@@ -42,8 +42,8 @@ double jog_quantity(const Json& value, const std::string& of, Dimension dimensio
 }
 
 /// {elbow_joint: 0.2} → the value of each joint; `absent` where it says nothing.
-motion::JogValues joint_values(const CellRobot& robot, const Json& map, bool rates, double absent) {
-  motion::JogValues out;
+jog::JogValues joint_values(const CellRobot& robot, const Json& map, bool rates, double absent) {
+  jog::JogValues out;
   out.fill(absent);
   std::vector<std::string> names;
   for (const controllers::JointFacts& joint : robot.joints) names.push_back(short_name(joint));
@@ -65,9 +65,9 @@ motion::JogValues joint_values(const CellRobot& robot, const Json& map, bool rat
 }
 
 /// {z: 0.02, rx: 0.1} → a twist, or a way and a rotation vector.
-motion::Twist twist_values(const Json& map, bool rates) {
+jog::Twist twist_values(const Json& map, bool rates) {
   const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
-  motion::Twist out{};
+  jog::Twist out{};
   for (const auto& [key, value] : map.items()) {
     const auto found = std::find(names.begin(), names.end(), key);
     if (found == names.end())
@@ -95,7 +95,7 @@ Pose frame_of(Cell& cell, const CellRobot& robot, const std::string& frame) {
               "there are: " + join(names, ", "));
 }
 
-motion::Twist turned(const Quaternion& r, const motion::Twist& t) {
+jog::Twist turned(const Quaternion& r, const jog::Twist& t) {
   const Vec3 v = r * Vec3{t[0], t[1], t[2]}, w = r * Vec3{t[3], t[4], t[5]};
   return {v.x, v.y, v.z, w.x, w.y, w.z};
 }
@@ -133,7 +133,7 @@ Json json_of(const Vec3& v) {
 
 Json state_of(Cell& cell, std::size_t i) {
   const CellRobot& robot = *cell.robots()[i];
-  const motion::JogStatus status = cell.jogging().status(i);
+  const jog::JogStatus status = cell.jogging().status(i);
   Json joints = Json::object(), names = Json::array(), slides = Json::array(), limits = Json::object();
   std::vector<double> q;
   const bool ours = cell.jogging().engaged(i);
@@ -230,7 +230,7 @@ Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
       renewed = told = cell.now();
       return Progress{};
     }
-    const motion::JogStatus status = jogging.status(i);
+    const jog::JogStatus status = jogging.status(i);
     const bool over = status.step >= command.step;
     if (status.ended >= session || (!over && !jogging.engaged(i)))
       throw Error("stopped", "something stopped the step before it was done", "polyarm control list, health");
@@ -265,7 +265,8 @@ Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
     std::vector<double> out;
     if (list.is_array())
       for (const Json& item : list)
-        if (item.is_number() && std::abs(item.get<double>()) <= kMostJogged) out.push_back(item.get<double>());
+        if (item.is_number() && std::abs(item.get<double>()) <= kMostJogged)
+          out.push_back(item.get<double>());
     if (out.size() != count)
       throw Error("bad-argument",
                   std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
@@ -308,9 +309,9 @@ Poll jog_state(Cell& cell, const Json& arguments) {
   return at_once(state_of(cell, robot_argument(cell, arguments)));
 }
 
-/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay, or
-/// come back.
-void require_within_limits(Cell& cell, std::size_t i, const motion::JogValues& wanted) {
+/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay,
+/// or come back.
+void require_within_limits(Cell& cell, std::size_t i, const jog::JogValues& wanted) {
   const CellRobot& robot = *cell.robots()[i];
   Problems problems;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -357,7 +358,7 @@ Poll target(Cell& cell, const Json& arguments) {
 Poll profile(Cell& cell, const Json& arguments) {
   if (arguments.contains("name") && !arguments["name"].is_null())
     cell.set_profile(text_argument(arguments, "name"));
-  const motion::JogLimits limits = cell.jog_limits();
+  const jog::JogLimits limits = cell.jog_limits();
   return at_once({{"profile", cell.profile()},
                   {"joint_speed", limits.joint_share},
                   {"tcp_speed", limits.tcp_speed < 1e6 ? Json(limits.tcp_speed) : Json()}});

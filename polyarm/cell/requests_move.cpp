@@ -76,7 +76,7 @@ data::JointState joints_of(const Json& map, const CellRobot& robot, const std::s
 }
 
 /// Where a value of the data, a joint state or a pose puts the robot.
-motion::MoveTarget target_of(Cell& cell, const CellRobot& robot, const Json& point, const std::string& what) {
+moves::MoveTarget target_of(Cell& cell, const CellRobot& robot, const Json& point, const std::string& what) {
   if (point.contains("joints"))
     return {joints_by_name(robot.model, joints_of(point["joints"], robot, what), what), what};
   if (point.contains("pose")) return {pose_of(point["pose"], what), what};
@@ -109,9 +109,9 @@ void check_keys(const Json& point, const std::string& what) {
 }
 
 /// Through points that the TCP goes to on lines it goes on one curve.
-std::vector<motion::Move> one_curve(std::vector<motion::Move> lines) {
-  motion::Move curve = lines.front();
-  curve.kind = motion::MoveKind::spline;
+std::vector<moves::Move> one_curve(std::vector<moves::Move> lines) {
+  moves::Move curve = lines.front();
+  curve.kind = moves::MoveKind::spline;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     curve.targets.push_back(lines[i].targets.front());
     curve.duration += lines[i].duration;
@@ -119,7 +119,7 @@ std::vector<motion::Move> one_curve(std::vector<motion::Move> lines) {
   return {curve};
 }
 
-std::vector<motion::Move> read_move(Cell& cell, const CellRobot& robot, const Json& arguments) {
+std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Json& arguments) {
   const std::vector<std::string> kinds = {"joint", "line"};
   const std::string kind = text_argument(arguments, "kind", "joint");
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
@@ -136,17 +136,17 @@ std::vector<motion::Move> read_move(Cell& cell, const CellRobot& robot, const Js
     throw Error("bad-argument", fmt::format("'points' has {} points", points.size()),
                 fmt::format("1 to {}", kMostPoints));
   const bool rests = flag_argument(arguments, "rests");
-  std::vector<motion::Move> out;
+  std::vector<moves::Move> out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Json point = points[i].is_string() ? Json{{"point", points[i]}} : points[i];
     const std::string number = fmt::format("point {}", i + 1);
     if (!point.is_object()) throw Error("bad-argument", number + " is neither a name nor a map");
     check_keys(point, number);
-    motion::Move move;
-    move.kind = kind == "line" ? motion::MoveKind::line : motion::MoveKind::joint;
+    moves::Move move;
+    move.kind = kind == "line" ? moves::MoveKind::line : moves::MoveKind::joint;
     move.targets = {target_of(cell, robot, point, point.value("name", number))};
-    move.speed = share * (move.kind == motion::MoveKind::joint ? cell.pace().speed : 1);
-    if (move.kind == motion::MoveKind::joint) move.joint_pace = pace;
+    move.speed = share * (move.kind == moves::MoveKind::joint ? cell.pace().speed : 1);
+    if (move.kind == moves::MoveKind::joint) move.joint_pace = pace;
     if (point.contains("duration"))
       move.duration = quantity(point["duration"], "the duration of " + number, Dimension::time);
     if (!(move.duration >= 0 && move.duration <= kLongestWay))
@@ -199,7 +199,7 @@ class UnderWay {
 };
 
 Json progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
-  const motion::Travel way = cell.motion(i)->travel(moves.first, moves.last);
+  const moves::Travel way = cell.motion(i)->travel(moves.first, moves.last);
   const bool planned = std::isfinite(way.remaining);
   return {{"robot", cell.robots()[i]->entry.name},
           {"cell", control::name(cell.snapshot().state)},
@@ -210,23 +210,23 @@ Json progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds b
 }
 
 /// The first that did not end well, if any. What failed says more than what was discarded for that reason.
-void throw_bad_end(const motion::RobotMotion& motion, UnderWay& moves) {
-  std::optional<motion::MoveState> worst;
+void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
+  std::optional<moves::MoveState> worst;
   for (std::uint64_t id = moves.first; id <= moves.last; ++id) {
-    const motion::MoveState state = motion.state_of(id);
-    if (state == motion::MoveState::failed || state == motion::MoveState::refused) {
+    const moves::MoveState state = motion.state_of(id);
+    if (state == moves::MoveState::failed || state == moves::MoveState::refused) {
       moves.over = true;
       throw Error(motion.problem_of(id).value_or(
           Problem{"refused", {}, "the controller refused the move: it would have begun with a jump", {}}));
     }
-    if (state == motion::MoveState::discarded) worst = state;
+    if (state == moves::MoveState::discarded) worst = state;
   }
   if (!worst) return;
   moves.over = true;
   throw Error("discarded", "the rest of the motion was discarded", "the robot stands where it was stopped");
 }
 
-Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
+Poll follow_moves(std::size_t i, std::vector<moves::Move> asked) {
   return [i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
           asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, told = Nanoseconds{0}](Cell& cell) mutable {
     if (asked_at < 0) asked_at = cell.now();
@@ -239,7 +239,7 @@ Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
       if (!free || !std::exchange(stood, true)) return Progress{};
       require_may_move(cell, i);
       moves = std::make_shared<UnderWay>(cell);
-      for (motion::Move& move : asked) {
+      for (moves::Move& move : asked) {
         moves->last = cell.motion(i)->queue(std::move(move));
         if (moves->first == 0) moves->first = moves->last;
       }
@@ -253,7 +253,7 @@ Poll follow_moves(std::size_t i, std::vector<motion::Move> asked) {
     }
     throw_bad_end(*cell.motion(i), *moves);
     Json out = progress_of(cell, i, *moves, begun);
-    if (cell.motion(i)->state_of(moves->last) == motion::MoveState::done && cell.snapshot().standing) {
+    if (cell.motion(i)->state_of(moves->last) == moves::MoveState::done && cell.snapshot().standing) {
       moves->over = true;
       out["done"] = true;
       return Progress::done(std::move(out));

@@ -34,9 +34,9 @@ Poll plan_preview(Cell& cell, const Json& arguments) {
   const std::string how = text_argument(arguments, "kind", "joint");
   if (how != "joint" && how != "line")
     throw Error("bad-argument", "there is no way '" + how + "'", "joint or line");
-  motion::Move move;
-  move.kind = how == "line" ? motion::MoveKind::line : motion::MoveKind::joint;
-  motion::MoveTarget target;
+  moves::Move move;
+  move.kind = how == "line" ? moves::MoveKind::line : moves::MoveKind::joint;
+  moves::MoveTarget target;
   target.name = text_argument(arguments, "to", "the target");
   if (arguments.contains("to")) {
     const data::Value& value = place_of(cell, target.name);
@@ -55,11 +55,10 @@ Poll plan_preview(Cell& cell, const Json& arguments) {
   return later<Json>(
       cell,
       [facts = robot.facts.get(), from = joints_now(cell, robot), move, options = cell.plan_options()] {
-        const motion::MovePlan plan =
-            motion::plan_moves(*facts, from, std::vector<motion::Move>{move}, options);
+        const moves::MovePlan plan = moves::plan_moves(*facts, from, std::vector<moves::Move>{move}, options);
         Json path = Json::array();
         std::vector<double> q(from.size());
-        for (const motion::PlannedMotion& each : plan.motions) {
+        for (const moves::PlannedMotion& each : plan.motions) {
           std::size_t hint = 0;
           for (int k = 0; k <= kSamples; ++k) {
             each.path.sample(each.path.duration() * k / kSamples, q, {}, {}, {}, hint);

@@ -150,8 +150,8 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
                   robot.driver);
 }
 
-std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const motion::TcpLimits& tcp,
-                                                 motion::Workspace workspace) {
+std::unique_ptr<moves::RobotFacts> motion_facts(const CellRobot& robot, const moves::TcpLimits& tcp,
+                                                moves::Workspace workspace) {
   std::vector<trajectory::JointMotionLimits> limits;
   for (const controllers::JointFacts& joint : robot.joints)
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
@@ -159,21 +159,20 @@ std::unique_ptr<motion::RobotFacts> motion_facts(const CellRobot& robot, const m
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
   std::vector<double> effort;
   for (const controllers::JointFacts& joint : robot.joints) effort.push_back(joint.effort);
-  auto torques = motion::torque_limits_of(
+  auto torques = moves::torque_limits_of(
       robot.model, robot.entry.base,
-      motion::joined(
-          {robot.tool.mass, robot.tool.center},
-          {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)}),
+      moves::joined({robot.tool.mass, robot.tool.center},
+                    {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)}),
       std::move(effort));
-  return std::make_unique<motion::RobotFacts>(motion::RobotFacts{robot.entry.name,
-                                                                 &robot.model,
-                                                                 std::move(chain),
-                                                                 std::move(limits),
-                                                                 {},
-                                                                 robot.start,
-                                                                 std::move(solver),
-                                                                 std::move(workspace),
-                                                                 std::move(torques)});
+  return std::make_unique<moves::RobotFacts>(moves::RobotFacts{robot.entry.name,
+                                                               &robot.model,
+                                                               std::move(chain),
+                                                               std::move(limits),
+                                                               {},
+                                                               robot.start,
+                                                               std::move(solver),
+                                                               std::move(workspace),
+                                                               std::move(torques)});
 }
 
 /// Limits from the description and from the joint_limits of the controllers' files.
@@ -247,9 +246,9 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
       problems.add(problem);
   description::set_tip(robot->model, entry.tip, entry.where);
   narrow_ranges(entry.ranges, robot->model, problems);
-  std::vector<motion::WorkspaceZone> zones = file.workspace;
+  std::vector<moves::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
-  motion::Workspace workspace(std::move(zones));
+  moves::Workspace workspace(std::move(zones));
   robot->tool = description::find_tool(entry.tool, file.folder.string());
   refuse_overload(*robot, problems);
   if (auto missing = description::missing_in_tool(entry.tool, file.folder.string()))

@@ -30,7 +30,7 @@ struct CellRobot {
   std::vector<HardwareBlock> blocks;            ///< what its description declares, each with its driver
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
-  std::unique_ptr<motion::RobotFacts> facts;
+  std::unique_ptr<moves::RobotFacts> facts;
   std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does without hardware
 };
 

@@ -32,8 +32,8 @@ void read_profile(const Yaml& yaml, ProfileEntry& out, Problems& problems) {
        "a share of the joints' limits, above 0 and at most 1 (100%)");
 }
 
-motion::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Problems& problems) {
-  motion::WorkspaceZone out;
+moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Problems& problems) {
+  moves::WorkspaceZone out;
   out.name = name;
   out.where = yaml.where();
   yaml.check_keys({"plane", "normal", "inside", "outside"}, problems);
@@ -49,7 +49,7 @@ motion::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Probl
     return out;
   }
   const char* key = yaml.has("inside") ? "inside" : "outside";
-  out.kind = yaml.has("inside") ? motion::ZoneKind::inside : motion::ZoneKind::outside;
+  out.kind = yaml.has("inside") ? moves::ZoneKind::inside : moves::ZoneKind::outside;
   const std::vector<Yaml> corners = yaml[key].items();
   if (corners.size() != 2)
     throw Error(Problem{"bad-value", yaml[key].where(), "a box has two corners",
@@ -87,12 +87,12 @@ ProfileEntries read_profiles(const Yaml& cell, Problems& problems) {
   return out;
 }
 
-std::vector<motion::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems) {
-  std::vector<motion::WorkspaceZone> out;
+std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems) {
+  std::vector<moves::WorkspaceZone> out;
   for (const std::string& name : yaml.keys())
     collect(problems, [&] {
-      const motion::WorkspaceZone zone = read_zone(name, yaml[name], problems);
-      const motion::Workspace checked({zone});
+      const moves::WorkspaceZone zone = read_zone(name, yaml[name], problems);
+      const moves::Workspace checked({zone});
       out.push_back(zone);
     });
   return out;

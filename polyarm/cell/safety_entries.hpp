@@ -50,7 +50,7 @@ control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems);
 /// `profile` and `profiles` of the cell file.
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
 /// `workspace` of a cell or a robot.
-std::vector<motion::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems);
+std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems);
 /// `payload` of a robot: a mass, or mass and centre.
 PayloadEntry read_payload(const Yaml& yaml, Problems& problems);
 /// `joint_ranges` of a robot.

@@ -13,7 +13,8 @@ namespace {
 /// A stop that was asked for as immediate brakes this many times as hard as one within the limits.
 constexpr double kWorthANote = 0.01;  // rad or m that a joint is off at the end where no tolerance judges it
 constexpr double kImmediateFactor = 3;
-/// A joint that leaves the path to stop brakes this many times as hard as its limit; drives give what they can.
+/// A joint that leaves the path to stop brakes this many times as hard as its limit; drives give what they
+/// can.
 constexpr double kCutFactor = 10;
 /// No change from full speed to rest or back is faster than this, s, unless it is immediate.
 constexpr double kShortestRamp = 0.05;
@@ -135,7 +136,7 @@ void JointTrajectoryController::judge_by(const Tolerances& wanted) noexcept {
 
 /// Whether a goal fits this controller and begins where the joints are commanded to be.
 GoalRefusal JointTrajectoryController::check_start(const TrajectoryGoal& goal) noexcept {
-  trajectory::PathFollower* planned = goal.planned.get();
+  timing::PathFollower* planned = goal.planned.get();
   const std::size_t named = goal.joints.empty() ? joints_.size() : goal.joints.size();
   if (planned ? planned->joints() != joints_.size() || !goal.joints.empty() || goal.bridged
               : goal.trajectory.joints() != named)
@@ -408,7 +409,7 @@ void JointTrajectoryController::follow_trajectory(std::size_t i, double dt) noex
 
 /// Where the path was moved to in this cycle.
 void JointTrajectoryController::follow_path(std::size_t i) noexcept {
-  trajectory::PathFollower& path = *tracks_[i].goal->planned;
+  timing::PathFollower& path = *tracks_[i].goal->planned;
   path.sample(sample_position_, sample_velocity_, sample_acceleration_);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if (leader_[j] != static_cast<int>(i)) continue;
@@ -439,7 +440,7 @@ void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
   const bool back = verdict.back > 0 && !verdict.immediate, begins = back && !backing_;
   backing_ = back;
   for (const Track& track : tracks_) {
-    trajectory::PathFollower* path = track.goal ? track.goal->planned.get() : nullptr;
+    timing::PathFollower* path = track.goal ? track.goal->planned.get() : nullptr;
     if (path && begins) path->step_back(verdict.back_time, verdict.back_way);
     if (path && back)
       path->advance_back(verdict.back);

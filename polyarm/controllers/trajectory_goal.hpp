@@ -29,7 +29,7 @@ struct TrajectoryGoal {
   trajectory::Trajectory trajectory = {};
   /// Instead of a trajectory: all joints of the controller, in order, along a path at any speed. Its period
   /// is the controller's, and it begins at the last command.
-  std::unique_ptr<trajectory::PathFollower> planned = nullptr;
+  std::unique_ptr<timing::PathFollower> planned = nullptr;
   /// Of a planned path, shared with who sent it: set, it comes to rest on the path as soon as its limits
   /// allow, and is over there as if it were at its end. Null: nobody ends it.
   std::shared_ptr<std::atomic<bool>> ends = nullptr;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 namespace {
 
 AxisState after(const AxisState& s, double jerk, double t) noexcept {
@@ -115,4 +115,4 @@ double stopping_speed(double distance, double acceleration, double jerk) noexcep
   return std::sqrt(full * full / 4 + 2 * acceleration * distance) - full / 2;
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

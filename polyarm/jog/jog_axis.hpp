@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 struct AxisState {
   double position = 0, velocity = 0, acceleration = 0;
@@ -66,4 +66,4 @@ class AxisGuard {
 /// steady motion; infinite where the distance is.
 double stopping_speed(double distance, double acceleration, double jerk) noexcept;
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -8,7 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 namespace {
 using controllers::CallbackReturn;
 using controllers::ReturnType;
@@ -21,7 +21,7 @@ constexpr double kThinkOn = 0.05;
 }  // namespace
 
 JogController::JogController(const kinematics::Chain& chain, std::vector<controllers::JointFacts> joints,
-                             Workspace workspace)
+                             moves::Workspace workspace)
     : chain_(chain), facts_(std::move(joints)), workspace_(std::move(workspace)) {}
 
 CallbackReturn JogController::on_configure(controllers::ControllerContext& context) {
@@ -181,4 +181,4 @@ void JogController::write(const hardware::Cycle& cycle) noexcept {
   outbox_.publish();
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

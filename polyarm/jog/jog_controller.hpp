@@ -11,7 +11,7 @@
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/realtime/latest.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 /// What one who jogs asks for. The next command takes its place.
 struct JogCommand {
@@ -53,7 +53,7 @@ class JogController : public controllers::Controller {
 
   /// `joints`: whole names, as in the chain's order. `chain` outlives it.
   JogController(const kinematics::Chain& chain, std::vector<controllers::JointFacts> joints,
-                Workspace workspace);
+                moves::Workspace workspace);
 
   /// Throws Error("no-jog") where joints take neither positions nor velocities.
   controllers::CallbackReturn on_configure(controllers::ControllerContext& context) override;
@@ -96,7 +96,7 @@ class JogController : public controllers::Controller {
 
   const kinematics::Chain& chain_;
   std::vector<controllers::JointFacts> facts_;
-  Workspace workspace_;
+  moves::Workspace workspace_;
   std::vector<Joint> joints_;
   std::optional<JogGenerator> generator_;
 
@@ -116,4 +116,4 @@ class JogController : public controllers::Controller {
   std::atomic<double> joint_share_{1}, tcp_speed_{1e9}, tcp_turning_{1e9};
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

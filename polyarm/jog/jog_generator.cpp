@@ -8,7 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 namespace {
 
 using trajectory::MotionLimits;
@@ -54,8 +54,8 @@ const char* name(JogHold hold) {
   return kNames[static_cast<std::size_t>(hold)];
 }
 
-JogGenerator::JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes, Workspace workspace,
-                           double period)
+JogGenerator::JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes,
+                           moves::Workspace workspace, double period)
     : chain_(chain),
       axes_(std::move(axes)),
       workspace_(std::move(workspace)),
@@ -317,7 +317,7 @@ double JogGenerator::throttle(const JogLimits& limits, Before before, bool commo
   }
   slow(kBelow * limits.tcp_speed / speed, JogHold::speed, 0);
   for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
-    const Workspace::Distance d = workspace_.distance(i, solver_.position());
+    const moves::Workspace::Distance d = workspace_.distance(i, solver_.position());
     const double closing = -dot(d.away, {twist[0], twist[1], twist[2]});
     if (closing > 1e-4 * speed)
       slow(stopping_speed((d.distance - kKeepFree) / closing, a, jerk), JogHold::workspace,
@@ -340,7 +340,7 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
 
 /// What happens while every joint brakes: how near the TCP comes to each boundary, and how fast it is.
 struct JogGenerator::Ahead {
-  std::array<double, Workspace::kMostBoundaries> distance;
+  std::array<double, moves::Workspace::kMostBoundaries> distance;
   double speed = 0, at_once = 0;  // the most, and at the beginning
 };
 
@@ -489,4 +489,4 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
   tcp_speed_ = linear(solver_.twist_of({velocity.data(), n}));
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

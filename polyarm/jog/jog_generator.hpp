@@ -17,7 +17,7 @@
 #include "polyarm/moves/workspace.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 /// What is wanted of the next cycles.
 struct JogWish {
@@ -66,12 +66,12 @@ class JogGenerator {
  public:
   /// `axes`: limits of all joints of the chain, which outlives the generator. `period`: of a cycle, s. Throws
   /// Error("too-many-joints") beyond kMostJogJoints.
-  JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes, Workspace workspace,
+  JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes, moves::Workspace workspace,
                double period);
 
   std::size_t joints() const noexcept { return axes_.size(); }
   const std::vector<AxisLimits>& axes() const noexcept { return axes_; }
-  const Workspace& workspace() const noexcept { return workspace_; }
+  const moves::Workspace& workspace() const noexcept { return workspace_; }
 
   /// At rest at `q`.
   void start(std::span<const double> q) noexcept;
@@ -115,7 +115,7 @@ class JogGenerator {
   std::vector<AxisLimits> axes_;
   std::vector<double> velocity_, acceleration_, jerk_, lower_, upper_;  // for the solver
   std::vector<double> gentle_acceleration_, gentle_jerk_;
-  Workspace workspace_;
+  moves::Workspace workspace_;
   double dt_, length_ = 1;
   TwistSolver solver_;
   TcpLead lead_;
@@ -132,4 +132,4 @@ class JogGenerator {
   double tcp_speed_ = 0;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 namespace {
 
 using trajectory::MotionLimits;
@@ -199,4 +199,4 @@ bool TcpLead::approach(const Target& target, double share, const TwistSolver& so
          (solver.columns() < 6 || (linear(left) < kHere && angular(left) < kHereTurned));
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -11,7 +11,7 @@
 #include "polyarm/jog/twist_solver.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 /// A jerk-limited motion of the TCP that joints follow: where the TCP would be, and how fast, if nothing held
 /// it back. It changes its velocity no quicker than a share of the joints' accelerations and jerks allows
@@ -76,4 +76,4 @@ class TcpLead {
   Twist twist_{}, slope_{};
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -5,7 +5,7 @@
 
 #include "polyarm/base/pose.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 /// linear x y z (m/s), angular x y z (rad/s).
 using Twist = std::array<double, 6>;
@@ -36,4 +36,4 @@ inline void advance(Pose& pose, const Twist& by) noexcept {
   if (angle > 0) pose.rotation = normalized(from_axis_angle((1 / angle) * r, angle) * pose.rotation);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -6,7 +6,7 @@
 
 #include "polyarm/jog/jog_axis.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 namespace {
 
 /// Singular values, lengths measured in reaches of the arm: below this a direction is singular.
@@ -418,4 +418,4 @@ void TwistSolver::reach(const Twist& twist, JogValues& out) const noexcept {
   }
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -10,7 +10,7 @@
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/moves/arm_derivatives.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::jog {
 
 /// Most joints of an arm that is jogged.
 inline constexpr std::size_t kMostJogJoints = 128;
@@ -94,7 +94,7 @@ class TwistSolver {
   double feasible(const Level& level, const std::array<double, kRows>& wish) const noexcept;
   void find_ranks(const kinematics::Chain& chain);
 
-  ArmDerivatives arm_, probe_;
+  moves::ArmDerivatives arm_, probe_;
   std::size_t joints_, columns_;
   double length_;  // what a metre counts as against a radian
   std::size_t levels_, locked_ = 0;
@@ -108,4 +108,4 @@ class TwistSolver {
   int patience_ = 0;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::jog

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 namespace {
 
 std::array<Vec3, 3> columns_of(const Quaternion& r) {
@@ -111,4 +111,4 @@ void ArmDerivatives::fill(std::size_t order) noexcept {
   }
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

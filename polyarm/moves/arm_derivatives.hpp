@@ -9,7 +9,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/kinematics/chain.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// One joint state and how the TCP moves there. Built once (allocates); after that each step fills in what
 /// the next needs: at(), then move() with the joints' first derivatives, then move_on() with the second. No
@@ -54,4 +54,4 @@ class ArmDerivatives {
   std::array<std::vector<double>, 3> J_;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 namespace {
 using trajectory::MotionLimits;
@@ -149,4 +149,4 @@ BaseMotion::State BaseMotion::state_of(std::uint64_t id) const {
   return State::done;
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -8,7 +8,7 @@
 #include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 struct BaseMove {
   bool turns = false;       ///< on the spot; else straight on
@@ -71,4 +71,4 @@ class BaseMotion {
   std::optional<Problem> problem_;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

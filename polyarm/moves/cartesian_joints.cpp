@@ -13,12 +13,12 @@
 #include "polyarm/moves/joint_rates.hpp"
 #include "polyarm/paths/hermite.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 namespace {
 
-using trajectory::Jet;
-using trajectory::PolynomialPath;
-using trajectory::PoseDerivatives;
+using paths::Jet;
+using paths::PolynomialPath;
+using paths::PoseDerivatives;
 
 constexpr double kThere = 1e-4;          // m and rad: a seed that is where the path begins
 constexpr double kShare = 0.3;           // of the tolerance, at the places between nodes that are looked at
@@ -41,8 +41,8 @@ struct Node {
 
 class Follower {
  public:
-  Follower(const kinematics::Chain& chain, const trajectory::CartesianPath& path,
-           const FollowOptions& options, double offset)
+  Follower(const kinematics::Chain& chain, const paths::CartesianPath& path, const FollowOptions& options,
+           double offset)
       : chain_(chain),
         path_(path),
         options_(options),
@@ -123,7 +123,7 @@ class Follower {
       if (error <= kShare) {
         check_limits(node.s, next.s - node.s);
         out_->append(next.s - node.s, coefficients_,
-                     first ? trajectory::PieceJoin::third_jumps : trajectory::PieceJoin::third_continues);
+                     first ? paths::PieceJoin::third_jumps : paths::PieceJoin::third_continues);
         first = false;
         node = std::move(next);
       } else if (h <= 2 * shortest || ++failed > kMostFailures) {
@@ -173,7 +173,7 @@ class Follower {
       const auto jet = [&](const Node& n) {
         return Jet<double>{n.q[j], n.rates.d[0][k], n.rates.d[1][k], n.rates.d[2][k]};
       };
-      const auto c = trajectory::hermite7(jet(a), jet(b), h);
+      const auto c = paths::hermite7(jet(a), jet(b), h);
       std::copy(c.begin(), c.end(), coefficients_.begin() + static_cast<std::ptrdiff_t>(j * kPowers));
     }
     double most = 0;
@@ -270,7 +270,7 @@ class Follower {
   }
 
   const kinematics::Chain& chain_;
-  const trajectory::CartesianPath& path_;
+  const paths::CartesianPath& path_;
   const FollowOptions& options_;
   double offset_;  // of places in errors
   ArmDerivatives arm_;
@@ -283,20 +283,19 @@ class Follower {
 }  // namespace
 
 std::unique_ptr<const PolynomialPath> joints_along(const kinematics::Chain& chain,
-                                                   const trajectory::CartesianPath& path,
+                                                   const paths::CartesianPath& path,
                                                    std::span<const double> seed,
                                                    const FollowOptions& options) {
   return Follower(chain, path, options, 0).run(seed);
 }
 
-trajectory::PathSections joints_along(const kinematics::Chain& chain,
-                                      const trajectory::CartesianSections& path, std::span<const double> seed,
-                                      const FollowOptions& options) {
-  trajectory::PathSections out;
+paths::PathSections joints_along(const kinematics::Chain& chain, const paths::CartesianSections& path,
+                                 std::span<const double> seed, const FollowOptions& options) {
+  paths::PathSections out;
   out.warnings = path.warnings;
   std::vector<double> at(seed.begin(), seed.end());
   double offset = 0;
-  for (const trajectory::CartesianPath& section : path.sections) {
+  for (const paths::CartesianPath& section : path.sections) {
     auto joints = Follower(chain, section, options, offset).run(at);
     offset += section.length();
     joints->at(joints->length(), {at, {}, {}, {}});
@@ -305,10 +304,10 @@ trajectory::PathSections joints_along(const kinematics::Chain& chain,
   return out;
 }
 
-trajectory::TcpDistance tcp_distance(const kinematics::Chain& chain) {
+paths::TcpDistance tcp_distance(const kinematics::Chain& chain) {
   return [&chain](std::span<const double> a, std::span<const double> b) {
     return norm(chain.forward(a).position - chain.forward(b).position);
   };
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -9,7 +9,7 @@
 #include "polyarm/paths/joint_path.hpp"
 #include "polyarm/paths/polynomial_path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 struct FollowOptions {
   double position_tolerance = 1e-7;     ///< m, of the TCP from its path, between nodes too
@@ -30,18 +30,17 @@ struct FollowOptions {
 /// Throws Error: "wrong-size"; "unreachable" (no joint state leads to the path from a place on); "limit"
 /// (which joint, which limit, where); "singular" (which joint would have to turn how fast, where); "branch"
 /// (the path goes on, but only in another configuration). Places are in the path's parameter: metres.
-std::unique_ptr<const trajectory::PolynomialPath> joints_along(const kinematics::Chain& chain,
-                                                               const trajectory::CartesianPath& path,
-                                                               std::span<const double> seed,
-                                                               const FollowOptions& options = {});
+std::unique_ptr<const paths::PolynomialPath> joints_along(const kinematics::Chain& chain,
+                                                          const paths::CartesianPath& path,
+                                                          std::span<const double> seed,
+                                                          const FollowOptions& options = {});
 
 /// All sections, one after the other; `path`'s warnings go with them. In errors the places count from the
 /// beginning of the first section.
-trajectory::PathSections joints_along(const kinematics::Chain& chain,
-                                      const trajectory::CartesianSections& path, std::span<const double> seed,
-                                      const FollowOptions& options = {});
+paths::PathSections joints_along(const kinematics::Chain& chain, const paths::CartesianSections& path,
+                                 std::span<const double> seed, const FollowOptions& options = {});
 
 /// For JointPathOptions: radii in metres at the TCP. Keeps a reference to `chain`.
-trajectory::TcpDistance tcp_distance(const kinematics::Chain& chain);
+paths::TcpDistance tcp_distance(const kinematics::Chain& chain);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 namespace {
 
 constexpr int kSteps = 12;          // of Newton's method; from nearby three do
@@ -99,7 +99,7 @@ bool settle(ArmDerivatives& arm, std::span<double> q, const Pose& target) {
   return false;
 }
 
-bool find_rates(ArmDerivatives& arm, const trajectory::PoseDerivatives& path, JointRates& out) {
+bool find_rates(ArmDerivatives& arm, const paths::PoseDerivatives& path, JointRates& out) {
   std::array<Six, 3> x;
   for (std::size_t n = 0; n < 3; ++n) x[n] = six(path.linear[n], path.angular[n]);
   const Solver solve(matrix(arm.J()));
@@ -123,7 +123,7 @@ bool find_rates(ArmDerivatives& arm, const trajectory::PoseDerivatives& path, Jo
   return true;
 }
 
-FastestJoint fastest_joint(const ArmDerivatives& arm, const trajectory::PoseDerivatives& path) {
+FastestJoint fastest_joint(const ArmDerivatives& arm, const paths::PoseDerivatives& path) {
   const Eigen::MatrixXd J = matrix(arm.J());
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Six x = six(path.linear[0], path.angular[0]);
@@ -144,4 +144,4 @@ FastestJoint fastest_joint(const ArmDerivatives& arm, const trajectory::PoseDeri
   return out;
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -7,7 +7,7 @@
 #include "polyarm/moves/arm_derivatives.hpp"
 #include "polyarm/paths/pose_piece.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// Of the joints that move the TCP.
 using JointValues = std::array<double, kinematics::Chain::kMostMoving>;
@@ -27,7 +27,7 @@ bool settle(ArmDerivatives& arm, std::span<double> q, const Pose& target);
 /// Where arm.at() is on the path: the derivatives of the joints. Six joints: the one solution. More: the
 /// smallest (of first derivatives; the others are derivatives of that). Fewer: least squares, exact if the
 /// arm can follow at all. False where they are no numbers.
-bool find_rates(ArmDerivatives& arm, const trajectory::PoseDerivatives& path, JointRates& out);
+bool find_rates(ArmDerivatives& arm, const paths::PoseDerivatives& path, JointRates& out);
 
 /// The joint that has to move fastest where arm.at() is on the path, and how fast, rad or m per unit of the
 /// path; infinite at a singularity that the path does not pass along.
@@ -35,6 +35,6 @@ struct FastestJoint {
   std::size_t column = 0;
   double rate = 0;
 };
-FastestJoint fastest_joint(const ArmDerivatives& arm, const trajectory::PoseDerivatives& path);
+FastestJoint fastest_joint(const ArmDerivatives& arm, const paths::PoseDerivatives& path);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -15,11 +15,11 @@
 #include "polyarm/paths/cartesian_path.hpp"
 #include "polyarm/paths/joint_path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
-using trajectory::CartesianPath;
-using trajectory::CartesianPathBuilder;
-using trajectory::Path;
+using paths::CartesianPath;
+using paths::CartesianPathBuilder;
+using paths::Path;
 
 namespace {
 
@@ -62,7 +62,7 @@ class Geometry {
   }
 
   void joint_run(MoveRun& run) {
-    std::vector<trajectory::JointWaypoint> points{{q_, 0, "the start"}};
+    std::vector<paths::JointWaypoint> points{{q_, 0, "the start"}};
     std::vector<double> ends{0};
     for (std::size_t i = run.first; i <= run.last; ++i) {
       const MoveTarget& target = r_.moves[i].end();
@@ -77,10 +77,10 @@ class Geometry {
         throw MoveError(why, i);
       }
     }
-    trajectory::JointPathOptions options;
+    paths::JointPathOptions options;
     options.tcp_distance = r_.distance;
     const bool curve = goes_through(r_.moves[run.first]) && points.size() > 2;
-    auto path = curve ? trajectory::joint_spline(points, options) : trajectory::joint_lines(points, options);
+    auto path = curve ? paths::joint_spline(points, options) : paths::joint_lines(points, options);
     if (curve) pass_points(*path.sections.front(), run.first, points, ends);
     take_warnings(path.warnings, run);
     double begin = 0;
@@ -98,7 +98,7 @@ class Geometry {
   }
 
   /// Finds where a spline passes its points, and that it stays within the joints' limits between them.
-  void pass_points(const Path& path, std::size_t first, std::span<const trajectory::JointWaypoint> points,
+  void pass_points(const Path& path, std::size_t first, std::span<const paths::JointWaypoint> points,
                    std::vector<double>& ends) const {
     std::size_t knot = 0;
     for (std::size_t i = 1; i < points.size(); ++i) {  // points that repeat the one before have no knot
@@ -130,8 +130,8 @@ class Geometry {
       add_to(builder, r_.moves[i], i == run.last ? 0 : r_.moves[i].blend);
       ends.push_back(builder.length());
     }
-    trajectory::CartesianSections path = builder.build();
-    trajectory::PathSections joints = joints_along(r_.robot.chain, path, q_);
+    paths::CartesianSections path = builder.build();
+    paths::PathSections joints = joints_along(r_.robot.chain, path, q_);
     if (last < run.last) return;  // only to see whether it can be had
     take_warnings(path.warnings, run);
     double begin = 0;
@@ -150,7 +150,7 @@ class Geometry {
   }
 
   void add_to(CartesianPathBuilder& builder, const Move& move, double radius) const {
-    const trajectory::Corner corner{radius, move.end().name};
+    const paths::Corner corner{radius, move.end().name};
     if (move.kind == MoveKind::line) {
       builder.line(pose_of(move.end()), corner);
     } else if (move.kind == MoveKind::arc) {
@@ -213,4 +213,4 @@ MoveRun move_geometry(const PlanRequest& request, std::size_t first, std::size_t
   return Geometry(request, q, warnings).run(first, last);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -11,11 +11,11 @@
 #include "polyarm/paths/hermite.hpp"
 #include "polyarm/paths/polynomial_path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
-using trajectory::Jet;
-using trajectory::Path;
-using trajectory::PolynomialPath;
+using paths::Jet;
+using paths::Path;
+using paths::PolynomialPath;
 
 namespace {
 
@@ -120,7 +120,7 @@ class Joins {
     Values start(n), c(n * kPowers, 0.0);
     for (std::size_t j = 0; j < n; ++j) {
       start[j] = ends.before[j].value;
-      const auto one = trajectory::hermite5(ends.before[j], ends.behind[j], ends.length);
+      const auto one = paths::hermite5(ends.before[j], ends.behind[j], ends.length);
       std::copy(one.begin(), one.end(), c.begin() + static_cast<std::ptrdiff_t>(j * kPowers));
     }
     auto path = std::make_shared<PolynomialPath>(start);
@@ -164,4 +164,4 @@ bool join_moves(const PlanRequest& request, MoveDraft& draft, MovePart& next,
   return Joins(request, warnings).run(draft, next);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -6,9 +6,9 @@
 
 #include "polyarm/moves/tcp_rates.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
-using trajectory::Path;
+using paths::Path;
 using PathPtr = std::shared_ptr<const Path>;
 
 namespace {
@@ -19,7 +19,7 @@ class NoPath final : public Path {
   explicit NoPath(PathPtr like) : like_(std::move(like)) {}
   std::size_t joints() const noexcept override { return 3; }
   double length() const noexcept override { return like_->length(); }
-  void at(double, const trajectory::PathDerivatives& out) const noexcept override {
+  void at(double, const paths::PathDerivatives& out) const noexcept override {
     for (const std::span<double> values : {out.q, out.first, out.second, out.third})
       std::fill(values.begin(), values.end(), 0.0);
   }
@@ -60,4 +60,4 @@ void give_tcp(const PlanRequest& request, MovePart& part, bool bounded) {
   }
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

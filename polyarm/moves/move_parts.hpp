@@ -11,7 +11,7 @@
 #include "polyarm/paths/joint_path.hpp"
 #include "polyarm/paths/path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// Where a move is on a part's own path.
 struct MoveSpan {
@@ -21,7 +21,7 @@ struct MoveSpan {
 
 /// A piece of a motion: a stretch of one path, with the TCP's way on it.
 struct MovePart {
-  std::shared_ptr<const trajectory::Path> joints, translation, rotation;
+  std::shared_ptr<const paths::Path> joints, translation, rotation;
   double from = 0, to = 0, scale = 1;
   std::vector<MoveSpan> moves;
   bool joins = false;  ///< two moves: both are on all of it
@@ -43,7 +43,7 @@ struct PlanRequest {
   const RobotFacts& robot;
   std::span<const Move> moves;
   const MovePlanOptions& options;
-  trajectory::TcpDistance distance;
+  paths::TcpDistance distance;
 };
 
 inline bool is_cartesian(const Move& move) {
@@ -54,11 +54,11 @@ inline bool goes_through(const Move& move) {
 }
 
 /// The joints at a place on a path.
-std::vector<double> joints_at(const trajectory::Path& path, double s);
+std::vector<double> joints_at(const paths::Path& path, double s);
 double norm_of(std::span<const double> v);
 /// Are there bounds at the TCP of joint moves?
 bool needs_tcp(const PlanRequest& request, std::size_t first, std::size_t last);
 /// Gives a part of joints the TCP's way on it; where nothing bounds that, none.
 void give_tcp(const PlanRequest& request, MovePart& part, bool bounded);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -10,7 +10,7 @@
 #include "polyarm/moves/move_joins.hpp"
 #include "polyarm/moves/move_timing.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 namespace {
 
@@ -104,4 +104,4 @@ MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::
   return Planner(robot, moves, options).run(from);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

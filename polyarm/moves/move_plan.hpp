@@ -16,7 +16,7 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/timing/timing.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// joint: straight in joint space. line, arc and spline: the TCP's way.
 enum class MoveKind { joint, line, arc, spline };
@@ -30,7 +30,7 @@ struct Move {
   MoveKind kind = MoveKind::joint;
   /// Where it ends; of an arc the point on the way before it, of a spline all poses to pass through.
   std::vector<MoveTarget> targets;
-  trajectory::ArcOrientation orientation = trajectory::ArcOrientation::interpolated;
+  paths::ArcOrientation orientation = paths::ArcOrientation::interpolated;
   /// m at the TCP: how far from its end the path may leave this move and be on the next; 0: it comes to rest
   /// there. Of no meaning for the last.
   double blend = 0;
@@ -54,10 +54,10 @@ struct Move {
 
 /// One motion from rest to rest.
 struct PlannedMotion {
-  trajectory::TimedPath path;
-  std::size_t first = 0, last = 0;              ///< of the moves; one that is split belongs to two motions
-  std::vector<double> ends;                     ///< s at which moves end: of first, first + 1, …
-  std::vector<trajectory::ActiveLimit> active;  ///< what bounds it where; rows beyond the joints: `bounds`
+  timing::TimedPath path;
+  std::size_t first = 0, last = 0;          ///< of the moves; one that is split belongs to two motions
+  std::vector<double> ends;                 ///< s at which moves end: of first, first + 1, …
+  std::vector<timing::ActiveLimit> active;  ///< what bounds it where; rows beyond the joints: `bounds`
   std::vector<std::string> bounds;
   /// Accelerations of the joints are this share of their limits, so that no torque is beyond its limit: that
   /// of `torque_joint` would be.
@@ -94,13 +94,13 @@ struct MovePlanOptions {
 
 /// Moves one after the other, each from where the one before ends, the first from the joint state `from`.
 /// Neighbours with a blend between them are one path, whatever their kinds: between moves of the same kind by
-/// trajectory::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
+/// paths::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
 /// to the second derivative and stays within the radius at the TCP; joint moves through their ends are one
-/// trajectory::joint_spline. Each path is then timed within the limits of joints and TCP. Deterministic.
+/// paths::joint_spline. Each path is then timed within the limits of joints and TCP. Deterministic.
 /// Throws MoveError with the codes of those parts, of joints_for() and check_joints(), which holds between
 /// the points of a spline too, "workspace" where the TCP would leave the robot's, and "payload" where a joint
 /// cannot hold the load.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

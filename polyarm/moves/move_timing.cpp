@@ -14,12 +14,12 @@
 #include "polyarm/moves/path_zones.hpp"
 #include "polyarm/paths/joined_path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
-using trajectory::JoinedPath;
+using paths::JoinedPath;
+using paths::Path;
+using timing::NormLimit;
 using trajectory::MotionLimits;
-using trajectory::NormLimit;
-using trajectory::Path;
 
 namespace {
 
@@ -31,9 +31,9 @@ constexpr int kTorqueRounds = 4;      // of less acceleration for the joints' to
 constexpr double kTorqueRoom = 0.99;  // and a little less each time, since the times shift
 constexpr double kJerkOf = 10;        // per s: of an acceleration that is stated without its jerk
 
-class Timing {
+class MoveTimer {
  public:
-  Timing(const PlanRequest& request, const MoveDraft& draft, std::span<const MotionLimits> limits)
+  MoveTimer(const PlanRequest& request, const MoveDraft& draft, std::span<const MotionLimits> limits)
       : r_(request), draft_(draft), limits_(limits) {}
 
   PlannedMotion run() {
@@ -177,13 +177,13 @@ class Timing {
   }
 
   void time(PathPtr joints, const ZoneNorms& norms, PlannedMotion& motion) {
-    trajectory::TimingOptions options;
+    timing::TimingOptions options;
     options.norms = norms.list();
     std::vector<MotionLimits> limits(limits_.begin(), limits_.end());
-    trajectory::Timing timing;
+    timing::Timing timing;
     for (int round = 0;; ++round) {
       try {
-        timing = trajectory::time_path(*joints, limits, options);
+        timing = timing::time_path(*joints, limits, options);
       } catch (const Error& why) {
         throw MoveError(why, motion.last);
       }
@@ -196,15 +196,15 @@ class Timing {
     if (wanted > timing.profile.duration()) timing.profile.stretch(wanted / timing.profile.duration());
     for (const NormLimit& norm : norms.list()) motion.bounds.push_back(norm.name);
     motion.active = std::move(timing.active);
-    motion.path = trajectory::TimedPath(std::move(joints), std::move(timing.profile));
+    motion.path = timing::TimedPath(std::move(joints), std::move(timing.profile));
   }
 
   /// Are there torques beyond their limits? Then `limits` come down, for another round; after some rounds the
   /// profile takes longer.
-  bool lighten(const PathPtr& joints, trajectory::SpeedProfile& profile, int round,
+  bool lighten(const PathPtr& joints, timing::SpeedProfile& profile, int round,
                std::vector<MotionLimits>& limits, PlannedMotion& motion) const {
     if (!r_.robot.torques) return false;
-    const auto judged = r_.robot.torques->judge(trajectory::TimedPath(joints, profile));
+    const auto judged = r_.robot.torques->judge(timing::TimedPath(joints, profile));
     if (judged.too_heavy) throw too_heavy(*judged.too_heavy, profile, motion);
     if (!judged.most) return false;
     motion.torque_joint = judged.most->joint;
@@ -219,7 +219,7 @@ class Timing {
       l.max_acceleration *= share, l.min_acceleration *= share, l.max_jerk *= share;
     return true;
   }
-  MoveError too_heavy(const TorqueLimits::Load& load, const trajectory::SpeedProfile& profile,
+  MoveError too_heavy(const TorqueLimits::Load& load, const timing::SpeedProfile& profile,
                       const PlannedMotion& motion) const {
     std::size_t hint = 0;
     const auto [move, share] = place_of(motion, profile.at(load.time, hint).s);
@@ -242,7 +242,7 @@ class Timing {
 
 PlannedMotion time_moves(const PlanRequest& request, const MoveDraft& draft,
                          std::span<const MotionLimits> limits) {
-  return Timing(request, draft, limits).run();
+  return MoveTimer(request, draft, limits).run();
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -5,11 +5,11 @@
 #include "polyarm/moves/move_parts.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// The parts of a draft as one motion from rest to rest, within `limits` of the joints, what the moves say,
 /// the workspace and the torques. Throws MoveError.
 PlannedMotion time_moves(const PlanRequest& request, const MoveDraft& draft,
                          std::span<const trajectory::MotionLimits> limits);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

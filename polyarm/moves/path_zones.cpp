@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
-using trajectory::PathDerivatives;
+using paths::PathDerivatives;
 
-WeightedPath::WeightedPath(std::shared_ptr<const trajectory::Path> path, std::vector<Zone> zones)
+WeightedPath::WeightedPath(std::shared_ptr<const paths::Path> path, std::vector<Zone> zones)
     : path_(std::move(path)), zones_(std::move(zones)) {}
 
 double WeightedPath::weight(double s) const noexcept {
@@ -35,7 +35,7 @@ void ParameterPath::at(double s, const PathDerivatives& out) const noexcept {
 }
 
 void PosePath::at(double s, const PathDerivatives& out) const noexcept {
-  const trajectory::PoseDerivatives at = path_->at(s);
+  const paths::PoseDerivatives at = path_->at(s);
   const auto& rates = part_ == TcpPart::translation ? at.linear : at.angular;
   const Vec3 place = part_ == TcpPart::translation ? at.pose.position : Vec3{};
   const auto put = [](std::span<double> values, const Vec3& v) {
@@ -63,7 +63,7 @@ bool uniform(const std::vector<Zone>& zones) {
 }
 }  // namespace
 
-void ZoneNorms::add(const std::shared_ptr<const trajectory::Path>& path, const ZoneLimits& limits,
+void ZoneNorms::add(const std::shared_ptr<const paths::Path>& path, const ZoneLimits& limits,
                     const std::string& name) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   if (limits.speed.empty()) return;
@@ -78,10 +78,10 @@ void ZoneNorms::add(const std::shared_ptr<const trajectory::Path>& path, const Z
     put(std::make_shared<WeightedPath>(path, limits.acceleration), kInfinite, 1, limits.jerk, name);
 }
 
-void ZoneNorms::put(std::shared_ptr<const trajectory::Path> path, double speed, double acceleration,
-                    double jerk, const std::string& name) {
+void ZoneNorms::put(std::shared_ptr<const paths::Path> path, double speed, double acceleration, double jerk,
+                    const std::string& name) {
   norms_.push_back({path.get(), speed, acceleration, jerk, name});
   paths_.push_back(std::move(path));
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

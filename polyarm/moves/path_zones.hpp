@@ -1,6 +1,6 @@
 #pragma once
 /// Bounds that hold on parts of a path only, as paths whose norms are bounded by 1 everywhere: what the
-/// timing of a path is told by trajectory::NormLimit. Const after construction: any thread; at() allocates
+/// timing of a path is told by timing::NormLimit. Const after construction: any thread; at() allocates
 /// nothing.
 #include <cstddef>
 #include <limits>
@@ -14,7 +14,7 @@
 #include "polyarm/paths/path.hpp"
 #include "polyarm/timing/timing.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// From `from` to `to` (path parameter, both included) a bound has the weight `weight`: one over the limit,
 /// 0 where nothing bounds.
@@ -24,47 +24,47 @@ struct Zone {
 
 /// The derivatives of `path` times the weight of the place; where zones meet, the highest of their weights.
 /// Places without a zone have the weight 0. Zones ascend.
-class WeightedPath final : public trajectory::Path {
+class WeightedPath final : public paths::Path {
  public:
-  WeightedPath(std::shared_ptr<const trajectory::Path> path, std::vector<Zone> zones);
+  WeightedPath(std::shared_ptr<const paths::Path> path, std::vector<Zone> zones);
   std::size_t joints() const noexcept override { return path_->joints(); }
   double length() const noexcept override { return path_->length(); }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override;
+  void at(double s, const paths::PathDerivatives& out) const noexcept override;
   std::span<const double> breaks() const noexcept override { return path_->breaks(); }
 
  private:
   double weight(double s) const noexcept;
 
-  std::shared_ptr<const trajectory::Path> path_;
+  std::shared_ptr<const paths::Path> path_;
   std::vector<Zone> zones_;
 };
 
 /// The path parameter itself as a path of one value: bounds the parameter's speed.
-class ParameterPath final : public trajectory::Path {
+class ParameterPath final : public paths::Path {
  public:
-  explicit ParameterPath(std::shared_ptr<const trajectory::Path> path) : path_(std::move(path)) {}
+  explicit ParameterPath(std::shared_ptr<const paths::Path> path) : path_(std::move(path)) {}
   std::size_t joints() const noexcept override { return 1; }
   double length() const noexcept override { return path_->length(); }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override;
+  void at(double s, const paths::PathDerivatives& out) const noexcept override;
   std::span<const double> breaks() const noexcept override { return path_->breaks(); }
 
  private:
-  std::shared_ptr<const trajectory::Path> path_;
+  std::shared_ptr<const paths::Path> path_;
 };
 
 /// A path of the TCP as one of three values: its position, m; or its angular velocity by the parameter and
 /// the derivatives of that (`q` is 0 then).
-class PosePath final : public trajectory::Path {
+class PosePath final : public paths::Path {
  public:
-  PosePath(std::shared_ptr<const trajectory::CartesianPath> path, TcpPart part)
+  PosePath(std::shared_ptr<const paths::CartesianPath> path, TcpPart part)
       : path_(std::move(path)), part_(part) {}
   std::size_t joints() const noexcept override { return 3; }
   double length() const noexcept override { return path_->length(); }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override;
+  void at(double s, const paths::PathDerivatives& out) const noexcept override;
   std::span<const double> breaks() const noexcept override { return path_->breaks(); }
 
  private:
-  std::shared_ptr<const trajectory::CartesianPath> path_;
+  std::shared_ptr<const paths::CartesianPath> path_;
   TcpPart part_;
 };
 
@@ -79,16 +79,15 @@ struct ZoneLimits {
 /// Zone limits as the timing is told of them; keeps the paths that the norms refer to.
 class ZoneNorms {
  public:
-  void add(const std::shared_ptr<const trajectory::Path>& path, const ZoneLimits& limits,
-           const std::string& name);
-  std::span<const trajectory::NormLimit> list() const { return norms_; }
+  void add(const std::shared_ptr<const paths::Path>& path, const ZoneLimits& limits, const std::string& name);
+  std::span<const timing::NormLimit> list() const { return norms_; }
 
  private:
-  void put(std::shared_ptr<const trajectory::Path> path, double speed, double acceleration, double jerk,
+  void put(std::shared_ptr<const paths::Path> path, double speed, double acceleration, double jerk,
            const std::string& name);
 
-  std::vector<std::shared_ptr<const trajectory::Path>> paths_;
-  std::vector<trajectory::NormLimit> norms_;
+  std::vector<std::shared_ptr<const paths::Path>> paths_;
+  std::vector<timing::NormLimit> norms_;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -8,7 +8,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/kinematics/inverse.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain) {
   auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
@@ -41,4 +41,4 @@ void check_joints(const RobotFacts& robot, std::span<const double> joints, const
   }
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

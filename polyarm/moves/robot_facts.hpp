@@ -13,7 +13,7 @@
 #include "polyarm/moves/workspace.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// How the TCP moves on lines, arcs and splines where a move does not say otherwise: m, rad, s. No standard
 /// or maker states these; they are about what small industrial arms are run at.
@@ -49,4 +49,4 @@ std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world
 /// Checks a joint state against the limits. Throws Error("limit") naming joint, value and limit.
 void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

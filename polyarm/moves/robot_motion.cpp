@@ -6,7 +6,7 @@
 
 #include "polyarm/base/bounds.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 static_assert(RobotMotion::kMostAhead == bounds::kMovesAhead);
 
@@ -80,7 +80,7 @@ void RobotMotion::plan() {
       job->plan = plan_moves(robot, job->from, job->moves, job->options);
       for (const PlannedMotion& motion : job->plan.motions)
         job->followers.push_back(
-            std::make_unique<trajectory::PathFollower>(motion.path, job->plan.limits, job->period));
+            std::make_unique<timing::PathFollower>(motion.path, job->plan.limits, job->period));
     } catch (const MoveError& why) {
       job->failure = why.problems().front();
       job->failed = why.move;
@@ -145,13 +145,13 @@ bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
     if (step.ready_ < step.members_) return false;
     if (step.start_ < 0) step.start_ = now + kInStepAhead;
   }
-  trajectory::SpeedProfile profile = ready.motion.path.profile();
+  timing::SpeedProfile profile = ready.motion.path.profile();
   const double wanted = step.longest_ * ready.share;
   if (wanted > profile.duration() * (1 + 1e-9)) {
     profile.stretch(wanted / profile.duration());
-    ready.motion.path = trajectory::TimedPath(ready.motion.path.shared_path(), std::move(profile));
+    ready.motion.path = timing::TimedPath(ready.motion.path.shared_path(), std::move(profile));
     const auto limits = ready.follower->limits();
-    ready.follower = std::make_unique<trajectory::PathFollower>(
+    ready.follower = std::make_unique<timing::PathFollower>(
         ready.motion.path, std::vector(limits.begin(), limits.end()), controller_.period());
   }
   return true;
@@ -189,7 +189,7 @@ void RobotMotion::watch() {
     goal_ = 0;
     settled_ = active_.last_id;
     if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was ended
-      const trajectory::TimedPath& path = active_.motion.path;
+      const timing::TimedPath& path = active_.motion.path;
       std::size_t hint = 0;
       planned_.resize(path.joints());
       path.sample(status.time.load(std::memory_order_relaxed), planned_, {}, {}, {}, hint);
@@ -291,4 +291,4 @@ std::optional<Problem> RobotMotion::problem_of(std::uint64_t id) const {
   return found == problems_.end() ? std::nullopt : std::optional(found->second);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

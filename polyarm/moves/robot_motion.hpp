@@ -16,7 +16,7 @@
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// running: queued, planned or under way. failed: it could not be planned. refused: the controller did not
 /// take it. discarded: somebody gave it up, or a move before it failed.
@@ -133,7 +133,7 @@ class RobotMotion {
     MovePlanOptions options;
     double period;
     MovePlan plan;
-    std::vector<std::unique_ptr<trajectory::PathFollower>> followers;  ///< of the plan's motions
+    std::vector<std::unique_ptr<timing::PathFollower>> followers;  ///< of the plan's motions
     std::optional<Problem> failure;
     std::size_t failed = 0;
     std::atomic<bool> done{false};
@@ -142,7 +142,7 @@ class RobotMotion {
     std::uint64_t first_id = 0;  ///< of motion.first
     std::uint64_t last_id = 0;   ///< of the moves that have arrived when it is over
     PlannedMotion motion;
-    std::unique_ptr<trajectory::PathFollower> follower;
+    std::unique_ptr<timing::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
     bool leads = false;  ///< the first of those in step
@@ -180,4 +180,4 @@ class RobotMotion {
   std::vector<Warning> warnings_;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 namespace {
 
 /// A vector and its first two derivatives.
@@ -45,9 +45,9 @@ TcpRates::TcpRates(const kinematics::Chain& chain)
       axes_(chain.axes()),
       zero_(chain.forward(std::vector<double>(chain.joints(), 0.0))) {}
 
-trajectory::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<const double> first,
-                                         std::span<const double> second,
-                                         std::span<const double> third) const noexcept {
+paths::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<const double> first,
+                                    std::span<const double> second,
+                                    std::span<const double> third) const noexcept {
   Pose moved;  // from where all joints are zero, of the body behind the axes so far
   Twist twist;
   for (const kinematics::Chain::Axis& axis : axes_) {
@@ -66,7 +66,7 @@ trajectory::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<co
     moved.rotation = moved.rotation * from_axis_angle(axis.direction, value);
     moved.position = o.value - moved.rotation * axis.point;
   }
-  trajectory::PoseDerivatives out;
+  paths::PoseDerivatives out;
   out.pose = moved * zero_;
   const Moving tcp = twist.carry(out.pose.position, true);
   const Moving velocity = twist.origin + cross(twist.turn, tcp);
@@ -75,16 +75,16 @@ trajectory::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<co
   return out;
 }
 
-TcpPath::TcpPath(const kinematics::Chain& chain, std::shared_ptr<const trajectory::Path> joints, TcpPart part)
+TcpPath::TcpPath(const kinematics::Chain& chain, std::shared_ptr<const paths::Path> joints, TcpPart part)
     : rates_(chain), path_(std::move(joints)), part_(part) {
   assert(path_->joints() == chain.joints());
 }
 
-void TcpPath::at(double s, const trajectory::PathDerivatives& out) const noexcept {
+void TcpPath::at(double s, const paths::PathDerivatives& out) const noexcept {
   std::array<double, kinematics::Chain::kMaxJoints> q, first, second, third;
   const std::size_t n = path_->joints();
   path_->at(s, {{q.data(), n}, {first.data(), n}, {second.data(), n}, {third.data(), n}});
-  const trajectory::PoseDerivatives tcp =
+  const paths::PoseDerivatives tcp =
       rates_.at({q.data(), n}, {first.data(), n}, {second.data(), n}, {third.data(), n});
   const auto fill = [](std::span<double> values, const Vec3& v) {
     if (!values.empty()) values[0] = v.x, values[1] = v.y, values[2] = v.z;
@@ -97,4 +97,4 @@ void TcpPath::at(double s, const trajectory::PathDerivatives& out) const noexcep
   fill(out.third, rates[2]);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

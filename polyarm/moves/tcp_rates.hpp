@@ -10,7 +10,7 @@
 #include "polyarm/paths/path.hpp"
 #include "polyarm/paths/pose_piece.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// The TCP's derivatives from those of the joints. Const after construction: any thread, no allocation.
 class TcpRates {
@@ -18,9 +18,8 @@ class TcpRates {
   explicit TcpRates(const kinematics::Chain& chain);
   std::size_t joints() const noexcept { return joints_; }
   /// All spans have joints() values: joints, and derivatives by whatever parameter.
-  trajectory::PoseDerivatives at(std::span<const double> q, std::span<const double> first,
-                                 std::span<const double> second,
-                                 std::span<const double> third) const noexcept;
+  paths::PoseDerivatives at(std::span<const double> q, std::span<const double> first,
+                            std::span<const double> second, std::span<const double> third) const noexcept;
 
  private:
   std::size_t joints_;
@@ -34,19 +33,19 @@ enum class TcpPart { translation, rotation };
 /// m. rotation: `first` is the angular velocity by the parameter, `second` and `third` its derivatives; there
 /// are no values that these are derivatives of, so q is 0. Const after construction: any thread, no
 /// allocation in at().
-class TcpPath final : public trajectory::Path {
+class TcpPath final : public paths::Path {
  public:
   /// `joints`: of chain.joints() values, at most Chain::kMaxJoints.
-  TcpPath(const kinematics::Chain& chain, std::shared_ptr<const trajectory::Path> joints, TcpPart part);
+  TcpPath(const kinematics::Chain& chain, std::shared_ptr<const paths::Path> joints, TcpPart part);
   std::size_t joints() const noexcept override { return 3; }
   double length() const noexcept override { return path_->length(); }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override;
+  void at(double s, const paths::PathDerivatives& out) const noexcept override;
   std::span<const double> breaks() const noexcept override { return path_->breaks(); }
 
  private:
   TcpRates rates_;
-  std::shared_ptr<const trajectory::Path> path_;
+  std::shared_ptr<const paths::Path> path_;
   TcpPart part_;
 };
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

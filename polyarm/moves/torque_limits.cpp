@@ -8,7 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 namespace {
 
@@ -98,7 +98,7 @@ void TorqueLimits::leave_out_what_holds_not_itself(const description::RobotModel
     if (most[j] > effort_[j]) effort_[j] = 0;
 }
 
-TorqueLimits::Judgement TorqueLimits::judge(const trajectory::TimedPath& path) const {
+TorqueLimits::Judgement TorqueLimits::judge(const timing::TimedPath& path) const {
   const std::size_t n = effort_.size();
   kinematics::Dynamics loaded = loaded_;  // it has room to calculate in
   std::vector<double> q(n), v(n), a(n), tau(n), still(n);
@@ -143,4 +143,4 @@ std::shared_ptr<const TorqueLimits> torque_limits_of(const description::RobotMod
   }
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -11,7 +11,7 @@
 #include "polyarm/kinematics/dynamics.hpp"
 #include "polyarm/timing/timed_path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// What an arm carries, tool and load together.
 struct Payload {
@@ -50,7 +50,7 @@ class TorqueLimits {
     std::optional<Load> too_heavy;  ///< a load that cannot even be held still
   };
   /// Looks at least every 4 ms, and at 200 places.
-  Judgement judge(const trajectory::TimedPath& path) const;
+  Judgement judge(const timing::TimedPath& path) const;
 
  private:
   void leave_out_what_holds_not_itself(const description::RobotModel& model);
@@ -66,4 +66,4 @@ std::shared_ptr<const TorqueLimits> torque_limits_of(const description::RobotMod
                                                      const Pose& T_world_base, const Payload& payload,
                                                      std::vector<double> effort);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 Workspace::Workspace(std::vector<WorkspaceZone> zones) : zones_(std::move(zones)) {
   const auto bad = [](const WorkspaceZone& zone, const std::string& what, const std::string& advice) {
@@ -82,7 +82,7 @@ namespace {
 /// The TCP along a path of the joints.
 class Along {
  public:
-  Along(const Workspace& workspace, const kinematics::Chain& chain, const trajectory::Path& path)
+  Along(const Workspace& workspace, const kinematics::Chain& chain, const paths::Path& path)
       : workspace_(workspace), chain_(chain), path_(path), q_(path.joints()) {
     allowed_.reserve(workspace.boundaries());
     const Vec3 start = tcp(0);
@@ -105,7 +105,7 @@ class Along {
  private:
   const Workspace& workspace_;
   const kinematics::Chain& chain_;
-  const trajectory::Path& path_;
+  const paths::Path& path_;
   std::vector<double> q_;
   std::vector<double> allowed_;
 };
@@ -113,8 +113,8 @@ class Along {
 }  // namespace
 
 std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
-                                                    const kinematics::Chain& chain,
-                                                    const trajectory::Path& path, double tolerance) {
+                                                    const kinematics::Chain& chain, const paths::Path& path,
+                                                    double tolerance) {
   if (workspace.empty()) return std::nullopt;
   Along along(workspace, chain, path);
   const double shortest = along.length() / 20000;
@@ -151,10 +151,10 @@ Error leaves_workspace(const Workspace::Violation& found, const std::string& wha
                "move the points, or change 'workspace' in the cell file");
 }
 
-void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const trajectory::Path& path,
+void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const paths::Path& path,
                      const std::string& what) {
   if (const auto found = first_violation(workspace, chain, path))
     throw leaves_workspace(*found, what, path.length() > 0 ? found->at / path.length() : 0);
 }
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

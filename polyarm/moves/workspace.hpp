@@ -10,7 +10,7 @@
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/paths/path.hpp"
 
-namespace polyarm::motion {
+namespace polyarm::moves {
 
 /// plane: the TCP stays on the side that `normal` points to. inside, outside: of the box.
 enum class ZoneKind { plane, inside, outside };
@@ -70,13 +70,13 @@ class Workspace {
 /// in steps as long as distance and speed of the TCP allow, at least a 20000th of the path. Allocates little;
 /// any thread.
 std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
-                                                    const kinematics::Chain& chain,
-                                                    const trajectory::Path& path, double tolerance = 1e-6);
+                                                    const kinematics::Chain& chain, const paths::Path& path,
+                                                    double tolerance = 1e-6);
 
 /// A violation as an Error("workspace") for a person: `what` names the move, `share` is of its way.
 Error leaves_workspace(const Workspace::Violation& found, const std::string& what, double share);
 /// Throws that for the first violation of a path.
-void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const trajectory::Path& path,
+void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const paths::Path& path,
                      const std::string& what);
 
-}  // namespace polyarm::motion
+}  // namespace polyarm::moves

@@ -10,7 +10,7 @@
 
 #include "polyarm/paths/spline.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 constexpr double kSame = 1e-9;      // m or rad, between poses that are one
@@ -278,4 +278,4 @@ CartesianPathBuilder& CartesianPathBuilder::spline(std::span<const Pose> through
   return *this;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

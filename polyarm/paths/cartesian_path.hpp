@@ -12,7 +12,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/paths/pose_piece.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// A path over the parameter s in [0, length()]: position and angular velocity are continuous up to the
 /// second and first derivative, so joints that follow it are continuous to the second.
@@ -126,4 +126,4 @@ class CartesianPathBuilder {
   Problems problems_;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

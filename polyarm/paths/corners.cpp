@@ -7,7 +7,7 @@
 
 #include "polyarm/paths/cartesian_path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 constexpr double kRounding = 1e-13;    // of a segment, left between two corners that meet
@@ -130,4 +130,4 @@ CartesianSections CartesianPathBuilder::build() const {
   return Assembly(*this).make();
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

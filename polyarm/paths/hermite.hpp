@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// A value and its derivatives by the path parameter.
 template <typename T>
@@ -56,4 +56,4 @@ constexpr Jet<T> polynomial_at(const T* coefficients, std::size_t count, double 
   return {p, per * d1, 2 * per * per * d2, 6 * per * per * per * d3};
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

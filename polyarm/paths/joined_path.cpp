@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 void JoinedPath::append(std::shared_ptr<const Path> path, double from, double to, double scale) {
   assert(path->joints() == joints_ && to > from && scale > 0);
@@ -36,4 +36,4 @@ void JoinedPath::at(double s, const PathDerivatives& out) const noexcept {
   }
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

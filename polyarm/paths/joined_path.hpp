@@ -7,7 +7,7 @@
 
 #include "polyarm/paths/path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// That the parts fit together is the business of whoever appends them: up to the second derivative where the
 /// path is to be passed, in the values alone where it comes to rest. Built anywhere; then const, at()
@@ -42,4 +42,4 @@ class JoinedPath final : public Path {
   std::vector<double> breaks_{0, 0};
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

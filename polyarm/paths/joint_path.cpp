@@ -9,7 +9,7 @@
 #include "polyarm/paths/polynomial_path.hpp"
 #include "polyarm/paths/spline.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 constexpr double kSameWaypoint = 1e-9;   // of the joint norm, between waypoints that are one
@@ -274,4 +274,4 @@ PathSections joint_spline(std::span<const JointWaypoint> waypoints, const JointP
   return Lines(waypoints, options).spline();
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -10,7 +10,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/paths/path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 struct JointWaypoint {
   std::vector<double> q;  ///< rad or m, one value of each joint
@@ -54,4 +54,4 @@ PathSections joint_lines(std::span<const JointWaypoint> waypoints, const JointPa
 /// once. Errors as of joint_lines().
 PathSections joint_spline(std::span<const JointWaypoint> waypoints, const JointPathOptions& options = {});
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// Values of every joint (rad or m) and their first three derivatives by the path parameter. Spans of
 /// joints() values; empty ones are not filled in.
@@ -27,4 +27,4 @@ class Path {
   virtual std::span<const double> breaks() const noexcept = 0;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

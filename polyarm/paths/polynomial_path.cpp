@@ -5,7 +5,7 @@
 
 #include "polyarm/paths/hermite.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 PolynomialPath::PolynomialPath(std::span<const double> start) : start_(start.begin(), start.end()) {}
 
@@ -44,4 +44,4 @@ void PolynomialPath::at(double s, const PathDerivatives& out) const noexcept {
   }
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -6,7 +6,7 @@
 
 #include "polyarm/paths/path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// Does the third derivative go on from the piece before?
 enum class PieceJoin { third_jumps, third_continues };
@@ -38,4 +38,4 @@ class PolynomialPath final : public Path {
   std::vector<double> breaks_{0, 0};
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

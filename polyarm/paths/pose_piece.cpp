@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 Jet<Vec3> position_of(const PoseDerivatives& at) {
@@ -89,4 +89,4 @@ std::array<Vec3, 6> hull(const std::array<Vec3, 6>& c) noexcept {
   return out;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -6,7 +6,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/paths/rotation.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// A pose on a path and its first three derivatives by the path parameter. `angular` begins with the angular
 /// velocity; all in the axes of the frame that the pose is given in.
@@ -45,4 +45,4 @@ PosePiece joining_piece(const PoseDerivatives& from, const PoseDerivatives& to, 
 /// The points of the polynomial's Bézier form, within whose hull it stays.
 std::array<Vec3, 6> hull(const std::array<Vec3, 6>& coefficients) noexcept;
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

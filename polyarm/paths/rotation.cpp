@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 constexpr std::size_t kTerms = 20;  // of the series below: to the last digit up to two turns
@@ -68,4 +68,4 @@ Jet<Vec3> rotation_vector(const Quaternion& rotation, const BodyRate& rate) noex
   return phi;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -3,7 +3,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/paths/hermite.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// The angular velocity per unit of the path parameter, in the axes of what turns, and its derivatives.
 struct BodyRate {
@@ -21,4 +21,4 @@ BodyRate body_rate(const Jet<Vec3>& phi) noexcept;
 /// rate.second is not used, and phi's third derivative is 0.
 Jet<Vec3> rotation_vector(const Quaternion& rotation, const BodyRate& rate) noexcept;
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

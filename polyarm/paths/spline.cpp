@@ -6,7 +6,7 @@
 
 #include "polyarm/paths/hermite.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 namespace {
 
 constexpr int kRounds = 4;  // of measuring the pieces; then the lengths stand to within some percent
@@ -112,4 +112,4 @@ CubicSpline cubic_spline(std::span<const double> points, std::size_t dimensions,
   return spline;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace polyarm::trajectory {
+namespace polyarm::paths {
 
 /// A natural cubic spline (second derivative zero at both ends) in `dimensions` coordinates.
 struct CubicSpline {
@@ -20,4 +20,4 @@ struct CubicSpline {
 CubicSpline cubic_spline(std::span<const double> points, std::size_t dimensions,
                          std::span<const double> weights = {}, std::span<const double> shortest = {});
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::paths

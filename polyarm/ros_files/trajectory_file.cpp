@@ -263,8 +263,8 @@ trajectory::Trajectory as_timed(const JointTrajectoryFile& file, const std::vect
   }
 }
 
-std::vector<trajectory::JointWaypoint> as_waypoints(const JointTrajectoryFile& file, double radius) {
-  std::vector<trajectory::JointWaypoint> out;
+std::vector<paths::JointWaypoint> as_waypoints(const JointTrajectoryFile& file, double radius) {
+  std::vector<paths::JointWaypoint> out;
   for (std::size_t i = 0; i < file.message.points.size(); ++i) {
     const TrajectoryPoint& p = file.message.points[i];
     if (p.positions.empty())
@@ -280,7 +280,7 @@ namespace {
 /// From spans of the timed path's values to points.
 class PointMaker {
  public:
-  PointMaker(const trajectory::TimedPath& timed, const std::vector<std::string>& joints) : timed_(timed) {
+  PointMaker(const timing::TimedPath& timed, const std::vector<std::string>& joints) : timed_(timed) {
     message_.joints = joints;
   }
   void add(double t) {
@@ -294,14 +294,14 @@ class PointMaker {
   TrajectoryMessage take() { return std::move(message_); }
 
  private:
-  const trajectory::TimedPath& timed_;
+  const timing::TimedPath& timed_;
   TrajectoryMessage message_;
   std::size_t hint_ = 0;
 };
 
 }  // namespace
 
-TrajectoryMessage sampled(const trajectory::TimedPath& timed, double rate,
+TrajectoryMessage sampled(const timing::TimedPath& timed, double rate,
                           const std::vector<std::string>& joints) {
   if (!(rate > 0) || !std::isfinite(rate) || timed.duration() * rate > 1e7)
     throw Error("bad-value", fmt::format("{} Hz is no rate to sample {:.3f} s at", rate, timed.duration()),
@@ -313,7 +313,7 @@ TrajectoryMessage sampled(const trajectory::TimedPath& timed, double rate,
   return points.take();
 }
 
-TrajectoryMessage knots_of(const trajectory::TimedPath& timed, double tolerance,
+TrajectoryMessage knots_of(const timing::TimedPath& timed, double tolerance,
                            const std::vector<std::string>& joints) {
   if (!(tolerance > 0)) throw Error("bad-value", fmt::format("{} is no tolerance", tolerance), "1e-6");
   const trajectory::Trajectory pieces = to_trajectory(timed, tolerance);

@@ -45,15 +45,15 @@ void order_joints(JointTrajectoryFile& file, const std::vector<std::string>& nam
 trajectory::Trajectory as_timed(const JointTrajectoryFile& file, const std::vector<double>& start,
                                 const std::vector<bool>& continuous = {});
 /// Its positions alone, named "point 3", counted from 1; `radius` at each. Throws Error("no-positions").
-std::vector<trajectory::JointWaypoint> as_waypoints(const JointTrajectoryFile& file, double radius = 0);
+std::vector<paths::JointWaypoint> as_waypoints(const JointTrajectoryFile& file, double radius = 0);
 
 /// A timed path as points: every 1 / `rate` seconds and at the end, each with position, velocity and
 /// acceleration.
-controllers::TrajectoryMessage sampled(const trajectory::TimedPath& timed, double rate,
+controllers::TrajectoryMessage sampled(const timing::TimedPath& timed, double rate,
                                        const std::vector<std::string>& joints);
 /// The same as few points as quintics between them need to follow the timed path to `tolerance` (rad or m),
 /// which is how the joint trajectory controller goes from point to point.
-controllers::TrajectoryMessage knots_of(const trajectory::TimedPath& timed, double tolerance,
+controllers::TrajectoryMessage knots_of(const timing::TimedPath& timed, double tolerance,
                                         const std::vector<std::string>& joints);
 /// Puts `next` behind `message`, whose end it begins at.
 void append(controllers::TrajectoryMessage& message, const controllers::TrajectoryMessage& next);

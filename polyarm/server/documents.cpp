@@ -174,7 +174,7 @@ Json robot_json(cell::Cell& cell, const cell::CellRobot& robot) {
     out["groups"].push_back({{"name", group.name}, {"joints", names}});
   }
   Json zones = Json::array();
-  for (const motion::WorkspaceZone& zone : robot.facts->workspace.zones()) zones.push_back(zone.name);
+  for (const moves::WorkspaceZone& zone : robot.facts->workspace.zones()) zones.push_back(zone.name);
   out["zones"] = zones;
   Json gripper = Json::array();
   for (const std::string& command : cell.loop().table().command_names())
@@ -285,7 +285,7 @@ Json scene_json(const cell::Cell& cell) {
   for (const description::Feeder& each : scene.feeders)
     feeders.push_back({{"name", each.name}, {"pose", pose_json(each.pose)}});
   for (const auto& robot : cell.robots())
-    for (const motion::WorkspaceZone& zone : robot->facts->workspace.zones())
+    for (const moves::WorkspaceZone& zone : robot->facts->workspace.zones())
       zones.push_back({{"name", zone.name}, {"robot", robot->entry.name}});
   return {{"floor", scene.floor ? Json(scene.floor_height) : Json()},
           {"fixtures", fixtures},

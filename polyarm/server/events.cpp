@@ -57,7 +57,8 @@ bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
   return a.pose == b.pose && a.in_world == b.in_world && a.held_by == b.held_by;
 }
 
-/// A robot that moves are made for and whose joints nobody commands: the controller that would. Empty: somebody does.
+/// A robot that moves are made for and whose joints nobody commands: the controller that would. Empty:
+/// somebody does.
 std::string idle_mover(cell::Cell& cell, std::size_t robot) {
   if (!cell.motion(robot)) return {};
   const auto& joints = cell.robots()[robot]->joints;
@@ -199,10 +200,10 @@ Text PartEvents::full() {
 namespace {
 
 /// Where the path goes, rounded to 0.1 mm.
-Json path_of(const motion::RobotMotion::UnderWay& way) {
+Json path_of(const moves::RobotMotion::UnderWay& way) {
   constexpr double kEvery = 0.02;
   constexpr int kLeast = 20, kMost = 200;
-  const trajectory::TimedPath& path = way.motion->path;
+  const timing::TimedPath& path = way.motion->path;
   const int samples = std::clamp(static_cast<int>(path.duration() / kEvery), kLeast, kMost);
   Json out = Json::array();
   std::vector<double> q(path.joints());
@@ -217,7 +218,7 @@ Json path_of(const motion::RobotMotion::UnderWay& way) {
   return out;
 }
 
-Json joints_at(const motion::RobotMotion::UnderWay& way, double time) {
+Json joints_at(const moves::RobotMotion::UnderWay& way, double time) {
   std::vector<double> q(way.motion->path.joints());
   std::size_t hint = 0;
   way.motion->path.sample(time, q, {}, {}, {}, hint);
@@ -229,7 +230,7 @@ Json joints_at(const motion::RobotMotion::UnderWay& way, double time) {
 }  // namespace
 
 void PlanEvents::look(std::size_t robot, Way& way) const {
-  const motion::RobotMotion* motion = cell_.motion(robot);
+  const moves::RobotMotion* motion = cell_.motion(robot);
   const auto now = motion ? motion->under_way() : std::nullopt;
   if (!now) {
     way = {};

@@ -91,7 +91,7 @@ Json JogWatch::wish_of(std::size_t i, const Json& request, double amount, bool b
   const cell::CellRobot& robot = *cell_.robots()[i];
   const std::string mode = text_of(request, "mode", "joint");
   Json out{{"request", "jog"}, {"robot", robot.entry.name}};
-  const motion::JogLimits limits = cell_.jog_limits();
+  const jog::JogLimits limits = cell_.jog_limits();
   if (mode == "joint") {
     const std::vector<double> shares = shares_of(request, robot.joints.size());
     Json joints = Json::object();
@@ -148,7 +148,7 @@ void JogWatch::drive(std::uint64_t client, std::size_t i, const Json& request) {
   const std::vector<double> shares = shares_of(request, 2);
   const double speed = number_of(request, "speed", 1, 0.001, 1);
   const auto stated = [](double limit) { return std::isfinite(limit) && limit > 0 ? limit : kAny; };
-  const motion::JogLimits limits = cell_.jog_limits();
+  const jog::JogLimits limits = cell_.jog_limits();
   const double ahead = std::min(limits.tcp_speed, stated(wheels.controller->linear_limits().max_velocity)),
                turn = std::min(limits.tcp_turning, stated(wheels.controller->angular_limits().max_velocity));
   const auto twist = [&](double x, double z) -> Json {
@@ -219,7 +219,7 @@ void JogWatch::take_plan(Jog& jog, const Json& plan, bool line, double speed) {
 bool JogWatch::is_there(const Jog& jog) const {
   constexpr double kNear = 1e-4;  // rad, m
   constexpr double kSlow = 1e-3;  // m/s; as long as it is told where to go it never counts as standing
-  const motion::JogStatus status = cell_.jogging().status(jog.robot);
+  const jog::JogStatus status = cell_.jogging().status(jog.robot);
   if (status.tcp_speed > kSlow || status.session != jog.session) return false;
   if (jog.joints.empty())
     return norm(status.tcp.position - jog.place.position) < kNear &&
@@ -319,7 +319,7 @@ void JogWatch::follow(Jog& jog) {
       finish(jog, "stopped", "something stopped it: press again");
     return;
   }
-  const motion::JogStatus status = cell_.jogging().status(jog.robot);
+  const jog::JogStatus status = cell_.jogging().status(jog.robot);
   if (status.ended >= jog.session) return finish(jog, "stopped", "something stopped it: press again");
   if (jog.goes && is_there(jog)) finish(jog, "arrived", "");
 }

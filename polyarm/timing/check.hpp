@@ -11,7 +11,7 @@
 #include "polyarm/timing/rows.hpp"
 #include "polyarm/timing/timed_path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// What a check found.
 struct Check {
@@ -125,4 +125,4 @@ class Checker {
   std::vector<std::size_t> ends_, of_;  // of stretches: behind the last sample, the piece
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 /// Length of a row's components of `derivative` at a place, over its limit: (high + low)/2 of joints.
@@ -36,7 +36,7 @@ RowLimits limits_of(const PathRows& rows, std::size_t row) {
     const NormLimit& n = rows.norm(row - rows.joints());
     return {n.max_velocity, n.max_acceleration, n.max_jerk};
   }
-  const MotionLimits& l = rows.limits(row);
+  const trajectory::MotionLimits& l = rows.limits(row);
   return {std::min(l.max_velocity, -l.min_velocity), std::min(l.max_acceleration, -l.min_acceleration),
           l.max_jerk};
 }
@@ -370,4 +370,4 @@ TimingGrid timing_grid(PathRows& rows, const GridRequest& request) {
   return out;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -5,7 +5,7 @@
 
 #include "polyarm/timing/rows.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Nodes of s, with every break, and a first guess of ṡ² there.
 struct TimingGrid {
@@ -39,4 +39,4 @@ double speed_ceiling(const PathRows& rows, std::size_t place);
 /// towards an end at rest also jerks.
 void limit_accelerations(const PathRows& rows, std::vector<double>& b);
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 /// Of the root in a piece's time, per the mean of its ends' speeds. From rest at constant jerk it is 1/3.
@@ -166,4 +166,4 @@ SpeedProfile profile_of(NodeMotion& m, std::span<const double> breaks) {
   return out;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

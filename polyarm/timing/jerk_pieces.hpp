@@ -7,7 +7,7 @@
 
 #include "polyarm/timing/timed_path.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Squared speed b = ṡ² and acceleration a = s̈ at the nodes s. Both are free, but for one equation per piece:
 /// constant jerk over the time that the piece takes has to lead from one node's motion to the next one's. The
@@ -79,4 +79,4 @@ PathMotion after_way(const PathMotion& motion, double way, double end, double be
 /// The profile of a motion without gaps on a path with `breaks`.
 SpeedProfile profile_of(NodeMotion& motion, std::span<const double> breaks);
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -7,7 +7,7 @@
 #define POLYARM_INDEPENDENT _Pragma("GCC ivdep")
 #endif
 
-namespace polyarm::trajectory::kernels {
+namespace polyarm::timing::kernels {
 namespace {
 
 namespace of_all {
@@ -64,4 +64,4 @@ const Set& best() noexcept {
   return set;
 }
 
-}  // namespace polyarm::trajectory::kernels
+}  // namespace polyarm::timing::kernels

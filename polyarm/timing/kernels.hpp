@@ -3,7 +3,7 @@
 /// runs. All sets give the same bits: no product is fused with a sum, no sum reordered. Part of timing.hpp.
 #include <cstddef>
 
-namespace polyarm::trajectory::kernels {
+namespace polyarm::timing::kernels {
 
 /// Of the solver's rows: steps need not be exact, and twice as many numbers go into a register.
 using Real = float;
@@ -77,4 +77,4 @@ const Set& best() noexcept;
 /// What every processor has.
 const Set& portable() noexcept;
 
-}  // namespace polyarm::trajectory::kernels
+}  // namespace polyarm::timing::kernels

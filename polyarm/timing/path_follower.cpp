@@ -6,7 +6,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 TimedPath not_empty(TimedPath path) {
@@ -19,7 +19,7 @@ constexpr double kNear = 1e-4, kSlowingDown = 0.5;
 
 }  // namespace
 
-PathFollower::PathFollower(TimedPath path, std::vector<MotionLimits> limits, double period_s)
+PathFollower::PathFollower(TimedPath path, std::vector<trajectory::MotionLimits> limits, double period_s)
     : path_(not_empty(std::move(path))),
       limits_(std::move(limits)),
       period_(period_s),
@@ -46,4 +46,4 @@ void PathFollower::advance_back(double share) noexcept {
   if (left <= kNear && override_.stands()) stepping_back_ = false;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

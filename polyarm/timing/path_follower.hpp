@@ -8,7 +8,7 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Made outside the cycle, handed to the control thread, and freed outside the cycle. Stays where it was
 /// made: what runs along the path refers to it.
@@ -16,12 +16,12 @@ class PathFollower {
  public:
   /// `limits`: of every joint, those that the path was timed with, or higher; `period_s`: of the control
   /// cycle, s. Begins held at the path's start. Throws Error "wrong-size", "bad-limit", "empty-path".
-  PathFollower(TimedPath path, std::vector<MotionLimits> limits, double period_s);
+  PathFollower(TimedPath path, std::vector<trajectory::MotionLimits> limits, double period_s);
   PathFollower(const PathFollower&) = delete;
   PathFollower& operator=(const PathFollower&) = delete;
 
   const TimedPath& path() const noexcept { return path_; }
-  std::span<const MotionLimits> limits() const noexcept { return limits_; }
+  std::span<const trajectory::MotionLimits> limits() const noexcept { return limits_; }
   std::size_t joints() const noexcept { return path_.joints(); }
   double period() const noexcept { return period_; }
 
@@ -57,11 +57,11 @@ class PathFollower {
 
  private:
   TimedPath path_;
-  std::vector<MotionLimits> limits_;
+  std::vector<trajectory::MotionLimits> limits_;
   double period_;
   PathOverride override_;
   bool stepping_back_ = false;
   double back_to_ = 0;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

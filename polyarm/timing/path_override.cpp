@@ -6,7 +6,7 @@
 
 #include "polyarm/base/error.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 /// Of a limit: what f'' is chosen with, and what is accepted; the rest is for what lies between two looks.
@@ -35,8 +35,8 @@ double sign(double x) noexcept {
   return x < 0 ? -1 : 1;
 }
 
-std::span<const MotionLimits> checked(std::span<const MotionLimits> limits, const TimedPath& path,
-                                      double period) {
+std::span<const trajectory::MotionLimits> checked(std::span<const trajectory::MotionLimits> limits,
+                                                  const TimedPath& path, double period) {
   if (limits.size() != path.joints())
     throw Error("wrong-size", "limits for " + std::to_string(limits.size()) + " joints, the path has " +
                                   std::to_string(path.joints()));
@@ -46,9 +46,10 @@ std::span<const MotionLimits> checked(std::span<const MotionLimits> limits, cons
 
 }  // namespace
 
-PathOverride::PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period)
+PathOverride::PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits,
+                           double period)
     : path_(path), table_(path, checked(limits, path, period), kSpacing), period_(period) {
-  for (const MotionLimits& l : limits)
+  for (const trajectory::MotionLimits& l : limits)
     back_ = std::min({back_, -l.min_velocity / l.max_velocity, -l.max_velocity / l.min_velocity}),
     ramp_ = std::max(ramp_, std::max(l.max_acceleration, -l.min_acceleration) / l.max_jerk);
   std::size_t hint = 0;
@@ -360,4 +361,4 @@ StoppingWay PathOverride::stopping() noexcept {
   return out;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -10,7 +10,7 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Until the path stands still: seconds, and the way along the path (in its parameter; below zero: back).
 struct StoppingWay {
@@ -45,7 +45,7 @@ class PathOverride {
   /// Outside the cycle: looks at the whole path. `limits`: of every joint, those that the path was planned
   /// with, or higher; `period`: of the control cycle, s. Begins held at the path's start. Throws Error
   /// "wrong-size", "bad-limit".
-  PathOverride(const TimedPath& path, std::span<const MotionLimits> limits, double period);
+  PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double period);
 
   /// From `time` on the plan, at a steady `factor`; for when the path is followed already, or nothing moves.
   void begin(double time, double factor) noexcept;
@@ -121,4 +121,4 @@ class PathOverride {
   std::size_t node_ = 0, hint_ = 0;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

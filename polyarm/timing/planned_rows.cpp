@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 constexpr double kSide = 1e-9;  // s; so near to a jump its one side is looked at
@@ -33,7 +33,8 @@ class NodeMaker {
     Values velocity, acceleration, jerk;
   };
 
-  NodeMaker(const TimedPath& path, std::span<const MotionLimits> limits) : path_(path), limits_(limits) {}
+  NodeMaker(const TimedPath& path, std::span<const trajectory::MotionLimits> limits)
+      : path_(path), limits_(limits) {}
 
   Look look(double time, double at) {
     Look out{time, Values(limits_.size()), Values(limits_.size()), Values(limits_.size())};
@@ -59,7 +60,7 @@ class NodeMaker {
   double error(const Look& from, const Look& to, const Look& between) const {
     double most = 0;
     for (std::size_t i = 0; i < limits_.size(); ++i) {
-      const MotionLimits& l = limits_[i];
+      const trajectory::MotionLimits& l = limits_[i];
       const auto off = [&](const Values Look::*row) {
         return std::abs(((from.*row)[i] + (to.*row)[i]) / 2 - (between.*row)[i]);
       };
@@ -71,7 +72,7 @@ class NodeMaker {
   }
 
   const TimedPath& path_;
-  std::span<const MotionLimits> limits_;
+  std::span<const trajectory::MotionLimits> limits_;
   Values q_;
   std::size_t hint_ = 0;
 };
@@ -88,7 +89,8 @@ void PlannedRows::add(double time, std::span<const double> v, std::span<const do
   }
 }
 
-PlannedRows::PlannedRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing)
+PlannedRows::PlannedRows(const TimedPath& path, std::span<const trajectory::MotionLimits> limits,
+                         double spacing)
     : blocks_((path.joints() + kWidth - 1) / kWidth) {
   spacing = std::max(spacing, path.duration() / double(kMost));
   NodeMaker maker(path, limits);
@@ -146,7 +148,8 @@ void PlannedRows::between(std::size_t node, double t, Rows* out) const noexcept 
     }
 }
 
-std::vector<PlannedRows::Limits> PlannedRows::limits_of(std::span<const MotionLimits> limits, double harder) {
+std::vector<PlannedRows::Limits> PlannedRows::limits_of(std::span<const trajectory::MotionLimits> limits,
+                                                        double harder) {
   std::vector<Limits> out((limits.size() + kWidth - 1) / kWidth);
   for (std::size_t i = 0; i < out.size() * kWidth; ++i) {
     Limits& to = out[i / kWidth];
@@ -159,4 +162,4 @@ std::vector<PlannedRows::Limits> PlannedRows::limits_of(std::span<const MotionLi
   return out;
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

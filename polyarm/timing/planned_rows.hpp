@@ -7,7 +7,7 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Velocity, acceleration and jerk of all joints as planned, at nodes of time; between them the last two are
 /// linear. Every jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then
@@ -26,7 +26,7 @@ class PlannedRows {
 
   /// `spacing`: nodes are at most so far apart, s, and closer where the rows bend: what lies between is off
   /// by about 1e-4 of a joint's limits.
-  PlannedRows(const TimedPath& path, std::span<const MotionLimits> limits, double spacing);
+  PlannedRows(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double spacing);
 
   std::size_t blocks() const noexcept { return blocks_; }
   std::size_t nodes() const noexcept { return times_.size(); }
@@ -37,7 +37,7 @@ class PlannedRows {
   /// blocks() rows at `t` (within the path's time), which lies in the interval that begins at `node`.
   void between(std::size_t node, double t, Rows* out) const noexcept;
 
-  static std::vector<Limits> limits_of(std::span<const MotionLimits> limits, double harder);
+  static std::vector<Limits> limits_of(std::span<const trajectory::MotionLimits> limits, double harder);
 
  private:
   void add(double time, std::span<const double> v, std::span<const double> a, std::span<const double> j);
@@ -47,4 +47,4 @@ class PlannedRows {
   std::vector<Rows> rows_;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -6,7 +6,7 @@
 
 #include "polyarm/timing/grid.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 constexpr double kTighter = 1e-4;    // than what an excess asks for, so that it is gone at once
@@ -150,7 +150,7 @@ void TimingProblem::peaks(std::size_t kind, const double* values, std::size_t ro
 
 void TimingProblem::look_at_joint(std::size_t j) {
   values_of(j);
-  const MotionLimits& l = rows_.limits(j);
+  const trajectory::MotionLimits& l = rows_.limits(j);
   peaks(0, value_[0].data(), j, 1 / l.max_velocity, -1 / l.min_velocity);
   peaks(1, value_[1].data(), j, 1 / l.max_acceleration, -1 / l.min_acceleration);
   peaks(2, value_[2].data(), j, 1 / l.max_jerk, 1 / l.max_jerk);
@@ -195,7 +195,7 @@ void TimingProblem::fill_acceleration() {
   fill(speeds_.acceleration, speeds_.norm_acceleration, places, LimitKind::acceleration);
   speeds_.acceleration.node = speeds_.norm_acceleration.node = nodes;
   for (std::size_t j = 0; j < rows_.joints(); ++j) {
-    const MotionLimits& l = rows_.limits(j);
+    const trajectory::MotionLimits& l = rows_.limits(j);
     if (std::isfinite(l.max_acceleration))
       speeds_.acceleration.low[j] = l.min_acceleration / l.max_acceleration;
   }
@@ -299,4 +299,4 @@ void TimingProblem::tighten(const std::vector<PieceUse>& use) {
   }
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

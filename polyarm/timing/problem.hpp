@@ -10,7 +10,7 @@
 #include "polyarm/timing/rows.hpp"
 #include "polyarm/timing/solver.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 class TimingProblem {
  public:
@@ -63,4 +63,4 @@ class TimingProblem {
   std::array<std::array<Peaks, 3>, 2> peaks_;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <utility>
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
-PathRows::PathRows(const Path& path, std::span<const MotionLimits> limits, std::span<const NormLimit> norms)
+PathRows::PathRows(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+                   std::span<const NormLimit> norms)
     : path_(path), limits_(limits), norms_(norms), components_(limits.size()) {
   for (const NormLimit& n : norms) {
     component_begin_.push_back(components_);
@@ -68,7 +69,7 @@ struct Block {
     }
   }
   void joint(const PathRows& rows, std::size_t j, std::size_t at) {
-    const MotionLimits& l = rows.limits(j);
+    const trajectory::MotionLimits& l = rows.limits(j);
     const double *first = rows.first(j) + at, *second = rows.second(j) + at, *third = rows.third(j) + at;
     const double v_high = 1 / l.max_velocity, v_low = 1 / l.min_velocity, a_high = 1 / l.max_acceleration;
     const double a_low = 1 / l.min_acceleration, j_high = 1 / l.max_jerk, j_low = -j_high;
@@ -128,4 +129,4 @@ void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vecto
   }
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

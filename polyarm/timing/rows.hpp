@@ -9,13 +9,14 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/timing/timing.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Joints and norms at some places of a path. All lists lie as [row][place]: joints in order, then the
 /// components of the norms.
 class PathRows {
  public:
-  PathRows(const Path& path, std::span<const MotionLimits> limits, std::span<const NormLimit> norms);
+  PathRows(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+           std::span<const NormLimit> norms);
 
   /// Looks at the path at `s`; forgets other places. Throws Error "bad-path".
   void look(const std::vector<double>& s);
@@ -30,14 +31,14 @@ class PathRows {
   const double* first(std::size_t component) const { return &first_[component * places()]; }
   const double* second(std::size_t component) const { return &second_[component * places()]; }
   const double* third(std::size_t component) const { return &third_[component * places()]; }
-  const MotionLimits& limits(std::size_t joint) const { return limits_[joint]; }
+  const trajectory::MotionLimits& limits(std::size_t joint) const { return limits_[joint]; }
   const NormLimit& norm(std::size_t n) const { return norms_[n]; }
-  const Path& path() const { return path_; }
+  const paths::Path& path() const { return path_; }
   std::string name(std::size_t row) const;
 
  private:
-  const Path& path_;
-  std::span<const MotionLimits> limits_;
+  const paths::Path& path_;
+  std::span<const trajectory::MotionLimits> limits_;
   std::span<const NormLimit> norms_;
   std::vector<std::size_t> component_begin_;
   std::size_t components_ = 0;
@@ -72,4 +73,4 @@ struct Ratios {
 /// At every place of `rows` while it is passed as `motion` says (one per place).
 void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

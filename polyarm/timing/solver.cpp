@@ -6,7 +6,7 @@
 
 #include "polyarm/timing/solver_rows.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 constexpr double kCentre = 0.7;        // of the gap asked for, to which products are led
@@ -168,4 +168,4 @@ const JerkPieces& SpeedSolver::pieces() const {
   return solver_->pieces();
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -8,7 +8,7 @@
 
 #include "polyarm/timing/jerk_pieces.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Limits of one kind at some points of the grid. A row's value at a point is
 /// first·basis0 + second·basis1 + third·basis2 and stays within [low, 1] times the point's scale. The bases
@@ -69,4 +69,4 @@ class SpeedSolver {
   std::unique_ptr<Solver> solver_;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

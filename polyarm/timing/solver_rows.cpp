@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 // Of the products of other rows that those of velocity keep, so that a stated speed is met closely.
@@ -272,4 +272,4 @@ void SolverRows::bend_norms() {
     }
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -8,7 +8,7 @@
 #include "polyarm/timing/kernels.hpp"
 #include "polyarm/timing/solver.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 using Basis = std::array<double, 3>;
 
@@ -97,4 +97,4 @@ class SolverRows {
   std::vector<Run> runs_;
 };
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

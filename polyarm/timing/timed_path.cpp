@@ -7,7 +7,7 @@
 
 #include "polyarm/trajectory/splines.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 void SpeedProfile::append(double duration, double jerk) {
   if (!(duration > 0)) return;
@@ -78,7 +78,7 @@ void SpeedProfile::fit(double length) noexcept {
   state_.s = length;
 }
 
-TimedPath::TimedPath(std::shared_ptr<const Path> path, SpeedProfile profile)
+TimedPath::TimedPath(std::shared_ptr<const paths::Path> path, SpeedProfile profile)
     : path_(std::move(path)), profile_(std::move(profile)) {}
 
 void TimedPath::sample(double t, std::span<double> position, std::span<double> velocity,
@@ -87,7 +87,7 @@ void TimedPath::sample(double t, std::span<double> position, std::span<double> v
   joints_on_path(*path_, profile_.at(t, hint), position, velocity, acceleration, jerk);
 }
 
-void joints_on_path(const Path& path, const PathMotion& m, std::span<double> position,
+void joints_on_path(const paths::Path& path, const PathMotion& m, std::span<double> position,
                     std::span<double> velocity, std::span<double> acceleration,
                     std::span<double> jerk) noexcept {
   path.at(m.s, {position, velocity, acceleration, jerk});
@@ -111,7 +111,7 @@ class Pieces {
       : timed_(timed), tolerance_(tolerance), out_(timed.joints()), pieces_(timed.joints()) {
     for (auto* v : {&from_, &to_}) v->resize(3 * timed.joints());
     probe_.resize(timed.joints());
-    coefficients_.resize(timed.joints() * Trajectory::kCoefficients);
+    coefficients_.resize(timed.joints() * trajectory::Trajectory::kCoefficients);
   }
   void add(double begin, double end) {
     ends(begin, from_), ends(end, to_);
@@ -125,7 +125,7 @@ class Pieces {
       std::copy(pieces_[j].begin(), pieces_[j].end(), coefficients_.begin() + long(j * pieces_[j].size()));
     out_.append(end - begin, coefficients_);
   }
-  Trajectory take() { return std::move(out_); }
+  trajectory::Trajectory take() { return std::move(out_); }
 
  private:
   void ends(double t, std::vector<double>& to) {
@@ -136,8 +136,8 @@ class Pieces {
   void fit(double duration) {
     const std::size_t n = timed_.joints();
     for (std::size_t j = 0; j < n; ++j)
-      pieces_[j] = spline_piece(5, {from_[j], from_[n + j], from_[2 * n + j]},
-                                {to_[j], to_[n + j], to_[2 * n + j]}, duration);
+      pieces_[j] = trajectory::spline_piece(5, {from_[j], from_[n + j], from_[2 * n + j]},
+                                            {to_[j], to_[n + j], to_[2 * n + j]}, duration);
   }
   double error(double begin, double end) {
     double most = 0;
@@ -146,7 +146,7 @@ class Pieces {
       timed_.sample(begin + t, probe_, {}, {}, {}, hint_);
       for (std::size_t j = 0; j < probe_.size(); ++j) {
         double q = 0;
-        for (int c = Trajectory::kDegree; c >= 0; --c) q = q * t + pieces_[j][std::size_t(c)];
+        for (int c = trajectory::Trajectory::kDegree; c >= 0; --c) q = q * t + pieces_[j][std::size_t(c)];
         most = std::max(most, std::abs(q - probe_[j]));
       }
     }
@@ -155,15 +155,15 @@ class Pieces {
 
   const TimedPath& timed_;
   double tolerance_;
-  Trajectory out_;
-  std::vector<std::array<double, Trajectory::kCoefficients>> pieces_;
+  trajectory::Trajectory out_;
+  std::vector<std::array<double, trajectory::Trajectory::kCoefficients>> pieces_;
   std::vector<double> from_, to_, probe_, coefficients_;
   std::size_t hint_ = 0;
 };
 
 }  // namespace
 
-Trajectory to_trajectory(const TimedPath& timed, double tolerance) {
+trajectory::Trajectory to_trajectory(const TimedPath& timed, double tolerance) {
   if (timed.empty()) return {};
   std::vector<double> times;
   for (const SpeedProfile::Piece& p : timed.profile().pieces()) times.push_back(p.begin);
@@ -181,4 +181,4 @@ Trajectory to_trajectory(const TimedPath& timed, double tolerance) {
   return out.take();
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

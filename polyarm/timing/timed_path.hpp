@@ -9,7 +9,7 @@
 #include "polyarm/trajectory/constant_jerk.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// The path parameter and its time derivatives: s, per s, per s², per s³.
 struct PathMotion {
@@ -18,7 +18,7 @@ struct PathMotion {
 
 /// `t` seconds later, under the same jerk.
 inline PathMotion after(const PathMotion& m, double t) noexcept {
-  const JerkState end = after(JerkState{m.s, m.speed, m.acceleration}, t, m.jerk);
+  const trajectory::JerkState end = after(trajectory::JerkState{m.s, m.speed, m.acceleration}, t, m.jerk);
   return {end.p, end.v, end.a, m.jerk};
 }
 
@@ -63,11 +63,11 @@ class TimedPath {
  public:
   TimedPath() = default;
   /// `profile` runs from s = 0 to the path's length.
-  TimedPath(std::shared_ptr<const Path> path, SpeedProfile profile);
+  TimedPath(std::shared_ptr<const paths::Path> path, SpeedProfile profile);
 
   bool empty() const noexcept { return !path_; }
-  const Path& path() const noexcept { return *path_; }
-  const std::shared_ptr<const Path>& shared_path() const noexcept { return path_; }
+  const paths::Path& path() const noexcept { return *path_; }
+  const std::shared_ptr<const paths::Path>& shared_path() const noexcept { return path_; }
   const SpeedProfile& profile() const noexcept { return profile_; }
   std::size_t joints() const noexcept { return path_ ? path_->joints() : 0; }
   double duration() const noexcept { return profile_.duration(); }
@@ -78,18 +78,18 @@ class TimedPath {
               std::span<double> acceleration, std::span<double> jerk, std::size_t& hint) const noexcept;
 
  private:
-  std::shared_ptr<const Path> path_;
+  std::shared_ptr<const paths::Path> path_;
   SpeedProfile profile_;
 };
 
 /// What the joints do on `path` while it is passed as `motion` says. Spans as with TimedPath::sample.
-void joints_on_path(const Path& path, const PathMotion& motion, std::span<double> position,
+void joints_on_path(const paths::Path& path, const PathMotion& motion, std::span<double> position,
                     std::span<double> velocity, std::span<double> acceleration,
                     std::span<double> jerk) noexcept;
 
 /// The timed path as quintics that agree with it in position, velocity and acceleration at both ends of each,
 /// and in position to `tolerance` (rad or m) between: measured at seven inner points of each piece, which
 /// is halved until it holds (or lasts less than 1 µs). Allocates.
-Trajectory to_trajectory(const TimedPath& timed, double tolerance = 1e-8);
+trajectory::Trajectory to_trajectory(const TimedPath& timed, double tolerance = 1e-8);
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -15,7 +15,7 @@
 #include "polyarm/timing/rows.hpp"
 #include "polyarm/timing/solver.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 namespace {
 
 // Excess that is left to a stretch of time, more with each round; where speeds may be stated, less.
@@ -32,14 +32,15 @@ constexpr int kTightenings = 12;     // of solving and tightening
 constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
 constexpr double kMargin = 3e-7;     // to limits at the end, for rounding and peaks between samples
 
-void check_request(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& o) {
+void check_request(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+                   const TimingOptions& o) {
   if (limits.size() != path.joints())
     throw Error("wrong-size", "limits for " + std::to_string(limits.size()) + " joints, the path has " +
                                   std::to_string(path.joints()));
   if (!(path.length() > 0) || !std::isfinite(path.length()))
     throw Error("bad-path", "the path's length is " + std::to_string(path.length()), "it must be above zero");
   for (std::size_t j = 0; j < limits.size(); ++j) {
-    const MotionLimits& l = limits[j];
+    const trajectory::MotionLimits& l = limits[j];
     if (!(l.max_velocity > 0 && l.max_acceleration > 0 && l.max_jerk > 0 && l.min_velocity < 0 &&
           l.min_acceleration < 0))
       throw Error("bad-limit", "a limit of joint " + std::to_string(j + 1) + " is on the wrong side of zero");
@@ -70,8 +71,8 @@ void check_request(const Path& path, std::span<const MotionLimits> limits, const
 class Timer {
  public:
   /// `may_stop`: where no guess leads to a sound motion, one that stops on the way will do.
-  Timer(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options,
-        bool may_stop = true)
+  Timer(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+        const TimingOptions& options, bool may_stop = true)
       : o_(options), rows_(path, limits, options.norms), limits_(limits), may_stop_(may_stop) {}
 
   Timing run() {
@@ -141,18 +142,18 @@ class Timer {
     all.excess = std::max(0.0, check.excess(stretch));
   }
   void add_stretch(double from, double to) {
-    const auto part = [&](const Path& path) {
-      JoinedPath out(path.joints());
-      out.append(std::shared_ptr<const Path>(std::shared_ptr<const Path>(), &path), from, to);
+    const auto part = [&](const paths::Path& path) {
+      paths::JoinedPath out(path.joints());
+      out.append(std::shared_ptr<const paths::Path>(std::shared_ptr<const paths::Path>(), &path), from, to);
       return out;
     };
     TimingOptions options = o_;
     std::vector<NormLimit> norms(o_.norms.begin(), o_.norms.end());
-    std::vector<JoinedPath> paths;
+    std::vector<paths::JoinedPath> paths;
     paths.reserve(norms.size());
     for (NormLimit& norm : norms) norm.path = &paths.emplace_back(part(*norm.path));
     options.norms = norms;
-    const JoinedPath path = part(rows_.path());
+    const paths::JoinedPath path = part(rows_.path());
     const Timing timing = Timer(path, limits_, options, false).run();
     Timing& all = stopping_.timing;
     const auto pieces = timing.profile.pieces();
@@ -333,7 +334,7 @@ class Timer {
     for (int i = 0; i <= 64; ++i) s.push_back(length * i / 64);
     for (const double b : rows_.path().breaks()) s.push_back(std::clamp(b + 1e-9 * length, 0.0, length));
     rows_.look(s);
-    MotionLimits l{1e12 * length, 1e18 * length, 1e24 * length, -1e12 * length, -1e18 * length};
+    trajectory::MotionLimits l{1e12 * length, 1e18 * length, 1e24 * length, -1e12 * length, -1e18 * length};
     for (std::size_t c = 0; c < rows_.components(); ++c) {
       const double first = rows_.first(c)[0];
       for (std::size_t i = 0; i < s.size(); ++i)
@@ -348,14 +349,14 @@ class Timer {
       for (std::size_t c = rows_.first_component(n); c < rows_.first_component(n + 1); ++c)
         square += rows_.first(c)[0] * rows_.first(c)[0];
       const NormLimit& norm = rows_.norm(n);
-      narrow(MotionLimits::symmetric(norm.max_velocity, norm.max_acceleration, norm.max_jerk),
+      narrow(trajectory::MotionLimits::symmetric(norm.max_velocity, norm.max_acceleration, norm.max_jerk),
              std::sqrt(square), l);
     }
-    StateToState plan;
-    const MotionState from{0, o_.start_speed, 0}, to{length, o_.end_speed, 0};
-    if (plan.plan({&from, 1}, {&to, 1}, {&l, 1}) != MotionStatus::ok) return false;
+    trajectory::StateToState plan;
+    const trajectory::MotionState from{0, o_.start_speed, 0}, to{length, o_.end_speed, 0};
+    if (plan.plan({&from, 1}, {&to, 1}, {&l, 1}) != trajectory::MotionStatus::ok) return false;
     SpeedProfile profile({0, o_.start_speed, 0, 0});
-    const AxisMotion& axis = plan.axis(0);
+    const trajectory::AxisMotion& axis = plan.axis(0);
     for (std::size_t i = 0; i < axis.pieces(); ++i) {
       const double end = i + 1 < axis.pieces() ? axis.begin_of(i + 1) : axis.duration();
       profile.append(end - axis.begin_of(i), axis.jerk_of(i));
@@ -366,7 +367,7 @@ class Timer {
     timing_.profile = std::move(profile);
     return true;
   }
-  static void narrow(const MotionLimits& row, double first, MotionLimits& l) {
+  static void narrow(const trajectory::MotionLimits& row, double first, trajectory::MotionLimits& l) {
     if (first == 0) return;
     const bool back = first < 0;
     const double size = std::abs(first);
@@ -381,7 +382,7 @@ class Timer {
 
   const TimingOptions& o_;
   PathRows rows_;
-  std::span<const MotionLimits> limits_;
+  std::span<const trajectory::MotionLimits> limits_;
   bool may_stop_;
   Stopping stopping_;
   Checker checker_{rows_};
@@ -398,15 +399,16 @@ const char* name(LimitKind kind) noexcept {
   return kNames[std::size_t(kind)];
 }
 
-Timing time_path(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options) {
+Timing time_path(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+                 const TimingOptions& options) {
   check_request(path, limits, options);
   return Timer(path, limits, options).run();
 }
 
-TimedPath timed(std::shared_ptr<const Path> path, std::span<const MotionLimits> limits,
+TimedPath timed(std::shared_ptr<const paths::Path> path, std::span<const trajectory::MotionLimits> limits,
                 const TimingOptions& options) {
   SpeedProfile profile = time_path(*path, limits, options).profile;
   return TimedPath(std::move(path), std::move(profile));
 }
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

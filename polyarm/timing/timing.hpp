@@ -11,7 +11,7 @@
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::trajectory {
+namespace polyarm::timing {
 
 /// Bounds on the length of a vector that moves along the path: the tool's velocity (m/s) or angular velocity
 /// (rad/s) and its next two derivatives by time. `path` has the vector's components as joints: at() gives in
@@ -19,7 +19,7 @@ namespace polyarm::trajectory {
 /// `third` its derivatives by s; `q` is not asked for. Its length must be the timed path's, its breaks()
 /// among that path's or its own. Infinite: no bound.
 struct NormLimit {
-  const Path* path = nullptr;
+  const paths::Path* path = nullptr;
   double max_velocity = 0, max_acceleration = 0, max_jerk = 0;
   std::string name;  ///< as messages call it: "tool speed"
 };
@@ -64,10 +64,11 @@ struct Timing {
 /// Throws Error: "wrong-size" (limits and joints differ, or a norm's path has another length), "bad-limit"
 /// (not on its side of zero, or not a number), "bad-path" (a value of the path is not finite: where),
 /// "path-too-fast" (the speed at an end is too high for a limit: which, where, and what would do).
-Timing time_path(const Path& path, std::span<const MotionLimits> limits, const TimingOptions& options = {});
+Timing time_path(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
+                 const TimingOptions& options = {});
 
 /// The same as a path that can be followed.
-TimedPath timed(std::shared_ptr<const Path> path, std::span<const MotionLimits> limits,
+TimedPath timed(std::shared_ptr<const paths::Path> path, std::span<const trajectory::MotionLimits> limits,
                 const TimingOptions& options = {});
 
-}  // namespace polyarm::trajectory
+}  // namespace polyarm::timing

@@ -37,7 +37,7 @@ follow:
 class MotionRequests : public ::testing::Test {
  protected:
   LockStepCell cell{kControllers};
-  trajectory::TimedPath path;
+  timing::TimedPath path;
 
   controllers::JointTrajectoryController& follow() {
     return dynamic_cast<controllers::JointTrajectoryController&>(
@@ -47,12 +47,12 @@ class MotionRequests : public ::testing::Test {
   void go() {
     const std::vector<double> at{command("joint_1"), command("joint_2")};
     const std::vector<trajectory::MotionLimits> limits(2, trajectory::MotionLimits::symmetric(1, 4, 40));
-    const std::vector<trajectory::JointWaypoint> way{
+    const std::vector<paths::JointWaypoint> way{
         {at}, {{at[0] + 0.8, at[1]}, 0.2}, {{at[0] + 0.8, at[1] + 0.6}}};
-    path = trajectory::timed(std::move(trajectory::joint_lines(way).sections.front()), limits);
+    path = timing::timed(std::move(paths::joint_lines(way).sections.front()), limits);
     auto goal = std::make_unique<controllers::TrajectoryGoal>();
     goal->id = follow().new_goal_id();
-    goal->planned = std::make_unique<trajectory::PathFollower>(path, limits, follow().period());
+    goal->planned = std::make_unique<timing::PathFollower>(path, limits, follow().period());
     ASSERT_TRUE(follow().follow(goal));
   }
   double command(const std::string& joint) { return cell.value_of("commands", "arm/" + joint + "/position"); }

@@ -106,15 +106,15 @@ struct Bench {
     at = std::move(target);
   }
   /// Along a planned path with a rounded corner.
-  trajectory::TimedPath go_along(const std::vector<std::vector<double>>& points) {
-    std::vector<trajectory::JointWaypoint> way{{at}};
+  timing::TimedPath go_along(const std::vector<std::vector<double>>& points) {
+    std::vector<paths::JointWaypoint> way{{at}};
     for (const std::vector<double>& q : points) way.push_back({q, 0.1});
-    std::shared_ptr<const trajectory::Path> path = std::move(trajectory::joint_lines(way).sections.front());
+    std::shared_ptr<const paths::Path> path = std::move(paths::joint_lines(way).sections.front());
     std::vector<trajectory::MotionLimits> bounds(kJoints, trajectory::MotionLimits::symmetric(2, 8, 80));
-    const trajectory::TimedPath timed = trajectory::timed(path, bounds);
+    const timing::TimedPath timed = timing::timed(path, bounds);
     auto goal = std::make_unique<controllers::TrajectoryGoal>();
     goal->id = next_id++;
-    goal->planned = std::make_unique<trajectory::PathFollower>(timed, bounds, jtc->period());
+    goal->planned = std::make_unique<timing::PathFollower>(timed, bounds, jtc->period());
     EXPECT_TRUE(jtc->follow(goal));
     at = points.back();
     return timed;
@@ -186,8 +186,7 @@ TEST(ControlLoop, StopsOnThePathAndResumesWithoutAJump) {
 TEST(ControlLoop, AStopOfAPlannedPathIsHeldOnItAndResumesToItsEnd) {
   Bench bench;
   bench.loop.supervisor().set_share(0.8);
-  const trajectory::TimedPath path =
-      bench.go_along({{1, 0.5, 0, -0.5, 0.2, 0.3}, {0.5, 1, 0.5, 0.5, 0.5, 0}});
+  const timing::TimedPath path = bench.go_along({{1, 0.5, 0, -0.5, 0.2, 0.3}, {0.5, 1, 0.5, 0.5, 0.5, 0}});
   bench.run(400);
   EXPECT_NEAR(bench.jtc->status().speed.load(), 0.8, 1e-9);
   bench.loop.supervisor().latch().request(realtime::StopKind::controlled);

@@ -23,14 +23,14 @@ constexpr std::size_t kJoints = 3;
 const std::vector<trajectory::MotionLimits> kLimits(kJoints, trajectory::MotionLimits::symmetric(2, 8, 100));
 
 /// Through a corner that is rounded.
-trajectory::TimedPath planned_path(const std::vector<double>& from = {0, 0, 0}) {
-  const std::vector<trajectory::JointWaypoint> points{{from}, {{0.8, 0.2, -0.3}, 0.2}, {{0.9, 1.0, 0.5}}};
-  std::shared_ptr<const trajectory::Path> path = std::move(trajectory::joint_lines(points).sections.front());
-  return trajectory::timed(path, kLimits);
+timing::TimedPath planned_path(const std::vector<double>& from = {0, 0, 0}) {
+  const std::vector<paths::JointWaypoint> points{{from}, {{0.8, 0.2, -0.3}, 0.2}, {{0.9, 1.0, 0.5}}};
+  std::shared_ptr<const paths::Path> path = std::move(paths::joint_lines(points).sections.front());
+  return timing::timed(path, kLimits);
 }
 
 struct PathRig : TrajectoryRig {
-  trajectory::TimedPath path;
+  timing::TimedPath path;
   std::vector<double> at, speed, hardest;
   double fastest = 0;
 
@@ -45,13 +45,12 @@ struct PathRig : TrajectoryRig {
     hardest.assign(n, 0.0);
     fastest = 0;
   }
-  std::uint64_t follow(trajectory::TimedPath along, double period = kDt) {
+  std::uint64_t follow(timing::TimedPath along, double period = kDt) {
     path = along;
     auto goal = std::make_unique<TrajectoryGoal>();
     goal->id = jtc.new_goal_id();
     const std::uint64_t id = goal->id;
-    goal->planned =
-        std::make_unique<trajectory::PathFollower>(std::move(along), std::vector(kLimits), period);
+    goal->planned = std::make_unique<timing::PathFollower>(std::move(along), std::vector(kLimits), period);
     EXPECT_TRUE(jtc.follow(goal));
     return id;
   }
@@ -228,7 +227,7 @@ TEST(PathFollowing, APathFromElsewhereOfAnotherPeriodOrOtherJointsIsRefused) {
   auto goal = std::make_unique<TrajectoryGoal>();
   goal->id = rig.jtc.new_goal_id();
   goal->planned =
-      std::make_unique<trajectory::PathFollower>(planned_path(), std::vector(kLimits), rig.jtc.period());
+      std::make_unique<timing::PathFollower>(planned_path(), std::vector(kLimits), rig.jtc.period());
   goal->joints = {0, 1, 2};
   ASSERT_TRUE(rig.jtc.follow(goal));
   rig.cycles(1);

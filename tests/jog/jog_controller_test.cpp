@@ -10,7 +10,7 @@
 #include "tests/jog/jog_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion::jog_controller_test {
+namespace polyarm::jog::jog_controller_test {
 namespace {
 
 using controllers::Verdict;
@@ -34,7 +34,7 @@ class JogControllerTest : public ::testing::Test {
     }
     context.joints = joints;
     context.robot = "arm";
-    controller = std::make_unique<JogController>(chain, joints, Workspace());
+    controller = std::make_unique<JogController>(chain, joints, moves::Workspace());
     controller->on_configure(context);
     states = {0.3, -1.2, 1.6, -1.9, -1.4, 0.5};
     commands.assign(6, NAN);
@@ -196,4 +196,4 @@ TEST_F(JogControllerTest, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::jog_controller_test
+}  // namespace polyarm::jog::jog_controller_test

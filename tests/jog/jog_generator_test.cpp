@@ -12,7 +12,7 @@
 #include "tests/jog/jog_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion::jog_generator_test {
+namespace polyarm::jog::jog_generator_test {
 namespace {
 
 using polyarm::test::JogRig;
@@ -24,17 +24,18 @@ const std::vector<std::string> kArms = {"universal_robots/ur5e", "kuka/kr_10_r11
                                         "franka/fer_panda",      "ufactory/xarm_6",
                                         "ufactory/xarm5",        "mitsubishi_electric/rh_6frh5520"};
 
-Workspace table_and_box(const JogRig& rig, const Vec3& tcp) {
+moves::Workspace table_and_box(const JogRig& rig, const Vec3& tcp) {
   const double reach = rig.chain.reach();
-  return Workspace({{"table", {}, ZoneKind::plane, tcp - Vec3{0, 0, 0.2 * reach}, {0, 0, 1}, {}, {}},
-                    {"wall", {}, ZoneKind::plane, tcp + Vec3{0.15 * reach, 0, 0}, {-1, 0.2, 0}, {}, {}},
-                    {"post",
-                     {},
-                     ZoneKind::outside,
-                     {},
-                     {},
-                     tcp + Vec3{-0.1 * reach, 0.1 * reach, -reach},
-                     tcp + Vec3{0.05 * reach, 0.2 * reach, reach}}});
+  return moves::Workspace(
+      {{"table", {}, moves::ZoneKind::plane, tcp - Vec3{0, 0, 0.2 * reach}, {0, 0, 1}, {}, {}},
+       {"wall", {}, moves::ZoneKind::plane, tcp + Vec3{0.15 * reach, 0, 0}, {-1, 0.2, 0}, {}, {}},
+       {"post",
+        {},
+        moves::ZoneKind::outside,
+        {},
+        {},
+        tcp + Vec3{-0.1 * reach, 0.1 * reach, -reach},
+        tcp + Vec3{0.05 * reach, 0.2 * reach, reach}}});
 }
 
 JogWish random_wish(const JogRig& rig, std::mt19937_64& engine) {
@@ -253,4 +254,4 @@ TEST(JogGenerator, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::jog_generator_test
+}  // namespace polyarm::jog::jog_generator_test

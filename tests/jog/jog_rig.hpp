@@ -16,11 +16,11 @@
 
 namespace polyarm::test {
 
-inline std::vector<motion::AxisLimits> axis_limits(const description::RobotModel& model) {
-  std::vector<motion::AxisLimits> out;
+inline std::vector<jog::AxisLimits> axis_limits(const description::RobotModel& model) {
+  std::vector<jog::AxisLimits> out;
   for (const int index : model.actuated) {
     const auto& limits = model.joints[static_cast<std::size_t>(index)].limits;
-    motion::AxisLimits axis;
+    jog::AxisLimits axis;
     axis.lower = limits.lower.value_or(-INFINITY);
     axis.upper = limits.upper.value_or(INFINITY);
     axis.velocity = limits.velocity.value_or(1.0);
@@ -34,7 +34,7 @@ inline std::vector<motion::AxisLimits> axis_limits(const description::RobotModel
 /// An arm with what it may do; the laws are checked in every cycle.
 class JogRig {
  public:
-  explicit JogRig(const std::string& robot, motion::Workspace workspace = {}, double cycle = 0.001)
+  explicit JogRig(const std::string& robot, moves::Workspace workspace = {}, double cycle = 0.001)
       : dt(cycle),
         model(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(robot)),
         chain(model, model.tool_link()),
@@ -49,7 +49,7 @@ class JogRig {
   std::vector<double> middle() const {
     std::vector<double> q;
     for (std::size_t j = 0; j < chain.joints(); ++j) {
-      const motion::AxisLimits& a = generator.axes()[j];
+      const jog::AxisLimits& a = generator.axes()[j];
       const double low = std::max(a.lower, -2.5), high = std::min(a.upper, 2.5);
       q.push_back(low + (0.35 + 0.05 * static_cast<double>(j)) * (high - low));
     }
@@ -63,7 +63,7 @@ class JogRig {
   Pose tcp() const { return chain.forward(joints()); }
 
   /// One cycle; false when a law is broken, with the reason in `broken`.
-  bool step(const motion::JogWish& wish) {
+  bool step(const jog::JogWish& wish) {
     const bool began = generator.standing();
     generator.step(wish, limits);
     history_.erase(history_.begin());
@@ -80,7 +80,7 @@ class JogRig {
     return broken.empty();
   }
   /// `seconds` of one wish, or until it is over.
-  bool run(const motion::JogWish& wish, double seconds) {
+  bool run(const jog::JogWish& wish, double seconds) {
     for (double t = 0; t < seconds; t += dt)
       if (!step(wish)) return false;
     return true;
@@ -89,16 +89,16 @@ class JogRig {
   const double dt;
   description::RobotModel model;
   kinematics::Chain chain;
-  motion::JogGenerator generator;
-  motion::JogLimits limits;
+  jog::JogGenerator generator;
+  jog::JogLimits limits;
   std::string broken;
   double fastest = 0, nearest = 1e9;
   std::size_t cycles = 0;
 
  private:
   void judge_joint(std::size_t j) {
-    const motion::AxisLimits& a = generator.axes()[j];
-    const motion::AxisState& s = generator.axis(j);
+    const jog::AxisLimits& a = generator.axes()[j];
+    const jog::AxisState& s = generator.axis(j);
     const auto q = [&](std::size_t i) { return history_[i][j]; };
     const auto say = [&](const char* what, double value, double limit) {
       if (broken.empty())
@@ -125,16 +125,16 @@ class JogRig {
   Vec3 tcp_;
 };
 
-inline motion::JogWish tcp_wish(const motion::Twist& twist, bool tool = false) {
-  motion::JogWish wish;
-  wish.kind = motion::JogWish::Kind::tcp_velocity;
+inline jog::JogWish tcp_wish(const jog::Twist& twist, bool tool = false) {
+  jog::JogWish wish;
+  wish.kind = jog::JogWish::Kind::tcp_velocity;
   wish.twist = twist;
   wish.tool_frame = tool;
   return wish;
 }
-inline motion::JogWish joint_wish(std::size_t joint, double velocity) {
-  motion::JogWish wish;
-  wish.kind = motion::JogWish::Kind::joint_velocity;
+inline jog::JogWish joint_wish(std::size_t joint, double velocity) {
+  jog::JogWish wish;
+  wish.kind = jog::JogWish::Kind::joint_velocity;
   wish.joints[joint] = velocity;
   return wish;
 }

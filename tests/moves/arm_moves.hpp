@@ -11,7 +11,7 @@
 #include "polyarm/kinematics/inverse.hpp"
 #include "polyarm/moves/move_plan.hpp"
 
-namespace polyarm::motion::test {
+namespace polyarm::moves::test {
 
 using Values = std::vector<double>;
 
@@ -64,4 +64,4 @@ inline Pose shifted(Pose pose, const Vec3& by) {
   return pose;
 }
 
-}  // namespace polyarm::motion::test
+}  // namespace polyarm::moves::test

@@ -18,14 +18,14 @@
 #include "tests/support/path_laws.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion::cartesian_joints_test {
+namespace polyarm::moves::cartesian_joints_test {
 namespace {
 
 using kinematics::Chain;
-using trajectory::ArcOrientation;
-using trajectory::CartesianPath;
-using trajectory::CartesianPathBuilder;
-using trajectory::Corner;
+using paths::ArcOrientation;
+using paths::CartesianPath;
+using paths::CartesianPathBuilder;
+using paths::Corner;
 using Values = std::vector<double>;
 constexpr double kPi = std::numbers::pi;
 
@@ -81,8 +81,8 @@ CartesianPathBuilder path_near(const Chain& chain, const Values& q, Draw& draw, 
 }
 
 /// The furthest that the TCP is off its path, m and rad.
-std::pair<double, double> off_path(const Chain& chain, const trajectory::Path& joints,
-                                   const CartesianPath& path, int samples) {
+std::pair<double, double> off_path(const Chain& chain, const paths::Path& joints, const CartesianPath& path,
+                                   int samples) {
   double position = 0, turn = 0;
   for (int n = 0; n <= samples; ++n) {
     const double s = path.length() * n / samples;
@@ -161,7 +161,7 @@ TEST_P(OnAnyArm, TheTcpStaysOnItsPathAndTheJointsAreSmooth) {
     const auto made = path_near(chain, q, draw, 5, 0.03).build();
     ASSERT_EQ(made.sections.size(), 1u);
     const CartesianPath& path = made.sections[0];
-    std::unique_ptr<const trajectory::PolynomialPath> joints;
+    std::unique_ptr<const paths::PolynomialPath> joints;
     std::string text;
     const std::string code = code_of([&] { joints = joints_along(chain, path, q); }, &text);
     if (!joints) {
@@ -201,7 +201,7 @@ TEST_P(OnAnyArm, ThirdDerivativesGoOnBetweenBreaks) {
   for (int k = 0; k < 20; ++k) {
     const Values q = draw.good_state(chain);
     const auto made = CartesianPathBuilder(chain.forward(q)).line(chain.forward(draw.near(q, 0.4))).build();
-    std::unique_ptr<const trajectory::PolynomialPath> joints;
+    std::unique_ptr<const paths::PolynomialPath> joints;
     if (!code_of([&] { joints = joints_along(chain, made.sections[0], q); }).empty()) continue;
     ++looked;
     polyarm::test::expect_derivatives(*joints, 40, 3e-4);
@@ -224,7 +224,7 @@ TEST_P(OnAnyArm, ThirdDerivativesGoOnBetweenBreaks) {
 TEST_P(OnAnyArm, TheSameQuestionHasTheSameAnswer) {
   const Chain chain = arm(GetParam());
   for (int k = 0; k < 3; ++k) {
-    std::vector<std::unique_ptr<const trajectory::PolynomialPath>> made;
+    std::vector<std::unique_ptr<const paths::PolynomialPath>> made;
     for (int twice = 0; twice < 2; ++twice) {
       Draw draw(static_cast<std::uint64_t>(40 + k));
       const Values q = draw.good_state(chain);
@@ -254,12 +254,12 @@ TEST_P(OnAnyArm, KeepsARadiusAtTheTcpOfJointLines) {
   for (int k = 0; k < 40; ++k) {
     const double radius = draw.even(0.01, 0.15);
     const Values a = draw.state(chain), b = draw.state(chain), c = draw.state(chain);
-    const std::vector<trajectory::JointWaypoint> waypoints{{a, 0, ""}, {b, radius, ""}, {c, 0, ""}};
-    trajectory::JointPathOptions options;
+    const std::vector<paths::JointWaypoint> waypoints{{a, 0, ""}, {b, radius, ""}, {c, 0, ""}};
+    paths::JointPathOptions options;
     options.tcp_distance = tcp_distance(chain);
-    const auto made = trajectory::joint_lines(waypoints, options);
+    const auto made = paths::joint_lines(waypoints, options);
     ASSERT_EQ(made.sections.size(), 1u);
-    const trajectory::Path& path = *made.sections[0];
+    const paths::Path& path = *made.sections[0];
     polyarm::test::expect_continuous(path);
     const auto breaks = path.breaks();
     ASSERT_EQ(breaks.size(), 4u);
@@ -380,7 +380,7 @@ TEST(CartesianJoints, PassASingularityAsideSlowlyButOnThePath) {
   const auto made = CartesianPathBuilder(from).line(to).build();
   std::string text;
   q[3] += 2 * kPi;  // room for half a turn
-  std::unique_ptr<const trajectory::PolynomialPath> joints;
+  std::unique_ptr<const paths::PolynomialPath> joints;
   const std::string code = code_of([&] { joints = joints_along(ur, made.sections[0], q); }, &text);
   ASSERT_EQ(code, "") << text;
   const auto [p, r] = off_path(ur, *joints, made.sections[0], 200000);
@@ -473,7 +473,7 @@ TEST(CartesianJoints, WholeCatalogue) {
       for (int more = 0; more < 50 && kinematics::smallest_singular_value(chain, q) < 0.03; ++more)
         q = draw.state(chain);
       const auto made = CartesianPathBuilder(chain.forward(q)).line(chain.forward(draw.near(q, 0.3))).build();
-      std::unique_ptr<const trajectory::PolynomialPath> joints;
+      std::unique_ptr<const paths::PolynomialPath> joints;
       std::string text;
       const std::string code = code_of([&] { joints = joints_along(chain, made.sections[0], q); }, &text);
       if (!joints) {
@@ -496,4 +496,4 @@ TEST(CartesianJoints, WholeCatalogue) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::cartesian_joints_test
+}  // namespace polyarm::moves::cartesian_joints_test

@@ -11,7 +11,7 @@
 
 #include "tests/moves/arm_moves.hpp"
 
-namespace polyarm::motion::move_plan_test {
+namespace polyarm::moves::move_plan_test {
 namespace {
 
 using test::Arm;
@@ -437,4 +437,4 @@ TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::move_plan_test
+}  // namespace polyarm::moves::move_plan_test

@@ -18,14 +18,14 @@
 #include "tests/moves/arm_moves.hpp"
 #include "tests/support/limit_extrema.hpp"
 
-namespace polyarm::motion::program_laws_test {
+namespace polyarm::moves::program_laws_test {
 namespace {
 
 using test::Arm;
 using test::Values;
+using timing::PathOverride;
+using timing::TimedPath;
 using trajectory::MotionLimits;
-using trajectory::PathOverride;
-using trajectory::TimedPath;
 constexpr double kPeriod = 1e-3;
 
 class Draw {
@@ -131,7 +131,7 @@ void follow(const Arm& arm, const MovePlan& plan, const PlannedMotion& motion, c
     for (std::size_t j = 0; j < n; ++j)
       seen.beyond = std::max({seen.beyond, q[j] - arm.chain().upper()[j], arm.chain().lower()[j] - q[j]});
     const double s = motion.path.profile().at(o.time(), hint).s;
-    joints_on_path(motion.path.path(), {s, 0, 0, 0}, way, none, none, none);
+    timing::joints_on_path(motion.path.path(), {s, 0, 0, 0}, way, none, none, none);
     seen.off_way =
         std::max(seen.off_way, norm(arm.chain().forward(q).position - arm.chain().forward(way).position));
     if (const auto off = off_its_line(arm, motion, moves, s, q))
@@ -255,4 +255,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, ProgramLaws,
                          });
 
 }  // namespace
-}  // namespace polyarm::motion::program_laws_test
+}  // namespace polyarm::moves::program_laws_test

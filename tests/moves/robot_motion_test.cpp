@@ -13,7 +13,7 @@
 #include "polyarm/controllers/controller_rig.hpp"
 #include "tests/moves/arm_moves.hpp"
 
-namespace polyarm::motion::robot_motion_test {
+namespace polyarm::moves::robot_motion_test {
 namespace {
 
 using controllers::ControllerRig;
@@ -303,4 +303,4 @@ TEST(RobotMotion, WhereOneInStepCannotGoNobodyGoes) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::robot_motion_test
+}  // namespace polyarm::moves::robot_motion_test

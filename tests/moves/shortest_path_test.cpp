@@ -13,12 +13,11 @@
 #include "polyarm/timing/timing.hpp"
 #include "tests/support/slow_timing.hpp"
 
-namespace polyarm::motion::shortest_path_test {
+namespace polyarm::moves::shortest_path_test {
 namespace {
 
 /// Lines and arcs with blends of 1 to 4 cm, before the robot.
-std::unique_ptr<const trajectory::Path> lines_and_arcs(const kinematics::Chain& chain,
-                                                       std::mt19937_64& engine) {
+std::unique_ptr<const paths::Path> lines_and_arcs(const kinematics::Chain& chain, std::mt19937_64& engine) {
   const auto even = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine);
   };
@@ -30,11 +29,11 @@ std::unique_ptr<const trajectory::Path> lines_and_arcs(const kinematics::Chain& 
     p.rotation = p.rotation * from_rpy(even(-0.3, 0.3), even(-0.3, 0.3), even(-0.5, 0.5));
     return p;
   };
-  trajectory::CartesianPathBuilder builder(home);
+  paths::CartesianPathBuilder builder(home);
   builder.line(near(), {even(0.01, 0.04), {}}).line(near(), {even(0.01, 0.04), {}});
-  builder.arc(near().position, near(), trajectory::ArcOrientation::interpolated, {even(0.01, 0.04), {}});
+  builder.arc(near().position, near(), paths::ArcOrientation::interpolated, {even(0.01, 0.04), {}});
   builder.line(near(), {0, {}});
-  trajectory::PathSections joints = joints_along(chain, builder.build(), seed);
+  paths::PathSections joints = joints_along(chain, builder.build(), seed);
   return std::move(joints.sections.front());
 }
 
@@ -46,7 +45,7 @@ TEST(ShortestPath, OfLinesArcsAndBlendsIsWithinFivePercentOfASlowOptimiser) {
   std::mt19937_64 engine(3);
   int compared = 0;
   for (int k = 0; k < 8 && compared < 3; ++k) {
-    std::unique_ptr<const trajectory::Path> path;
+    std::unique_ptr<const paths::Path> path;
     try {
       path = lines_and_arcs(chain, engine);
     } catch (const Error&) {
@@ -56,11 +55,11 @@ TEST(ShortestPath, OfLinesArcsAndBlendsIsWithinFivePercentOfASlowOptimiser) {
     options.intervals = 600;
     options.rounds = 2;
     const double slow = polyarm::test::SlowTiming(*path, limits, options).duration();
-    EXPECT_LE(time_path(*path, limits).profile.duration(), 1.05 * slow) << k;
+    EXPECT_LE(timing::time_path(*path, limits).profile.duration(), 1.05 * slow) << k;
     ++compared;
   }
   EXPECT_EQ(compared, 3);
 }
 
 }  // namespace
-}  // namespace polyarm::motion::shortest_path_test
+}  // namespace polyarm::moves::shortest_path_test

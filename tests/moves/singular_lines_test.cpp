@@ -14,7 +14,7 @@
 
 #include "tests/moves/arm_moves.hpp"
 
-namespace polyarm::motion::singular_lines_test {
+namespace polyarm::moves::singular_lines_test {
 namespace {
 
 using test::Arm;
@@ -115,4 +115,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, SingularLines,
                          });
 
 }  // namespace
-}  // namespace polyarm::motion::singular_lines_test
+}  // namespace polyarm::moves::singular_lines_test

@@ -20,9 +20,11 @@
 #include "tests/support/arm_stop_moments.hpp"
 #include "tests/support/slow_stop.hpp"
 
-namespace polyarm::motion::stop_laws_test {
+namespace polyarm::moves::stop_laws_test {
 namespace {
 
+using namespace paths;
+using namespace timing;
 using namespace trajectory;
 constexpr double kPeriod = 1e-3;
 
@@ -159,4 +161,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, StopLaws,
                          });
 
 }  // namespace
-}  // namespace polyarm::motion::stop_laws_test
+}  // namespace polyarm::moves::stop_laws_test

@@ -16,7 +16,7 @@
 #include "tests/support/path_laws.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::motion::tcp_rates_test {
+namespace polyarm::moves::tcp_rates_test {
 namespace {
 
 using kinematics::Chain;
@@ -40,14 +40,14 @@ TEST(TcpRates, AreTheDerivativesOfWhereTheTcpIs) {
   for (const auto& model :
        {polyarm::test::ur3(), polyarm::test::seven(), polyarm::test::five(), polyarm::test::gantry()}) {
     const Chain chain = chain_of(model);
-    std::vector<trajectory::JointWaypoint> waypoints(5);
+    std::vector<paths::JointWaypoint> waypoints(5);
     for (auto& w : waypoints) {
       w.radius = 0.4;
       for (std::size_t j = 0; j < chain.joints(); ++j) w.q.push_back(even(engine));
     }
-    auto made = trajectory::joint_lines(waypoints);
+    auto made = paths::joint_lines(waypoints);
     ASSERT_EQ(made.sections.size(), 1u);
-    const std::shared_ptr<const trajectory::Path> joints = std::move(made.sections[0]);
+    const std::shared_ptr<const paths::Path> joints = std::move(made.sections[0]);
     const TcpPath moves(chain, joints, TcpPart::translation), turns(chain, joints, TcpPart::rotation);
     polyarm::test::expect_derivatives(moves, 9, 1e-4);
     polyarm::test::expect_continuous(moves, 1e-7);
@@ -82,9 +82,9 @@ TEST(TcpRates, AlongAPathOfTheTcpAreThoseOfThePath) {
   a.position = a.position + Vec3{0.1, 0.1, 0};
   b.position = a.position + Vec3{-0.1, 0.1, 0.1};
   b.rotation = b.rotation * from_axis_angle({1, 0, 0}, 0.5);
-  const auto made = trajectory::CartesianPathBuilder(start).line(a, {0.03, ""}).line(b).build();
-  const trajectory::CartesianPath& path = made.sections[0];
-  const std::shared_ptr<const trajectory::Path> joints = joints_along(ur, path, q);
+  const auto made = paths::CartesianPathBuilder(start).line(a, {0.03, ""}).line(b).build();
+  const paths::CartesianPath& path = made.sections[0];
+  const std::shared_ptr<const paths::Path> joints = joints_along(ur, path, q);
   const TcpPath moves(ur, joints, TcpPart::translation), turns(ur, joints, TcpPart::rotation);
   double worst[3] = {0, 0, 0};
   polyarm::test::PathPoint at = polyarm::test::point_at(moves, 0), turn = at;
@@ -112,4 +112,4 @@ TEST(TcpRates, AlongAPathOfTheTcpAreThoseOfThePath) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::tcp_rates_test
+}  // namespace polyarm::moves::tcp_rates_test

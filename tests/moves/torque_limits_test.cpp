@@ -10,7 +10,7 @@
 #include "polyarm/kinematics/dynamics.hpp"
 #include "tests/moves/arm_moves.hpp"
 
-namespace polyarm::motion::torque_limits_test {
+namespace polyarm::moves::torque_limits_test {
 namespace {
 
 using test::Arm;
@@ -141,4 +141,4 @@ TEST(TorqueLimits, LoadsAddUp) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::torque_limits_test
+}  // namespace polyarm::moves::torque_limits_test

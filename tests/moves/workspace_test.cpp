@@ -10,7 +10,7 @@
 #include "polyarm/paths/joint_path.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
-namespace polyarm::motion::workspace_test {
+namespace polyarm::moves::workspace_test {
 namespace {
 
 WorkspaceZone plane(const char* name, const Vec3& point, const Vec3& normal) {
@@ -49,11 +49,11 @@ TEST(Workspace, FindsTheFirstPlaceWhereAPathLeavesIt) {
   std::uniform_real_distribution<double> even(-1, 1);
   int left = 0, stayed = 0;
   for (int i = 0; i < 60; ++i) {
-    std::vector<trajectory::JointWaypoint> waypoints(2);
+    std::vector<paths::JointWaypoint> waypoints(2);
     for (auto& w : waypoints)
       for (std::size_t j = 0; j < chain.joints(); ++j) w.q.push_back(1.5 * even(engine));
-    const auto made = trajectory::joint_lines(waypoints);
-    const trajectory::Path& path = *made.sections.at(0);
+    const auto made = paths::joint_lines(waypoints);
+    const paths::Path& path = *made.sections.at(0);
     const Vec3 start = chain.forward(waypoints[0].q).position;
     const Vec3 normal = normalized(Vec3{even(engine), even(engine), even(engine)});
     const Workspace workspace(
@@ -87,4 +87,4 @@ TEST(Workspace, FindsTheFirstPlaceWhereAPathLeavesIt) {
 }
 
 }  // namespace
-}  // namespace polyarm::motion::workspace_test
+}  // namespace polyarm::moves::workspace_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::trajectory::path_cartesian_test {
+namespace polyarm::paths::path_cartesian_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -411,4 +411,4 @@ TEST(CartesianPaths, AreTheSameEveryTimeAndAllocateNothingWhenAsked) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::path_cartesian_test
+}  // namespace polyarm::paths::path_cartesian_test

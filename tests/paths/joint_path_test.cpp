@@ -13,7 +13,7 @@
 #include "tests/support/path_laws.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::trajectory::path_joint_test {
+namespace polyarm::paths::path_joint_test {
 namespace {
 
 using test::point_at;
@@ -299,4 +299,4 @@ TEST(JointPaths, AreTheSameEveryTimeAndAllocateNothingWhenAsked) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::path_joint_test
+}  // namespace polyarm::paths::path_joint_test

@@ -18,8 +18,8 @@ namespace {
 using namespace ros_files;
 using description::test::has;
 using description::test::Mutator;
+using timing::TimedPath;
 using trajectory::MotionLimits;
-using trajectory::TimedPath;
 
 // As ros2 topic echo prints it.
 constexpr const char* kRos2 = R"(header:
@@ -247,7 +247,7 @@ TEST(TrajectoryFile, EveryNumberHasItsPoint) {
 TEST(TrajectoryFile, TimedPathsAreWrittenAsSamplesOrAsKnotsThatQuinticsFollow) {
   const auto path = test::random_spline(3, 5, 2);
   const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(2, 5, 50));
-  const TimedPath timed = trajectory::timed(path, limits);
+  const TimedPath timed = timing::timed(path, limits);
   const std::vector<std::string> names{"a", "b", "c"};
 
   const auto samples = sampled(timed, 100, names);

@@ -45,19 +45,19 @@ inline StopMoment moment_of_an_arm(std::uint64_t seed) {
     return chain.forward(q);
   };
   for (;;) {
-    trajectory::CartesianPathBuilder builder(chain.forward(robot.q));
+    paths::CartesianPathBuilder builder(chain.forward(robot.q));
     for (int i = 0; i < 4; ++i) {
-      const trajectory::Corner corner{std::uniform_real_distribution<double>(0.005, 0.05)(engine), ""};
+      const paths::Corner corner{std::uniform_real_distribution<double>(0.005, 0.05)(engine), ""};
       if (i % 3 == 0)
         builder.line(near(), corner);
       else if (i % 3 == 1)
-        builder.arc(near().position, near(), trajectory::ArcOrientation::interpolated, corner);
+        builder.arc(near().position, near(), paths::ArcOrientation::interpolated, corner);
       else
         builder.spline(std::vector<Pose>{near(), near()}, corner);
     }
     try {
-      std::shared_ptr<const trajectory::Path> path =
-          motion::joints_along(chain, builder.build().sections[0], robot.q);
+      std::shared_ptr<const paths::Path> path =
+          moves::joints_along(chain, builder.build().sections[0], robot.q);
       return moment_on(path, unequal_limits(engine, robot.q.size()), engine, seed % 4 < 2);
     } catch (const Error&) {  // leads where this arm does not go
     }

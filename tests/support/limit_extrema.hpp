@@ -23,11 +23,10 @@ struct FactorCycle {
 /// than those beside it and near its limit, the extremum between these is searched for to the last bits.
 class LimitExtrema {
  public:
-  LimitExtrema(const trajectory::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
+  LimitExtrema(const timing::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
                int looks = 11)
       : path_(path), limits_(limits.begin(), limits.end()), looks_(looks) {
-    for (const trajectory::SpeedProfile::Piece& piece : path.profile().pieces())
-      jumps_.push_back(piece.begin);
+    for (const timing::SpeedProfile::Piece& piece : path.profile().pieces()) jumps_.push_back(piece.begin);
     for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
     std::sort(jumps_.begin(), jumps_.end());
     // The same jump of path and profile, but for rounding.
@@ -128,7 +127,7 @@ class LimitExtrema {
     return std::max(at_a, at_b);
   }
 
-  const trajectory::TimedPath& path_;
+  const timing::TimedPath& path_;
   std::vector<trajectory::MotionLimits> limits_;
   int looks_;
   std::vector<double> jumps_, q_, v_, a_, j_, shares_;

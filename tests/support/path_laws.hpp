@@ -13,7 +13,7 @@ namespace polyarm::test {
 struct PathPoint {
   std::vector<double> q, first, second, third;
 };
-inline PathPoint point_at(const trajectory::Path& path, double s) {
+inline PathPoint point_at(const paths::Path& path, double s) {
   PathPoint p;
   for (auto* v : {&p.q, &p.first, &p.second, &p.third}) v->assign(path.joints(), NAN);
   path.at(s, {p.q, p.first, p.second, p.third});
@@ -21,7 +21,7 @@ inline PathPoint point_at(const trajectory::Path& path, double s) {
 }
 
 /// Central differences against derivatives, at `samples` places between every two breaks.
-inline void expect_derivatives(const trajectory::Path& path, int samples = 5, double tolerance = 1e-5) {
+inline void expect_derivatives(const paths::Path& path, int samples = 5, double tolerance = 1e-5) {
   const auto breaks = path.breaks();
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
     const double length = breaks[i + 1] - breaks[i], h = 1e-4 * length;
@@ -48,7 +48,7 @@ inline void expect_derivatives(const trajectory::Path& path, int samples = 5, do
 
 /// No jump of value, first or second derivative at any break: `tolerance` is relative to the largest value
 /// that each has near there. Ends of the path do not count.
-inline void expect_continuous(const trajectory::Path& path, double tolerance = 1e-8) {
+inline void expect_continuous(const paths::Path& path, double tolerance = 1e-8) {
   const auto breaks = path.breaks();
   ASSERT_GE(breaks.size(), 2u);
   ASSERT_EQ(breaks.front(), 0);

@@ -20,7 +20,7 @@ namespace polyarm::test {
 /// higher, so that it errs on the fast side.
 class SlowStop {
  public:
-  SlowStop(const trajectory::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
+  SlowStop(const timing::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
            double step = 4e-3, double slack = 1.001)
       : path_(path), limits_(limits.begin(), limits.end()), step_(step) {
     for (trajectory::MotionLimits& l : limits_)
@@ -110,7 +110,7 @@ class SlowStop {
     return t;
   }
 
-  const trajectory::TimedPath& path_;
+  const timing::TimedPath& path_;
   std::vector<trajectory::MotionLimits> limits_;
   double step_;
   std::vector<double> q_, v_, a_, j_;

@@ -28,7 +28,7 @@ struct SlowOptions {
 
 class SlowTiming {
  public:
-  SlowTiming(const trajectory::Path& path, std::span<const trajectory::MotionLimits> limits,
+  SlowTiming(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
              const SlowOptions& options = {})
       : path_(path), limits_(limits.begin(), limits.end()), o_(options), n_(path.joints()) {
     for (auto& list : d_) list.resize(n_);
@@ -365,7 +365,7 @@ class SlowTiming {
   static constexpr std::array<double, kQuadrature> kWeight = {0.17392742256872693, 0.32607257743127307,
                                                               0.32607257743127307, 0.17392742256872693};
 
-  const trajectory::Path& path_;
+  const paths::Path& path_;
   std::vector<trajectory::MotionLimits> limits_;
   SlowOptions o_;
   std::size_t n_;

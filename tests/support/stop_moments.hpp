@@ -13,7 +13,7 @@
 namespace polyarm::test {
 
 struct StopMoment {
-  trajectory::TimedPath path;
+  timing::TimedPath path;
   std::vector<trajectory::MotionLimits> limits;
   double time, factor;
 };
@@ -30,11 +30,11 @@ inline std::vector<trajectory::MotionLimits> unequal_limits(std::mt19937_64& eng
 }
 
 /// Every other one at full speed.
-inline StopMoment moment_on(std::shared_ptr<const trajectory::Path> path,
+inline StopMoment moment_on(std::shared_ptr<const paths::Path> path,
                             std::vector<trajectory::MotionLimits> limits, std::mt19937_64& engine,
                             bool full_speed) {
   std::uniform_real_distribution<double> draw(0, 1);
-  StopMoment out{trajectory::timed(std::move(path), limits), std::move(limits), 0, 1};
+  StopMoment out{timing::timed(std::move(path), limits), std::move(limits), 0, 1};
   out.time = (0.03 + 0.9 * draw(engine)) * out.path.duration();
   if (!full_speed) out.factor = 0.1 + 0.9 * draw(engine);
   return out;
@@ -45,7 +45,7 @@ inline StopMoment random_moment(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> draw(0, 1);
   std::vector<trajectory::MotionLimits> limits = unequal_limits(engine, 6);
-  std::shared_ptr<const trajectory::Path> path;
+  std::shared_ptr<const paths::Path> path;
   if (seed % 2 == 0) {
     path = random_spline(6, 8, seed);
   } else {

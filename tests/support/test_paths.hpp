@@ -15,7 +15,7 @@
 namespace polyarm::test {
 
 /// Polynomials between breaks: coefficients[piece][joint][power of s from the piece's begin].
-class PolynomialPath final : public trajectory::Path {
+class PolynomialPath final : public paths::Path {
  public:
   using Coefficients = std::vector<std::vector<std::vector<double>>>;
   PolynomialPath(std::vector<double> breaks, Coefficients coefficients)
@@ -31,7 +31,7 @@ class PolynomialPath final : public trajectory::Path {
   std::size_t joints() const noexcept override { return joints_; }
   double length() const noexcept override { return breaks_.back(); }
   std::span<const double> breaks() const noexcept override { return breaks_; }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override {
+  void at(double s, const paths::PathDerivatives& out) const noexcept override {
     s = std::clamp(s, 0.0, length());
     const auto next = std::upper_bound(breaks_.begin(), breaks_.end() - 1, s);
     const auto piece = std::size_t(next - breaks_.begin()) - 1;
@@ -56,7 +56,7 @@ class PolynomialPath final : public trajectory::Path {
 };
 
 /// A natural cubic spline through points; s runs over the sum of the chords' lengths.
-inline std::shared_ptr<const trajectory::Path> cubic_spline(const std::vector<std::vector<double>>& points) {
+inline std::shared_ptr<const paths::Path> cubic_spline(const std::vector<std::vector<double>>& points) {
   const std::size_t n = points.size() - 1, joints = points.front().size();
   std::vector<double> s{0};
   for (std::size_t i = 0; i < n; ++i) {
@@ -88,8 +88,8 @@ inline std::shared_ptr<const trajectory::Path> cubic_spline(const std::vector<st
 }
 
 /// Through random points within ±spread.
-inline std::shared_ptr<const trajectory::Path> random_spline(std::size_t joints, std::size_t points,
-                                                             std::uint64_t seed, double spread = 1.5) {
+inline std::shared_ptr<const paths::Path> random_spline(std::size_t joints, std::size_t points,
+                                                        std::uint64_t seed, double spread = 1.5) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> draw(-spread, spread);
   std::vector<std::vector<double>> all(points, std::vector<double>(joints));
@@ -99,7 +99,7 @@ inline std::shared_ptr<const trajectory::Path> random_spline(std::size_t joints,
 }
 
 /// q_j = amplitude_j · sin(2π f_j s + phase_j) + drift_j · s, without breaks inside.
-class SinePath final : public trajectory::Path {
+class SinePath final : public paths::Path {
  public:
   struct Wave {
     double amplitude, omega, phase, drift;
@@ -108,7 +108,7 @@ class SinePath final : public trajectory::Path {
   std::size_t joints() const noexcept override { return waves_.size(); }
   double length() const noexcept override { return breaks_[1]; }
   std::span<const double> breaks() const noexcept override { return breaks_; }
-  void at(double s, const trajectory::PathDerivatives& out) const noexcept override {
+  void at(double s, const paths::PathDerivatives& out) const noexcept override {
     s = std::clamp(s, 0.0, length());
     for (std::size_t j = 0; j < waves_.size(); ++j) {
       const Wave& w = waves_[j];
@@ -126,8 +126,8 @@ class SinePath final : public trajectory::Path {
   std::vector<Wave> waves_;
 };
 
-inline std::shared_ptr<const trajectory::Path> random_sines(std::size_t joints, double length,
-                                                            std::uint64_t seed) {
+inline std::shared_ptr<const paths::Path> random_sines(std::size_t joints, double length,
+                                                       std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> draw(0, 1);
   std::vector<SinePath::Wave> waves;
@@ -136,8 +136,8 @@ inline std::shared_ptr<const trajectory::Path> random_sines(std::size_t joints, 
   return std::make_shared<SinePath>(length, waves);
 }
 
-inline std::shared_ptr<const trajectory::Path> straight_line(const std::vector<double>& from,
-                                                             const std::vector<double>& to, double length) {
+inline std::shared_ptr<const paths::Path> straight_line(const std::vector<double>& from,
+                                                        const std::vector<double>& to, double length) {
   PolynomialPath::Coefficients c(1);
   for (std::size_t j = 0; j < from.size(); ++j) c[0].push_back({from[j], (to[j] - from[j]) / length});
   return std::make_shared<PolynomialPath>(std::vector<double>{0, length}, c);
@@ -145,8 +145,8 @@ inline std::shared_ptr<const trajectory::Path> straight_line(const std::vector<d
 
 /// Lines through points with corners cut over `cut` on both sides by a quartic in s that has no curvature at
 /// its ends.
-inline std::shared_ptr<const trajectory::Path> blended_lines(const std::vector<std::vector<double>>& points,
-                                                             double cut) {
+inline std::shared_ptr<const paths::Path> blended_lines(const std::vector<std::vector<double>>& points,
+                                                        double cut) {
   const std::size_t joints = points.front().size();
   std::vector<double> breaks{0};
   PolynomialPath::Coefficients c;

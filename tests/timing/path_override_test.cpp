@@ -15,11 +15,11 @@
 #include "tests/support/stop_moments.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory::path_override_test {
+namespace polyarm::timing::path_override_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-const std::vector<MotionLimits> kLimits(6, MotionLimits::symmetric(2, 8, 100));
+const std::vector<trajectory::MotionLimits> kLimits(6, trajectory::MotionLimits::symmetric(2, 8, 100));
 
 TimedPath some(std::uint64_t seed) {
   return timed(test::random_spline(6, 8, seed), kLimits);
@@ -38,7 +38,7 @@ double most_used(const TimedPath& path, double time, double factor, double rate,
     const double f = factor + t * (rate + t * bend / 2), g = rate + t * bend;
     path.sample(at, q, v, a, j, hint);
     for (std::size_t i = 0; i < 6; ++i) {
-      const MotionLimits& l = kLimits[i];
+      const trajectory::MotionLimits& l = kLimits[i];
       most = std::max({most, std::abs(v[i] * f) / l.max_velocity,
                        std::abs(a[i] * f * f + v[i] * g) / l.max_acceleration,
                        std::abs(j[i] * f * f * f + 3 * a[i] * f * g + v[i] * bend) / l.max_jerk});
@@ -70,11 +70,11 @@ double soonest(const TimedPath& path, double time) {
   path.sample(time, q, v, a, {}, hint);
   double most = 0;
   for (std::size_t i = 0; i < 6; ++i) {
-    StateToState plan;
-    const MotionState from{0, v[i], a[i]}, to{};
-    MotionOptions options;
-    options.target = TargetKind::velocity;
-    EXPECT_EQ(plan.plan({&from, 1}, {&to, 1}, {&kLimits[i], 1}, options), MotionStatus::ok);
+    trajectory::StateToState plan;
+    const trajectory::MotionState from{0, v[i], a[i]}, to{};
+    trajectory::MotionOptions options;
+    options.target = trajectory::TargetKind::velocity;
+    EXPECT_EQ(plan.plan({&from, 1}, {&to, 1}, {&kLimits[i], 1}, options), trajectory::MotionStatus::ok);
     most = std::max(most, plan.duration());
   }
   return most;
@@ -236,4 +236,4 @@ TEST(PathOverride, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::path_override_test
+}  // namespace polyarm::timing::path_override_test

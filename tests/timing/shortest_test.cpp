@@ -11,21 +11,22 @@
 #include "tests/support/slow_timing.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory::shortest_test {
+namespace polyarm::timing::shortest_test {
 namespace {
 
 /// Velocities of 1.5 to 4.5 rad/s, reached within 1/8 to 1/2 s, accelerations within 1/30 to 1/5 s.
-std::vector<MotionLimits> arm_limits(std::mt19937_64& engine, std::size_t joints) {
+std::vector<trajectory::MotionLimits> arm_limits(std::mt19937_64& engine, std::size_t joints) {
   std::uniform_real_distribution<double> draw(0, 1);
-  std::vector<MotionLimits> out;
+  std::vector<trajectory::MotionLimits> out;
   for (std::size_t j = 0; j < joints; ++j) {
     const double v = 1.5 + 3 * draw(engine), a = v * (2 + 6 * draw(engine));
-    out.push_back(MotionLimits::symmetric(v, a, a * (5 + 25 * draw(engine))));
+    out.push_back(trajectory::MotionLimits::symmetric(v, a, a * (5 + 25 * draw(engine))));
   }
   return out;
 }
 
-double ratio(const Path& path, const std::vector<MotionLimits>& limits, std::size_t intervals) {
+double ratio(const paths::Path& path, const std::vector<trajectory::MotionLimits>& limits,
+             std::size_t intervals) {
   test::SlowOptions options;
   options.intervals = intervals;
   options.rounds = 2;
@@ -63,7 +64,7 @@ TEST(ShortestTime, IsWithinFivePercentOnBlendedLines) {
 /// A line has a known optimum: the slow optimiser has to come near it from above.
 TEST(ShortestTime, TheSlowOptimiserFindsTheSevenPhasesOfALine) {
   const auto line = test::straight_line({0, 0, 0}, {1, -2, 0.5}, 1);
-  std::vector<MotionLimits> limits(3, MotionLimits::symmetric(2, 6, 40));
+  std::vector<trajectory::MotionLimits> limits(3, trajectory::MotionLimits::symmetric(2, 6, 40));
   const double slow = test::SlowTiming(*line, limits, {800, 1e-5, 2}).duration();
   const double exact = 2.0 / 2 + 2.0 / 6 + 6.0 / 40;
   EXPECT_GE(slow, exact * (1 - 1e-9));
@@ -72,8 +73,8 @@ TEST(ShortestTime, TheSlowOptimiserFindsTheSevenPhasesOfALine) {
 }
 
 struct AxisCase {
-  MotionState from, to;
-  MotionLimits limits;
+  trajectory::MotionState from, to;
+  trajectory::MotionLimits limits;
 };
 /// Starts and ends that can be left and reached within asymmetric limits.
 AxisCase axis_case(std::mt19937_64& engine) {
@@ -84,8 +85,8 @@ AxisCase axis_case(std::mt19937_64& engine) {
     c.limits = {size(), size(), 3 * size(), -size(), -size()};
     const auto state = [&](double at) {
       const double v = draw(engine), a = draw(engine);
-      return MotionState{at, v < 0 ? -v * c.limits.min_velocity : v * c.limits.max_velocity,
-                         a < 0 ? -a * c.limits.min_acceleration : a * c.limits.max_acceleration};
+      return trajectory::MotionState{at, v < 0 ? -v * c.limits.min_velocity : v * c.limits.max_velocity,
+                                     a < 0 ? -a * c.limits.min_acceleration : a * c.limits.max_acceleration};
     };
     c.from = state(0), c.to = state(3 * size() * draw(engine));
     const auto stays = [&](double v, double a) {
@@ -102,8 +103,8 @@ TEST(ShortestTime, FromStateToStateIsNeverLongerThanWhatIsFoundByTrying) {
   for (int k = 0; k < 300; ++k) {
     const AxisCase c = axis_case(engine);
     const double slow = test::SlowAxis(c.from, c.to, c.limits).shortest();
-    StateToState plan;
-    ASSERT_EQ(plan.plan({&c.from, 1}, {&c.to, 1}, {&c.limits, 1}), MotionStatus::ok);
+    trajectory::StateToState plan;
+    ASSERT_EQ(plan.plan({&c.from, 1}, {&c.to, 1}, {&c.limits, 1}), trajectory::MotionStatus::ok);
     EXPECT_LE(plan.duration(), slow * (1 + 1e-8)) << k;
     found += std::isfinite(slow), equal += std::abs(plan.duration() - slow) < 1e-6 * slow;
   }
@@ -115,15 +116,15 @@ TEST(ShortestTime, OfAxesThatArriveTogetherIsNeverLongerThanWhatIsFoundByTrying)
   std::mt19937_64 engine(14);
   int found = 0;
   for (int k = 0; k < 40; ++k) {
-    std::vector<MotionState> from, to;
-    std::vector<MotionLimits> limits;
+    std::vector<trajectory::MotionState> from, to;
+    std::vector<trajectory::MotionLimits> limits;
     for (int i = 0; i < 3; ++i) {
       const AxisCase c = axis_case(engine);
       from.push_back(c.from), to.push_back(c.to), limits.push_back(c.limits);
     }
     const double slow = test::slow_synchronised(from, to, limits);
-    StateToState plan;
-    ASSERT_EQ(plan.plan(from, to, limits), MotionStatus::ok);
+    trajectory::StateToState plan;
+    ASSERT_EQ(plan.plan(from, to, limits), trajectory::MotionStatus::ok);
     EXPECT_LE(plan.duration(), slow * (1 + 1e-8)) << k;
     found += std::isfinite(slow);
   }
@@ -131,4 +132,4 @@ TEST(ShortestTime, OfAxesThatArriveTogetherIsNeverLongerThanWhatIsFoundByTrying)
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::shortest_test
+}  // namespace polyarm::timing::shortest_test

@@ -11,12 +11,12 @@
 #include "tests/support/realtime_guard.hpp"
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory::path_trajectory_test {
+namespace polyarm::timing::path_trajectory_test {
 namespace {
 
 TimedPath some(std::uint64_t seed) {
   return timed(test::random_spline(6, 6, seed),
-               std::vector<MotionLimits>(6, MotionLimits::symmetric(2, 8, 100)));
+               std::vector<trajectory::MotionLimits>(6, trajectory::MotionLimits::symmetric(2, 8, 100)));
 }
 
 TEST(PathTrajectory, DerivativesAreThoseOfThePositions) {
@@ -47,7 +47,7 @@ TEST(PathTrajectory, FindsTheTimeOfAPlace) {
 TEST(PathTrajectory, QuinticsFollowItWithinTheToleranceAndSmoothly) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const TimedPath path = some(seed);
-    const Trajectory trajectory = to_trajectory(path);
+    const trajectory::Trajectory trajectory = to_trajectory(path);
     EXPECT_NEAR(trajectory.duration(), path.duration(), 1e-9);
     std::vector<double> q(6), v(6), a(6), p(6), pv(6), pa(6);
     std::size_t hint = 0, other = 0;
@@ -79,4 +79,4 @@ TEST(PathTrajectory, SamplingAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::path_trajectory_test
+}  // namespace polyarm::timing::path_trajectory_test

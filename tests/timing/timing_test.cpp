@@ -14,7 +14,7 @@
 
 #include "tests/support/test_paths.hpp"
 
-namespace polyarm::trajectory::timing_test {
+namespace polyarm::timing::timing_test {
 namespace {
 
 using test::blended_lines;
@@ -36,12 +36,13 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
-std::vector<MotionLimits> random_limits(std::size_t joints, Draw& draw, bool lopsided, double spread = 4) {
-  std::vector<MotionLimits> out;
+std::vector<trajectory::MotionLimits> random_limits(std::size_t joints, Draw& draw, bool lopsided,
+                                                    double spread = 4) {
+  std::vector<trajectory::MotionLimits> out;
   for (std::size_t j = 0; j < joints; ++j) {
-    MotionLimits l = MotionLimits::symmetric(draw.logarithmic(2 / spread, 2 * spread),
-                                             draw.logarithmic(8 / spread, 8 * spread),
-                                             draw.logarithmic(80 / spread, 80 * spread));
+    trajectory::MotionLimits l = trajectory::MotionLimits::symmetric(
+        draw.logarithmic(2 / spread, 2 * spread), draw.logarithmic(8 / spread, 8 * spread),
+        draw.logarithmic(80 / spread, 80 * spread));
     if (lopsided) l.min_velocity *= draw.even(0.5, 1.5), l.min_acceleration *= draw.even(0.5, 1.5);
     out.push_back(l);
   }
@@ -49,13 +50,13 @@ std::vector<MotionLimits> random_limits(std::size_t joints, Draw& draw, bool lop
 }
 
 /// Highest value over limit of any joint at one place of the motion.
-double use(const Path& path, const PathMotion& m, std::span<const MotionLimits> limits) {
+double use(const paths::Path& path, const PathMotion& m, std::span<const trajectory::MotionLimits> limits) {
   const std::size_t n = path.joints();
   std::vector<double> q(n), v(n), a(n), j(n);
   joints_on_path(path, m, q, v, a, j);
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const MotionLimits& l = limits[i];
+    const trajectory::MotionLimits& l = limits[i];
     most = std::max({most, v[i] / l.max_velocity, v[i] / l.min_velocity, a[i] / l.max_acceleration,
                      a[i] / l.min_acceleration, std::abs(j[i]) / l.max_jerk});
   }
@@ -64,8 +65,8 @@ double use(const Path& path, const PathMotion& m, std::span<const MotionLimits> 
 
 /// Highest use of a limit over the whole profile: `per_piece` times in each piece, and both sides of every
 /// change of jerk; around the highest of each piece again, finer.
-double most_used(const Path& path, const SpeedProfile& profile, std::span<const MotionLimits> limits,
-                 int per_piece = 30) {
+double most_used(const paths::Path& path, const SpeedProfile& profile,
+                 std::span<const trajectory::MotionLimits> limits, int per_piece = 30) {
   double most = 0;
   const auto pieces = profile.pieces();
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -129,7 +130,7 @@ TEST(Timing, KeepsEveryLimitEverywhereOnSinesAndBlendedCorners) {
   Draw draw(2);
   for (int c = 0; c < 60; ++c) {
     const std::size_t joints = draw.count(1, 7);
-    std::shared_ptr<const Path> path;
+    std::shared_ptr<const paths::Path> path;
     if (c % 2) {
       path = random_sines(joints, draw.logarithmic(0.01, 1000), std::uint64_t(c));
     } else {
@@ -187,10 +188,11 @@ TEST(Timing, GivesALineTheMotionOfOneAxis) {
     const auto limits = random_limits(6, draw, c % 2);
     const auto path = straight_line(from, to, draw.logarithmic(1e-3, 1e3));
     const Timing timing = time_path(*path, limits);
-    StateToState plan;
-    std::vector<MotionState> start(6), end(6);
+    trajectory::StateToState plan;
+    std::vector<trajectory::MotionState> start(6), end(6);
     for (std::size_t j = 0; j < 6; ++j) start[j].position = from[j], end[j].position = to[j];
-    ASSERT_EQ(plan.plan(start, end, limits, {.synchronization = Synchronization::phase}), MotionStatus::ok);
+    ASSERT_EQ(plan.plan(start, end, limits, {.synchronization = trajectory::Synchronization::phase}),
+              trajectory::MotionStatus::ok);
     ASSERT_TRUE(plan.straight());
     EXPECT_NEAR(timing.profile.duration(), plan.duration(), 1e-6 * plan.duration());
     EXPECT_LE(most_used(*path, timing.profile, limits), 1 + 1e-6);
@@ -203,10 +205,10 @@ TEST(Timing, ComesNearTheMotionOfOneAxisOnAnAlmostStraightPath) {
   const test::SinePath::Wave bent{1e-7, 3, 0.3, 0.8};
   for (const double length : {0.05, 0.5, 5.0}) {
     const test::SinePath path(length, std::vector<test::SinePath::Wave>(2, bent));
-    const std::vector<MotionLimits> limits(2, MotionLimits::symmetric(1, 5, 50));
-    StateToState plan;
-    const MotionState from{}, to{0.8 * length, 0, 0};
-    ASSERT_EQ(plan.plan({&from, 1}, {&to, 1}, {limits.data(), 1}), MotionStatus::ok);
+    const std::vector<trajectory::MotionLimits> limits(2, trajectory::MotionLimits::symmetric(1, 5, 50));
+    trajectory::StateToState plan;
+    const trajectory::MotionState from{}, to{0.8 * length, 0, 0};
+    ASSERT_EQ(plan.plan({&from, 1}, {&to, 1}, {limits.data(), 1}), trajectory::MotionStatus::ok);
     const double ours = time_path(path, limits).profile.duration();
     EXPECT_LE(ours, 1.03 * plan.duration()) << length;
     EXPECT_GE(ours, (1 - 1e-5) * plan.duration());
@@ -215,7 +217,7 @@ TEST(Timing, ComesNearTheMotionOfOneAxisOnAnAlmostStraightPath) {
 
 TEST(Timing, StartsAndEndsAtTheSpeedsGiven) {
   const auto path = random_spline(6, 8, 3);
-  const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
+  const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(2, 8, 100));
   TimingOptions options;
   options.start_speed = 0.3, options.end_speed = 0.2;
   const Timing timing = time_path(*path, limits, options);
@@ -229,7 +231,7 @@ TEST(Timing, StartsAndEndsAtTheSpeedsGiven) {
 
 TEST(Timing, SaysWhichLimitAnImpossibleStartSpeedBreaks) {
   const auto path = random_spline(6, 8, 3);
-  const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
+  const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(2, 8, 100));
   TimingOptions options;
   options.start_speed = 50;
   try {
@@ -249,7 +251,7 @@ TEST(Timing, KeepsBoundsOnNorms) {
     const auto tool = std::make_shared<test::SinePath>(
         path->length(),
         std::vector<test::SinePath::Wave>{{0.3, 2, 0, 0}, {0.3, 2, 1.57, 0}, {0.2, 1, 0, 0.1}});
-    const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(3, 20, 300));
+    const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(3, 20, 300));
     const NormLimit norm{tool.get(), 0.25, draw.logarithmic(0.5, 5), draw.logarithmic(5, 100), "tool speed"};
     TimingOptions options;
     options.norms = {&norm, 1};
@@ -288,22 +290,22 @@ Speeds speeds_between(const SpeedProfile& profile, double from, double to) {
 }
 
 /// The way on a path as a row of its own, `factor` times as long before a place as behind it.
-class WayOf final : public Path {
+class WayOf final : public paths::Path {
  public:
-  WayOf(const Path& path, double place, double factor) : path_(path), place_(place), factor_(factor) {
+  WayOf(const paths::Path& path, double place, double factor) : path_(path), place_(place), factor_(factor) {
     breaks_ = {0, place, path.length()};
   }
   std::size_t joints() const noexcept override { return 1; }
   double length() const noexcept override { return path_.length(); }
   std::span<const double> breaks() const noexcept override { return breaks_; }
-  void at(double s, const PathDerivatives& out) const noexcept override {
+  void at(double s, const paths::PathDerivatives& out) const noexcept override {
     if (!out.first.empty()) out.first[0] = s < place_ ? factor_ : 1;
     for (const auto& list : {out.second, out.third})
       if (!list.empty()) list[0] = 0;
   }
 
  private:
-  const Path& path_;
+  const paths::Path& path_;
   double place_, factor_;
   std::vector<double> breaks_;
 };
@@ -317,7 +319,7 @@ TEST(Timing, HoldsAStatedSpeedToATenthOfAPerMille) {
     for (auto& p : points)
       for (double& x : p) x = draw.even(-1, 1);
     const auto path = blended_lines(points, 0.02);
-    const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+    const std::vector<trajectory::MotionLimits> limits(3, trajectory::MotionLimits::symmetric(3, 12, 120));
     const WayOf way(*path, 0, 1);
     const NormLimit norm{&way, 0.1, kInfinite, kInfinite, "tool speed"};
     TimingOptions options;
@@ -333,7 +335,7 @@ TEST(Timing, HoldsAStatedSpeedToATenthOfAPerMille) {
 TEST(Timing, ReachesBothSpeedsWhereABoundJumps) {
   const auto path = blended_lines({{0, 0, 0}, {1, 0.2, 0}, {1, 1, 0.5}, {0, 1, 1}}, 0.02);
   const double place = path->breaks()[3];
-  const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+  const std::vector<trajectory::MotionLimits> limits(3, trajectory::MotionLimits::symmetric(3, 12, 120));
   for (const bool slow_first : {true, false}) {
     const WayOf way(*path, place, slow_first ? 8.0 : 1.0 / 8);
     const NormLimit norm{&way, slow_first ? 0.4 : 0.05, kInfinite, kInfinite, "tool speed"};
@@ -351,7 +353,7 @@ TEST(Timing, ReachesBothSpeedsWhereABoundJumps) {
 }
 
 /// Corners of a zigzag at which blends are wide; in the middle one may be tight.
-std::shared_ptr<const Path> zigzag(double tight) {
+std::shared_ptr<const paths::Path> zigzag(double tight) {
   std::vector<std::vector<double>> points;
   for (int i = 0; i <= 8; ++i) points.push_back({0.25 * i, i % 2 ? 0.5 : 0.0, 0.05 * i * i});
   if (tight <= 0) return blended_lines(points, 0.05);
@@ -364,7 +366,7 @@ std::shared_ptr<const Path> zigzag(double tight) {
 }
 
 TEST(Timing, OneTightPlaceDoesNotSlowTheOthers) {
-  const std::vector<MotionLimits> limits(3, MotionLimits::symmetric(3, 12, 120));
+  const std::vector<trajectory::MotionLimits> limits(3, trajectory::MotionLimits::symmetric(3, 12, 120));
   const auto plain = zigzag(0), tight = zigzag(0.12);
   const Timing without = time_path(*plain, limits), with = time_path(*tight, limits);
   // The first three corners are the same on both paths, up to the middle of the line behind them.
@@ -381,7 +383,7 @@ TEST(Timing, NodesDoNotMultiplyWithTightCorners) {
     for (auto& p : points)
       for (double& x : p) x = draw.even(-1, 1);
     const auto path = blended_lines(points, 2e-3);
-    const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(3, 12, 120));
+    const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(3, 12, 120));
     const Timing timing = time_path(*path, limits);
     EXPECT_LE(timing.grid.size(), 50 * corners);
     EXPECT_LE(timing.iterations, 150);
@@ -390,7 +392,8 @@ TEST(Timing, NodesDoNotMultiplyWithTightCorners) {
 }
 
 /// From rest to rest along straight lines.
-double stop_and_go(const std::vector<std::vector<double>>& points, std::span<const MotionLimits> limits) {
+double stop_and_go(const std::vector<std::vector<double>>& points,
+                   std::span<const trajectory::MotionLimits> limits) {
   double sum = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i)
     sum += time_path(*straight_line(points[i], points[i + 1], 1), limits).profile.duration();
@@ -415,7 +418,7 @@ TEST(Timing, PassesTinyBlendsNoSlowerThanWithAStopAtEachCorner) {
 
 /// Forth and nearly the same way back: in the middle of such a corner the path hardly moves.
 TEST(Timing, PassesNearlyReversedBlendsWithoutManyNodes) {
-  const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(3, 12, 120));
+  const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(3, 12, 120));
   for (const double aside : {1e-2, 1e-3, 1e-5}) {
     const std::vector<std::vector<double>> points{{0, 0, 0, 0, 0, 0},
                                                   {1, 0.5, -0.3, 0.2, 0.8, -1},
@@ -433,8 +436,8 @@ TEST(Timing, PassesNearlyReversedBlendsWithoutManyNodes) {
 
 TEST(Timing, NamesTheActiveLimitsAlongTheWholePath) {
   const auto path = random_spline(6, 10, 8);
-  std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
-  limits[3] = MotionLimits::symmetric(0.1, 50, 5000);
+  std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(2, 8, 100));
+  limits[3] = trajectory::MotionLimits::symmetric(0.1, 50, 5000);
   const Timing timing = time_path(*path, limits);
   double at = 0, slow = 0;
   for (const ActiveLimit& l : timing.active) {
@@ -449,7 +452,7 @@ TEST(Timing, NamesTheActiveLimitsAlongTheWholePath) {
 
 TEST(Timing, IsTheSameEveryTime) {
   const auto path = random_spline(6, 10, 8);
-  const std::vector<MotionLimits> limits(6, MotionLimits::symmetric(2, 8, 100));
+  const std::vector<trajectory::MotionLimits> limits(6, trajectory::MotionLimits::symmetric(2, 8, 100));
   const Timing one = time_path(*path, limits), two = time_path(*path, limits);
   ASSERT_EQ(one.profile.pieces().size(), two.profile.pieces().size());
   EXPECT_EQ(one.profile.duration(), two.profile.duration());
@@ -467,15 +470,15 @@ TEST(Timing, RefusesWhatItCannotPlan) {
     return std::string("none");
   };
   const auto path = random_spline(2, 4, 1);
-  std::vector<MotionLimits> limits(2, MotionLimits::symmetric(1, 1, 1));
+  std::vector<trajectory::MotionLimits> limits(2, trajectory::MotionLimits::symmetric(1, 1, 1));
   EXPECT_EQ(code([&] { time_path(*path, {limits.data(), 1}); }), "wrong-size");
   limits[1].max_jerk = 0;
   EXPECT_EQ(code([&] { time_path(*path, limits); }), "bad-limit");
   limits[1].max_jerk = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(code([&] { time_path(*path, limits); }), "bad-limit");
   const test::SinePath bad(1, {{1, std::numeric_limits<double>::quiet_NaN(), 0, 0}, {1, 1, 0, 0}});
-  EXPECT_EQ(code([&] { time_path(bad, std::vector<MotionLimits>(2)); }), "bad-path");
+  EXPECT_EQ(code([&] { time_path(bad, std::vector<trajectory::MotionLimits>(2)); }), "bad-path");
 }
 
 }  // namespace
-}  // namespace polyarm::trajectory::timing_test
+}  // namespace polyarm::timing::timing_test
