@@ -7,7 +7,7 @@
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/kinematics/chain.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 
 namespace polyarm::apps {
 

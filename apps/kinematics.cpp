@@ -6,7 +6,7 @@
 #include "apps/options.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/tools.hpp"
-#include "polyarm/kinematics/arm_solver.hpp"
+#include "polyarm/ik/arm_solver.hpp"
 
 namespace polyarm::apps {
 

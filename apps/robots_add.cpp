@@ -6,7 +6,7 @@
 #include "apps/robots.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/user_robots.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 
 namespace polyarm::apps {
 

@@ -8,7 +8,7 @@
 #include "apps/robots.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 
 namespace polyarm::apps {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "polyarm/kinematics/arm_solver.hpp"
+#include "polyarm/ik/arm_solver.hpp"
 
 namespace polyarm::apps {
 

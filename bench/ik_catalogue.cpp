@@ -25,7 +25,7 @@
 
 #include "bench/ik_words.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 
 namespace {

@@ -33,9 +33,9 @@
 
 #include "bench/ik_words.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/inverse.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
-#include "polyarm/kinematics/numeric_ik.hpp"
+#include "polyarm/ik/inverse.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/descent/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 /// The ways of inverse kinematics as the benchmarks print them.
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 
 namespace polyarm::kinematics {
 

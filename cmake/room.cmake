@@ -1,11 +1,11 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
 set(POLYARM_ROOMS_TOGETHER cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files paths timing trajectory)
-set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics cell scenario server signals
+set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics closed_form descent ik cell scenario server signals
     recording ros_files links messages plugins program ros2 base description paths timing trajectory moves jog sensors drivers)
 # So many at a time that each takes a compiler some seconds.
 set(POLYARM_BY_SIX test_base test_cell test_control test_controllers test_data test_description test_drivers test_hardware
-    test_kinematics test_jog test_links test_messages test_moves test_paths test_pca9685 test_plugins test_program test_recording test_ros2
+    test_kinematics test_closed_form test_descent test_ik test_jog test_links test_messages test_moves test_paths test_pca9685 test_plugins test_program test_recording test_ros2
     test_ros_files test_sensors test_servos test_signals test_timing test_trajectory polyarm polyarm_cell polyarm_server)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
@@ -51,7 +51,7 @@ function(polyarm_room name)
 endfunction()
 
 # Tests are compiled in the least time, but for those that reckon much.
-set(POLYARM_RECKONING_TESTS kinematics paths trajectory timing moves jog catalogue)
+set(POLYARM_RECKONING_TESTS simd kinematics closed_form descent ik paths trajectory timing moves jog catalogue)
 set(POLYARM_CELL_TESTS cell live plugins links recording ros2 scenario server)
 set(test_options "")
 set(reckoning_test_options "")

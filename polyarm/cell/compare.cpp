@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/ik/inverse.hpp"
 
 namespace polyarm::cell {
 

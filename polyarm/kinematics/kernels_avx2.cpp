@@ -21,7 +21,7 @@
 #endif
 #define POLYARM_WIDTH 4
 namespace polyarm::kinematics::avx2 {
-#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/simd/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
 namespace many {
 #include "polyarm/kinematics/tree_kernels.inc"

@@ -22,7 +22,7 @@
 #endif
 #define POLYARM_WIDTH 8
 namespace polyarm::kinematics::avx512 {
-#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/simd/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
 namespace many {
 #include "polyarm/kinematics/tree_kernels.inc"

@@ -16,7 +16,7 @@
 
 #define POLYARM_WIDTH 2
 namespace polyarm::kinematics::portable {
-#include "polyarm/kinematics/native_lanes.inc"
+#include "polyarm/simd/native_lanes.inc"
 #include "polyarm/kinematics/screw_chain_kernels.inc"
 namespace many {
 #include "polyarm/kinematics/tree_kernels.inc"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
-#include "polyarm/kinematics/instruction_set.hpp"
+#include "polyarm/simd/instruction_set.hpp"
 #include "polyarm/kinematics/screw_model.hpp"
 
 namespace polyarm::kinematics {

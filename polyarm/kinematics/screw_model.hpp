@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "polyarm/base/pose.hpp"
-#include "polyarm/kinematics/instruction_set.hpp"
+#include "polyarm/simd/instruction_set.hpp"
 
 namespace polyarm::kinematics {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/kinematics/inverse.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/moves/joint_rates.hpp"
 #include "polyarm/paths/hermite.hpp"
 

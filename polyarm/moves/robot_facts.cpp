@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/ik/inverse.hpp"
 
 namespace polyarm::moves {
 

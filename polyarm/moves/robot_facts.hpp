@@ -7,7 +7,7 @@
 
 #include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"
-#include "polyarm/kinematics/arm_solver.hpp"
+#include "polyarm/ik/arm_solver.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/moves/torque_limits.hpp"
 #include "polyarm/moves/workspace.hpp"

@@ -8,8 +8,8 @@
 
 #include "drivers/mujoco/component.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/inverse.hpp"
-#include "polyarm/kinematics/inverse_kinematics.hpp"
+#include "polyarm/ik/inverse.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "tests/drivers/rig.hpp"
 
 namespace polyarm::test {

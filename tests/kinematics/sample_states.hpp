@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
-#include "polyarm/kinematics/instruction_set.hpp"
+#include "polyarm/simd/instruction_set.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 
@@ -32,6 +32,16 @@ inline std::vector<double> nearby_state(const kinematics::Chain& chain, std::spa
   for (std::size_t j = 0; j < chain.joints(); ++j)
     out.push_back(std::clamp(q[j] + far * (2 * random.unit() - 1), chain.lower()[j], chain.upper()[j]));
   return out;
+}
+
+inline Vec3 random_vector(kinematics::Random& random, double size) {
+  return {random.between(-size, size), random.between(-size, size), random.between(-size, size)};
+}
+inline Vec3 random_direction(kinematics::Random& random) {
+  for (;;) {
+    const Vec3 v = random_vector(random, 1);
+    if (norm(v) > 0.1 && norm(v) < 1) return normalized(v);
+  }
 }
 
 }  // namespace polyarm::test

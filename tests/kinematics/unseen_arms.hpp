@@ -6,7 +6,7 @@
 
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/kinematics/random.hpp"
-#include "tests/kinematics/sample_families.hpp"
+#include "tests/kinematics/sample_states.hpp"
 
 namespace polyarm::test {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/ik/inverse.hpp"
 #include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm::moves::test {

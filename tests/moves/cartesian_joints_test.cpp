@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/inverse.hpp"
+#include "polyarm/ik/inverse.hpp"
 #include "polyarm/moves/arm_derivatives.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/support/path_laws.hpp"

@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/ik/failure.hpp"
+#include "polyarm/descent/unwind.hpp"
+
+namespace polyarm::kinematics {
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr int kLooks = 48;        // descents for each possible reason
+constexpr int kSettleSteps = 40;  // to the bottom, for the nearest
+
+std::string meters(double length) {
+  return length < 1e5 ? fmt::format("{:.2f} m", length) : fmt::format("{:.3g} m", length);
+}
+
+/// The same question with orientations counted at this weight, rad per rad or length.
+NumericQuestion weighed(const NumericQuestion& question, double weight) {
+  NumericQuestion out = question;
+  if (!out.task) out.task.emplace();
+  for (const std::size_t row : {3, 4, 5}) out.task->weight[row] = weight;
+  return out;
+}
+
+bool all_turns_free(const NumericQuestion& question) {
+  bool out = question.task.has_value();
+  for (std::size_t i = 3; out && i < 6; ++i)
+    out = question.task->low[i] < -1e8 && question.task->high[i] > 1e8;
+  return out;
+}
+
+/// The best of many descents, followed to the bottom. `size2` says how good a place is.
+template <typename Size>
+NumericPlace best_of(const NumericCore& core, const NumericQuestion& question, const Size& size2) {
+  NumericCore::Places found;
+  for (NumericPlace& one : found) one.x = question.seed;
+  std::size_t seen = 0;
+  core.look_around(question, kLooks, [&](const NumericPlace& at) {
+    NumericPlace& slot = found[seen++ % found.size()];
+    if (size2(at) < size2(slot)) slot = at;
+  });
+  core.settle(question, kSettleSteps, found);
+  return *std::min_element(found.begin(), found.end(),
+                           [&](const NumericPlace& a, const NumericPlace& b) { return size2(a) < size2(b); });
+}
+
+/// The joint that is furthest outside its limits, as a sentence.
+std::string limit_sentence(const Chain& chain, const IkSolution& at) {
+  std::size_t worst = 0;
+  const auto over = [&](std::size_t i) { return chain.moves_tcp(i) ? excess(chain, i, at.q[i]) : 0.0; };
+  for (std::size_t i = 0; i < chain.joints(); ++i)
+    if (over(i) > over(worst)) worst = i;
+  const bool upper = at.q[worst] > chain.upper()[worst];
+  const double limit = upper ? chain.upper()[worst] : chain.lower()[worst];
+  return fmt::format("only with {} {:.3g} {} beyond its {} limit {:.4g}", chain.names()[worst], over(worst),
+                     chain.slides(worst) ? "m" : "rad", upper ? "upper" : "lower", limit);
+}
+
+/// Whether the pose could be had without limits; then the sentence names the joint in the way of the best
+/// try.
+bool blame_limits(const NumericCore& core, NumericQuestion question, std::span<const double> seed,
+                  std::string& sentence) {
+  double least = 1e300;
+  question.walls = false;
+  core.look_around(question, kLooks, [&](NumericPlace at) {
+    if (!core.good(at)) return;
+    core.polish(question, at);
+    IkSolution one;
+    core.write(at, seed, one);
+    double sum = 0;
+    for (std::size_t i = 0; i < core.chain.joints(); ++i)
+      if (core.chain.moves_tcp(i)) sum += excess(core.chain, i, one.q[i]);
+    if (sum >= least || sum <= 0) return;
+    least = sum;
+    sentence = limit_sentence(core.chain, one);
+  });
+  return least < 1e300;
+}
+
+/// Whether the place alone can be had; then the sentence tells by how much the orientation misses at the
+/// least.
+bool blame_orientation(const NumericCore& core, const NumericQuestion& question, std::string& sentence) {
+  constexpr double kLightly = 0.03, kSamePlace = 1e-3;
+  double least = 1e300;
+  const auto look = [&](double weight) {
+    const NumericPlace best = best_of(core, weighed(question, weight), [&](const NumericPlace& at) {
+      return at.position2 + kLightly * kLightly * at.orientation2;
+    });
+    if (core.arm.length * std::sqrt(best.position2) < kSamePlace)
+      least = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(best.orientation2)));
+  };
+  look(kLightly);
+  if (least > 1e299) look(0);
+  sentence =
+      fmt::format("the orientation cannot be reached at that place: {:.1f} deg off at the nearest found",
+                  kDegrees * least);
+  return least < 1e299;
+}
+
+/// The nearest joint state, as the caller weighs metres against radians.
+void find_nearest(const NumericCore& core, const NumericQuestion& question, const Pose& target,
+                  std::span<const double> seed, const IkOptions& options, IkResult& result) {
+  const double weight = options.orientation_free ? 0.0 : std::max(1e-6, options.orientation_weight);
+  const NumericPlace best =
+      best_of(core, weighed(question, weight / core.arm.length), [&](const NumericPlace& at) {
+        return core.arm.length * core.arm.length * at.position2 + weight * weight * at.orientation2;
+      });
+  IkSolution one;
+  core.write(best, seed, one);
+  result.q.assign(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(core.chain.joints()));
+  if (question.task && !options.orientation_free) {
+    result.position_error = one.position_error;
+    result.orientation_error = one.orientation_error;
+    return;
+  }
+  const Pose there = core.chain.forward(result.q);
+  result.position_error = norm(target.position - there.position);
+  if (!options.orientation_free) result.orientation_error = angle_between(there.rotation, target.rotation);
+}
+
+}  // namespace
+
+bool place_is_fixed(const NumericQuestion& question) noexcept {
+  bool out = true;
+  for (std::size_t i = 0; question.task && i < 3; ++i)
+    out &= question.task->low[i] == 0 && question.task->high[i] == 0;
+  return out;
+}
+
+void explain_failure(const NumericCore& core, const NumericQuestion& question, const Pose& target,
+                     std::span<const double> seed, const IkOptions& options, IkResult& result) {
+  const Chain& chain = core.chain;
+  find_nearest(core, question, target, seed, options, result);
+  result.status = IkStatus::unreachable;
+  const double away = norm(target.position - chain.reach_center());
+  if (place_is_fixed(question) && away > chain.reach() + options.position_tolerance) {
+    result.reason = fmt::format("the TCP would have to be {} from the base, this robot reaches {}",
+                                meters(away), meters(chain.reach()));
+    return;
+  }
+  if (blame_limits(core, question, seed, result.reason)) {
+    result.status = IkStatus::limits;
+    return;
+  }
+  if (result.position_error < 1e-3 && (options.orientation_free || result.orientation_error < 1e-3)) {
+    result.status = IkStatus::no_convergence;
+    result.reason = fmt::format("the search came within {:.3g} mm and {:.3g} deg and no nearer",
+                                1e3 * result.position_error, kDegrees * result.orientation_error);
+    return;
+  }
+  const bool turn_is_free = options.orientation_free || all_turns_free(question);
+  if (!turn_is_free && blame_orientation(core, question, result.reason)) return;
+  const bool place_is_free = result.position_error == 0 && question.task;
+  result.reason =
+      place_is_free
+          ? fmt::format(
+                "no joint state within limits turns the tool nearer than {:.1f} deg to that direction",
+                kDegrees * result.orientation_error)
+          : fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm to that place",
+                        1e3 * result.position_error);
+}
+
+}  // namespace polyarm::kinematics

@@ -1,0 +1,205 @@
+#pragma once
+/// What InverseKinematics knows of its arm, and what it gathers for one question. Used inside this room only.
+#include <algorithm>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "polyarm/closed_form/closed_form.hpp"
+#include "polyarm/closed_form/general_six.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/ik/self_motion.hpp"
+#include "polyarm/closed_form/sliding_arm.hpp"
+#include "polyarm/closed_form/spare_end.hpp"
+#include "polyarm/closed_form/srs_arm.hpp"
+
+namespace polyarm::kinematics {
+
+inline constexpr double kTurn = 2 * std::numbers::pi;
+using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
+
+/// What one branch offers. Without initial values: sixty-four of them would cost more than the solve.
+struct Candidate {
+  AxisValues value;
+  double position2, orientation2;  ///< squares of the errors
+  double distance2;                ///< square of the weighted distance from the seed
+  bool exact, singular;
+};
+
+/// The candidates of one question that are within limits and exact, and the best of the others.
+struct Gathered {
+  std::array<Candidate, IkSolutions::kCapacity> all;
+  std::size_t count = 0;
+  Candidate nearest;  ///< to the pose, of those that are not exact
+  double nearest_size = 1e300;
+  AxisValues seed{};
+  bool beyond_limits = false;  ///< something exact was found outside of them
+  bool at_limit = false;       ///< what comes now has been put on limits
+  /// Branches that came close to the pose and are not exact.
+  std::array<AxisValues, 8> nearly;
+  std::size_t nearly_count = 0;
+  bool spread = false;  ///< where there is no more room, the one most like another goes
+  /// Of members of a family the one nearest to the seed stays, else the one that came first.
+  bool nearest_stays = false;
+
+  const Candidate& best() const noexcept {
+    std::size_t out = 0;
+    for (std::size_t k = 1; k < count; ++k)
+      if (all[k].distance2 < all[out].distance2) out = k;
+    return all[out];
+  }
+  void replace_most_alike(const Candidate& one) noexcept;
+  void take(const Candidate& one) noexcept {
+    if (count < all.size()) {
+      all[count++] = one;
+      return;
+    }
+    const auto further = [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; };
+    if (spread) return replace_most_alike(one);
+    Candidate& furthest = *std::max_element(all.begin(), all.end(), further);
+    if (one.distance2 < furthest.distance2) furthest = one;
+  }
+};
+
+/// A curve of joint states that hardly moves the tool, on the way; and one stride of it.
+struct FlatCurve;
+struct FlatStride;
+struct FlatWays;
+/// What moves the tool by less in one direction may be near such a curve; lengths in sizes of the arm.
+inline constexpr double kFlatCurve = 6e-4;
+
+/// So many steps of descent, however large or small the error is.
+inline BranchJob whatever_the_error(BranchJob job, int steps) noexcept {
+  job.limits = nullptr;
+  job.worth_polishing = 1e3;
+  job.patience = steps;
+  job.good_enough = 0;
+  job.most_steps = steps;
+  return job;
+}
+
+/// Joint states waiting for descent.
+struct WaitingStates {
+  Branches branches;
+  std::size_t count = 0;
+};
+
+/// The same form; what is so near to a border that solutions are parted there counts as singular.
+inline SixAxisForm telling_of(SixAxisForm form) noexcept {
+  form.wary = true;
+  form.near_edge = 4 * form.edge;
+  return form;
+}
+
+struct InverseKinematics::Arm {
+  IkSettings settings;
+  std::string report;
+  SixAxisClass known;
+  ArmGeometry geometry;
+  std::optional<Chain> described;             ///< always there once constructed
+  std::optional<NumericIk> numeric;           ///< where no closed form has the last word
+  std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
+  /// The same from the arm's other end, where that suits it, too: what rounding takes from one elimination,
+  /// one state in a thousand, it seldom takes from both.
+  std::unique_ptr<const GeneralSix> general_too;
+  std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
+  std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
+  std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
+  std::optional<SelfMotion> curves;           ///< of seven turning axes that neither suits
+  LaneArm lanes;
+  SixAxisForm form;
+  /// The same, but what is nearly singular counts as singular.
+  SixAxisForm wary;
+  /// Of an arm that is not quite ideal: borders are told, as near as solutions are parted there.
+  SixAxisForm first;
+  /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
+  QuickJob quick;
+  std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
+  /// A closed form that does not find all of a few states again: the true arm is too far from the ideal one.
+  bool weak = false;
+  int spare = -1;  ///< the axis that is held at one value after another; -1: none
+  std::size_t joints = 0;
+  LaneLimits limits;
+  double worth_polishing = 1e-3;
+
+  bool formed() const noexcept { return known.family != ArmFamily::none || general || sliding; }
+  /// Solved by the polynomial alone.
+  bool algebraic() const noexcept { return general && known.family == ArmFamily::none; }
+  /// The nearest is found along curves of states, as nothing shorter leads to it.
+  bool slides_along() const noexcept {
+    const auto slides = [](const JointAxis& axis) { return axis.slides; };
+    return formed() && spare >= 0 && !srs && !end &&
+           std::none_of(geometry.axes.begin(), geometry.axes.begin() + geometry.count, slides);
+  }
+  bool solvable() const noexcept { return geometry.count > 0; }
+  void read(const Chain& chain);
+  std::string describe_known() const;
+  NumericSettings numeric_settings() const;
+  void add_numeric();
+  void settle(const SixAxisClass& found, std::array<int, 6> six);
+  void restore(const SixAxisClass& found, std::array<int, 6> axes);
+  void find_form();
+  void find_six();
+  /// @param both_ends the algebra is all there is: from both ends, where it suits both.
+  void find_general(bool both_ends);
+  using JointValues = std::array<double, Chain::kMaxJoints>;
+  template <typename Value>
+  bool is_state(const JointValues& q, const Value& value) const noexcept;
+  bool branches_hold(const Pose& target, const JointValues& q, const JointValues& seed) const noexcept;
+  int found_of_own_states(int states) const noexcept;
+  void find_sliding();
+  void find_fewer();
+  void find_seven();
+  void write_quick(const QuickAnswers& from, std::size_t lane, std::span<const double> seed,
+                   IkSolution& to) const noexcept;
+  bool takes_quick(std::span<const double> seed) const noexcept;
+  IkOutcome solve_slowly(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
+  IkOutcome solve_all_slowly(const Pose& target, std::span<const double> seed,
+                             IkSolutions& out) const noexcept;
+  bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
+  void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
+              Gathered& out) const noexcept;
+  void iterate(const Pose& target, std::span<const double> seed, bool nearest_only,
+               Gathered& out) const noexcept;
+  void take(const IkSolution& one, Gathered& out) const noexcept;
+  void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
+  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+                Gathered& out) const noexcept;
+  void search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
+                 Gathered& out) const noexcept;
+  void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
+             Gathered& out) const noexcept;
+  void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
+  bool offer_slides(const BranchJob& job, const Pose& target, std::span<const double> seed, bool nearest_only,
+                    Gathered& out) const noexcept;
+  void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,
+                   Gathered& out) const noexcept;
+  void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+                          Gathered& out) const noexcept;
+  /// @param least_edge SixAxisForm::edge is at least that.
+  void along_families(const BranchJob& job, double least_edge, std::size_t before,
+                      Gathered& out) const noexcept;
+  void along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes, std::uint32_t branches_of_it,
+                    std::size_t before, Gathered& out) const noexcept;
+  void put_on_limits(const BranchJob& job, const AxisValues& state, std::size_t before,
+                     Gathered& out) const noexcept;
+  void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
+  void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void along_curves(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void walk(const BranchJob& job, const AxisValues& from, const FlatWays& ways, std::size_t since,
+            FlatCurve& curve, Gathered& out) const noexcept;
+  void stride_along(const BranchJob& job, const FlatCurve& curve, FlatStride& out) const noexcept;
+  bool go_along(const BranchJob& job, std::size_t since, FlatCurve& curve, Gathered& out) const noexcept;
+  void look_all_round(const BranchJob& job, const AxisValues& at, const FlatWays& ways, double least_radius,
+                      std::size_t since, Gathered& out) const noexcept;
+  void see_motions(std::span<const AxisValues> states, bool both, LeastMotions& out) const noexcept;
+  void look_beside(const BranchJob& job, const AxisValues& at, const LeastMotions& flat, std::size_t lane,
+                   bool solved, std::size_t since, Gathered& out) const noexcept;
+  bool same(const BranchJob& job, const AxisValues& a, const AxisValues& b, bool crowded) const noexcept;
+  void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;
+  void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
+};
+
+}  // namespace polyarm::kinematics

@@ -1,0 +1,21 @@
+#include "polyarm/kinematics/ik_solution.hpp"
+
+namespace polyarm::kinematics {
+
+const char* name(IkOutcome outcome) {
+  switch (outcome) {
+    case IkOutcome::solved:
+      return "solved";
+    case IkOutcome::no_closed_form:
+      return "no_closed_form";
+    case IkOutcome::malformed:
+      return "malformed";
+    case IkOutcome::unreachable:
+      return "unreachable";
+    case IkOutcome::limits:
+      return "limits";
+  }
+  return "";
+}
+
+}  // namespace polyarm::kinematics

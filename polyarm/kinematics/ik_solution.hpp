@@ -1,0 +1,41 @@
+#pragma once
+/// What inverse kinematics answers, whichever way it goes. Metres, radians; the TCP in the world.
+#include <array>
+#include <cstddef>
+
+#include "polyarm/kinematics/chain.hpp"
+
+namespace polyarm::kinematics {
+
+/// One joint state that leads to the pose, or near it.
+struct IkSolution {
+  std::array<double, Chain::kMaxJoints> q;  ///< a joint state of the chain; the first joints() count
+  double position_error = 0;                ///< of the TCP, m
+  double orientation_error = 0;             ///< rad, for small ones at most a factor 1.5 too large
+  double distance = 0;                      ///< weighted distance from the seed
+  bool exact = false;                       ///< within IkSettings' tolerances
+  /// At a singularity a whole family of joint states leads to the pose; this is its member with the seed's
+  /// value of the joint that is free.
+  bool singular = false;
+};
+
+/// Up to 64 solutions, nearest to the seed first.
+struct IkSolutions {
+  static constexpr std::size_t kCapacity = 64;
+  std::array<IkSolution, kCapacity> all;
+  std::size_t count = 0;
+  const IkSolution* begin() const noexcept { return all.data(); }
+  const IkSolution* end() const noexcept { return all.data() + count; }
+  const IkSolution& operator[](std::size_t i) const noexcept { return all[i]; }
+};
+
+enum class IkOutcome {
+  solved,
+  no_closed_form,  ///< a chain in which nothing moves the TCP
+  malformed,       ///< the pose or the seed has numbers that are none, or the sizes do not match
+  unreachable,     ///< no joint state leads to the pose, whatever the limits
+  limits,          ///< joint states lead there, all of them outside the limits
+};
+const char* name(IkOutcome outcome);
+
+}  // namespace polyarm::kinematics
