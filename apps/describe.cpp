@@ -23,7 +23,7 @@ json optional(const std::optional<double>& value) {
 /// The closed form of the arm, or why it has none; why there is no chain where there is none.
 std::string way_to_solve(const RobotModel& model) {
   try {
-    const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+    const ik::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
     return arm ? "closed form: " + arm.report() : arm.report();
   } catch (const Error& e) {
     return e.what();

@@ -6,7 +6,8 @@
 #include "apps/options.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/tools.hpp"
-#include "polyarm/ik/arm_solver.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 
 namespace polyarm::apps {
 
@@ -77,18 +78,23 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
 }
 
 /// How the solutions of `--all` were found, in words: the arm's closed form and its kind, or why it has none.
-std::string way_of(const kinematics::InverseKinematics& arm) {
+std::string way_of(const ik::InverseKinematics& arm) {
   if (!arm) return arm.report();
   return "closed form: " + arm.report();
+}
+
+double norm_of_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) sum += (a[j] - b[j]) * (a[j] - b[j]);
+  return std::sqrt(sum);
 }
 
 /// What a person wants to know of a branch beside its joint values.
 std::string remark_on(const kinematics::Chain& chain, const std::vector<double>& q,
                       const std::vector<double>& seed) {
-  double sum = 0;
-  for (std::size_t j = 0; j < q.size(); ++j) sum += (q[j] - seed[j]) * (q[j] - seed[j]);
   const bool singular = kinematics::smallest_singular_value(chain, q) < kinematics::kSingular;
-  return fmt::format("{:.3f} from the seed{}", std::sqrt(sum), singular ? ", near a singularity" : "");
+  return fmt::format("{:.3f} from the seed{}", norm_of_difference(q, seed),
+                     singular ? ", near a singularity" : "");
 }
 
 /// What `polyarm ik` is asked.
@@ -117,7 +123,7 @@ struct PoseQuestion {
     return position_only || !spin.empty() || !position_tolerance.empty() || !orientation_tolerance.empty();
   }
   Pose target() const;
-  kinematics::IkTask task() const;
+  ik::IkTask task() const;
 };
 
 Pose PoseQuestion::target() const {
@@ -132,7 +138,7 @@ Pose PoseQuestion::target() const {
 }
 
 /// Plus and minus `values` in three rows of the task.
-void widen(kinematics::IkTask& task, std::size_t row, const std::vector<double>& values, const char* option) {
+void widen(ik::IkTask& task, std::size_t row, const std::vector<double>& values, const char* option) {
   if (values.size() == 2)
     throw Error("bad-value", fmt::format("{} takes 1 or 3 numbers, here are 2", option),
                 "one number for all of x y z, or one for each");
@@ -146,8 +152,8 @@ void widen(kinematics::IkTask& task, std::size_t row, const std::vector<double>&
   }
 }
 
-kinematics::IkTask PoseQuestion::task() const {
-  kinematics::IkTask out;
+ik::IkTask PoseQuestion::task() const {
+  ik::IkTask out;
   widen(out, 0, position_tolerance, "--position-tolerance");
   widen(out, 3, orientation_tolerance, "--orientation-tolerance");
   if (!spin.empty()) out.free(3 + static_cast<std::size_t>(spin[0] - 'x'));
@@ -155,16 +161,48 @@ kinematics::IkTask PoseQuestion::task() const {
   return out;
 }
 
-/// Solutions for `--all`: of parts of poses those of many descents.
-std::vector<std::vector<double>> all_solutions(const kinematics::ArmSolver& arm, const PoseQuestion& question,
+std::vector<double> values_of(const ik::InverseKinematics& arm, const ik::IkSolution& one) {
+  return {one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(arm.chain().joints())};
+}
+
+/// Solutions for `--all`: of parts of poses those of many descents. An arm with infinitely many has the
+/// nearest of all first.
+std::vector<std::vector<double>> all_solutions(const ik::InverseKinematics& arm, const PoseQuestion& question,
                                                const Pose& target) {
-  if (!question.of_parts()) return arm.find_solutions(target, question.seed);
-  const auto found = std::make_unique<kinematics::IkSolutions>();
-  arm.numeric().solve_all(target, question.task(), question.seed, *found);
+  const auto found = std::make_unique<ik::IkSolutions>();
   std::vector<std::vector<double>> out;
-  for (const kinematics::IkSolution& one : *found)
-    out.emplace_back(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(arm.chain().joints()));
+  ik::IkSolution nearest;
+  if (question.of_parts()) {
+    arm.solve_all(target, question.task(), question.seed, *found);
+  } else {
+    if (!arm.complete() && arm.solve(target, question.seed, nearest) == ik::IkOutcome::solved)
+      out.push_back(values_of(arm, nearest));
+    arm.solve_all(target, question.seed, *found);
+  }
+  for (const ik::IkSolution& one : *found) {
+    const bool known = !out.empty() && norm_of_difference(out[0], values_of(arm, one)) < 1e-3;
+    if (!known) out.push_back(values_of(arm, one));
+  }
   return out;
+}
+
+struct Result {
+  ik::IkOutcome outcome = ik::IkOutcome::malformed;
+  std::vector<double> q;  ///< the nearest where it is not solved
+  double position_error = 0, orientation_error = 0;
+  std::string reason;
+  explicit operator bool() const { return outcome == ik::IkOutcome::solved; }
+};
+
+Result answer(const ik::InverseKinematics& arm, const PoseQuestion& question, const Pose& target,
+              const std::vector<double>& home) {
+  const ik::IkTask task = question.of_parts() ? question.task() : ik::IkTask{};
+  ik::IkExplanation found;
+  found.outcome = question.of_parts() ? arm.solve(target, task, question.seed, found.nearest)
+                                      : arm.solve_move(target, question.seed, home, found.nearest);
+  if (found.outcome != ik::IkOutcome::solved) found = arm.explain(target, question.seed, task);
+  return {found.outcome, values_of(arm, found.nearest), found.nearest.position_error,
+          found.nearest.orientation_error, found.reason};
 }
 
 }  // namespace
@@ -217,16 +255,13 @@ int run_ik(int argc, char** argv) {
   if (question.seed.empty()) question.seed = robot.home;
   check_size(question.seed, *robot.chain, "--seed");
   const Pose target = question.target();
-  const kinematics::ArmSolver arm(*robot.chain);
-  const kinematics::IkResult result = question.of_parts()
-                                          ? arm.solve(target, question.task(), question.seed)
-                                          : arm.solve_nearest(target, question.seed, robot.home);
-  const std::string way =
-      question.of_parts() ? "solved by iteration: parts of a pose" : way_of(arm.closed_form());
+  const ik::InverseKinematics arm(*robot.chain);
+  const Result result = answer(arm, question, target, robot.home);
+  const std::string way = question.of_parts() ? "solved by iteration: parts of a pose" : way_of(arm);
   std::vector<std::vector<double>> solutions;
   if (question.all && result) solutions = all_solutions(arm, question, target);
   if (common.as_json) {
-    json out = {{"status", kinematics::name(result.status)},
+    json out = {{"status", ik::name(result.outcome)},
                 {"position_error_m", result.position_error},
                 {"orientation_error_rad", result.orientation_error},
                 {"q", result.q},

@@ -72,7 +72,7 @@ int run_robots_add(int argc, char** argv) {
       folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
   if (where.empty()) throw Error("no-folder", "there is no home folder to put robots into", "say --folder");
   const std::filesystem::path stored = store_robot(model, name, where, replace);
-  const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+  const ik::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
   fmt::print("{}: {} axes, tool on {}, {}\n  {}\n", name, model.actuated.size(),
              model.links[static_cast<std::size_t>(model.tool_link())].name,
              arm ? "closed form: " + arm.report() : arm.report(), stored.string());

@@ -34,7 +34,7 @@ std::string cell(std::string text) {
 }
 
 std::string solved_by(const RobotModel& model) {
-  const kinematics::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
+  const ik::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
   return arm ? "closed form: " + arm.report() : "by iteration: " + arm.report();
 }
 

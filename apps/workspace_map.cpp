@@ -7,7 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "polyarm/ik/arm_solver.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 
 namespace polyarm::apps {
 
@@ -34,8 +35,8 @@ Vec3 placed(const std::array<int, 3>& axes, double across, double up, double thi
 class Asker {
  public:
   Asker(const Chain& chain, std::vector<double> home, const std::optional<Quaternion>& rotation)
-      : solver_(chain, options_of(!rotation)), home_(std::move(home)), rotation_(rotation) {}
-  bool closed_form() const { return closed() && closed().complete() && rotation_; }
+      : solver_(chain, settings()), home_(std::move(home)), rotation_(rotation) {}
+  bool closed_form() const { return solver_ && solver_.complete() && rotation_; }
 
   /// Joint states for the TCP at these places; empty where none was found. `above`: what was found for the
   /// row before.
@@ -47,37 +48,39 @@ class Asker {
       const std::vector<double>& seed = !above[k].empty()              ? above[k]
                                         : k > 0 && !out[k - 1].empty() ? out[k - 1]
                                                                        : home_;
-      const kinematics::IkResult found = solver_.solve({places[k], rotation_.value_or(Quaternion{})}, seed);
-      out.push_back(found ? found.q : std::vector<double>{});
+      const ik::IkTask task = rotation_ ? ik::IkTask{} : ik::IkTask::position_only();
+      ik::IkSolution found;
+      const bool there = solver_.solve({places[k], rotation_.value_or(Quaternion{})}, task, seed, found) ==
+                         ik::IkOutcome::solved;
+      out.push_back(there ? values_of(found) : std::vector<double>{});
     }
     return out;
   }
 
  private:
-  static kinematics::IkOptions options_of(bool orientation_free) {
-    kinematics::IkOptions out;
-    out.orientation_free = orientation_free;
+  static ik::IkSettings settings() {
+    ik::IkSettings out;
     out.restarts = 6;
-    out.position_tolerance = 1e-5;
-    out.orientation_tolerance = 1e-5;
+    out.descent_tolerance = 1e-5;
     return out;
   }
-  const kinematics::InverseKinematics& closed() const { return solver_.closed_form(); }
+  std::vector<double> values_of(const ik::IkSolution& one) const {
+    return {one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(home_.size())};
+  }
 
   std::vector<std::vector<double>> ask_at_once(const std::vector<Vec3>& places) const {
     std::vector<Pose> targets;
     for (const Vec3& place : places) targets.push_back({place, *rotation_});
-    std::vector<kinematics::IkSolution> found(targets.size());
-    std::vector<kinematics::IkOutcome> outcomes(targets.size());
-    closed().solve_batch(targets, home_, found, outcomes);
+    std::vector<ik::IkSolution> found(targets.size());
+    std::vector<ik::IkOutcome> outcomes(targets.size());
+    solver_.solve_batch(targets, home_, found, outcomes);
     std::vector<std::vector<double>> out(targets.size());
     for (std::size_t k = 0; k < targets.size(); ++k)
-      if (outcomes[k] == kinematics::IkOutcome::solved)
-        out[k].assign(found[k].q.begin(), found[k].q.begin() + static_cast<std::ptrdiff_t>(home_.size()));
+      if (outcomes[k] == ik::IkOutcome::solved) out[k] = values_of(found[k]);
     return out;
   }
 
-  kinematics::ArmSolver solver_;
+  ik::InverseKinematics solver_;
   std::vector<double> home_;
   std::optional<Quaternion> rotation_;
 };

@@ -17,7 +17,7 @@
 #include <chrono>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
@@ -32,7 +32,7 @@
 namespace {
 
 using namespace polyarm;
-using namespace polyarm::kinematics;
+using namespace polyarm::ik;
 constexpr std::size_t kPoses = 4096;
 constexpr const char* kArms[] = {
     "universal_robots/ur5e", "abb/irb_2400_10", "fanuc/m_10ia", "doosan/m0609",

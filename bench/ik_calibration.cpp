@@ -26,7 +26,7 @@
 #include <string>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
@@ -34,7 +34,7 @@
 namespace {
 
 using namespace polyarm;
-using namespace polyarm::kinematics;
+using namespace polyarm::ik;
 
 struct Question {
   std::vector<double> q, seed;

@@ -31,7 +31,7 @@
 namespace {
 
 using namespace polyarm;
-using namespace polyarm::kinematics;
+using namespace polyarm::ik;
 
 std::string processor() {
   std::ifstream in("/proc/cpuinfo");

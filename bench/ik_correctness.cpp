@@ -33,7 +33,7 @@
 
 #include "bench/ik_words.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
 #include "polyarm/kinematics/random.hpp"
@@ -41,7 +41,7 @@
 namespace {
 
 using namespace polyarm;
-using namespace polyarm::kinematics;
+using namespace polyarm::ik;
 
 enum class Kind { random, grid, near, numeric };
 using State = std::array<double, Chain::kMaxJoints>;

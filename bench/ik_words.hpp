@@ -2,7 +2,7 @@
 /// The ways of inverse kinematics as the benchmarks print them.
 #include "polyarm/ik/inverse_kinematics.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 inline const char* words(IkWay way) {
   switch (way) {
@@ -22,4 +22,4 @@ inline const char* words(IkWay way) {
   return "none";
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -156,7 +156,7 @@ std::unique_ptr<moves::RobotFacts> motion_facts(const CellRobot& robot, const mo
   for (const controllers::JointFacts& joint : robot.joints)
     limits.push_back({joint.velocity, joint.acceleration, joint.jerk});
   kinematics::Chain chain(robot.model, robot.model.tool_link(), robot.entry.base, robot.tool.tcp);
-  auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+  auto solver = std::make_unique<const ik::InverseKinematics>(chain);
   std::vector<double> effort;
   for (const controllers::JointFacts& joint : robot.joints) effort.push_back(joint.effort);
   auto torques = moves::torque_limits_of(

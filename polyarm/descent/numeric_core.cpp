@@ -45,8 +45,18 @@ bool convert(const IkTask& task, double length, DescentTask& out) noexcept {
 
 }  // namespace
 
+NumericArm::NumericArm(const Chain& c, std::size_t seeds)
+    : chain(c), arm(chain), table(arm, std::max<std::size_t>(16, seeds)) {}
+
 NumericCore::NumericCore(const Chain& c, NumericSettings s)
-    : chain(c), settings(std::move(s)), arm(chain), table(arm, std::max<std::size_t>(16, settings.seeds)) {
+    : NumericCore(std::make_shared<const NumericArm>(c, s.seeds), std::move(s)) {}
+
+NumericCore::NumericCore(std::shared_ptr<const NumericArm> a, NumericSettings s)
+    : shared(std::move(a)),
+      settings(std::move(s)),
+      chain(shared->chain),
+      arm(shared->arm),
+      table(shared->table) {
   // A hair inside, so that rounding in the last conversion does not matter.
   rules.position2 = squared(0.99 * settings.position_tolerance / arm.length);
   rules.orientation2 = squared(0.99 * settings.orientation_tolerance);

@@ -1,6 +1,7 @@
 #pragma once
-/// The inside of NumericIk, for its own files and for explain.cpp.
+/// The inside of NumericIk, for its own files and for the room ik.
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -26,13 +27,25 @@ struct NumericPlace {
   double size2() const noexcept { return position2 + orientation2; }
 };
 
-struct NumericCore {
+/// What descents know of an arm, whatever their settings.
+struct NumericArm {
   Chain chain;
-  NumericSettings settings;
   DescentArm arm;
   SeedTable table;
+
+  NumericArm(const Chain& chain, std::size_t seeds);
+};
+
+struct NumericCore {
+  /// Shared, as one arm is asked with different settings and its table is large.
+  std::shared_ptr<const NumericArm> shared;
+  NumericSettings settings;
+  const Chain& chain;
+  const DescentArm& arm;
+  const SeedTable& table;
   DescentRules rules;  ///< with the tolerances of the settings
 
+  NumericCore(std::shared_ptr<const NumericArm> arm, NumericSettings settings);
   NumericCore(const Chain& chain, NumericSettings settings);
   /// False where pose, task or seed have numbers that are none, or sizes do not match.
   bool read(const Pose& target, const IkTask* task, std::span<const double> seed,

@@ -194,32 +194,10 @@ class Batch {
 
 }  // namespace
 
-IkTask IkTask::position_only() noexcept {
-  IkTask out;
-  for (const std::size_t row : {3, 4, 5}) out.free(row);
-  return out;
-}
-
-IkTask IkTask::orientation_only() noexcept {
-  IkTask out;
-  for (const std::size_t row : {0, 1, 2}) out.free(row);
-  return out;
-}
-
-IkTask IkTask::free_spin(std::size_t axis) noexcept {
-  IkTask out;
-  out.free(3 + axis % 3);
-  return out;
-}
-
-IkTask IkTask::axis_only(std::size_t axis) noexcept {
-  IkTask out = orientation_only();
-  out.free(3 + axis % 3);
-  return out;
-}
-
 NumericIk::NumericIk(const Chain& chain, NumericSettings settings)
     : core_(std::make_unique<const NumericCore>(chain, std::move(settings))) {}
+NumericIk::NumericIk(const NumericIk& same_arm, NumericSettings settings)
+    : core_(std::make_unique<const NumericCore>(same_arm.core_->shared, std::move(settings))) {}
 NumericIk::~NumericIk() = default;
 NumericIk::NumericIk(NumericIk&&) noexcept = default;
 NumericIk& NumericIk::operator=(NumericIk&&) noexcept = default;

@@ -2,43 +2,16 @@
 /// Inverse kinematics by iteration, for every chain: any number of joints, sliding ones and followers too,
 /// within joint limits, for whole poses and for parts of them. Metres, radians, poses of the TCP in the
 /// world.
-#include <array>
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/kinematics/ik_solution.hpp"
+#include "polyarm/kinematics/ik_task.hpp"
 
 namespace polyarm::kinematics {
-
-/// What of a pose is asked for: how far the TCP may be from the target, along and about the axes of the
-/// target itself (`tool`) or of the world. Rows: along x y z, m; about x y z, rad (the rotation vector from
-/// the target to the TCP). A row from -infinity to infinity is free.
-struct IkTask {
-  static constexpr double kFree = std::numeric_limits<double>::infinity();
-  enum class Frame { tool, world };
-  Frame frame = Frame::tool;
-  std::array<double, 6> low{}, high{};
-  /// What an error in a row counts where rows are traded against each other.
-  std::array<double, 6> weight{1, 1, 1, 1, 1, 1};
-
-  void free(std::size_t row) noexcept { low[row] = -kFree, high[row] = kFree; }
-  /// The TCP's place, however it is turned.
-  static IkTask position_only() noexcept;
-  /// The orientation, wherever.
-  static IkTask orientation_only() noexcept;
-  /// The whole pose but for a turn about the tool's axis `axis` (0 x, 1 y, 2 z).
-  static IkTask free_spin(std::size_t axis = 2) noexcept;
-  /// Where the tool's axis points, wherever it is and however it is turned about that axis.
-  static IkTask axis_only(std::size_t axis = 2) noexcept;
-};
-
-/// What an arm does with joints to spare, once the pose is had. `away_from_singularities` moves only as far
-/// as the smallest singular value asks for (kAwayFromSingular), `manipulability` as far as it helps.
-enum class IkGoal { none, near_seed, mid_range, manipulability, away_from_singularities };
 
 struct NumericSettings {
   double position_tolerance = 1e-6;     ///< m
@@ -67,6 +40,8 @@ class NumericIk {
  public:
   /// Keeps nothing of `chain` but copies. Throws Error("bad-model") for more than 64 joints and followers.
   explicit NumericIk(const Chain& chain, NumericSettings settings = {});
+  /// For the same arm with other settings; shares what was worked out for it (settings.seeds is ignored).
+  NumericIk(const NumericIk& same_arm, NumericSettings settings);
   ~NumericIk();
   NumericIk(NumericIk&&) noexcept;
   NumericIk& operator=(NumericIk&&) noexcept;

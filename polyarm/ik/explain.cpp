@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "polyarm/ik/failure.hpp"
 #include "polyarm/descent/unwind.hpp"
+#include "polyarm/ik/moves.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -102,67 +102,56 @@ bool blame_orientation(const NumericCore& core, const NumericQuestion& question,
   return least < 1e299;
 }
 
-/// The nearest joint state, as the caller weighs metres against radians.
-void find_nearest(const NumericCore& core, const NumericQuestion& question, const Pose& target,
-                  std::span<const double> seed, const IkOptions& options, IkResult& result) {
-  const double weight = options.orientation_free ? 0.0 : std::max(1e-6, options.orientation_weight);
+/// The nearest joint state; a radian counts like a metre.
+IkSolution find_nearest(const NumericCore& core, const DescentQuestion& question, bool orientation_free) {
+  const double weight = orientation_free ? 0.0 : 1.0;
   const NumericPlace best =
-      best_of(core, weighed(question, weight / core.arm.length), [&](const NumericPlace& at) {
+      best_of(core, weighed(question.inner, weight / core.arm.length), [&](const NumericPlace& at) {
         return core.arm.length * core.arm.length * at.position2 + weight * weight * at.orientation2;
       });
-  IkSolution one;
-  core.write(best, seed, one);
-  result.q.assign(one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(core.chain.joints()));
-  if (question.task && !options.orientation_free) {
-    result.position_error = one.position_error;
-    result.orientation_error = one.orientation_error;
-    return;
-  }
-  const Pose there = core.chain.forward(result.q);
-  result.position_error = norm(target.position - there.position);
-  if (!options.orientation_free) result.orientation_error = angle_between(there.rotation, target.rotation);
+  IkSolution out;
+  core.write(best, question.seed(), out);
+  if (question.inner.task && !orientation_free) return out;
+  const Pose there = core.chain.forward({out.q.data(), question.joints});
+  out.position_error = norm(question.target.position - there.position);
+  out.orientation_error = orientation_free ? 0.0 : angle_between(there.rotation, question.target.rotation);
+  return out;
 }
 
 }  // namespace
 
-bool place_is_fixed(const NumericQuestion& question) noexcept {
-  bool out = true;
-  for (std::size_t i = 0; question.task && i < 3; ++i)
-    out &= question.task->low[i] == 0 && question.task->high[i] == 0;
-  return out;
-}
-
-void explain_failure(const NumericCore& core, const NumericQuestion& question, const Pose& target,
-                     std::span<const double> seed, const IkOptions& options, IkResult& result) {
+IkExplanation explain_failure(const NumericCore& core, const DescentQuestion& question) {
   const Chain& chain = core.chain;
-  find_nearest(core, question, target, seed, options, result);
-  result.status = IkStatus::unreachable;
-  const double away = norm(target.position - chain.reach_center());
-  if (place_is_fixed(question) && away > chain.reach() + options.position_tolerance) {
-    result.reason = fmt::format("the TCP would have to be {} from the base, this robot reaches {}",
-                                meters(away), meters(chain.reach()));
-    return;
+  const bool turn_is_free = all_turns_free(question.inner);
+  IkExplanation out;
+  out.outcome = IkOutcome::unreachable;
+  out.nearest = find_nearest(core, question, place_is_fixed(question.inner) && turn_is_free);
+  const IkSolution& at = out.nearest;
+  const double away = norm(question.target.position - chain.reach_center());
+  if (place_is_fixed(question.inner) && away > chain.reach() + core.settings.position_tolerance) {
+    out.reason = fmt::format("the TCP would have to be {} from the base, this robot reaches {}", meters(away),
+                             meters(chain.reach()));
+    return out;
   }
-  if (blame_limits(core, question, seed, result.reason)) {
-    result.status = IkStatus::limits;
-    return;
+  if (blame_limits(core, question.inner, question.seed(), out.reason)) {
+    out.outcome = IkOutcome::limits;
+    return out;
   }
-  if (result.position_error < 1e-3 && (options.orientation_free || result.orientation_error < 1e-3)) {
-    result.status = IkStatus::no_convergence;
-    result.reason = fmt::format("the search came within {:.3g} mm and {:.3g} deg and no nearer",
-                                1e3 * result.position_error, kDegrees * result.orientation_error);
-    return;
+  if (at.position_error < 1e-3 && at.orientation_error < 1e-3) {
+    out.reason = fmt::format("the search came within {:.3g} mm and {:.3g} deg and no nearer",
+                             1e3 * at.position_error, kDegrees * at.orientation_error);
+    return out;
   }
-  const bool turn_is_free = options.orientation_free || all_turns_free(question);
-  if (!turn_is_free && blame_orientation(core, question, result.reason)) return;
-  const bool place_is_free = result.position_error == 0 && question.task;
-  result.reason =
+  if (!turn_is_free && blame_orientation(core, question.inner, out.reason)) return out;
+  const bool place_is_free = at.position_error == 0 && question.inner.task;
+  out.reason =
       place_is_free
           ? fmt::format(
                 "no joint state within limits turns the tool nearer than {:.1f} deg to that direction",
-                kDegrees * result.orientation_error)
+                kDegrees * at.orientation_error)
           : fmt::format("no joint state within limits brings the TCP nearer than {:.1f} mm to that place",
-                        1e3 * result.position_error);
+                        1e3 * at.position_error);
+  return out;
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -6,7 +6,7 @@
 
 #include "polyarm/ik/ik_arm.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -223,4 +223,4 @@ void InverseKinematics::Arm::look_all_round(const BranchJob& asked, const AxisVa
   }
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polyarm/kinematics/arm_length.hpp"
 #include "polyarm/closed_form/planar_form.hpp"
+#include "polyarm/kinematics/arm_length.hpp"
 #include "polyarm/kinematics/random.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -54,9 +54,20 @@ NumericSettings InverseKinematics::Arm::numeric_settings() const {
   return out;
 }
 
+NumericSettings InverseKinematics::Arm::move_settings() const {
+  constexpr int kStepsPerRestart = 8;  // of eight descents side by side
+  NumericSettings out;
+  out.position_tolerance = out.orientation_tolerance = settings.descent_tolerance;
+  out.weights = settings.weights;
+  out.goal = settings.goal;
+  out.steps = kStepsPerRestart * std::max(1, settings.restarts);
+  out.searches = std::max(1, settings.restarts);
+  return out;
+}
+
 void InverseKinematics::Arm::add_numeric() {
-  if (described->axes().empty()) return;
-  numeric.emplace(*described, numeric_settings());
+  if (!moves) return;
+  numeric.emplace(*moves, numeric_settings());
   if (!solvable()) report += "; solved by iteration";
 }
 
@@ -441,4 +452,4 @@ void InverseKinematics::Arm::find_seven() {
   if (srs) report += "; the nearest by elbow angle, as shoulder and wrist are spherical";
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -7,14 +7,14 @@
 
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/closed_form/general_six.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
-#include "polyarm/descent/numeric_ik.hpp"
-#include "polyarm/ik/self_motion.hpp"
 #include "polyarm/closed_form/sliding_arm.hpp"
 #include "polyarm/closed_form/spare_end.hpp"
 #include "polyarm/closed_form/srs_arm.hpp"
+#include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/ik/self_motion.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 inline constexpr double kTurn = 2 * std::numbers::pi;
 using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
@@ -92,12 +92,15 @@ inline SixAxisForm telling_of(SixAxisForm form) noexcept {
   return form;
 }
 
+struct DescentQuestion;
+
 struct InverseKinematics::Arm {
   IkSettings settings;
   std::string report;
   SixAxisClass known;
   ArmGeometry geometry;
   std::optional<Chain> described;             ///< always there once constructed
+  std::optional<NumericIk> moves;             ///< by descent_tolerance; none where nothing moves the TCP
   std::optional<NumericIk> numeric;           ///< where no closed form has the last word
   std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
   /// The same from the arm's other end, where that suits it, too: what rounding takes from one elimination,
@@ -136,6 +139,7 @@ struct InverseKinematics::Arm {
   void read(const Chain& chain);
   std::string describe_known() const;
   NumericSettings numeric_settings() const;
+  NumericSettings move_settings() const;
   void add_numeric();
   void settle(const SixAxisClass& found, std::array<int, 6> six);
   void restore(const SixAxisClass& found, std::array<int, 6> axes);
@@ -158,6 +162,9 @@ struct InverseKinematics::Arm {
   IkOutcome solve_all_slowly(const Pose& target, std::span<const double> seed,
                              IkSolutions& out) const noexcept;
   bool accepts(const Pose& target, std::span<const double> seed) const noexcept;
+  void collect(const DescentQuestion& question, const InverseKinematics& self,
+               IkSolutions& out) const noexcept;
+  IkOutcome why_unreached(const DescentQuestion& question) const noexcept;
   void gather(const Pose& target, std::span<const double> seed, bool nearest_only,
               Gathered& out) const noexcept;
   void iterate(const Pose& target, std::span<const double> seed, bool nearest_only,
@@ -202,4 +209,4 @@ struct InverseKinematics::Arm {
   void write(const Candidate& from, std::span<const double> seed, IkSolution& to) const noexcept;
 };
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -6,7 +6,7 @@
 
 #include "polyarm/ik/ik_arm.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -381,7 +381,8 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   }
   const bool closed =
       arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic() && !arm->weak;
-  if (!closed || arm->settings.parts_of_poses) arm->add_numeric();
+  if (!chain.axes().empty()) arm->moves.emplace(chain, arm->move_settings());
+  if (!closed) arm->add_numeric();
   if (arm->slides_along())
     arm->curves =
         SelfMotion::of(arm->numeric->core(), arm->geometry, arm->limits, searched(arm->known.family));
@@ -415,6 +416,12 @@ bool InverseKinematics::complete() const noexcept {
 const std::string& InverseKinematics::report() const noexcept {
   return arm_->report;
 }
+const Chain& InverseKinematics::chain() const noexcept {
+  return *arm_->described;
+}
+const IkSettings& InverseKinematics::settings() const noexcept {
+  return arm_->settings;
+}
 
 IkOutcome InverseKinematics::Arm::solve_slowly(const Pose& target, std::span<const double> seed,
                                                IkSolution& out) const noexcept {
@@ -422,7 +429,7 @@ IkOutcome InverseKinematics::Arm::solve_slowly(const Pose& target, std::span<con
   std::copy(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(std::min(seed.size(), out.q.size())),
             out.q.begin());
   if (!solvable()) {
-    if (!numeric) return IkOutcome::no_closed_form;
+    if (!numeric) return IkOutcome::immovable;
     return numeric->solve(target, seed, out);
   }
   if (!accepts(target, seed)) return IkOutcome::malformed;
@@ -440,7 +447,7 @@ IkOutcome InverseKinematics::Arm::solve_all_slowly(const Pose& target, std::span
                                                    IkSolutions& out) const noexcept {
   out.count = 0;
   if (!solvable()) {
-    if (!numeric) return IkOutcome::no_closed_form;
+    if (!numeric) return IkOutcome::immovable;
     return numeric->solve_all(target, seed, out);
   }
   if (!accepts(target, seed)) return IkOutcome::malformed;
@@ -457,12 +464,6 @@ IkOutcome InverseKinematics::Arm::solve_all_slowly(const Pose& target, std::span
   out.count = found.count;
   if (found.count > 0) return IkOutcome::solved;
   return found.beyond_limits ? IkOutcome::limits : IkOutcome::unreachable;
-}
-
-IkOutcome InverseKinematics::solve(const Pose& target, const IkTask& task, std::span<const double> seed,
-                                   IkSolution& out) const {
-  if (arm_->numeric) return arm_->numeric->solve(target, task, seed, out);
-  return NumericIk(*arm_->described, arm_->numeric_settings()).solve(target, task, seed, out);
 }
 
 IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> seed,
@@ -528,4 +529,4 @@ std::size_t InverseKinematics::solve_batch(std::span<const Pose> targets, std::s
   return solved;
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -5,7 +5,7 @@
 
 #include "polyarm/ik/ik_arm.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -294,4 +294,4 @@ void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValue
   descend_all(asked, waiting, since, out);
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -373,4 +373,4 @@ std::size_t SelfMotion::spread(const Pose& target, std::span<const double> seed,
   return found.size();
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

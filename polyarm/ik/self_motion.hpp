@@ -12,7 +12,9 @@
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/descent/numeric_core.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
+
+using namespace kinematics;
 
 class SelfMotion {
  public:
@@ -64,4 +66,4 @@ class SelfMotion {
   std::unique_ptr<float[]> values_;            ///< of the table's states, joint after joint
 };
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -6,8 +6,8 @@ const char* name(IkOutcome outcome) {
   switch (outcome) {
     case IkOutcome::solved:
       return "solved";
-    case IkOutcome::no_closed_form:
-      return "no_closed_form";
+    case IkOutcome::immovable:
+      return "immovable";
     case IkOutcome::malformed:
       return "malformed";
     case IkOutcome::unreachable:

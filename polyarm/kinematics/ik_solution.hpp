@@ -31,10 +31,10 @@ struct IkSolutions {
 
 enum class IkOutcome {
   solved,
-  no_closed_form,  ///< a chain in which nothing moves the TCP
-  malformed,       ///< the pose or the seed has numbers that are none, or the sizes do not match
-  unreachable,     ///< no joint state leads to the pose, whatever the limits
-  limits,          ///< joint states lead there, all of them outside the limits
+  immovable,    ///< no joint moves the TCP
+  malformed,    ///< the pose or the seed contains NaN or infinity, or sizes do not match
+  unreachable,  ///< no joint state leads to the pose, whatever the limits
+  limits,       ///< joint states lead there, all of them outside the limits
 };
 const char* name(IkOutcome outcome);
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/ik/inverse.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/moves/joint_rates.hpp"
 #include "polyarm/paths/hermite.hpp"
 
@@ -81,19 +81,19 @@ class Follower {
   }
 
   std::vector<double> nearest(const Pose& first, std::span<const double> seed) {
-    kinematics::IkSolution found;
-    if (closed_form().solve(first, seed, found) == kinematics::IkOutcome::solved && found.exact)
-      return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(chain_.joints())};
-    const kinematics::IkResult searched = kinematics::solve_nearest(chain_, first, seed, seed);
-    if (searched) return searched.q;
+    ik::IkSolution found;
+    const bool there = (solver().solve(first, seed, found) == ik::IkOutcome::solved && found.exact) ||
+                       solver().solve_move(first, seed, seed, found) == ik::IkOutcome::solved;
+    if (there) return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(chain_.joints())};
+    const ik::IkExplanation why = solver().explain(first, seed);
     throw Error(
-        searched.status == kinematics::IkStatus::limits ? "limit" : "unreachable",
-        fmt::format("the path cannot be reached where it begins, at {:.4f} m: {}", place(0), searched.reason),
+        why.outcome == ik::IkOutcome::limits ? "limit" : "unreachable",
+        fmt::format("the path cannot be reached where it begins, at {:.4f} m: {}", place(0), why.reason),
         "move the path, or the robot's base");
   }
-  const kinematics::InverseKinematics& closed_form() {
-    if (!closed_form_) closed_form_ = std::make_unique<kinematics::InverseKinematics>(chain_);
-    return *closed_form_;
+  const ik::InverseKinematics& solver() {
+    if (!solver_) solver_ = std::make_unique<ik::InverseKinematics>(chain_);
+    return *solver_;
   }
 
   void check_start(const std::vector<double>& q) const {
@@ -233,9 +233,8 @@ class Follower {
   [[noreturn]] void refuse(const Node& node) {
     for (const double ahead : {1e-2, 1e-3, 1e-5}) {
       const double s = std::min(node.s + ahead, path_.length());
-      const kinematics::IkResult found = kinematics::solve_inverse(chain_, path_.at(s).pose, node.q);
-      if (found.status == kinematics::IkStatus::solved) continue;
-      if (found.status == kinematics::IkStatus::limits) continue;
+      const ik::IkExplanation found = solver().explain(path_.at(s).pose, node.q);
+      if (found.outcome == ik::IkOutcome::solved || found.outcome == ik::IkOutcome::limits) continue;
       if (arm_.columns() < 6)
         throw Error("unreachable",
                     fmt::format("the arm's {} joints cannot follow the path at {:.4f} m (of {:.4f} m): {}",
@@ -274,8 +273,8 @@ class Follower {
   const FollowOptions& options_;
   double offset_;  // of places in errors
   ArmDerivatives arm_;
-  std::unique_ptr<kinematics::InverseKinematics> closed_form_;
-  std::vector<double> coefficients_;  // of the piece being made
+  std::unique_ptr<ik::InverseKinematics> solver_;  // made when a question needs it
+  std::vector<double> coefficients_;               // of the piece being made
   std::vector<double> looked_;
   std::unique_ptr<PolynomialPath> out_;
 };

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/ik/inverse.hpp"
 
 namespace polyarm::moves {
 
 std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain) {
-  auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+  auto solver = std::make_unique<const ik::InverseKinematics>(chain);
   return std::make_shared<const RobotFacts>(RobotFacts{robot.name, robot.model, std::move(chain),
                                                        robot.limits, robot.tcp, robot.home, std::move(solver),
                                                        robot.workspace, robot.torques});
@@ -19,13 +19,15 @@ std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics
 
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::span<const double> current,
                                const std::string& what) {
-  const kinematics::IkResult result = robot.solver
-                                          ? robot.solver->solve_nearest(tcp, current, robot.home)
-                                          : kinematics::solve_nearest(robot.chain, tcp, current, robot.home);
-  if (result.status == kinematics::IkStatus::solved) return result.q;
+  std::optional<ik::InverseKinematics> own;
+  const ik::InverseKinematics& arm = robot.solver ? *robot.solver : own.emplace(robot.chain);
+  ik::IkSolution found;
+  if (arm.solve_move(tcp, current, robot.home, found) == ik::IkOutcome::solved)
+    return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(robot.chain.joints())};
+  const ik::IkExplanation why = arm.explain(tcp, current);
   throw Error(
-      result.status == kinematics::IkStatus::limits ? "limit" : "unreachable",
-      fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, result.reason),
+      why.outcome == ik::IkOutcome::limits ? "limit" : "unreachable",
+      fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, why.reason),
       "move the point, the robot's base, or choose a robot that reaches it");
 }
 

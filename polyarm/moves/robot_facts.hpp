@@ -7,7 +7,7 @@
 
 #include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"
-#include "polyarm/ik/arm_solver.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/moves/torque_limits.hpp"
 #include "polyarm/moves/workspace.hpp"
@@ -31,8 +31,8 @@ struct RobotFacts {
   std::vector<trajectory::JointMotionLimits> limits;
   TcpLimits tcp;
   std::vector<double> home;
-  /// Of `chain`; where there is none, each question makes its own.
-  std::unique_ptr<const kinematics::ArmSolver> solver;
+  /// For `chain`; if null, each question makes its own.
+  std::unique_ptr<const ik::InverseKinematics> solver;
   Workspace workspace;  ///< where the TCP may be
   /// What the joints can bring, with tool and load; null where nothing is known to judge by.
   std::shared_ptr<const TorqueLimits> torques;

@@ -8,9 +8,9 @@
 
 #include "drivers/mujoco/component.hpp"
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "tests/drivers/rig.hpp"
+#include "tests/ik/answers.hpp"
 
 namespace polyarm::test {
 namespace {
@@ -66,10 +66,8 @@ class Robot {
   State above(const State& q, double rise) const {
     Pose target = chain.forward(q);
     target.position.z += rise;
-    kinematics::IkResult found = kinematics::solve_nearest(chain, target, q, q);
-    kinematics::IkOptions free;
-    free.orientation_free = true;
-    if (!found) found = kinematics::solve_inverse(chain, target, q, free);
+    test::Answer found = test::move(chain, target, q, q);
+    if (!found) found = test::descend(chain, target, q, ik::IkTask::position_only());
     return found ? found.q : State{};
   }
   Pass pass() const {
@@ -107,16 +105,16 @@ State random_state(const Chain& chain, std::mt19937& random) {
 }
 
 void expect_inverse_kinematics(const Robot& robot) {
-  const kinematics::InverseKinematics closed(robot.chain);
+  const ik::InverseKinematics closed(robot.chain);
   std::mt19937 random(11);
   for (int k = 0; k < 20; ++k) {
     const Pose target = robot.chain.forward(random_state(robot.chain, random));
     State q;
-    kinematics::IkSolution solution;
-    if (closed && closed.solve(target, robot.home, solution) == kinematics::IkOutcome::solved)
+    ik::IkSolution solution;
+    if (closed && closed.solve(target, robot.home, solution) == ik::IkOutcome::solved)
       q.assign(solution.q.begin(), solution.q.begin() + static_cast<std::ptrdiff_t>(robot.chain.joints()));
     else
-      q = kinematics::solve_inverse(robot.chain, target, robot.home).q;
+      q = test::descend(closed, target, robot.home).q;
     const Pose reached = robot.chain.forward(q);
     EXPECT_LT(norm(reached.position - target.position), 1e-5) << "pose " << k;
     EXPECT_LT(angle_between(reached.rotation, target.rotation), 1e-4) << "pose " << k;

@@ -186,7 +186,7 @@ TEST(ClosedForm, ABatchLeavesJointsThatDoNotMoveTheToolWhereTheSeedHasThem) {
     const auto model = with_fingers(catalogue.load("universal_robots/ur5e"), fingers);
     const Chain chain(model, model.tool_link());
     ASSERT_EQ(chain.joints(), 6 + fingers);
-    const InverseKinematics arm(chain);
+    const ik::InverseKinematics arm(chain);
     Random random(17);
     const auto seed = test::random_state(chain, random);
     std::vector<Pose> targets;

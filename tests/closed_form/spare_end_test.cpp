@@ -6,7 +6,7 @@
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/closed_form/eightfold_search.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 
@@ -22,7 +22,7 @@ Chain chain_of(const char* name) {
 TEST(SpareEnd, TheNearestIsExactInsideLimitsAndNoFurtherThanWhatSamplesShow) {
   for (const char* name : {"franka/fer_panda", "kuka/lbr_iiwa_7_r800"}) {
     const Chain chain = chain_of(name);
-    const InverseKinematics arm(chain);
+    const ik::InverseKinematics arm(chain);
     Random random(3);
     std::vector<double> q(7), seed(7);
     IkSolution nearest;

@@ -10,7 +10,7 @@
 
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/descent/descent_lanes.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/descent/numeric_core.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/ik/missed_once.hpp"

@@ -11,13 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/ik/inverse.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/kinematics/singularity.hpp"
+#include "polyarm/simd/rotation.hpp"
 #include "tests/kinematics/sample_states.hpp"
 
 namespace polyarm::test {
 
-using namespace kinematics;
+using namespace ik;
 
 /// More by the environment's POLYARM_IK_POSES.
 inline int poses_per_arm(int usual) {

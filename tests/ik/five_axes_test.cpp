@@ -7,7 +7,7 @@
 #include "polyarm/kinematics/random.hpp"
 #include "tests/closed_form/sample_families.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 /// Five axes of which two are nearly what six could be solved by (0.7 mm): a hobby arm's as a drawing program
@@ -49,4 +49,4 @@ TEST(FiveAxes, AFormThatFitsOnlySomePosesIsNotTaken) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

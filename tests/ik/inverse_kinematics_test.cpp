@@ -9,15 +9,17 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/closed_form/arm_class.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
-#include "tests/ik/asking.hpp"
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "tests/closed_form/sample_families.hpp"
+#include "tests/ik/answers.hpp"
+#include "tests/ik/asking.hpp"
 #include "tests/kinematics/sample_states.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 using test::ask, test::difference, test::error_of, test::expect_clean, test::grid_state, test::poses_per_arm,
@@ -237,7 +239,7 @@ TEST(InverseKinematics, NoBranchOfASearchIsLostAgainstDescentFromManySeeds) {
       IkSolutions found;
       arm.solve_all(target, test::random_state(chain, random), found);
       for (int k = 0; k < 60; ++k) {
-        const IkResult one = solve_inverse(chain, target, test::random_state(chain, random));
+        const test::Answer one = test::descend(chain, target, test::random_state(chain, random));
         if (!one || smallest_singular_value(chain, one.q) < 1e-3) continue;
         ++known;
         bool there = false;
@@ -441,17 +443,13 @@ TEST(InverseKinematics, AChainThatIsNoRowOfJointsIsSolvedByTheSameDoor) {
 }
 
 TEST(InverseKinematics, PartsOfPosesGoToTheNumericSolver) {
-  IkSettings settings;
-  settings.parts_of_poses = true;
   const Chain chain = test::chain_of(test::ur3());
   const std::vector<double> q{0.4, -1.6, 1.8, -1.8, -1.2, 0.3}, seed{0.5, -1.4, 1.5, -1.5, -1.0, 2.0};
   Pose turned = chain.forward(q);
   turned.rotation = turned.rotation * from_axis_angle({0, 0, 1}, 0.7);
-  IkSolution one, other;
-  const InverseKinematics ready(chain, settings), bare(chain);
+  IkSolution one;
+  const InverseKinematics ready(chain);
   ASSERT_EQ(ready.solve(turned, IkTask::free_spin(), seed, one), IkOutcome::solved);
-  ASSERT_EQ(bare.solve(turned, IkTask::free_spin(), seed, other), IkOutcome::solved);
-  EXPECT_TRUE(std::equal(one.q.begin(), one.q.begin() + 6, other.q.begin()));
   const Pose there = chain.forward({one.q.data(), 6});
   EXPECT_LT(norm(there.position - turned.position), 1e-8);
   EXPECT_LT(norm(there.rotation * Vec3{0, 0, 1} - turned.rotation * Vec3{0, 0, 1}), 1e-8);
@@ -576,33 +574,47 @@ TEST(InverseKinematics, ALittleOutOfReachItGivesTheNearestAndSaysSo) {
   EXPECT_LT(difference(chain, found.q, q), 0.1);
 }
 
+/// Every call but explain(): nothing is allocated, locked, thrown, waited for or written after construction.
 TEST(InverseKinematics, IsFitForTheControlLoop) {
   if (!test::RealtimeGuard::watches()) GTEST_SKIP() << "sanitizers watch here";
   Random random(5);
   const auto any = test::random_arm(test::random_axes(ArmFamily::none, random), random);
-  for (const auto& model : {test::ur3(), test::five(), test::seven(), any}) {
+  for (const auto& model : {test::ur3(), test::five(), test::seven(), test::gantry(), any}) {
     const Chain chain = test::chain_of(model);
     const InverseKinematics arm(chain);
-    const auto q = test::random_state(chain, random), seed = test::random_state(chain, random);
+    const auto q = test::random_state(chain, random), seed = test::random_state(chain, random),
+               home = test::random_state(chain, random);
     const Pose reachable = chain.forward(q),
                singular = chain.forward(std::vector<double>(chain.joints(), 0.0));
-    const Pose far{{9, 9, 9}, {}};
+    const std::array<Pose, 3> targets{reachable, singular, Pose{{9, 9, 9}, {}}};
     IkSolutions all;
     IkSolution one;
+    std::array<IkSolution, 3> many;
+    std::array<IkOutcome, 3> outcomes;
     std::string violations;
     {
       const test::RealtimeGuard guard;
       const int rounds = arm.way() == IkWay::closed_form ? 20000 : 100;
-      for (int i = 0; i < rounds; ++i)
-        for (const Pose& target : {reachable, singular, far}) {
+      for (int i = 0; i < rounds; ++i) {
+        for (const Pose& target : targets) {
           arm.solve_all(target, seed, all);
           arm.solve(target, seed, one);
+          arm.track(target, seed, one);
+        }
+        arm.solve_batch(targets, seed, many, outcomes);
+      }
+      for (int i = 0; i < 20; ++i)
+        for (const Pose& target : targets) {
+          arm.solve_move(target, seed, home, one);
+          arm.solve(target, IkTask::position_only(), seed, one);
+          arm.solve(target, IkTask::free_spin(), seed, one);
+          arm.solve_all(target, IkTask::position_only(), seed, all);
         }
       violations = guard.violations();
     }
-    EXPECT_EQ(violations, "");
+    EXPECT_EQ(violations, "") << model.name;
   }
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/closed_form/closed_form.hpp"
+#include "polyarm/description/catalogue.hpp"
+#include "tests/closed_form/sample_families.hpp"
 #include "tests/ik/asking.hpp"
 #include "tests/ik/missed_once.hpp"
-#include "tests/closed_form/sample_families.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 TEST(NearSingular, FindsAgainWhatWasMissedOnce) {
@@ -143,4 +143,4 @@ TEST(NearSingular, CalibratedArmsKeepTheirBranchesBesideSingularities) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

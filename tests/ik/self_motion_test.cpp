@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 constexpr const char* kSearched[] = {"rethink_robotics/sawyer", "flexiv/rizon_4",
@@ -214,4 +214,4 @@ TEST(SelfMotion, IsNoWayForSixAxes) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

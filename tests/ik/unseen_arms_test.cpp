@@ -6,11 +6,11 @@
 
 #include <map>
 
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/description/catalogue.hpp"
 #include "tests/ik/asking.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 /// What was asked of one kind of arm, and what came out.
@@ -232,4 +232,4 @@ TEST(UnseenArms, JointsThatFollowOthersAreSolved) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

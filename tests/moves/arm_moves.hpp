@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm::moves::test {
@@ -24,7 +24,7 @@ struct Arm {
       : model(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name)) {
     kinematics::Chain chain(model, model.tool_link());
     std::vector<trajectory::JointMotionLimits> limits(chain.joints(), {3, 12, 120});
-    auto solver = std::make_unique<const kinematics::ArmSolver>(chain);
+    auto solver = std::make_unique<const ik::InverseKinematics>(chain);
     const Values home(chain.joints(), 0.0);
     facts = std::make_unique<RobotFacts>(
         RobotFacts{"arm", &model, std::move(chain), std::move(limits), {}, home, std::move(solver), {}, {}});

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/ik/answers.hpp"
 #include "tests/moves/arm_moves.hpp"
 
 namespace polyarm::moves::move_plan_test {
@@ -238,8 +239,8 @@ TEST(MovePlan, ABlendStaysWithinItsRadiusAndNeverStops) {
     const Values from = bent(arm);
     const Pose start = arm.chain().forward(from);
     const Pose up = shifted(start, {0, 0, 0.08}), over = shifted(start, {0.06, 0.06, 0.08});
-    const Values joints_up = kinematics::solve_nearest(arm.chain(), up, from, from).q;
-    const Values joints_over = kinematics::solve_nearest(arm.chain(), over, from, from).q;
+    const Values joints_up = polyarm::test::move(*arm.facts->solver, up, from, from).q;
+    const Values joints_over = polyarm::test::move(*arm.facts->solver, over, from, from).q;
     ASSERT_FALSE(joints_up.empty() || joints_over.empty()) << name;
     const double radius = 0.02;
     for (int kinds = 0; kinds < 4; ++kinds) {

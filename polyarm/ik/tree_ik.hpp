@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "polyarm/kinematics/chain.hpp"
-#include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/kinematics/ik_solution.hpp"
+#include "polyarm/kinematics/ik_task.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
+
+using namespace kinematics;
 
 /// A point of the tree that is to be put somewhere.
 struct TreeTip {
@@ -77,4 +80,4 @@ class TreeIk {
   double length_ = 1;  ///< m that a radian counts as
 };
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

@@ -1,4 +1,4 @@
-#include "polyarm/descent/tree_ik.hpp"
+#include "polyarm/ik/tree_ik.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "polyarm/kinematics/arm_geometry.hpp"
 #include "polyarm/kinematics/random.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 
 namespace {
 
@@ -250,4 +250,4 @@ IkOutcome TreeIk::solve(std::span<const TreeTask> tasks, std::span<const double>
   return out.exact ? IkOutcome::solved : IkOutcome::unreachable;
 }
 
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik

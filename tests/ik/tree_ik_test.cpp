@@ -1,17 +1,17 @@
-#include "polyarm/descent/tree_ik.hpp"
+#include "polyarm/ik/tree_ik.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/support/realtime_guard.hpp"
 
-namespace polyarm::kinematics {
+namespace polyarm::ik {
 namespace {
 
 /// Adds the moving joints of `arm` on `link` of the tree; returns its last link.
@@ -232,4 +232,4 @@ TEST(TreeIk, TooManyJointsAreNamed) {
 }
 
 }  // namespace
-}  // namespace polyarm::kinematics
+}  // namespace polyarm::ik
