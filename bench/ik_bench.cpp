@@ -20,6 +20,7 @@
 #include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/kinematics/arm_geometry.hpp"
 #include "polyarm/kinematics/random.hpp"
 
 #ifdef POLYARM_KDL

@@ -85,6 +85,25 @@ struct WaitingStates {
   std::size_t count = 0;
 };
 
+/// The ideal arm nearest to one that is not quite ideal, as something to begin from.
+struct IdealStart {
+  SixAxisForm strict, wary;  ///< wary: what is nearly singular counts as singular
+  std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
+  double deviation = 0;  ///< of the true arm, m and rad
+};
+
+/// How far axes may be from what a family asks (rad, and in parts of the arm's size), so that its branches
+/// are worth beginning from: two axes tilted by 5 mrad each are 10 mrad apart.
+inline constexpr double kWidestStart = 1.2e-2;
+
+/// The best of what several sweeps found, and how near to the seed something else may be.
+struct NearestBranch {
+  AxisValues value{};
+  double position2 = 0, orientation2 = 0;
+  double distance2 = 1e300;
+  double doubt2 = 1e300;  ///< square of the distance of the nearest branch that may hide another solution
+};
+
 /// The same form; what is so near to a border that solutions are parted there counts as singular.
 inline SixAxisForm telling_of(SixAxisForm form) noexcept {
   form.wary = true;
@@ -95,6 +114,7 @@ inline SixAxisForm telling_of(SixAxisForm form) noexcept {
 struct DescentQuestion;
 
 struct InverseKinematics::Arm {
+  using JointValues = std::array<double, Chain::kMaxJoints>;
   IkSettings settings;
   std::string report;
   SixAxisClass known;
@@ -116,6 +136,9 @@ struct InverseKinematics::Arm {
   SixAxisForm wary;
   /// Of an arm that is not quite ideal: borders are told, as near as solutions are parted there.
   SixAxisForm first;
+  /// Of arms that are not quite ideal, also of those that are searched or solved by algebra as they are too
+  /// far from ideal to find all branches that way.
+  std::optional<IdealStart> start;
   /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
   QuickJob quick;
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
@@ -147,13 +170,20 @@ struct InverseKinematics::Arm {
   void find_six();
   /// @param both_ends the algebra is all there is: from both ends, where it suits both.
   void find_general(bool both_ends);
-  using JointValues = std::array<double, Chain::kMaxJoints>;
   template <typename Value>
   bool is_state(const JointValues& q, const Value& value) const noexcept;
   bool branches_hold(const Pose& target, const JointValues& q, const JointValues& seed) const noexcept;
   int found_of_own_states(int states) const noexcept;
   void find_sliding();
   void find_fewer();
+  void find_start();
+  void find_start_of_fewer();
+  IdealStart start_of(const SixAxisClass& seen, const std::array<int, 6>& axes) const;
+  int states_found_from_start(int states) const noexcept;
+  void offer_start(BranchJob job, std::size_t before, Gathered& out) const noexcept;
+  void compare(const Branches& found, NearestBranch& best) const noexcept;
+  void descend_from_seed(BranchJob job, NearestBranch& best) const noexcept;
+  bool solve_from_start(const Pose& target, std::span<const double> seed, IkSolution& out) const noexcept;
   void find_seven();
   void write_quick(const QuickAnswers& from, std::size_t lane, std::span<const double> seed,
                    IkSolution& to) const noexcept;

@@ -97,6 +97,7 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   const std::size_t blocks = search_branches(job, found);
   for (std::size_t i = 0; i < blocks; ++i) sift(job, found[i], before, out);
   if (spare >= 0) return;
+  if (start) offer_start(job, before, out);
   if (general) return offer_roots(job, before, out);
   look_for_twins(job, before, out);
 }
@@ -151,6 +152,7 @@ void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gat
   job.worth_polishing = 1;
   job.patience = 8;
   if (algebraic()) around_seed(job, before, out);
+  if (algebraic() && start) offer_start(job, before, out);
   std::size_t count = 0;
   for (const GeneralSix* six : {general.get(), general_too.get()}) {
     if (!six) continue;
@@ -280,7 +282,7 @@ void InverseKinematics::Arm::iterate(const Pose& target, std::span<const double>
     numeric->track(target, seed, one);
     return take(one, out);
   }
-  if (nearest_only || formed()) {
+  if (nearest_only || (formed() && geometry.count >= 6)) {
     out.beyond_limits |= numeric->solve(target, seed, one) == IkOutcome::limits;
     return take(one, out);
   }
@@ -376,13 +378,16 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
     arm->geometry = *geometry;
     arm->read(chain);
     arm->find_form();
+    arm->find_start();
   } else {
     arm->report = "no closed form: " + why_not;
   }
   const bool closed =
       arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic() && !arm->weak;
   if (!chain.axes().empty()) arm->moves.emplace(chain, arm->move_settings());
-  if (!closed) arm->add_numeric();
+  // Calibrated arms of few axes: what their six axes have nearest may lead nowhere.
+  const bool few = arm->geometry.count < 6 && !arm->sliding && !arm->known.exact();
+  if (!closed || few) arm->add_numeric();
   if (arm->slides_along())
     arm->curves =
         SelfMotion::of(arm->numeric->core(), arm->geometry, arm->limits, searched(arm->known.family));
@@ -470,8 +475,10 @@ IkOutcome InverseKinematics::solve(const Pose& target, std::span<const double> s
                                    IkSolution& out) const noexcept {
   QuickAnswers found;
   if (!arm_->takes_quick(seed) || !solve_quickly(arm_->quick, arm_->lanes, target, seed.data(), found) ||
-      found.good == 0)
+      found.good == 0) {
+    if (arm_->start && arm_->solve_from_start(target, seed, out)) return IkOutcome::solved;
     return arm_->solve_slowly(target, seed, out);
+  }
   std::size_t best = static_cast<std::size_t>(std::countr_zero(found.good));
   for (std::uint32_t rest = found.good & (found.good - 1); rest != 0; rest &= rest - 1) {
     const auto k = static_cast<std::size_t>(std::countr_zero(rest));
