@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "polyarm/closed_form/eightfold_search.hpp"
+#include "polyarm/closed_form/curve_dips.hpp"
 #include "polyarm/closed_form/planar_form.hpp"
 
 namespace polyarm::kinematics {
@@ -12,12 +12,8 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr int kScanned = 24;
-constexpr int kCloser = 96;  // where limits leave but a little of the range
-constexpr int kDips = 3;
-constexpr double kAsDeep = 1.4;  // of the best cost: what a search may still make better than it
-constexpr double kClose = 1.02;  // and after one look around
-constexpr double kFine = 1e-6;   // rad: closer than this nothing is gained
+constexpr std::size_t kScanned = 32;
+constexpr double kNowhere = 1e300;
 
 }  // namespace
 
@@ -74,63 +70,32 @@ void SpareEnd::ask(const Pose& target, const double* seed, double first, double 
   for (std::size_t k = 0; k < kBranches; ++k) {
     const double at = first + static_cast<double>(k) * step, away = at - seed[joint_];
     const bool inside = at >= lower_ && at <= upper_ && (found.good >> k & 1u) != 0;
-    costs[k] =
-        inside ? found.distance[k] * found.distance[k] + weight_ * away * away : EightfoldSearch::kNowhere;
+    costs[k] = inside ? found.distance[k] * found.distance[k] + weight_ * away * away : kNowhere;
   }
 }
 
-bool SpareEnd::nearest(const Pose& target, const double* seed, State& out) const noexcept {
+std::size_t SpareEnd::dips(const Pose& target, const double* seed,
+                           std::span<State, kMostDips> out) const noexcept {
   const double middle = seed[joint_], least = std::max(lower_, middle - kTurn / 2),
-               most = std::min(upper_, least + kTurn), cell = (most - least) / (kScanned - 1);
-  if (!(cell > 0)) return false;
+               most = std::min(upper_, least + kTurn);
+  if (!(most > least)) return 0;
+  std::array<double, kScanned> costs;
+  std::array<std::array<double, kScanned>, 7> values;
   QuickAnswers found;
-  const auto keep = [&](std::size_t lane, double value) {
-    for (std::size_t i = 0; i < 6; ++i) out[i + (axis_ == 0)] = found.value[i][lane];
-    out[axis_] = value;
-  };
-  constexpr std::size_t kMost = kCloser + 2 * kBranches;
-  std::array<double, kMost> costs;
-  std::size_t count = 0;
-  double best = EightfoldSearch::kNowhere;
-  const auto scan = [&](double first, double step) {
-    for (count = 0; count + kBranches <= kMost && first + static_cast<double>(count) * step <= most;
-         count += kBranches) {
-      const double from = first + static_cast<double>(count) * step;
-      ask(target, seed, from, step, found, costs.data() + count);
-      for (std::size_t k = 0; k < kBranches; ++k) {
-        if (!(costs[count + k] < best)) continue;
-        best = costs[count + k];
-        keep(k, from + static_cast<double>(k) * step);
-      }
-    }
-  };
-  // The seed's own value is one of them.
-  double first = middle >= least && middle <= most ? least + std::fmod(middle - least, cell) : least,
-         step = cell;
-  scan(first, step);
-  if (best == EightfoldSearch::kNowhere) scan(first = least, step = (most - least) / (kCloser - 1));
-  if (best == EightfoldSearch::kNowhere) return false;
-  // Around the best, and around other dips that might go as deep.
-  for (int dip = 0; dip < kDips; ++dip) {
-    std::size_t at = count;
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool low = (k == 0 || costs[k] <= costs[k - 1]) && (k + 1 == count || costs[k] <= costs[k + 1]);
-      if (low && costs[k] < kAsDeep * best && (at == count || costs[k] < costs[at])) at = k;
-    }
-    if (at == count) break;
-    EightfoldSearch search(first + static_cast<double>(at) * step, costs[at], step);
-    costs[at] = EightfoldSearch::kNowhere;
-    while (search.going(kFine)) {
-      double around[kBranches];
-      ask(target, seed, search.first(), search.step(), found, around);
-      const std::size_t k = search.see(around);
-      if (search.cost() > kClose * best) break;  // of another dip: no more than this is gained
-      if (k == kBranches || !(search.cost() < best)) continue;
-      best = search.cost();
-      keep(k, search.best());
-    }
+  const double step = (most - least) / static_cast<double>(kScanned);
+  for (std::size_t from = 0; from < kScanned; from += kBranches) {
+    const double first = least + (static_cast<double>(from) + 0.5) * step;
+    ask(target, seed, first, step, found, costs.data() + from);
+    for (std::size_t i = 0; i < 6; ++i)
+      std::copy_n(found.value[i], kBranches, values[i + (axis_ == 0)].begin() + from);
+    for (std::size_t k = 0; k < kBranches; ++k)
+      values[axis_][from + k] = first + static_cast<double>(k) * step;
   }
-  return true;
+  Dips<kMostDips> best(out);
+  Dips<kMostDips>::Rows rows;
+  for (std::size_t i = 0; i < 7; ++i) rows[i] = values[i].data();
+  best.take_all(costs.data(), rows, kScanned, false);
+  return best.count();
 }
 
 }  // namespace polyarm::kinematics

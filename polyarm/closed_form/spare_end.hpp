@@ -4,6 +4,7 @@
 /// side by side (for the Panda by its last angle: He and Liu 2021, "Analytical inverse kinematics for Franka
 /// Emika Panda"). Used inside this room only.
 #include <optional>
+#include <span>
 
 #include "polyarm/closed_form/closed_form.hpp"
 
@@ -18,9 +19,11 @@ class SpareEnd {
 
   std::size_t axis() const noexcept { return axis_; }
 
-  /// The nearest to `seed` (a joint state) of all states within limits that 24 values of the spare axis and a
-  /// search around the best of them show; false where they show none. Allocates nothing.
-  bool nearest(const Pose& target, const double* seed, State& out) const noexcept;
+  static constexpr std::size_t kMostDips = 8;
+  /// Joint states within limits that lead to the target, of which one slides (SelfMotion) to the one that is
+  /// nearest to `seed` (a joint state): where the distance has a dip over 32 values of the spare axis, the
+  /// nearer first. Returns how many; 0 where no value that was looked at leads there. Allocates nothing.
+  std::size_t dips(const Pose& target, const double* seed, std::span<State, kMostDips> out) const noexcept;
 
  private:
   /// `values` eight of them, evenly spaced.

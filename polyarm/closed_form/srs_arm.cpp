@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "polyarm/closed_form/eightfold_search.hpp"
+#include "polyarm/closed_form/curve_dips.hpp"
 #include "polyarm/closed_form/families.hpp"
 #include "polyarm/closed_form/lane_polish.hpp"
 #include "polyarm/simd/lane_turns.hpp"
@@ -16,8 +16,7 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kEven = 16;     // elbow angles tried whatever the limits
-constexpr std::size_t kBorders = 24;  // six joints, two limits, two elbow angles at each
+constexpr std::size_t kEven = 6;  // elbow angles tried whatever the limits
 constexpr double kNowhere = 1e300;
 
 Vec3 square_to(const Vec3& h) noexcept {
@@ -42,30 +41,38 @@ Rotation least_turn(const Vec3& from, const Vec3& to) noexcept {
 
 }  // namespace
 
-/// One target with the elbow on one side.
+/// The elbow on one side: what does not depend on the elbow angle, which is zero here.
+struct SrsSide {
+  bool there = false;
+  Vec3 axis_3, beside_3;  ///< axis 3 and what is beside it after the first three
+  Rotation before_wrist;  ///< of link 4
+  Rotation before_elbow;  ///< of link 3
+  double elbow = 0, elbow_cost = 0;
+};
+
+/// One target.
 struct SrsQuestion {
   const SrsArm& arm;
-  const LaneLimits& limits;
   const double* near;
   Vec3 line;              ///< unit vector from the shoulder to the wrist
-  Vec3 axis_3, beside_3;  ///< axis 3 and what is beside it after the first three, elbow angle zero
   Vec3 axis_7, beside_7;  ///< the last axis and what is beside it, in the world
-  Rotation before_wrist;  ///< of link 4, elbow angle zero
-  Rotation before_elbow;  ///< of link 3, elbow angle zero
   Rotation turn;          ///< from zero to the target
-  double elbow = 0, elbow_cost = 0;
+  SrsSide sides[2];
   LaneAngle offered[7];
+  /// The turn of each joint that is wanted: within half a turn of the center, which is that of the limits, or
+  /// the seed where these leave more than one turn.
+  struct Window {
+    double center = 0, half = 0;
+  } windows[7];
 
-  bool ask(const PoseTarget& target, double side) noexcept;
-  std::size_t borders(double* out) const noexcept;
+  bool ask(const PoseTarget& target) noexcept;
+  POLYARM_INLINE std::size_t borders(double (*out)[2 * SrsArm::kMostBorders], std::size_t* counts) const;
   POLYARM_INLINE Lane triple(std::size_t first, const LaneVec& u, const LaneVec& w, const Vec3& beside,
                              Lane* value) const;
-  POLYARM_INLINE Lane look(Lane angle, Lane* value) const;
+  POLYARM_INLINE Lane look(Lane angle, LaneMask other_side, Lane* value) const;
 
  private:
-  void add_borders(const Vec3& turned, double way, const Vec3& seen, double level, double* out,
-                   std::size_t& count) const noexcept;
-  bool bounded(std::size_t k) const noexcept { return limits.upper[k] - limits.lower[k] < 2 * kPi - 1e-9; }
+  void bend(double elbow, const Rotation& before, SrsSide& out) const noexcept;
 };
 
 bool SrsArm::fits(const ArmGeometry& arm) noexcept {
@@ -87,7 +94,23 @@ bool SrsArm::fits(const ArmGeometry& arm) noexcept {
   return true;
 }
 
-SrsArm::SrsArm(const ArmGeometry& arm) noexcept {
+void SrsArm::add_borders(std::size_t first) noexcept {
+  const Vec3 &a = h_[first], &b = h_[first + 1], &c = h_[first + 2];
+  const bool wrist = first == 4;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double lower = limits_.lower[first + k], upper = limits_.upper[first + k];
+    if (!(upper - lower < 2 * kPi - 1e-9)) continue;
+    for (const double limit : {lower, upper}) {
+      Border& out = borders_[border_count_++];
+      out = {wrist, k == 2, {}, 0};
+      if (k == 0) out.seen = rotation_about(a, limit) * cross(a, cross(a, b));
+      if (k == 1) out.seen = a, out.level = dot(a, rotation_about(b, limit) * c);
+      if (k == 2) out.seen = rotation_about(c, -limit) * cross(c, cross(b, c));
+    }
+  }
+}
+
+SrsArm::SrsArm(const ArmGeometry& arm, const LaneLimits& limits) noexcept : limits_(limits) {
   for (std::size_t k = 0; k < 7; ++k) h_[k] = arm.axes[k].direction;
   shoulder_ = between(arm.axes[0], arm.axes[1]);
   wrist_ = between(arm.axes[4], arm.axes[5]);
@@ -97,219 +120,242 @@ SrsArm::SrsArm(const ArmGeometry& arm) noexcept {
   wrist_in_tool_ = from_tool_rotation_ * (wrist_ - arm.tool_position);
   beside_3_ = square_to(h_[2]);
   beside_7_ = square_to(h_[6]);
+  for (const std::size_t first : {std::size_t{0}, std::size_t{4}}) {
+    const Vec3 &a = h_[first], &b = h_[first + 1], &c = h_[first + 2];
+    twice_straight_[first / 4] = 2 * std::atan2(dot(a, cross(b, c)), dot(a, c));
+    add_borders(first);
+  }
 }
 
-/// The law of cosines gives angle 4. False where shoulder and wrist are too far apart or too close.
-bool SrsQuestion::ask(const PoseTarget& target, double side) noexcept {
+/// The elbow at this angle, brought into its limits.
+void SrsQuestion::bend(double elbow, const Rotation& turn_to_line, SrsSide& out) const noexcept {
+  const double lower = arm.limits_.lower[3], upper = arm.limits_.upper[3];
+  out.elbow_cost = arm.limits_.weight[3] * (elbow - near[3]) * (elbow - near[3]);
+  out.elbow = elbow;
+  out.there = elbow >= lower - 1e-10 && elbow <= upper + 1e-10;
+  out.before_elbow = turn_to_line;
+  out.axis_3 = turn_to_line * arm.h_[2];
+  out.beside_3 = turn_to_line * arm.beside_3_;
+}
+
+/// The law of cosines gives angle 4. False where shoulder and wrist are too far apart or too close, or limits
+/// allow neither side of the elbow.
+bool SrsQuestion::ask(const PoseTarget& target) noexcept {
   turn = target.rotation * arm.from_tool_rotation_;
   const Vec3 way = target.position + target.rotation * arm.wrist_in_tool_ - arm.shoulder_;
   const Vec3 &p = arm.from_elbow_, &q = arm.to_elbow_, &h = arm.h_[3];
   const Vec3 flat = p - dot(h, p) * h;
   const double c = dot(q, flat), s = dot(q, cross(h, p)), along = dot(h, p) * dot(h, q);
   const double wanted = 0.5 * (dot(way, way) - dot(p, p) - dot(q, q)) - along;
-  const double reach = std::hypot(s, c), length = norm(way);
+  const double reach = std::sqrt(s * s + c * c), length = norm(way);
   if (std::abs(wanted) > reach * (1 + 1e-12) || length < 1e-9 * (norm(p) + norm(q))) return false;
-  elbow = std::atan2(s, c) + side * std::acos(std::clamp(wanted / reach, -1.0, 1.0));
-  elbow += 2 * kPi * std::round((near[3] - elbow) / (2 * kPi));
-  if (elbow < limits.lower[3]) elbow += 2 * kPi;
-  if (elbow > limits.upper[3]) elbow -= 2 * kPi;
-  if (elbow < limits.lower[3] - 1e-10 || elbow > limits.upper[3] + 1e-10) return false;
-  elbow_cost = limits.weight[3] * (elbow - near[3]) * (elbow - near[3]);
   line = (1 / length) * way;
-  const Rotation r4 = rotation_about(h, elbow);
-  before_elbow = least_turn(normalized(q + r4 * p), line);
-  before_wrist = before_elbow * r4;
-  axis_3 = before_elbow * arm.h_[2];
-  beside_3 = before_elbow * arm.beside_3_;
   axis_7 = turn * arm.h_[6];
   beside_7 = turn * arm.beside_7_;
-  for (std::size_t k = 0; k < 7; ++k) offered[k] = {splat(std::sin(near[k])), splat(std::cos(near[k]))};
-  return true;
+  const double middle = std::atan2(s, c), half = std::acos(std::clamp(wanted / reach, -1.0, 1.0));
+  bool any = false;
+  for (const std::size_t side : {0, 1}) {
+    double elbow = middle + (side == 0 ? half : -half);
+    elbow += 2 * kPi * std::round((near[3] - elbow) / (2 * kPi));
+    if (elbow < arm.limits_.lower[3]) elbow += 2 * kPi;
+    if (elbow > arm.limits_.upper[3]) elbow -= 2 * kPi;
+    const Rotation r4 = rotation_about(h, elbow);
+    bend(elbow, least_turn(normalized(q + r4 * p), line), sides[side]);
+    sides[side].before_wrist = sides[side].before_elbow * r4;
+    any |= sides[side].there;
+  }
+  for (std::size_t k = 0; k < 7; ++k) {
+    offered[k] = {splat(std::sin(near[k])), splat(std::cos(near[k]))};
+    constexpr double kAtLimit = 1e-10;  // rad beyond a limit: rounding
+    const double lower = arm.limits_.lower[k], upper = arm.limits_.upper[k];
+    if (upper - lower < 2 * kPi)
+      windows[k] = {0.5 * (lower + upper), 0.5 * (upper - lower) + kAtLimit};
+    else
+      windows[k] = {std::clamp(near[k], lower + kPi, upper - kPi), 4};
+  }
+  return any;
 }
 
-/// Elbow angles at which `turned`, taken along by them (or back: way -1), has `level` along `seen`.
-void SrsQuestion::add_borders(const Vec3& turned, double way, const Vec3& seen, double level, double* out,
-                              std::size_t& count) const noexcept {
-  const Vec3 still = dot(line, turned) * line;
-  const double a = way * dot(seen, cross(line, turned)), b = dot(seen, turned - still);
-  const double size = std::hypot(a, b), wanted = level - dot(seen, still);
-  if (!(std::abs(wanted) < size)) return;
-  const double middle = std::atan2(a, b), half = std::acos(wanted / size);
-  for (const double at : {middle - half, middle + half}) out[count++] = std::remainder(at, 2 * kPi);
-}
-
-/// Where joints come to their limits: axes that are square to their neighbours make each border the root of
-/// a sin + b cos = c.
-std::size_t SrsQuestion::borders(double* out) const noexcept {
+/// Elbow angles at which joints come to their limits, for each side: axes that are square to their neighbours
+/// make each border the root of a sin + b cos = c.
+POLYARM_INLINE std::size_t SrsQuestion::borders(double (*out)[2 * SrsArm::kMostBorders],
+                                                std::size_t* counts) const {
+  constexpr std::size_t kAll = 2 * SrsArm::kMostBorders;
+  alignas(64) double a[kAll], b[kAll], c[kAll], first[kAll], second[kAll];
+  std::uint8_t side_of[kAll];
   std::size_t count = 0;
-  for (const std::size_t first : {std::size_t{0}, std::size_t{4}}) {
-    const Vec3 &a = arm.h_[first], &b = arm.h_[first + 1], &c = arm.h_[first + 2];
-    const bool wrist = first == 4;
-    // What is turned by the elbow angle, and how it is seen: the last axis from the first, and back.
-    const Vec3 last = wrist ? axis_7 : axis_3, start = wrist ? before_wrist * a : a;
-    const auto from_first = [&](const Vec3& v) { return wrist ? before_wrist * v : v; };
-    const auto from_last = [&](const Vec3& v) { return wrist ? turn * v : before_elbow * v; };
-    const double way = wrist ? -1 : 1;
-    for (const bool upper : {false, true}) {
-      const auto limit = [&](std::size_t k) { return upper ? limits.upper[k] : limits.lower[k]; };
-      if (bounded(first)) {
-        const Vec3 f = rotation_about(a, limit(first)) * cross(a, cross(a, b));
-        add_borders(last, way, from_first(f), 0, out, count);
-      }
-      if (bounded(first + 1)) {
-        const double level = dot(a, rotation_about(b, limit(first + 1)) * c);
-        add_borders(last, way, from_first(a), level, out, count);
-      }
-      if (bounded(first + 2)) {
-        const Vec3 g = rotation_about(c, -limit(first + 2)) * cross(c, cross(b, c));
-        add_borders(start, -way, from_last(g), 0, out, count);
-      }
+  for (const std::size_t side : {0, 1}) {
+    const SrsSide& s = sides[side];
+    counts[side] = 0;
+    for (std::size_t k = 0; s.there && k < arm.border_count_; ++k, ++count) {
+      const SrsArm::Border& border = arm.borders_[k];
+      const Vec3& h = arm.h_[border.wrist ? 4 : 0];
+      const Rotation *from_first = border.wrist ? &s.before_wrist : nullptr,
+                     *from_last = border.wrist ? &turn : &s.before_elbow;
+      // What is turned by the elbow angle, and how it is seen: the last axis from the first, or back.
+      const Vec3 start = from_first ? *from_first * h : h, last = border.wrist ? axis_7 : s.axis_3;
+      const Vec3 turned = border.from_last ? start : last;
+      const Vec3 seen = border.from_last ? *from_last * border.seen
+                        : from_first     ? *from_first * border.seen
+                                         : border.seen;
+      const double way = border.wrist != border.from_last ? -1 : 1;
+      const Vec3 still = dot(line, turned) * line;
+      a[count] = way * dot(seen, cross(line, turned));
+      b[count] = dot(seen, turned - still);
+      c[count] = border.level - dot(seen, still);
+      side_of[count] = static_cast<std::uint8_t>(side);
     }
+  }
+  for (std::size_t from = 0; from < count; from += kLanes) {
+    const Lane s = load(a + from), t = load(b + from), level = load(c + from);
+    const Lane open = s * s + t * t - level * level;
+    const Lane middle = angle_of(s, t), half = angle_of(root(most_of(open, Lane{})), level);
+    const auto wrapped = [&](Lane at) { return at - 2 * kPi * rounded(at * (0.5 / kPi)); };
+    store(select(below(Lane{}, open), wrapped(middle - half), splat(kNowhere)), first + from);
+    store(wrapped(middle + half), second + from);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!(first[k] < kNowhere)) continue;
+    double* const to = out[side_of[k]] + counts[side_of[k]];
+    to[0] = first[k], to[1] = second[k];
+    counts[side_of[k]] += 2;
   }
   return count;
 }
 
-/// Three angles that put their last axis along `u`, of both ways the one nearer to the seed within limits.
+/// Three angles that put their last axis along `u`, of both ways the one nearer to the seed within limits. As
+/// axes are square to their neighbours, the other way is the bend mirrored and the others half a turn on.
 POLYARM_INLINE Lane SrsQuestion::triple(std::size_t first, const LaneVec& u, const LaneVec& w,
                                         const Vec3& beside, Lane* value) const {
   const Vec3 &a = arm.h_[first], &b = arm.h_[first + 1], &c = arm.h_[first + 2];
   const Edge edge{};
+  LaneMask free{};
+  LaneAngle q[3];
+  q[1] = wrist_bend(a, b, c, u, splat(1.0), edge, free);
+  q[0] = subproblem_1(turned(b, q[1], splat(c)), u, a, 1e-18, offered[first], free);
+  q[2] =
+      subproblem_1(splat(beside), turned(b, -q[1], turned(a, -q[0], w)), c, 1e-9, offered[first + 2], free);
+  Lane angle[3];
+  for (std::size_t k = 0; k < 3; ++k) angle[k] = angle_of(q[k].s, q[k].c);
   Lane best = splat(kNowhere);
-  for (const double side : {1.0, -1.0}) {
-    LaneMask free{};
-    LaneAngle q[3];
-    q[1] = wrist_bend(a, b, c, u, splat(side), edge, free);
-    q[0] = subproblem_1(turned(b, q[1], splat(c)), u, a, 1e-18, offered[first], free);
-    q[2] =
-        subproblem_1(splat(beside), turned(b, -q[1], turned(a, -q[0], w)), c, 1e-9, offered[first + 2], free);
-    Lane cost{}, at[3];
+  const auto& weight = arm.limits_.weight;
+  for (const bool mirrored : {false, true}) {
+    Lane cost{};
     LaneMask inside = ~LaneMask{};
     for (std::size_t k = 0; k < 3; ++k) {
-      at[k] = angle_of(q[k].s, q[k].c);
-      inside &= bring_near(at[k], near[first + k], limits.lower[first + k], limits.upper[first + k], false);
-      const Lane away = at[k] - near[first + k];
-      cost += limits.weight[first + k] * away * away;
+      if (mirrored) angle[k] = k == 1 ? arm.twice_straight_[first / 4] - angle[k] : angle[k] + kPi;
+      const Window& window = windows[first + k];
+      const Lane off = angle[k] - window.center, there = off - 2 * kPi * rounded(off * (0.5 / kPi));
+      inside &= ~below(splat(window.half), magnitude(there));
+      angle[k] = window.center + there;
+      const Lane away = angle[k] - near[first + k];
+      cost += weight[first + k] * away * away;
     }
     const LaneMask better = inside & below(cost, best);
     best = select(better, cost, best);
-    for (std::size_t k = 0; k < 3; ++k) value[k] = select(better, at[k], value[k]);
+    for (std::size_t k = 0; k < 3; ++k) value[k] = select(better, angle[k], value[k]);
   }
   return best;
 }
 
-/// Eight elbow angles: squared distances, and the angles of all joints but the elbow.
-POLYARM_INLINE Lane SrsQuestion::look(Lane angle, Lane* value) const {
+/// Eight elbow angles, each on one side of the elbow: squared distances, and the angles of all joints.
+POLYARM_INLINE Lane SrsQuestion::look(Lane angle, LaneMask other_side, Lane* value) const {
   const LaneAngle by = turn_by(angle);
-  const Rotation back = transposed(before_wrist);
+  const SrsSide &one = sides[0], &other = sides[1];
+  const auto vec = [&](const Vec3& a, const Vec3& b) { return select(other_side, splat(b), splat(a)); };
+  const LaneVec x = vec(one.before_wrist.x, other.before_wrist.x),
+                y = vec(one.before_wrist.y, other.before_wrist.y),
+                z = vec(one.before_wrist.z, other.before_wrist.z);
+  const auto back = [&](const LaneVec& v) { return LaneVec{dot(x, v), dot(y, v), dot(z, v)}; };
   for (std::size_t k = 0; k < 7; ++k) value[k] = splat(near[k]);
-  const Lane upper =
-      triple(0, turned(line, by, splat(axis_3)), turned(line, by, splat(beside_3)), arm.beside_3_, value);
-  const Lane lower = triple(4, back * turned(line, -by, splat(axis_7)),
-                            back * turned(line, -by, splat(beside_7)), arm.beside_7_, value + 4);
-  value[3] = splat(elbow);
-  return upper + lower;
+  const Lane upper = triple(0, turned(line, by, vec(one.axis_3, other.axis_3)),
+                            turned(line, by, vec(one.beside_3, other.beside_3)), arm.beside_3_, value);
+  const Lane lower =
+      triple(4, back(turned(line, -by, axis_7)), back(turned(line, -by, beside_7)), arm.beside_7_, value + 4);
+  value[3] = select(other_side, splat(other.elbow), splat(one.elbow));
+  return upper + lower + select(other_side, splat(other.elbow_cost), splat(one.elbow_cost));
 }
 
 namespace {
 
-struct Best {
-  double cost = kNowhere, angle = 0, width = 0;
-  SrsArm::State state{};
-};
+using SrsDips = Dips<SrsArm::kMostDips>;
 
-POLYARM_INLINE void keep(const Lane* value, std::size_t lane, SrsArm::State& state) {
-  for (std::size_t i = 0; i < 7; ++i) state[i] = value[i][lane];
-}
-
-/// One look into each stretch between borders.
-POLYARM_INLINE void scan(const SrsQuestion& question, Best& best) {
-  constexpr std::size_t kAll = kBorders + kEven;
-  double ends[kAll + 1];
-  std::size_t count = question.borders(ends);
-  for (std::size_t k = 0; k < kEven; ++k) ends[count++] = kPi * (2.0 * static_cast<double>(k) / kEven - 1);
-  std::sort(ends, ends + count);
-  ends[count] = ends[0] + 2 * kPi;
-  double angles[kAll + kLanes], widths[kAll + kLanes];
-  for (std::size_t k = 0; k < count + kLanes; ++k) {
-    const std::size_t at = std::min(k, count - 1);
-    angles[k] = 0.5 * (ends[at] + ends[at + 1]);
-    widths[k] = ends[at + 1] - ends[at];
-  }
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    Lane value[7];
-    const Lane cost = question.look(load(angles + first), value) + question.elbow_cost;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      if (!(cost[k] < best.cost)) continue;
-      best.cost = cost[k];
-      best.angle = angles[first + k];
-      best.width = widths[first + k];
-      keep(value, k, best.state);
+/// One look into each sixth of a turn and into each stretch between borders, on both sides of the elbow.
+POLYARM_INLINE void find_dips(SrsQuestion& question, SrsDips& out) {
+  constexpr std::size_t kOfSide = 2 * SrsArm::kMostBorders + kEven, kRoom = 2 * kOfSide + kLanes;
+  double borders[2][2 * SrsArm::kMostBorders], ends[kOfSide + 1];
+  std::size_t counts[2], from[2];
+  alignas(64) double angles[kRoom], costs[kRoom], side_of[kRoom];
+  question.borders(borders, counts);
+  std::size_t count = 0;
+  for (const std::size_t side : {0, 1}) {
+    from[side] = count;
+    if (!question.sides[side].there) continue;
+    std::size_t n = counts[side];
+    std::copy(borders[side], borders[side] + n, ends);
+    for (std::size_t k = 0; k < kEven; ++k) ends[n++] = kPi * (2.0 * static_cast<double>(k) / kEven - 1);
+    std::sort(ends, ends + n);
+    ends[n] = ends[0] + 2 * kPi;
+    for (std::size_t k = 0; k < n; ++k, ++count) {
+      angles[count] = 0.5 * (ends[k] + ends[k + 1]);
+      side_of[count] = static_cast<double>(side);
     }
   }
-}
-
-POLYARM_INLINE void refine(const SrsQuestion& question, Best& best) {
-  constexpr double kFine = 1e-7;  // rad
-  EightfoldSearch search(best.angle, best.cost, best.width);
-  while (search.going(kFine)) {
-    double angles[kLanes], costs[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k)
-      angles[k] = search.first() + static_cast<double>(k) * search.step();
+  for (std::size_t k = count; k < count + kLanes; ++k) angles[k] = angles[0], side_of[k] = side_of[0];
+  alignas(64) double values[7][kRoom];
+  for (std::size_t k = 0; k < count; k += kLanes) {
     Lane value[7];
-    store(question.look(load(angles), value) + question.elbow_cost, costs);
-    if (const std::size_t k = search.see(costs); k < kLanes) keep(value, k, best.state);
+    const LaneMask other = below(splat(0.5), load(side_of + k));
+    store(question.look(load(angles + k), other, value), costs + k);
+    for (std::size_t i = 0; i < 7; ++i) store(value[i], values[i] + k);
   }
-  best.cost = search.cost();
+  for (const std::size_t side : {0, 1}) {
+    const std::size_t begin = from[side], end = side == 0 ? from[1] : count;
+    SrsDips::Rows rows;
+    for (std::size_t i = 0; i < 7; ++i) rows[i] = values[i] + begin;
+    out.take_all(costs + begin, rows, end - begin, true);
+  }
 }
 
-POLYARM_INLINE bool find_nearest(SrsQuestion& question, const PoseTarget& target, SrsArm::State& out) {
-  double least = kNowhere;
-  for (const double side : {1.0, -1.0}) {
-    if (!question.ask(target, side)) continue;
-    Best best;
-    scan(question, best);
-    if (best.cost < kNowhere) refine(question, best);
-    if (!(best.cost < least)) continue;
-    least = best.cost;
-    out = best.state;
-  }
-  return least < kNowhere;
-}
+using Kernel = void (*)(SrsQuestion&, SrsDips&);
 
-using Kernel = bool (*)(SrsQuestion&, const PoseTarget&, SrsArm::State&);
-
-bool nearest_anywhere(SrsQuestion& question, const PoseTarget& target, SrsArm::State& out) {
-  return find_nearest(question, target, out);
+void dips_anywhere(SrsQuestion& question, SrsDips& out) {
+  find_dips(question, out);
 }
 #if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) bool nearest_avx2(SrsQuestion& question, const PoseTarget& target,
-                                                      SrsArm::State& out) {
-  return find_nearest(question, target, out);
+__attribute__((target("avx2,fma"))) void dips_avx2(SrsQuestion& question, SrsDips& out) {
+  find_dips(question, out);
 }
-__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))) bool nearest_avx512(SrsQuestion& question,
-                                                                                  const PoseTarget& target,
-                                                                                  SrsArm::State& out) {
-  return find_nearest(question, target, out);
+__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))) void dips_avx512(SrsQuestion& question,
+                                                                               SrsDips& out) {
+  find_dips(question, out);
 }
 #endif
 
 Kernel kernel_here() {
 #if defined(__x86_64__)
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return nearest_avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return nearest_avx2;
+  switch (wanted_instructions()) {
+    case InstructionSet::avx512:
+      return dips_avx512;
+    case InstructionSet::avx2:
+      return dips_avx2;
+    case InstructionSet::portable:
+      break;
+  }
 #endif
-  return nearest_anywhere;
+  return dips_anywhere;
 }
 
 const Kernel kKernel = kernel_here();
 
 }  // namespace
 
-bool SrsArm::nearest(const PoseTarget& target, const LaneLimits& limits, const double* near,
-                     State& out) const noexcept {
-  SrsQuestion question{*this, limits, near, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0, {}};
-  return kKernel(question, target, out);
+std::size_t SrsArm::dips(const PoseTarget& target, const double* near,
+                         std::span<State, kMostDips> out) const noexcept {
+  SrsQuestion question{*this, near, {}, {}, {}, {}, {}, {}, {}};
+  SrsDips found(out);
+  if (question.ask(target)) kKernel(question, found);
+  return found.count();
 }
 
 }  // namespace polyarm::kinematics

@@ -312,7 +312,7 @@ void InverseKinematics::Arm::find_seven() {
   std::array<int, 6> axes{};
   for (int k = 0; k < 6; ++k) axes[static_cast<std::size_t>(k)] = k < spare ? k : k + 1;
   settle(best, axes);
-  if (SrsArm::fits(geometry)) srs = std::make_unique<SrsArm>(geometry);
+  if (SrsArm::fits(geometry)) srs = std::make_unique<SrsArm>(geometry, limits);
   report = fmt::format("seven axes, solved with axis {} at one value after another: {}", spare + 1,
                        describe_known());
   if (!srs) end = SpareEnd::of(geometry, limits);

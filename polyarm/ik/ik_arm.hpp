@@ -129,7 +129,7 @@ struct InverseKinematics::Arm {
   std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
   std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
   std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
-  std::optional<SelfMotion> curves;           ///< of seven turning axes that neither suits
+  std::optional<SelfMotion> curves;           ///< of seven turning axes
   LaneArm lanes;
   SixAxisForm form;
   /// The same, but what is nearly singular counts as singular.
@@ -208,6 +208,8 @@ struct InverseKinematics::Arm {
   void offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
              Gathered& out) const noexcept;
   void offer_alone(const BranchJob& job, const AxisValues& state, Gathered& out) const noexcept;
+  void offer_dips(const BranchJob& job, const Pose& target, std::span<const double> seed,
+                  Gathered& out) const noexcept;
   bool offer_slides(const BranchJob& job, const Pose& target, std::span<const double> seed, bool nearest_only,
                     Gathered& out) const noexcept;
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;

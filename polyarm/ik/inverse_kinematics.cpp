@@ -126,6 +126,21 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
   offer(nearly, {&state, 1}, out.count, out);
 }
 
+/// The nearest along curves that closed forms of the arm with one axis held are on.
+void InverseKinematics::Arm::offer_dips(const BranchJob& job, const Pose& target,
+                                        std::span<const double> seed, Gathered& out) const noexcept {
+  const Pose pose{target.position, normalized(target.rotation)};
+  AxisValues best;
+  if (curves && curves->nearest_here(pose, seed, best)) offer_alone(job, best, out);
+  if (out.count > 0) return;
+  std::array<AxisValues, SpareEnd::kMostDips> states;
+  static_assert(SpareEnd::kMostDips == SrsArm::kMostDips);
+  const std::size_t count =
+      srs ? srs->dips(job.target, job.near, states) : end->dips(pose, seed.data(), states);
+  if (curves && curves->nearest_from(pose, seed, {states.data(), count}, best)) offer_alone(job, best, out);
+  for (std::size_t k = 0; k < count && out.count == 0; ++k) offer_alone(job, states[k], out);
+}
+
 /// Where curves of joint states that lead to the pose come nearest to the seed, and where not the nearest
 /// only is wanted, states all over them. False where others may well be nearer.
 bool InverseKinematics::Arm::offer_slides(const BranchJob& job, const Pose& target,
@@ -260,14 +275,11 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   out.spread = spare < 0;
   if (formed() && spare < 0) solve_at(job, form, wary, out);
   if (formed() && spare >= 0) {
-    AxisValues state;
-    if (nearest_only && end &&
-        end->nearest({target.position, normalized(target.rotation)}, seed.data(), state))
-      offer_alone(job, state, out);
+    if (nearest_only && (srs || end)) offer_dips(job, target, seed, out);
     bool sure = false;
-    if (curves && (nearest_only || searched(known.family)))
+    if (slides_along() && curves && (nearest_only || searched(known.family)))
       sure = offer_slides(job, target, seed, nearest_only, out) || searched(known.family);
-    if (out.count == 0 || (curves && !sure)) sample(job, at, nearest_only, out);
+    if (out.count == 0 || (slides_along() && curves && !sure)) sample(job, at, nearest_only, out);
   }
   if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }
@@ -310,10 +322,6 @@ void InverseKinematics::Arm::take(const IkSolution& from, Gathered& out) const n
 /// is wanted, at values ever closer around the best one.
 void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
                                     Gathered& out) const noexcept {
-  if (AxisValues state; nearest_only && srs && srs->nearest(job.target, limits, job.near, state)) {
-    offer_alone(job, state, out);
-    if (out.count > 0) return;
-  }
   const auto k = static_cast<std::size_t>(spare);
   const double span = geometry.axes[k].slides ? 4 * lanes.size : kTurn;
   const double least = std::max(limits.lower[k], out.seed[k] - span / 2),
@@ -388,10 +396,12 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   // Calibrated arms of few axes: what their six axes have nearest may lead nowhere.
   const bool few = arm->geometry.count < 6 && !arm->sliding && !arm->known.exact();
   if (!closed || few) arm->add_numeric();
-  if (arm->slides_along())
-    arm->curves =
-        SelfMotion::of(arm->numeric->core(), arm->geometry, arm->limits, searched(arm->known.family));
-  if (arm->curves) arm->report += "; the nearest by sliding along curves of states that leave the pose alone";
+  const bool slides = arm->slides_along();
+  if (slides || arm->srs || arm->end)
+    arm->curves = SelfMotion::of(arm->numeric->core(), arm->geometry, arm->limits,
+                                 searched(arm->known.family), !slides);
+  if (slides && arm->curves)
+    arm->report += "; the nearest by sliding along curves of states that leave the pose alone";
   arm_ = std::move(arm);
 }
 

@@ -23,6 +23,8 @@ constexpr double kPatience = 14, kLongPatience = 40;  // steps of a slide
 constexpr double kDoubtful = 0.3;  // of all slides: where so many end nowhere, the arm is near a singularity
 constexpr double kFar = 1e4;       // rad: of seeds further out sines have fewer digits
 constexpr int kMostSteps = 400;
+constexpr double kAsDeep =
+    2;  // of the best start's squared distance: what a slide may still make better than it
 constexpr std::size_t kJoints = Slides::kJoints;
 constexpr std::size_t kMostStarts = 448;
 
@@ -100,7 +102,7 @@ struct SelfMotion::Found {
 };
 
 std::optional<SelfMotion> SelfMotion::of(const NumericCore& core, const ArmGeometry& arm,
-                                         const LaneLimits& limits, bool thorough) {
+                                         const LaneLimits& limits, bool thorough, bool only_slides) {
   if (arm.count != kJoints || core.arm.joints != kJoints || !core.arm.single.possible ||
       core.arm.single.slides || core.table.size() % kStateGroups != 0)
     return std::nullopt;
@@ -122,6 +124,7 @@ std::optional<SelfMotion> SelfMotion::of(const NumericCore& core, const ArmGeome
     out.weight_[k] = limits.weight[k];
     out.turns_[k] = out.upper_[k] - out.lower_[k] >= 2 * std::numbers::pi;
   }
+  if (only_slides) return out;
   const std::size_t size = core.table.size();
   out.values_ = std::make_unique_for_overwrite<float[]>(kJoints * size);
   for (std::size_t row = 0; row < size; row += kDescents)
@@ -230,11 +233,11 @@ void SelfMotion::start_near_seed(const Question& question, std::size_t descents,
 }
 
 /// From the states whose ends are nearest to the target, wherever the seed is, and patiently.
-void SelfMotion::start_anywhere(const Question& question, Starts& out) const noexcept {
+void SelfMotion::start_anywhere(const Question& question, std::size_t enough, Starts& out) const noexcept {
   SeedTable::Search search = question.search;
   Descents all;
   core_->set_targets(question.numeric, all);
-  while (out.count + kDescents <= kMostStarts && search.rounds < 12) {
+  while (out.count + kDescents <= enough && search.rounds < 12) {
     for (std::size_t lane = 0; lane < kDescents; ++lane) core_->restart(search, lane, all);
     descend_from(question, kPatientSteps, all, out);
   }
@@ -255,6 +258,7 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
   rules.patience = patience;
   for (std::size_t i = 0; i < question.numeric.target.size(); ++i)
     std::fill_n(all.target[i], kDescents, question.numeric.target[i]);
+  if (out.count > 0) rules.best = out.all[0].cost;
   std::size_t next = 0;
   all.working = 0;
   std::array<const Start*, kDescents> at{};
@@ -314,6 +318,13 @@ void SelfMotion::settle_lost(const Question& question, Found& out) const noexcep
     if (settled.all[i].size2 < kSettled2) out.take(settled.all[i]);
 }
 
+/// The largest difference of any joint from the seed.
+double SelfMotion::away_from(const Question& question, const Start& one) noexcept {
+  double most = 0;
+  for (std::size_t k = 0; k < kJoints; ++k) most = std::max(most, std::abs(one.x[k] - question.seed[k]));
+  return most;
+}
+
 /// Where the curve that is nearest comes so near to the seed that no other can come nearer.
 bool SelfMotion::look_here(const Question& question, Found& out) const noexcept {
   constexpr double kFine2 = 1e-4 * 1e-4;
@@ -324,13 +335,11 @@ bool SelfMotion::look_here(const Question& question, Found& out) const noexcept 
   Start one;
   std::copy_n(at.x.begin(), kJoints, one.x.begin());
   unwind(question, one.x.data());
+  // Sliding takes little off the way that descent has come.
+  if (away_from(question, one) > 2 * kHere) return false;
   const Start* const start = &one;
   slide_from(question, {&start, 1}, kPatience, out);
-  if (out.count == 0) return false;
-  double most = 0;
-  for (std::size_t k = 0; k < kJoints; ++k)
-    most = std::max(most, std::abs(out.all[0].x[k] - question.seed[k]));
-  return most < kHere;
+  return out.count > 0 && away_from(question, out.all[0]) < kHere;
 }
 
 std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed, std::span<State, kMost> out,
@@ -349,13 +358,52 @@ std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed
     settle_lost(question, found);
     doubtful = static_cast<double>(found.lost) >= kDoubtful * static_cast<double>(from.size());
     if (found.count == 0) {
-      start_anywhere(question, starts);
+      start_anywhere(question, kMostStarts, starts);
       slide_from(question, starts.apart(kApart, kMostStarts), kLongPatience, found);
     }
   }
   for (std::size_t j = 0; j < found.count; ++j)
     std::copy(found.all[j].x.begin(), found.all[j].x.end(), out[j].begin());
   return found.count;
+}
+
+bool SelfMotion::nearest_here(const Pose& target, std::span<const double> seed, State& out) const noexcept {
+  Question question;
+  Found found;
+  if (!read(target, seed, question) || !look_here(question, found)) return false;
+  std::copy(found.all[0].x.begin(), found.all[0].x.end(), out.begin());
+  return true;
+}
+
+bool SelfMotion::nearest_from(const Pose& target, std::span<const double> seed, std::span<const State> starts,
+                              State& out) const noexcept {
+  Question question;
+  if (!read(target, seed, question)) return false;
+  std::array<Start, kDescents> all;
+  std::array<const Start*, kDescents> from;
+  const std::size_t count = std::min(starts.size(), kDescents);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::copy_n(starts[k].begin(), kJoints, all[k].x.begin());
+    unwind(question, all[k].x.data());
+    all[k].cost = distance2(question, all[k].x.data());
+    from[k] = &all[k];
+  }
+  Found found;
+  // Starts are answers as well: slides that do not promise more end soon.
+  for (std::size_t k = 0; k < count; ++k) found.take(all[k]);
+  std::size_t worth = 0;
+  while (worth < count && all[worth].cost <= kAsDeep * all[0].cost) ++worth;
+  slide_from(question, {from.data(), worth}, kPatience, found);
+  if (found.count == 0) {
+    constexpr std::size_t kEnough = 8;
+    core_->begin_search(question.numeric, question.search);
+    Starts anywhere;
+    start_anywhere(question, kEnough, anywhere);
+    slide_from(question, anywhere.apart(kApart, kEnough), kLongPatience, found);
+  }
+  if (found.count == 0) return false;
+  std::copy(found.all[0].x.begin(), found.all[0].x.end(), out.begin());
+  return true;
 }
 
 std::size_t SelfMotion::spread(const Pose& target, std::span<const double> seed,
@@ -365,7 +413,7 @@ std::size_t SelfMotion::spread(const Pose& target, std::span<const double> seed,
   core_->begin_search(question.numeric, question.search);
   Starts starts;
   start_near_seed(question, kStateGroups - 1, kPatientSteps, starts);
-  start_anywhere(question, starts);
+  start_anywhere(question, kMostStarts, starts);
   starts.drop_off_curve(kOnCurve2);
   const std::span<const Start* const> found = starts.apart(kSpread, out.size());
   for (std::size_t j = 0; j < found.size(); ++j)
