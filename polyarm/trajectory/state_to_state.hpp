@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "polyarm/trajectory/constant_jerk.hpp"
+
 namespace polyarm::trajectory {
 
 struct MotionState {
@@ -22,12 +24,12 @@ struct MotionLimits {
   }
 };
 
-/// none: each axis as fast as it can. time: all arrive together, as soon as all can. phase: besides, all move
-/// in proportion, on a straight line, where the states allow it; else as with time.
+/// none: each axis as fast as it can. time: all arrive together, as soon as all can. phase: all also move in
+/// proportion, on a straight line, if the states allow it; otherwise as with time.
 enum class Synchronization : std::uint8_t { none, time, phase };
 
-/// position: arrives at the target's position, velocity and acceleration. velocity: at its velocity and
-/// acceleration, wherever that is.
+/// position: the axis arrives at the target's position, velocity and acceleration. velocity: at its velocity
+/// and acceleration, at any position.
 enum class TargetKind : std::uint8_t { position, velocity };
 
 struct MotionOptions {
@@ -48,8 +50,8 @@ const char* name(MotionStatus status) noexcept;
 /// The motion of one axis: pieces of constant jerk.
 class AxisMotion {
  public:
-  /// Brake, and the pieces of two extremal motions.
-  static constexpr std::size_t kMostPieces = 7 + 14;
+  /// The way back inside the limits, and the pieces of two extremal motions.
+  static constexpr std::size_t kMostPieces = 4 + 14;
 
   double duration() const noexcept { return duration_; }
   /// After the end the velocity of the target goes on, without acceleration.
@@ -62,14 +64,29 @@ class AxisMotion {
 
  private:
   friend class StateToState;
+  friend class AxisPlan;
   struct Piece {
     double begin;
     MotionState state;
     double jerk;
   };
-  void start(const MotionState& at) noexcept;
-  void append(double time, double jerk) noexcept;
-  void finish(const MotionState& at, double duration) noexcept;
+  void start(const MotionState& at) noexcept {
+    count_ = 0;
+    duration_ = 0;
+    end_ = at;
+  }
+  void append(double time, double jerk) noexcept {
+    if (!(time > 0) || count_ == kMostPieces) return;
+    pieces_[count_++] = {duration_, end_, jerk};
+    const JerkState end = after({end_.position, end_.velocity, end_.acceleration}, time, jerk);
+    end_ = {end.p, end.v, end.a};
+    duration_ += time;
+  }
+  void finish(const MotionState& at, double duration) noexcept {
+    if (count_ == 0) pieces_[count_++] = {0, end_, 0};
+    end_ = at;
+    duration_ = duration;
+  }
 
   std::array<Piece, kMostPieces> pieces_;
   std::size_t count_ = 0;
@@ -80,11 +97,16 @@ class AxisMotion {
 /// Plans once, or anew in every cycle with a target that moves.
 ///
 /// Method: for a given duration the displacements that an axis can reach form an interval, whose ends are
-/// motions given by quadratic equations (axis_reach.hpp). The durations at which the target enters or leaves
-/// that interval are roots of monotone functions, so the shortest duration, and those in which an axis cannot
-/// arrive, are found safely; and a motion that takes longer than its shortest is the mixture of both ends
-/// that arrives, which keeps every limit because limits are convex. An axis whose start is outside its
-/// limits, or cannot help leaving them, first brakes back inside.
+/// motions in closed form (axis_reach.hpp). The axis arrives as soon as the target enters that interval. A
+/// motion that takes longer is the mixture of both ends that arrives; it keeps every limit because limits are
+/// convex. Between two rests it is the fastest motion of its duration, scaled. Durations in which an axis
+/// cannot arrive, because it would have to turn back meanwhile, are found where other axes ask for one.
+///
+/// A start outside of the limits: the axis first comes back inside, and from there moves as fast as the
+/// limits allow. Inside means that it can stay inside: acceleration and velocity are within their limits, and
+/// so is the velocity that is left once full jerk has taken the acceleration back to zero. The way back is
+/// the shortest on which the acceleration comes back first, at full jerk, and then stays within its limits.
+/// The velocity does not pass the opposite limit, unless the acceleration at the start is too large for that.
 class StateToState {
  public:
   static constexpr std::size_t kMostAxes = 128;
@@ -103,7 +125,6 @@ class StateToState {
   bool straight() const noexcept { return straight_; }
 
  private:
-  struct Axis;
   bool plan_straight(std::span<const MotionState> start, std::span<const MotionState> target,
                      std::span<const MotionLimits> limits, const MotionOptions& options) noexcept;
 

@@ -166,6 +166,91 @@ TEST_P(OfAnyKind, AStartBeyondTheLimitsBrakesFirst) {
   }
 }
 
+/// Whether the axis is inside its limits and can stay there.
+bool is_inside(const MotionState& s, const MotionLimits& l, double room) {
+  const double settles = s.velocity + s.acceleration * std::abs(s.acceleration) / (2 * l.max_jerk);
+  const double up = 1 + room, width = room * (l.max_velocity - l.min_velocity);
+  return s.acceleration <= l.max_acceleration * up && s.acceleration >= l.min_acceleration * up &&
+         std::max(s.velocity, settles) <= l.max_velocity + width &&
+         std::min(s.velocity, settles) >= l.min_velocity - width;
+}
+
+/// From a start beyond the limits: the acceleration comes back to its limits at full jerk and stays within
+/// them, along random jerks. After how long the axis is inside; infinite if that does not happen.
+double random_way_back(const MotionState& from, const MotionLimits& l, Draw& draw) {
+  MotionState at = from;
+  double t = 0;
+  const double limit = std::clamp(at.acceleration, l.min_acceleration, l.max_acceleration);
+  const double turn = std::abs(limit - at.acceleration) / l.max_jerk;
+  if (turn > 0) at = passed(at, turn, limit < at.acceleration ? -l.max_jerk : l.max_jerk);
+  at.acceleration = limit, t += turn;
+  if (is_inside(at, l, 0)) return t;
+  for (int piece = 0; piece < 4; ++piece) {
+    const double jerk = (draw.coin() ? draw.even(-1, 1) : draw.coin() ? 1 : -1) * l.max_jerk;
+    const double time = draw.even(0, 1) * 4 * std::max(l.max_acceleration, -l.min_acceleration) / l.max_jerk;
+    constexpr int kSteps = 64;
+    for (int k = 1; k <= kSteps; ++k) {
+      const MotionState s = passed(at, time * k / kSteps, jerk);
+      if (is_inside(s, l, 0)) return t + time * k / kSteps;
+      if (s.acceleration > l.max_acceleration || s.acceleration < l.min_acceleration)
+        return std::numeric_limits<double>::infinity();
+    }
+    at = passed(at, time, jerk), t += time;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+TEST_P(OfAnyKind, NoOtherWayBackInsideIsShorter) {
+  Draw draw(9);
+  StateToState plan;
+  int compared = 0;
+  for (int k = 0; k < 300; ++k) {
+    const MotionLimits l = limits_of(GetParam(), draw, k % 3 == 0);
+    const double v = draw.even(-2, 2) * l.max_velocity, a = draw.even(-2, 2) * l.max_acceleration;
+    const MotionState from{0, v, a}, to{draw.even(-1, 1), 0, 0};
+    ASSERT_EQ(plan.plan({&from, 1}, {&to, 1}, {&l, 1}), MotionStatus::ok);
+    const AxisMotion& m = plan.axis(0);
+    double back = 0;  // when it is inside, to a thousandth of the first pieces
+    for (std::size_t i = 0; i < m.pieces() && !is_inside(m.at(back), l, 1e-9); ++i)
+      for (int s = 0; s <= 1000 && !is_inside(m.at(back), l, 1e-9); ++s)
+        back = m.begin_of(i) + (end_of(m, i) - m.begin_of(i)) * s / 1000;
+    const double step = m.duration() / 1000;
+    for (int way = 0; way < 200; ++way) {
+      const double other = random_way_back(from, l, draw);
+      compared += std::isfinite(other);
+      ASSERT_GE(other, (back - step) * (1 - 1e-9)) << shown(from, to, l);
+    }
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+TEST_P(OfAnyKind, BetweenTwoRestsItNeverTurnsBack) {
+  Draw draw(10);
+  StateToState plan;
+  for (int k = 0; k < 2000; ++k) {
+    const std::size_t n = 1 + static_cast<std::size_t>(k % 7);
+    std::vector<MotionState> from(n), to(n);
+    std::vector<MotionLimits> limits(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      limits[i] = limits_of(GetParam(), draw, k % 2 == 0);
+      from[i].position = to[i].position = draw.even(-3, 3);
+      const double way = draw.logarithmic(GetParam().distance[0], GetParam().distance[1]);
+      if (i != 2) to[i].position += draw.coin() ? way : -way;  // one of them stays
+    }
+    ASSERT_EQ(plan.plan(from, to, limits), MotionStatus::ok);
+    for (std::size_t i = 0; i < n; ++i) {
+      const AxisMotion& m = plan.axis(i);
+      ASSERT_EQ(m.duration(), plan.duration());
+      ASSERT_LE(miss(m, from[i], to[i], limits[i]), 1e-9) << shown(from[i], to[i], limits[i]);
+      ASSERT_LE(excess(m, limits[i]), 1e-9) << shown(from[i], to[i], limits[i]);
+      const double side = to[i].position >= from[i].position ? 1 : -1;
+      for (std::size_t p = 0; p < m.pieces(); ++p)
+        ASSERT_GE(side * m.state_of(p).velocity, -1e-9 * limits[i].max_velocity);
+      if (n > 2) ASSERT_EQ(plan.axis(2).at(plan.duration() / 2).position, from[2].position);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(StateToState, OfAnyKind, testing::ValuesIn(kKinds),
                          [](const testing::TestParamInfo<Kind>& kind) { return kind.param.name; });
 
