@@ -82,12 +82,13 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
   udp->maxInitialPeersRange = 32;
   if (options.loopback) udp->interfaceWhiteList = {"127.0.0.1"};
   if (options.loopback)
-    out.userTransports.push_back(std::make_shared<LoopbackDescriptor>(udp));
+    out.userTransports.push_back(std::make_shared<AboveUdp<LoopbackTransport>>(udp));
   else
-    out.userTransports.push_back(udp);
+    out.userTransports.push_back(std::make_shared<AboveUdp<PlainKeysTransport>>(udp));
   auto& discovery = out.builtin.discovery_config;
   if (!options.discovery) discovery.discoveryProtocol = kNoDiscovery;
-  discovery.leaseDuration = {10, 0};
+  // A process that dies without a word is forgotten by others after 50 announcements that did not come.
+  discovery.leaseDuration = {5, 0};
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   out.builtin.avoid_builtin_multicast = options.loopback;
   std::vector<std::string> peers = options.peers;

@@ -12,7 +12,7 @@ if(NOT fastdds_FOUND AND NOT fastrtps_FOUND)
   return()
 endif()
 # Fast DDS is in a program of its own; what runs in the cell's process reaches it through shared memory.
-add_library(polyarm_ros2_types STATIC ros2/dds_types.cpp)
+add_library(polyarm_ros2_types STATIC ros2/dds_types.cpp ros2/disposal_keys.cpp)
 target_include_directories(polyarm_ros2_types PUBLIC ${PROJECT_SOURCE_DIR})
 add_library(polyarm_ros2_participant STATIC ros2/participant.cpp)
 target_include_directories(polyarm_ros2_participant PUBLIC ${PROJECT_SOURCE_DIR})

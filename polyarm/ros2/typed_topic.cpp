@@ -6,8 +6,8 @@
 namespace polyarm::ros2 {
 
 namespace {
-/// A type stays so long after its last publisher has left: what that one has said last is still taken.
-constexpr auto kStays = std::chrono::seconds(1);
+/// How long a type stays after its last publisher has left, so that its last messages are still taken.
+constexpr auto kStays = std::chrono::milliseconds(250);
 }  // namespace
 
 TypedTopic::TypedTopic(Bridge& bridge, const std::string& group, std::string topic,

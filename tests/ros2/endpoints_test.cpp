@@ -105,6 +105,16 @@ TEST_F(ReadTypes, OfATwistAreThoseThatOthersPublish) {
   EXPECT_TRUE(become(example, "rt/cmd_vel", plain)) << "of the other middleware, too";
 }
 
+/// Fast DDS ignores how Cyclone announces a departure: that of a publisher whose node stays was never noticed.
+TEST_F(ReadTypes, OfATwistEndWithAPublisherOnCycloneWhoseNodeStays) {
+  const test::Example example("jetbot");
+  const test::Cyclone cyclone(example.domain());
+  const dds_entity_t publisher = cyclone.writer(geometry_msgs_msg_dds__Twist__desc, "rt/cmd_vel");
+  ASSERT_TRUE(become(example, "rt/cmd_vel", plain));
+  dds_delete(publisher);
+  EXPECT_TRUE(become(example, "rt/cmd_vel", stamped));
+}
+
 TEST_F(ReadTypes, OfATwistAreBothWhereTheCellSaysSo) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("polyarm_ros2_both_" + std::to_string(::getpid()));

@@ -2,6 +2,7 @@
 polyarm_test(ros2 polyarm_ros2_objects polyarm_ros2_wire polyarm_ros2_participant polyarm_signals polyarm_description nlohmann_json::nlohmann_json)
 # Alone, so that in no batch headers of Fast DDS follow those of Cyclone, whose macros they do not bear.
 set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/ros2/attack_test.cpp ${CMAKE_CURRENT_SOURCE_DIR}/ros2/remote_test.cpp
+                            ${CMAKE_CURRENT_SOURCE_DIR}/ros2/disposal_keys_test.cpp
                             PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 if(TARGET test_ros2)
   add_dependencies(test_ros2 polyarm polyarm_door_ros2 polyarm_link_ros2)  # it runs the command
