@@ -115,7 +115,8 @@ json json_of(const RobotModel& model) {
               {"reach_m", optional(model.provenance.reach_m)},
               {"payload_kg", optional(model.provenance.payload_kg)},
               {"without_body", description::links_without_body(model)},
-              {"placeholders", description::placeholders(model)}};
+              {"placeholders", description::placeholders(model)},
+              {"joints", json::array()}};
   for (const description::Joint& joint : model.joints) {
     const auto& l = joint.limits;
     out["joints"].push_back({{"name", joint.name},

@@ -13,7 +13,7 @@ namespace polyarm::apps {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // joints in the order that --joints and --seed take
 
 /// What both verbs ask for.
 struct Common {
@@ -50,9 +50,7 @@ Loaded load(const Common& common) {
   out.model = common.robot.load(warnings, open_catalogue());
   out.chain =
       std::make_unique<kinematics::Chain>(out.model, out.model.tool_link(), Pose{}, common.tcp_pose());
-  const auto home = out.model.named_states.find("home");
-  out.home =
-      home != out.model.named_states.end() ? home->second : std::vector<double>(out.chain->joints(), 0.0);
+  out.home = out.model.start();
   return out;
 }
 

@@ -18,11 +18,6 @@ namespace fs = std::filesystem;
 using description::CatalogueEntry;
 using description::RobotModel;
 
-std::vector<double> home_of(const RobotModel& model) {
-  const auto home = model.named_states.find("home");
-  return home != model.named_states.end() ? home->second : std::vector<double>(model.actuated.size(), 0.0);
-}
-
 std::string cell_number(const std::optional<double>& value, const char* unit) {
   return value ? fmt::format("{:.4g} {}", *value, unit) : "–";
 }
@@ -106,7 +101,7 @@ int run_robots_picture(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
   const RobotModel model = robot.load(warnings, open_catalogue());
-  if (joints.empty()) joints = home_of(model);
+  if (joints.empty()) joints = model.start();
   if (joints.size() != model.actuated.size())
     throw Error("bad-value",
                 fmt::format("--joints takes {} numbers for this robot ({}), here are {}",
@@ -132,7 +127,7 @@ int run_robots_page(int argc, char** argv) {
   std::size_t count = 0;
   for (const CatalogueEntry& entry : catalogue.entries()) {
     RobotModel model = catalogue.load(entry.name);
-    write(fs::path(folder) / (entry.name + ".svg"), picture_of(model, home_of(model)));
+    write(fs::path(folder) / (entry.name + ".svg"), picture_of(model, model.start()));
     makers[entry.name.substr(0, entry.name.find('/'))].emplace_back(entry, std::move(model));
     ++count;
   }

@@ -56,9 +56,7 @@ Subject alone(const AskedRobot& robot, const std::string& tool) {
   Subject out;
   out.name = model.name;
   out.chain.emplace(model, model.tool_link(), Pose{}, description::find_tool(tool, ".").tcp);
-  const auto named = model.named_states.find("home");
-  out.home =
-      named != model.named_states.end() ? named->second : std::vector<double>(out.chain->joints(), 0.0);
+  out.home = model.start();
   return out;
 }
 

@@ -40,11 +40,11 @@ class Listener : public Observer {
 
 class Checker {
  public:
-  Checker(const Overrides& overrides, const description::Catalogue& catalogue, const CheckOptions& options)
-      : overrides_(overrides), catalogue_(catalogue), options_(options) {}
+  Checker(const description::Catalogue& catalogue, const CheckOptions& options)
+      : catalogue_(catalogue), options_(options) {}
 
-  CheckResult check(const std::filesystem::path& path) {
-    collect(problems_, [&] { file_ = read_cell_file(path, overrides_); });
+  CheckResult check(const std::function<CellFile()>& open) {
+    collect(problems_, [&] { file_ = open(); });
     if (!problems_.has_errors()) {
       std::vector<std::string> notes;
       if (look_at_plugins(file_, problems_)) leave_out_unknown();
@@ -93,9 +93,9 @@ class Checker {
   }
 
   void bodies() {
-    result_.notes = unchecked_bodies(robots_, scene_);
-    const std::vector<std::string> more = placeholder_notes(robots_);
-    result_.notes.insert(result_.notes.end(), more.begin(), more.end());
+    result_.notes = file_.notes;
+    for (const auto& more : {unchecked_bodies(robots_, scene_), placeholder_notes(robots_)})
+      result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 
   void programs() {
@@ -353,7 +353,6 @@ class Checker {
     std::erase_if(result_.problems, [&](const Problem& p) { return !seen.insert(p.text()).second; });
   }
 
-  const Overrides& overrides_;
   const description::Catalogue& catalogue_;
   const CheckOptions& options_;
   Problems problems_;
@@ -374,9 +373,13 @@ bool CheckResult::has_errors() const {
                      [](const Problem& p) { return p.severity == Severity::error; });
 }
 
+CheckResult check(const std::function<CellFile()>& open, const description::Catalogue& catalogue,
+                  const CheckOptions& options) {
+  return Checker(catalogue, options).check(open);
+}
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
                   const description::Catalogue& catalogue, const CheckOptions& options) {
-  return Checker(overrides, catalogue, options).check(cell);
+  return check([&] { return read_cell_file(cell, overrides); }, catalogue, options);
 }
 
 }  // namespace polyarm::cell

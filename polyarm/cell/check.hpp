@@ -1,6 +1,7 @@
 #pragma once
 /// Finds what is wrong with a cell before anything moves.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct CheckOptions {
 
 /// Reads every file of the cell and adds every error and warning; checks every point for reach and joint
 /// limits, and every move along its way as far as the program can be followed. Nothing real moves.
+/// `open` reads the cell; what it throws is among the problems.
+CheckResult check(const std::function<CellFile()>& open, const description::Catalogue& catalogue,
+                  const CheckOptions& options);
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,
                   const description::Catalogue& catalogue, const CheckOptions& options);
 

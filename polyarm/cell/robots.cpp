@@ -55,28 +55,13 @@ void assume_what_is_missing(const description::Joint& joint, controllers::JointF
     facts.jerk = positive_or(joint.limits.jerk, facts.acceleration / kTimeToAcceleration);
 }
 
-/// Joint states that the description gives for the start (`initial_value` of its position interfaces).
-std::map<std::string, double> declared_start(const description::RobotModel& model) {
-  std::map<std::string, double> out;
-  for (const description::HardwareInfo& hardware : model.hardware)
-    for (const description::ComponentInfo& component : hardware.components)
-      for (const description::InterfaceInfo& state : component.state_interfaces)
-        if (state.name == "position" && state.initial_value) out[component.name] = *state.initial_value;
-  return out;
-}
-
+/// The start of the model, within limits that controllers files may have narrowed.
 std::vector<double> start_of(const description::RobotModel& model,
                              const std::vector<controllers::JointFacts>& joints) {
-  if (const auto home = model.named_states.find("home"); home != model.named_states.end())
-    return home->second;
-  const std::map<std::string, double> declared = declared_start(model);
-  const std::vector<std::string> names = model.joint_names();
-  std::vector<double> out;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const auto value = declared.find(names[j]);
-    out.push_back(
-        std::clamp(value == declared.end() ? 0.0 : value->second, joints[j].lower, joints[j].upper));
-  }
+  std::vector<double> out = model.start();
+  if (model.named_states.contains("home")) return out;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    out[j] = std::clamp(out[j], joints[j].lower, joints[j].upper);
   return out;
 }
 
@@ -227,6 +212,15 @@ void refuse_overload(const CellRobot& robot, Problems& problems) {
                  "carry less, or choose a robot that carries it");
 }
 
+/// A description made for Gazebo names its controllers itself; here they are given beside it.
+void tell_of_controllers(const CellRobot& robot, std::vector<std::string>& notes) {
+  std::error_code error;
+  for (const std::string& controllers : robot.model.controller_files)
+    if (std::filesystem::is_regular_file(controllers, error))
+      notes.push_back(robot.entry.name +
+                      ": its <gazebo> names a controllers file, start it with --controllers " + controllers);
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
                                    const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
@@ -257,6 +251,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   robot->start = start_of(robot->model, robot->joints);
   check_start(*robot, problems);
   choose_drivers(*robot, real, notes);
+  if (file.controllers.empty() && !file.launched) tell_of_controllers(*robot, notes);
   check_carried(*robot, problems);
   robot->facts = motion_facts(*robot, file.motion.tcp, std::move(workspace));
   return robot;

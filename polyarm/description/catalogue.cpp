@@ -65,7 +65,7 @@ static RobotModel read_entry(const fs::path& file) {
   Problems found;
   RobotModel out = read_urdf(read_file(file, bounds::kXmlBytes), file.string(), found);
   if (found.has_errors()) out.hardware.clear();  // it was told when the robot was added
-  for (const Link& link : out.links)  // its user has added it with the meshes that it names
+  for (const Link& link : out.links)             // its user has added it with the meshes that it names
     for (const auto* shapes : {&link.visuals, &link.collisions})
       for (const Shape& shape : *shapes) reach().allow_reading(shape.mesh_path);
   return out;
@@ -158,10 +158,31 @@ void add_srdf_beside(const fs::path& description, RobotModel& model, Problems& w
   const fs::path file = srdf_beside(description);
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return;
-  Problems problems;
-  read_srdf(read_file(file, bounds::kXmlBytes), file.string(), model, problems);
-  problems.throw_if_errors();
-  for (const Problem& warning : problems.list()) warnings.add(warning);
+  // Nobody named this file: its faults do not refuse the robot. MoveIt, too, logs such lines and goes on.
+  Problems lines, whole;
+  collect(whole, [&] { read_srdf(read_file(file, bounds::kXmlBytes), file.string(), model, lines); });
+  for (const auto& [problems, left_out] :
+       {std::pair{&lines, "; the line is left out"}, std::pair{&whole, "; the file is left out"}})
+    for (Problem problem : problems->list()) {
+      if (problem.severity == Severity::error) problem.what += left_out;
+      problem.severity = Severity::warning;
+      warnings.add(std::move(problem));
+    }
+}
+
+static std::string naming(const std::vector<fs::path>& callers) {
+  std::vector<std::string> names;
+  for (const fs::path& file : callers) names.push_back(file.string());
+  return "name what includes it: " + join(names, ", ");
+}
+
+/// A file that defines parts of robots and is none itself: what to name instead.
+static Error only_macros(const fs::path& path, const std::vector<std::string>& macros) {
+  const auto callers = files_that_include(path);
+  return Error(Problem{"only-macros",
+                       {path.string()},
+                       "the file only defines macros (" + join(macros, ", ") + "), which a description calls",
+                       callers.empty() ? "name the description that includes it" : naming(callers)});
 }
 
 /// A description file, expanded first where it is xacro; places then are those of the expanded text.
@@ -169,8 +190,19 @@ static RobotModel read_description(const fs::path& path, Problems& warnings,
                                    const std::map<std::string, std::string>& arguments) {
   const std::string text = read_file(path);
   if (!uses_xacro(text)) return read_urdf(text, path.string(), warnings);
-  const std::string expanded = expand_xacro_text(text, path, {arguments, {}}, warnings);
-  return read_urdf(expanded, path.string() + " (expanded)", warnings);
+  XacroReport report;
+  const std::string expanded = expand_xacro_text(text, path, {arguments, {}}, warnings, &report);
+  try {
+    return read_urdf(expanded, path.string() + " (expanded)", warnings);
+  } catch (const Error& e) {
+    const std::string& code = e.problems().front().code;
+    if (code == "no-links" && !report.macros.empty()) throw only_macros(path, report.macros);
+    const auto callers = files_that_include(path);
+    if (code != "unknown-link" || callers.empty()) throw;
+    std::vector<Problem> problems = e.problems();
+    problems.front().advice = "this file may be a part of a description; " + naming(callers);
+    throw Error(std::move(problems));
+  }
 }
 
 RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings,
@@ -181,7 +213,7 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
   if (extension == ".yaml" && fs::exists(path, error)) return read_robot_file(path);
   if (is_launch_file(path) && fs::is_regular_file(path, error))
     throw Error("launch-file", path.string() + " is a launch file of ROS, not a description",
-                "type " + find_in_launch_file(read_file(path)).line());
+                "polyarm run " + path.string() + " starts what it starts, or says what to type instead");
   if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
       extension == ".xml") {
     RobotModel model = read_description(path, warnings, arguments);

@@ -49,8 +49,8 @@ std::vector<std::filesystem::path> default_catalogue_folders();
 /// Reads one robot file of ours (`polyarm: robot/1`). Throws Error with everything wrong in it.
 RobotModel read_robot_file(const std::filesystem::path& path);
 
-/// Reads `<name>.srdf` beside a description into the model, where there is one. Throws Error with what is
-/// wrong in it.
+/// Reads `<name>.srdf` beside a description into the model, where there is one. What is wrong in it is left
+/// out and added to `warnings`.
 void add_srdf_beside(const std::filesystem::path& description, RobotModel& model, Problems& warnings);
 
 /// A catalogue name, or the path of a URDF (with an SRDF beside it, where there is one) or robot file.

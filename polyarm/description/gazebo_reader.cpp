@@ -25,10 +25,24 @@ void GazeboReader::apply(const Element& e, RobotModel& model) {
         "<gazebo> names '" + reference + "', which is no link and no joint" + did_you_mean(reference, names));
   }
   for (const Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
+    if (reference.empty()) controllers(*c, model);
     bool taken = reference.empty() && whole_robot(*c, model);
     if (link_index >= 0) taken = link(*c, model.links[static_cast<std::size_t>(link_index)]);
     if (!taken && joint_index >= 0) taken = joint(*c, model.joints[static_cast<std::size_t>(joint_index)]);
     if (!taken) pass_over(*c);
+  }
+}
+
+/// `<plugin>` of ros2_control names its controllers file; the plugin itself is passed over.
+void GazeboReader::controllers(const Element& plugin, RobotModel& model) {
+  if (std::string_view(plugin.Name()) != "plugin") return;
+  for (const Element* p = plugin.FirstChildElement("parameters"); p;
+       p = p->NextSiblingElement("parameters")) {
+    const std::string file = text(p);
+    const bool known = std::find(model.controller_files.begin(), model.controller_files.end(), file) !=
+                       model.controller_files.end();
+    if ((file.ends_with(".yaml") || file.ends_with(".yml")) && !known && model.controller_files.size() < 20)
+      model.controller_files.push_back(file);
   }
 }
 

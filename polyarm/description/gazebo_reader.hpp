@@ -18,6 +18,7 @@ class GazeboReader : private XmlReader {
 
  private:
   void apply(const Element& e, RobotModel& model);
+  static void controllers(const Element& plugin, RobotModel& model);
   bool whole_robot(const Element& e, RobotModel& model);
   bool link(const Element& e, Link& link);
   bool joint(const Element& e, Joint& joint);

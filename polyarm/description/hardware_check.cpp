@@ -8,6 +8,8 @@ namespace polyarm::description {
 
 namespace {
 
+/// What some release of ROS 2 takes is mended with a warning, so that the rest of the robot runs; what none
+/// takes is a problem.
 class HardwareCheck {
  public:
   HardwareCheck(const RobotModel& model, Problems& problems, Problems& warnings)
@@ -15,10 +17,13 @@ class HardwareCheck {
     for (const Joint& joint : model.joints) joints_.push_back(joint.name);
   }
 
-  void block(const HardwareInfo& hardware) {
-    if (!hardware.name.empty() && !blocks_.insert(hardware.name).second)
-      problems_.error("duplicate-name", hardware.where,
-                      "two <ros2_control> are called '" + hardware.name + "'", "rename one of them");
+  void block(HardwareInfo& hardware) {
+    name(hardware);
+    std::erase_if(hardware.components, [&](const ComponentInfo& component) {
+      return component.kind == "joint" && !component.name.empty() && !can_be_driven(hardware, component);
+    });
+    for (ComponentInfo& component : hardware.components)
+      if (component.kind == "joint") mimic(component);
     std::set<std::pair<std::string, std::string>> names;
     for (const ComponentInfo& component : hardware.components) {
       if (!component.name.empty() && !names.emplace(component.kind, component.name).second)
@@ -26,7 +31,6 @@ class HardwareCheck {
             "duplicate-name", component.where,
             "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name + "\">",
             "put their interfaces into one");
-      if (component.kind == "joint") joint(hardware, component);
     }
     shape(hardware);
     for (const TransmissionInfo& t : hardware.transmissions) transmission(hardware, t);
@@ -41,32 +45,59 @@ class HardwareCheck {
   }
 
  private:
-  void joint(const HardwareInfo& hardware, const ComponentInfo& component) {
-    const int found = model_.find_joint(component.name);
-    if (found < 0)
-      return problems_.error("unknown-joint", component.where,
-                             "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
-                                 "', which the robot does not have" + did_you_mean(component.name, joints_),
-                             "write the name of a <joint> of the robot");
-    const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
-    if (!joint.moves())
-      return problems_.error("fixed-joint", component.where,
-                             "<ros2_control> '" + hardware.name + "' names the joint '" + component.name +
-                                 "', which is fixed and has nothing to read or command",
-                             "remove it here, or give the robot's joint another type");
-    mimic(component, joint);
+  /// Every block has a name, and no two the same.
+  void name(HardwareInfo& hardware) {
+    const std::string given = hardware.name;
+    std::string wanted = !given.empty() ? given : model_.name.empty() ? "hardware" : model_.name;
+    const std::string base = wanted;
+    for (int i = 2; !blocks_.insert(wanted).second; ++i) wanted = base + "_" + std::to_string(i);
+    hardware.name = wanted;
+    if (given.empty())
+      warnings_.warning("missing-attribute", hardware.where,
+                        "a <ros2_control> has no name; it is called '" + wanted + "'",
+                        "write name=\"" + wanted + "\"");
+    else if (wanted != given)
+      warnings_.warning(
+          "duplicate-name", hardware.where,
+          "two <ros2_control> are called '" + given + "'; the second is called '" + wanted + "' here",
+          "rename one of them");
   }
 
-  void mimic(const ComponentInfo& component, const Joint& joint) {
-    if (component.mimic.value_or(false) && !joint.mimic)
-      problems_.error("no-mimic", component.where,
-                      "'" + component.name + "' says mimic=\"true\", but the robot's joint follows no other",
-                      "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
-    if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty())
-      problems_.error(
+  bool can_be_driven(const HardwareInfo& hardware, const ComponentInfo& component) {
+    const int found = model_.find_joint(component.name);
+    const std::string names =
+        "<ros2_control> '" + hardware.name + "' names the joint '" + component.name + "'";
+    if (found < 0)
+      warnings_.warning("unknown-joint", component.where,
+                        names + ", which the robot does not have" + did_you_mean(component.name, joints_) +
+                            "; it is left out",
+                        "write the name of a <joint> of the robot");
+    else if (!model_.joints[static_cast<std::size_t>(found)].moves())
+      warnings_.warning("fixed-joint", component.where,
+                        names + ", which is fixed and has nothing to read or command; it is left out",
+                        "remove it here, or give the robot's joint another type");
+    else
+      return true;
+    return false;
+  }
+
+  void mimic(ComponentInfo& component) {
+    const Joint& joint = model_.joints[static_cast<std::size_t>(model_.find_joint(component.name))];
+    if (component.mimic.value_or(false) && !joint.mimic) {
+      warnings_.warning(
+          "no-mimic", component.where,
+          "'" + component.name +
+              "' says mimic=\"true\", but the robot's joint follows no other; that is passed over",
+          "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
+      component.mimic.reset();
+    }
+    if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty()) {
+      warnings_.warning(
           "mimic-commanded", component.command_interfaces.front().where,
-          "'" + component.name + "' follows another joint, so that it cannot have command interfaces",
+          "'" + component.name + "' follows another joint, so that its command interfaces are left out",
           "remove them, or write mimic=\"false\" to command it on its own");
+      component.command_interfaces.clear();
+    }
     if (component.parameters.contains("mimic") && !joint.mimic)
       warnings_.warning(
           "superseded", component.where,
@@ -113,9 +144,9 @@ class HardwareCheck {
 
 }  // namespace
 
-void check_hardware(const RobotModel& model, Problems& problems, Problems& warnings) {
+void check_hardware(RobotModel& model, Problems& problems, Problems& warnings) {
   HardwareCheck check(model, problems, warnings);
-  for (const HardwareInfo& hardware : model.hardware) check.block(hardware);
+  for (HardwareInfo& hardware : model.hardware) check.block(hardware);
   for (const TransmissionInfo& t : model.transmissions) check.transmission_of_robot(t);
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
+#include <set>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
@@ -41,6 +43,64 @@ std::string declared_name(const fs::path& folder) {
   return name && name->GetText() ? std::string(trim(name->GetText())) : folder.filename().string();
 }
 
+/// A folder whose content build tools of ROS pass over.
+bool is_ignored(const fs::path& folder) {
+  std::error_code error;
+  for (const char* mark : {"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
+    if (fs::exists(folder / mark, error)) return true;
+  return false;
+}
+
+constexpr int kMostFolders = 20'000, kDeepestPackage = 8;
+
+/// The packages below a folder by their names, found as build tools of ROS find them: at any depth, but not
+/// within packages, hidden folders and those that say so. Of one name the one that is found first, near the
+/// root.
+class Workspace {
+ public:
+  explicit Workspace(fs::path root) : root_{std::move(root)} {}
+
+  fs::path find(const std::string& name) {
+    if (declared_name(root_ / name) == name) return root_ / name;  // as installations have it
+    if (!looked_) look();
+    const auto found = packages_.find(name);
+    return found == packages_.end() ? fs::path{} : found->second;
+  }
+
+ private:
+  void look() {
+    looked_ = true;
+    std::vector<fs::path> level{root_};
+    for (int depth = 0; depth < kDeepestPackage && !level.empty(); ++depth) {
+      std::vector<fs::path> below;
+      for (const fs::path& folder : level) look_into(folder, depth > 0, below);
+      std::sort(below.begin(), below.end());
+      level = std::move(below);
+    }
+  }
+
+  void look_into(const fs::path& folder, bool may_be_package, std::vector<fs::path>& below) {
+    std::error_code error;
+    if (seen_ > kMostFolders || is_ignored(folder)) return;
+    if (!visited_.insert(fs::weakly_canonical(folder, error)).second) return;  // links may lead in circles
+    if (const std::string name = declared_name(folder); !name.empty()) {
+      packages_.emplace(name, folder);
+      if (may_be_package) return;
+    }
+    for (const auto& entry :
+         fs::directory_iterator(folder, fs::directory_options::skip_permission_denied, error))
+      if (entry.is_directory(error) && ++seen_ <= kMostFolders &&
+          !entry.path().filename().string().starts_with('.'))
+        below.push_back(entry.path());
+  }
+
+  fs::path root_;
+  std::map<std::string, fs::path> packages_;
+  std::set<fs::path> visited_;
+  bool looked_ = false;
+  int seen_ = 0;
+};
+
 /// A folder below `root` that is the package: of its name, or at any of the next two levels.
 fs::path find_below(const fs::path& root, const std::string& name, int levels) {
   std::error_code error;
@@ -70,7 +130,8 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   add_from("POLYARM_PACKAGES", "", roots);
   add_from("ROS_PACKAGE_PATH", "", roots);
   add_from("AMENT_PREFIX_PATH", "share", roots);
-  const auto find = [known, above, roots](const std::string& name) -> fs::path {
+  const auto workspaces = std::make_shared<std::vector<Workspace>>(roots.begin(), roots.end());
+  const auto find = [known, above, workspaces](const std::string& name) -> fs::path {
     if (const auto found = known.find(name); found != known.end()) return found->second;
     if (name.empty() || name.find('/') != std::string::npos || name == "..") return {};
     bool inside = true;  // of packages: a workspace is looked through two levels deep, not the whole disk
@@ -81,8 +142,8 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
         return found;
       inside = inside && i < 3;
     }
-    for (const fs::path& root : roots)
-      if (const fs::path found = find_below(root, name, 1); !found.empty()) return found;
+    for (Workspace& workspace : *workspaces)
+      if (const fs::path found = workspace.find(name); !found.empty()) return found;
     return {};
   };
   return [find](const std::string& name) {
@@ -106,6 +167,32 @@ fs::path find_inside(const fs::path& package, const fs::path& inside) {
     found = at->path();
   }
   return found;
+}
+
+std::vector<fs::path> files_that_include(const fs::path& file) {
+  const std::string name = file.filename().string();
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(file, error).parent_path();
+  std::vector<fs::path> folders{folder, folder.parent_path()};
+  for (const fs::path& above : {folder, folder.parent_path()})
+    for (const auto& entry : fs::directory_iterator(above, error))
+      if (entry.is_directory(error) && folders.size() < 50) folders.push_back(entry.path());
+  std::set<fs::path> out;
+  int seen = 0;
+  for (const fs::path& at : folders)
+    for (const auto& entry : fs::directory_iterator(at, error)) {
+      const std::string extension = entry.path().extension().string();
+      if ((extension != ".xacro" && extension != ".urdf") || entry.path().filename() == name) continue;
+      if (!entry.is_regular_file(error) || entry.file_size(error) > 256 * 1024 || ++seen > 500) continue;
+      Problems ignored;
+      std::string text;
+      collect(ignored, [&] { text = read_file(entry.path()); });
+      const bool includes = text.find("xacro:include") != std::string::npos &&
+                            (text.find("/" + name + "\"") != std::string::npos ||
+                             text.find("\"" + name + "\"") != std::string::npos);
+      if (includes && out.size() < 10) out.insert(entry.path());
+    }
+  return {out.begin(), out.end()};
 }
 
 namespace {

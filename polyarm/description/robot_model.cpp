@@ -47,6 +47,33 @@ std::vector<std::string> RobotModel::joint_names() const {
   return out;
 }
 
+namespace {
+/// Positions that the hardware of a robot declares for the start, by joint.
+std::map<std::string, double> declared_start(const RobotModel& model) {
+  std::map<std::string, double> out;
+  for (const HardwareInfo& hardware : model.hardware)
+    for (const ComponentInfo& component : hardware.components)
+      for (const InterfaceInfo& state : component.state_interfaces)
+        if (state.name == "position" && state.initial_value) out[component.name] = *state.initial_value;
+  return out;
+}
+}  // namespace
+
+std::vector<double> RobotModel::start() const {
+  if (const auto home = named_states.find("home"); home != named_states.end()) return home->second;
+  const std::map<std::string, double> declared = declared_start(*this);
+  std::vector<double> out;
+  for (const int index : actuated) {
+    const Joint& joint = joints[static_cast<std::size_t>(index)];
+    const auto found = declared.find(joint.name);
+    double value = found == declared.end() ? 0.0 : found->second;
+    if (joint.limits.upper) value = std::min(value, *joint.limits.upper);
+    if (joint.limits.lower) value = std::max(value, *joint.limits.lower);
+    out.push_back(value);
+  }
+  return out;
+}
+
 std::vector<double> RobotModel::displayed(std::span<const double> q) const {
   std::vector<double> out;
   for (std::size_t i = 0; i < controller_axes.size() && i < q.size(); ++i) {

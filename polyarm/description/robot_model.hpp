@@ -197,6 +197,8 @@ struct RobotModel {
   std::vector<int> actuated;
   std::vector<HardwareInfo> hardware;
   std::vector<TransmissionInfo> transmissions;  ///< of the robot itself, as in ROS 1
+  /// Controllers files that a plugin within `<gazebo>` names (`<parameters>`), as written.
+  std::vector<std::string> controller_files;
   std::vector<GroupInfo> groups;
   std::vector<EndEffectorInfo> end_effectors;
   Provenance provenance;
@@ -209,6 +211,9 @@ struct RobotModel {
   int find_joint(std::string_view joint) const;  ///< -1 if there is none
   /// The names of the actuated joints, in order.
   std::vector<std::string> joint_names() const;
+  /// Where the actuated joints are when nothing has moved them, in order: "home", else the initial positions
+  /// that the hardware declares, else zero; the latter two within the joints' limits.
+  std::vector<double> start() const;
   /// What the maker's controller shows for a joint state, rad or m; empty where that is not known.
   std::vector<double> displayed(std::span<const double> q) const;
   /// The link where a tool is bolted on, z out of it: `tip`, else `tool0`, else `flange`, else where the

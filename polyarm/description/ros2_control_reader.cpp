@@ -44,13 +44,20 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
   static const std::vector<std::string> kTypes{"system", "actuator", "sensor"};
   HardwareInfo out;
   out.where = at(e);
-  out.name = attribute(e, "name", "arm");
+  out.name = optional_attribute(e, "name");  // check_hardware gives it one
   out.type = attribute(e, "type", "system");
+  if (const std::string small = lower(out.type); small != out.type && holds(kTypes, small)) {
+    warning(e, "bad-type",
+            "'" + out.type + "' is read as '" + small + "'; ros2_control knows only the latter",
+            "write type=\"" + small + "\"");
+    out.type = small;
+  }
   if (!out.type.empty() && !holds(kTypes, out.type))
     error(e, "bad-type", "'" + out.type + "' is no type of hardware" + did_you_mean(out.type, kTypes),
           out.type.find_first_of("/:") == std::string::npos
               ? "write system, actuator or sensor"
-              : "write system, actuator or sensor; a plugin goes into <hardware><plugin>" + out.type + "</plugin>");
+              : "write system, actuator or sensor; a plugin goes into <hardware><plugin>" + out.type +
+                    "</plugin>");
   check_attributes(e, {"name", "type", "rw_rate", "is_async", "thread_priority"});
   out.rw_rate = whole(e, "rw_rate", 0).value_or(0);
   asynchronous(e, out);
@@ -65,8 +72,9 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
             "known here: <hardware>, <properties>, <joint>, <sensor>, <gpio>, <transmission>");
   }
   if (out.plugin.empty())
-    error(e, "missing-tag", "the <ros2_control> '" + out.name + "' names no plugin",
-          "write <hardware><plugin>mock_components/GenericSystem</plugin></hardware>");
+    warning(e, "missing-tag",
+            "the <ros2_control> '" + out.name + "' names no plugin, it is played as an unknown one",
+            "write <hardware><plugin>mock_components/GenericSystem</plugin></hardware>");
   return out;
 }
 

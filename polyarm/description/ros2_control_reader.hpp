@@ -32,6 +32,6 @@ class Ros2ControlReader : private XmlReader {
 
 /// Whether the `<ros2_control>` blocks and the transmissions fit the joints of the robot: joints that are not
 /// there or do not move, mimic joints that are commanded, doubled names, transmissions of foreign joints.
-void check_hardware(const RobotModel& model, Problems& problems, Problems& warnings);
+void check_hardware(RobotModel& model, Problems& problems, Problems& warnings);
 
 }  // namespace polyarm::description

@@ -32,8 +32,8 @@ std::string write_urdf(const RobotModel& model);
 struct LaunchHints {
   std::vector<std::string> descriptions;  ///< .urdf and .xacro files
   std::vector<std::string> controllers;   ///< .yaml files
-  /// "polyarm run --description … --controllers …"
-  std::string line() const;
+  /// "polyarm run --description … --controllers …", or with another verb.
+  std::string line(const std::string& verb = "run") const;
 };
 bool is_launch_file(const std::filesystem::path& path);
 LaunchHints find_in_launch_file(std::string_view text);

@@ -284,9 +284,8 @@ std::string write_urdf(const RobotModel& model) {
 
 bool is_launch_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  // ROS 2 recommends two names for Python: view.launch.py and view_launch.py.
-  return name.ends_with(".launch") || name.ends_with(".launch.py") || name.ends_with("_launch.py") ||
-         name.ends_with(".launch.xml") || name.ends_with(".launch.yaml");
+  // Any Python file: view.launch.py, view_launch.py, and launch.py, too. No description or cell is Python.
+  return name.ends_with(".launch") || name.ends_with(".py") || name.ends_with(".launch.xml") || name.ends_with(".launch.yaml");
 }
 
 LaunchHints find_in_launch_file(std::string_view text) {
@@ -302,9 +301,9 @@ LaunchHints find_in_launch_file(std::string_view text) {
   return out;
 }
 
-std::string LaunchHints::line() const {
+std::string LaunchHints::line(const std::string& verb) const {
   std::string out =
-      "polyarm run --description " + (descriptions.empty() ? std::string("FILE.urdf") : descriptions.front());
+      "polyarm " + verb + " --description " + (descriptions.empty() ? std::string("FILE.urdf") : descriptions.front());
   if (!controllers.empty()) out += " --controllers " + controllers.front();
   return out;
 }

@@ -301,6 +301,7 @@ class Expander : private XacroTexts {
     const std::string written = e.Attribute("params") ? e.Attribute("params") : "";
     auto parameters = xacro_parameters(written);
     if (!parameters) fail("the parameters '" + written + "' of the macro are not understood");
+    if (report_ && reading_.size() == 1 && report_->macros.size() < 20) report_->macros.push_back(name);
     Macro macro{std::move(*parameters), &e, frame.file};
     frame.scope->macros[name] = std::move(macro);
   }

@@ -21,6 +21,7 @@ struct XacroOptions {
 struct XacroReport {
   std::vector<std::filesystem::path> files;      ///< the file, its includes and YAML files
   std::map<std::string, std::string> arguments;  ///< every <xacro:arg> with the value that it had
+  std::vector<std::string> macros;               ///< that the file itself defines
 };
 
 /// The XML that is left when everything of xacro has been done. Throws Error with the place and the chain of

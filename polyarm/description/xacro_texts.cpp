@@ -26,9 +26,14 @@ std::size_t end_of_default(const std::string& text, std::size_t begin) {
         if (ends(at + 1)) return at + 1;
   std::size_t at = begin;
   while (!ends(at)) {
-    const bool quote = text[at] == '\'' || text[at] == '"';
-    const auto partner = quote ? text.find(text[at], at + 1) : at;
+    const char letter = text[at];
+    auto partner = letter == '\'' || letter == '"' ? text.find(letter, at + 1) : at;
     if (partner == std::string::npos) return at;
+    // A quote that nothing closes any more belongs to the quoted piece before it: ''' is one piece.
+    if (partner != at)
+      while (!ends(partner + 1) && text[partner + 1] == letter &&
+             text.find(letter, partner + 2) == std::string::npos)
+        ++partner;
     at = partner + 1;
   }
   return at;

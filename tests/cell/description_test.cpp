@@ -1,6 +1,8 @@
 /// What a cell takes from its description beside joints: transmissions, states of its SRDF, a reload.
 #include <gtest/gtest.h>
 
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/check.hpp"
 #include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "tests/support/lock_step_cell.hpp"
@@ -120,6 +122,53 @@ TEST(Description, AReloadWithOtherInterfacesIsRefusedAndTheOldOneStays) {
   EXPECT_FALSE(cell.ask({{"request", "hardware.reload"}, {"name", "drives"}}).value("ok", true));
   EXPECT_EQ(cell.result({{"request", "hardware.state"}, {"name", "drives"}, {"state", "active"}})["state"],
             "active");
+}
+
+TEST(Description, IsCheckedWithItsControllersAsACellIs) {
+  const Folder folder;
+  const auto urdf = folder.write("arm.urdf", description("", "<joint name='nobody'/>"));
+  const auto yaml = folder.write("c.yaml", kControllers);
+  const auto checked = [&](const std::string& controllers) {
+    return cell::check([&] { return cell::cell_from_description(urdf, {controllers}); },
+                       description::Catalogue({}), {});
+  };
+  const cell::CheckResult good = checked(yaml);
+  EXPECT_FALSE(good.has_errors()) << good.problems.front().text();
+  EXPECT_TRUE(std::any_of(good.problems.begin(), good.problems.end(), [](const Problem& p) {
+    return p.what.find("'nobody'") != std::string::npos && p.severity == Severity::warning;
+  }));
+  EXPECT_TRUE(checked((folder.path() / "none.yaml").string()).has_errors());
+  EXPECT_TRUE(cell::check([]() -> cell::CellFile { throw Error("gone", "no such cell"); },
+                          description::Catalogue({}), {})
+                  .has_errors());
+}
+
+TEST(Description, MadeForGazeboSaysWhichControllersFileItNames) {
+  const Folder folder;
+  const auto yaml = folder.write("c.yaml", kControllers);
+  const auto urdf = folder.write(
+      "arm.urdf",
+      description("", "</ros2_control><gazebo><plugin filename='p' name='q'><parameters>" + yaml +
+                          "</parameters></plugin></gazebo><ros2_control name='x' type='system'><hardware>"
+                          "<plugin>mock_components/GenericSystem</plugin></hardware>"));
+  const auto notes_of = [&](const std::vector<std::string>& controllers) {
+    Problems problems;
+    std::vector<std::string> notes;
+    cell::resolve_robots(cell::cell_from_description(urdf, controllers), description::Catalogue({}), false,
+                         problems, notes);
+    return join(notes, " ");
+  };
+  EXPECT_NE(notes_of({}).find("--controllers " + yaml), std::string::npos) << notes_of({});
+  EXPECT_EQ(notes_of({yaml}).find("--controllers"), std::string::npos);
+}
+
+TEST(Description, JointsOfItsHardwareThatItLacksAreLeftOutAndTheRestRuns) {
+  const Folder folder;
+  LockStepCell cell(
+      folder.write("arm.urdf",
+                   description("", "<joint name='nobody'><command_interface name='position'/></joint>")),
+      kControllers);
+  EXPECT_NEAR(command(cell, 0.5, -0.5), 0.5, 1e-6);
 }
 
 TEST(Description, GroupStatesOfItsSrdfAreNamedPoints) {

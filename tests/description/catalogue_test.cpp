@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/description/packages.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
@@ -324,7 +326,7 @@ TEST(Catalogue, LoadsRobotsByNameAndByPath) {
   EXPECT_THROW(load_robot((mine.path() / "none.urdf").string(), catalogue(), warnings), Error);
 }
 
-TEST(Catalogue, AnswersALaunchFileWithTheLineToType) {
+TEST(Catalogue, AnswersALaunchFileWithTheVerbThatReadsIt) {
   const Folder mine;
   Problems warnings;
   const std::string launch = mine.write("arm.launch.py", "urdf = 'arm.urdf'\nctl = 'arm_controllers.yaml'\n");
@@ -332,8 +334,109 @@ TEST(Catalogue, AnswersALaunchFileWithTheLineToType) {
     load_robot(launch, catalogue(), warnings);
     FAIL() << "was read";
   } catch (const Error& e) {
-    EXPECT_TRUE(has(e.what(), "polyarm run --description arm.urdf --controllers arm_controllers.yaml"));
+    EXPECT_TRUE(has(e.what(), "polyarm run " + launch));
   }
+}
+
+TEST(Catalogue, OfAFileThatOnlyDefinesMacrosItNamesWhatIncludesIt) {
+  const Folder mine;
+  const std::string macro = mine.write(
+      "urdf/arm_macro.xacro",
+      "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:macro name=\"arm\"><link name=\"a\"/>"
+      "</xacro:macro></robot>");
+  const std::string whole =
+      mine.write("urdf/arm.urdf.xacro",
+                 "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:include "
+                 "filename=\"arm_macro.xacro\"/><xacro:arm/></robot>");
+  Problems warnings;
+  EXPECT_EQ(load_robot(whole, catalogue(), warnings).links.size(), 1u);
+  try {
+    load_robot(macro, catalogue(), warnings);
+    FAIL() << "was read";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "only-macros");
+    EXPECT_TRUE(has(e.what(), "arm")) << e.what();
+    EXPECT_TRUE(has(e.what(), "arm.urdf.xacro")) << e.what();
+  }
+}
+
+TEST(Catalogue, OfAPartOfADescriptionItNamesWhatIncludesIt) {
+  const Folder mine;
+  const std::string part = mine.write(
+      "parts/camera.xacro",
+      "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><link name=\"camera\"/><joint name=\"c\" "
+      "type=\"fixed\"><parent link=\"arm\"/><child link=\"camera\"/></joint></robot>");
+  mine.write(
+      "robot.urdf.xacro",
+      "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><link name=\"arm\"/><xacro:include "
+      "filename=\"parts/camera.xacro\"/></robot>");
+  Problems warnings;
+  try {
+    load_robot(part, catalogue(), warnings);
+    FAIL() << "was read";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "robot.urdf.xacro")) << e.what();
+  }
+}
+
+TEST(Catalogue, FaultsOfAnSrdfBesideADescriptionAreLeftOut) {
+  const Folder mine;
+  const std::string urdf =
+      mine.write("arm.urdf", write_urdf(read_robot_file(mine.write("one.yaml", kSmall))));
+  for (const char* srdf : {"<robot><group_state name=\"s\" group=\"none\"/></robot>", "<robot>", "no XML",
+                           "<robot><group name=\"g\"><joint name=\"elbw\"/></group></robot>"}) {
+    mine.write("arm.srdf", srdf);
+    Problems warnings;
+    EXPECT_EQ(load_robot(urdf, catalogue(), warnings).actuated.size(), 1u) << srdf;
+    EXPECT_FALSE(warnings.has_errors()) << srdf;
+    EXPECT_TRUE(std::any_of(warnings.list().begin(), warnings.list().end(), [](const Problem& p) {
+      return has(p.what, "is left out");
+    })) << srdf;
+  }
+}
+
+/// As colcon finds them: workspaces hold repositories, and these hold packages.
+TEST(Packages, AreFoundDeepBelowTheFoldersOfPackagePaths) {
+  const Folder workspace;
+  const auto manifest = [](const std::string& name) {
+    return "<package><name>" + name + "</name></package>";
+  };
+  workspace.write("src/vendor/arms/arm_description/package.xml", manifest("arm_description"));
+  workspace.write("src/vendor/arms/arm_description/test/inner/package.xml", manifest("inside_a_package"));
+  workspace.write("src/other/COLCON_IGNORE", "");
+  workspace.write("src/other/ignored/package.xml", manifest("ignored"));
+  workspace.write("src/folder_of_another_name/package.xml", manifest("renamed"));
+  workspace.write("src/.hidden/secret/package.xml", manifest("secret"));
+  std::filesystem::create_directory_symlink(workspace.path(), workspace.path() / "src" / "circle");
+  const char* before = std::getenv("ROS_PACKAGE_PATH");
+  const std::string kept = before ? before : "";
+  ::setenv("ROS_PACKAGE_PATH", workspace.path().c_str(), 1);
+  const PackageSearch find = packages_near("/nowhere/robot.urdf");
+  EXPECT_EQ(find("arm_description").filename(), "arm_description");
+  EXPECT_EQ(find("renamed").filename(), "folder_of_another_name");
+  for (const char* name : {"inside_a_package", "ignored", "secret", "not_there"})
+    EXPECT_TRUE(find(name).empty()) << name;
+  before ? ::setenv("ROS_PACKAGE_PATH", kept.c_str(), 1) : ::unsetenv("ROS_PACKAGE_PATH");
+}
+
+TEST(RobotModel, StartsAtHomeElseWhereItsHardwareSaysElseNearZeroWithinLimits) {
+  Problems warnings;
+  const auto joint = [](const char* name, const char* parent, const char* child, const char* limits) {
+    return std::string("<joint name=\"") + name + "\" type=\"revolute\"><parent link=\"" + parent +
+           "\"/><child link=\"" + child + "\"/><limit effort=\"1\" velocity=\"1\" " + limits + "/></joint>";
+  };
+  const std::string text =
+      "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/><link name=\"d\"/>" +
+      joint("one", "a", "b", "lower=\"0.5\" upper=\"1\"") +
+      joint("two", "b", "c", "lower=\"-2\" upper=\"-1\"") +
+      joint("three", "c", "d", "lower=\"-2\" upper=\"2\"") +
+      "<ros2_control name=\"h\" type=\"system\"><hardware><plugin>p</plugin></hardware><joint name=\"three\">"
+      "<state_interface name=\"position\"><param name=\"initial_value\">0.7</param></state_interface></joint>"
+      "</ros2_control></robot>";
+  RobotModel model = read_urdf(text, "r.urdf", warnings);
+  EXPECT_EQ(model.start(), (std::vector<double>{0.5, -1, 0.7}));
+  model.named_states["home"] = {0.6, -1.5, 0};
+  EXPECT_EQ(model.start(), (std::vector<double>{0.6, -1.5, 0}));
 }
 
 TEST(RobotFile, ReadsUnitsAndNormalisesAxes) {

@@ -40,6 +40,17 @@ TEST(Gazebo, GivesLinksFrictionAndSelfCollision) {
   }
 }
 
+TEST(Gazebo, NamesTheControllersFilesOfItsPlugins) {
+  Problems warnings;
+  const RobotModel model = read_urdf(
+      "<robot name=\"r\"><link name=\"a\"/><gazebo><plugin filename=\"libgz_ros2_control.so\" name=\"c\">"
+      "<parameters>/ws/c.yaml</parameters><parameters>/ws/d.yml</parameters><parameters>/ws/c.yaml</"
+      "parameters>"
+      "<parameters>words</parameters></plugin></gazebo></robot>",
+      "r.urdf", warnings);
+  EXPECT_EQ(model.controller_files, (std::vector<std::string>{"/ws/c.yaml", "/ws/d.yml"}));
+}
+
 TEST(Gazebo, GivesJointsDampingAndFrictionOverWhatTheyHave) {
   EXPECT_EQ(read("").joints[0].damping, 1);
   const RobotModel model =

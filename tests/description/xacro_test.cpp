@@ -179,6 +179,11 @@ TEST(Xacro, PropertiesAreRemovedEverywhere) {
             std::string::npos);
 }
 
+TEST(Xacro, ADefaultOfThreeQuotesIsAQuote) {
+  expect("<xacro:macro name='m' params=\"p:='''\"><l v=\"[${p}]\"/></xacro:macro><xacro:m/>",
+         "<l v=\"[']\"/>");
+}
+
 TEST(Xacro, PropertiesHaveNamesThatExpressionsCanSay) {
   for (const char* name : {"2a", "a-b", "__a", "a b", ""})
     EXPECT_NE(complaint(std::string("<xacro:property name='") + name + "' value='1'/>").find("no name"),
