@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "apps/asked_cell.hpp"
 #include "apps/options.hpp"
 #include "polyarm/base/bounds.hpp"
 
@@ -55,8 +56,7 @@ void print_json(const cell::CheckResult& result) {
 void print_text(const cell::CheckResult& result) {
   int errors = 0, warnings = 0;
   for (const Problem& problem : first_of(result.problems)) fmt::print("{}\n", problem.text());
-  for (const Problem& problem : result.problems)
-    ++(problem.severity == Severity::error ? errors : warnings);
+  for (const Problem& problem : result.problems) ++(problem.severity == Severity::error ? errors : warnings);
   if (result.problems.size() > kMostTold)
     fmt::print("and {} more problems\n", result.problems.size() - kMostTold);
   for (const std::string& note : result.notes) fmt::print("note: {}\n", note);
@@ -73,16 +73,18 @@ void print_text(const cell::CheckResult& result) {
 }  // namespace
 
 int run_check(int argc, char** argv) {
-  CommandLine app("Finds every error of a cell's files; nothing moves", "polyarm check");
-  std::string path;
-  cell::Overrides overrides;
+  CommandLine app(
+      "Finds every error of a cell's files, or of a description and its controllers files; nothing moves",
+      "polyarm check");
+  AskedCell asked;
   cell::CheckOptions options;
   std::vector<std::string> plugins;
   bool as_json = false;
-  app.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
-  app.add_option("--robot", overrides.robot, "check for another robot");
-  app.add_option("--program", overrides.program, "another program: a script, beside the cell or anywhere");
-  app.add_option("--hardware", overrides.hardware, "hardware of the dry run: mock or mujoco");
+  asked.add_to(app);
+  app.add_option("--robot", asked.overrides.robot, "check for another robot");
+  app.add_option("--program", asked.overrides.program,
+                 "another program: a script, beside the cell or anywhere");
+  app.add_option("--hardware", asked.overrides.hardware, "hardware of the dry run: mock or mujoco");
   add_plugin_option(app, plugins);
   app.add_flag("--dry", options.dry,
                "run the program in lock-step simulation; list contacts, limits and parts by line");
@@ -90,11 +92,13 @@ int run_check(int argc, char** argv) {
   app.add_flag("--json", as_json, "one JSON object: result, problems, notes, points, moves, reached");
   app.footer(
       examples({"polyarm check examples/pick_and_place",
-                "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json"}) +
+                "polyarm check examples/sorting --robot abb/irb_120 --dry", "polyarm check my_cell --json",
+                "polyarm check --description my_robot.urdf --controllers controllers.yaml"}) +
       "\nExit codes: 0 no errors, 1 errors, 2 wrong command line\n");
   if (const auto code = app.parse(argc, argv)) return *code;
+  if (const auto code = asked.settle("check")) return *code;
   load_plugins(plugins);
-  const cell::CheckResult result = cell::check(path, overrides, open_catalogue(), options);
+  const cell::CheckResult result = cell::check([&] { return asked.open(); }, open_catalogue(), options);
   if (as_json)
     print_json(result);
   else

@@ -15,20 +15,18 @@
 #include <thread>
 #include <utility>
 
+#include "apps/asked_cell.hpp"
 #include "apps/ending.hpp"
 #include "apps/options.hpp"
 #include "apps/reach.hpp"
 #include "apps/run_output.hpp"
 #include "apps/run_pendant.hpp"
-#include "polyarm/base/file.hpp"
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/fault_record.hpp"
-#include "polyarm/description/packages.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/recording/cell_recorder.hpp"
-#include "polyarm/ros_files/python_launch.hpp"
 
 namespace polyarm::apps {
 
@@ -36,10 +34,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct RunArguments {
-  std::string cell, description;
-  std::vector<std::string> controllers, activate, arguments, plugins;
-  cell::Overrides overrides;
+struct RunArguments : AskedCell {
+  std::vector<std::string> plugins;
   cell::CellOptions cell_options;
   cell::RunOptions run;
   PendantArguments pendant;
@@ -52,13 +48,7 @@ struct RunArguments {
 };
 
 void add_options(CommandLine& app, RunArguments& a) {
-  app.add_option("cell", a.cell,
-                 "folder with a cell.yaml, a cell file, a launch file of ROS 1, or a robot: a URDF, xacro or "
-                 "catalogue name");
-  app.add_option("arguments", a.arguments, "NAME:=VALUE of a launch file or of a description in xacro");
-  app.add_option("--description", a.description,
-                 "a robot's URDF or xacro, or its catalogue name, instead of a cell");
-  app.add_option("--controllers", a.controllers, "controllers YAML for --description; may be repeated");
+  a.add_to(app);
   app.add_option("--activate", a.activate, "start only these controllers of the file; may be repeated");
   app.add_option("--robot", a.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
   app.add_option("--program", a.overrides.program, "another program: a script, beside the cell or anywhere");
@@ -137,47 +127,6 @@ void read_faults(RunArguments& a) {
   }
 }
 
-/// What a Python launch file says in so many words, and the line that runs it here.
-int explain_python_launch(const std::string& path, const std::map<std::string, std::string>& given) {
-  const ros_files::PythonLaunch read =
-      ros_files::read_python_launch(read_file(path), path, given, description::packages_near(path));
-  fmt::print(stderr, "polyarm run: {} is a Python launch file of ROS 2, which is read and not executed\n",
-             path);
-  for (const auto& found : read.descriptions)
-    fmt::print(stderr, "  taken: description  {} (line {})\n", found.file.string(), found.where.line);
-  for (const auto& found : read.parameters)
-    fmt::print(stderr, "  taken: controllers  {} (line {})\n", found.file.string(), found.where.line);
-  for (const auto& argument : read.arguments)
-    if (argument.known)
-      fmt::print(stderr, "  taken: argument     {}:={}{}\n", argument.name, argument.value,
-                 argument.given ? "" : " (its default)");
-  for (const auto& [where, what] : read.not_taken)
-    fmt::print(stderr, "  not taken: {}{}\n", what,
-               where.line > 0 ? fmt::format(" (line {})", where.line) : "");
-  if (read.descriptions.size() > 1)
-    fmt::print(stderr, "it has several descriptions; the first is used below\n");
-  fmt::print(stderr, "type instead:\n  {}\n",
-             read.line().empty() ? description::find_in_launch_file(read_file(path)).line() : read.line());
-  return kUsage;
-}
-
-/// Told when a user names a launch file of ROS 2, which is a program and does not run here.
-int explain_launch_file(const std::string& path, const std::map<std::string, std::string>& given) {
-  if (path.ends_with(".py")) return explain_python_launch(path, given);
-  const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
-  fmt::print(stderr, "polyarm run: {} is a launch file of ROS 2; it mentions\n", path);
-  for (const std::string& name : hints.descriptions) fmt::print(stderr, "  description  {}\n", name);
-  for (const std::string& name : hints.controllers) fmt::print(stderr, "  controllers  {}\n", name);
-  fmt::print(stderr, "type instead:\n  {}\n", hints.line());
-  return kUsage;
-}
-
-/// A launch file of ROS 1 is XML; those of ROS 2 are programs, or XML that calls itself so.
-bool runs_here(const std::string& path) {
-  const fs::path file = path;
-  return file.extension() == ".launch" || path.ends_with(".launch.xml");
-}
-
 /// Ends the process when a cell does not come to its end: threads of plugins may hang.
 class EndsInTime {
  public:
@@ -218,28 +167,14 @@ std::string keep_failure(cell::Cell& cell, const cell::RunResult& result, const 
 }
 
 cell::CellFile open_cell(const RunArguments& a) {
-  if (description::is_launch_file(a.cell)) {
-    Problems problems;
-    cell::CellFile launched =
-        cell::cell_from_launch(a.cell, named_values(a.arguments), a.overrides, problems);
-    for (const Problem& problem : problems.list()) launched.notes.push_back(problem.text());
-    if (!a.activate.empty()) launched.activate = a.activate;
-    return launched;
-  }
-  cell::CellFile file = a.description.empty()
-                            ? cell::read_cell_file(a.cell, a.overrides)
-                            : cell::cell_from_description(a.description, a.controllers, a.overrides);
-  if (a.description.empty() && a.asks) ask_for_reach(file);
-  for (const auto& [name, value] : named_values(a.arguments))
-    for (cell::RobotEntry& robot : file.robots) robot.arguments[name] = value;
-  if (!a.activate.empty()) file.activate = a.activate;
+  cell::CellFile file = a.open();
+  if (a.description.empty() && a.asks && !description::is_launch_file(a.cell)) ask_for_reach(file);
   return file;
 }
 
 /// A cell that cannot be built is checked whole, so that a user sees every error at once.
 std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
-  if (a.cell.empty() || description::is_launch_file(a.cell)) return first.problems();
-  const cell::CheckResult checked = cell::check(a.cell, a.overrides, open_catalogue(), {});
+  const cell::CheckResult checked = cell::check([&] { return a.open(); }, open_catalogue(), {});
   if (!checked.has_errors()) return first.problems();
   std::vector<Problem> out = checked.problems;  // and what only a run is refused for
   for (const Problem& problem : first.problems())
@@ -511,15 +446,6 @@ int execute(RunArguments& a, const std::string& command) {
   return run_until_done(a, command, catalogue, *shown, pendant.get());
 }
 
-/// A description, or a robot of the catalogue, may stand where a cell does.
-bool is_robot(const std::string& named) {
-  std::error_code error;
-  const fs::path path = named;
-  if (fs::is_regular_file(path, error)) return path.extension() == ".urdf" || path.extension() == ".xacro";
-  if (named.empty() || fs::exists(path, error)) return false;
-  return open_catalogue().find(named).has_value();
-}
-
 }  // namespace
 
 int run_run(int argc, char** argv) {
@@ -527,18 +453,7 @@ int run_run(int argc, char** argv) {
   RunArguments arguments;
   add_options(app, arguments);
   if (const auto code = app.parse(argc, argv)) return *code;
-  if (!arguments.description.empty() && arguments.cell.find(":=") != std::string::npos)
-    arguments.arguments.insert(arguments.arguments.begin(), std::exchange(arguments.cell, ""));
-  if (arguments.description.empty() && is_robot(arguments.cell))
-    arguments.description = std::exchange(arguments.cell, "");
-  const std::string named = arguments.cell.empty() ? arguments.description : arguments.cell;
-  if (arguments.cell.empty() == arguments.description.empty()) {
-    fmt::print(stderr,
-               "polyarm run: name a cell, or a robot with --description FILE.urdf; see polyarm run --help\n");
-    return kUsage;
-  }
-  if (description::is_launch_file(named) && !runs_here(named))
-    return explain_launch_file(named, named_values(arguments.arguments));
+  if (const auto code = arguments.settle("run")) return *code;
   std::string command = "polyarm";
   for (int i = 0; i < argc; ++i) command += std::string(" ") + argv[i];
   return execute(arguments, command);

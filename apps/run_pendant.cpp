@@ -36,10 +36,7 @@ std::string token_of_user() {
 
 /// The robot with its joints in the middle of what a picture shows: home where it is known.
 std::string picture(const description::RobotModel& model) {
-  std::vector<double> q(model.actuated.size(), 0.0);
-  const auto home = model.named_states.find("home");
-  if (home != model.named_states.end() && home->second.size() == q.size()) q = home->second;
-  return picture_of(model, q);
+  return picture_of(model, model.start());
 }
 
 /// By a page of this user's own that leads on: command lines, which everybody may read, hold no token.

@@ -86,7 +86,9 @@ std::optional<controllers::Input> read_json_trajectory(const nlohmann::json& mes
   std::vector<trajectory::TrajectoryPoint> points(given->size());
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!json_trajectory::read_point((*given)[i], points[i])) return std::nullopt;
-  controllers::Input out = read_message(json_trajectory::without_points(message).dump(), name, types);
+  controllers::Input out = read_message(
+      json_trajectory::without_points(message).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+      name, types);
   auto* const read = std::get_if<controllers::TrajectoryMessage>(&out);
   if (!read) return std::nullopt;
   read->points = std::move(points);

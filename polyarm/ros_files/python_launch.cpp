@@ -1,365 +1,142 @@
 #include "polyarm/ros_files/python_launch.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <cstdlib>
 #include <optional>
 #include <set>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/ros_files/python_text.hpp"
+#include "polyarm/ros_files/python_reader.hpp"
+#include "polyarm/ros_files/python_spawners.hpp"
 
 namespace polyarm::ros_files {
 
-namespace python_launch {
+namespace python {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 64;
-constexpr int kPasses = 3;  // a value may be used above the line that states it
-constexpr std::size_t kLongestText = 4096, kMostFound = 200, kHeaviest = 10'000;
-constexpr char kUnknown = '\x01';  // within a text: here stands what is not known
+constexpr std::size_t kMostFound = 200;
+constexpr int kMostIncluded = 50, kDeepestInclude = 8;
 
-/// What an expression means, as far as that is written down. A text may have gaps (kUnknown).
-struct Value {
-  enum class Kind { unknown, text, list, map } kind = Kind::unknown;
-  std::string text;
-  std::vector<Value> items;                            // of a list
-  std::vector<std::pair<std::string, Value>> entries;  // of a map
-  std::size_t weight = 1;                              // values in it, itself too: a = [a, a] doubles
-  static Value of(std::string text) {
-    Value out;
-    out.kind = Kind::text;
-    out.text = text.size() > kLongestText ? std::string(1, kUnknown) : std::move(text);
-    return out;
-  }
-};
-
-bool has_gap(const std::string& text) {
-  return text.find(kUnknown) != std::string::npos;
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
 }
 
-/// One text of a text or a list of texts, which `joint` stands between.
-std::string flat(const Value& value, const std::string& joint = "", int depth = 0) {
-  if (value.kind == Value::Kind::text) return value.text;
-  if (value.kind != Value::Kind::list || depth > kDeepest) return std::string(1, kUnknown);
-  std::vector<std::string> parts;
-  for (const Value& item : value.items) parts.push_back(flat(item, "", depth + 1));
-  const std::string out = join(parts, joint);
-  return out.size() > kLongestText ? std::string(1, kUnknown) : out;
+std::string without_quotes(std::string value) {
+  if (value.size() > 1 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front())
+    return value.substr(1, value.size() - 2);
+  return value;
 }
 
-/// a / b / c as PathJoinSubstitution and os.path.join have it: an absolute part begins anew.
-std::string joined_path(const std::vector<std::string>& parts) {
-  fs::path out;
-  for (const std::string& part : parts) out /= fs::path(part);
-  return out.string();
-}
-
-struct Arguments {
-  std::vector<Value> values;
-  std::vector<std::pair<std::string, Value>> named;
-  const Value* find(const std::string& name) const {
-    for (const auto& [key, value] : named)
-      if (key == name) return &value;
-    return nullptr;
-  }
-  const Value* first_or(const std::string& name) const {
-    return values.empty() ? find(name) : &values.front();
-  }
-};
-
-class Reader {
+class LaunchReader : private PythonReader {
  public:
-  Reader(std::string_view text, const fs::path& path, const std::map<std::string, std::string>& given,
-         const PackageSearch& find)
-      : path_{path}, given_{given}, find_{find}, tokens_{python_tokens(text)} {}
+  /// `included`: launch files that have been read on the way, of the one that began.
+  LaunchReader(std::string_view text, const fs::path& path, const std::map<std::string, std::string>& given,
+               const PackageSearch& find, int depth, int& included)
+      : PythonReader(text, path.string()),
+        path_{path},
+        given_{given},
+        find_{find},
+        depth_{depth},
+        included_{included} {}
 
   PythonLaunch read() {
-    for (int pass = 0; pass < kPasses; ++pass) {
+    PythonReader::read([this](bool last) {
       out_ = {};
-      variables_.clear();
-      last_ = pass + 1 == kPasses;
-      at_ = 0;
-      while (at_ < tokens_.size()) statement();
-    }
+      spawned_known_ = true;
+      moveit_controllers_.clear();
+      last_ = last;
+    });
     list_arguments();
+    if (out_.parameters.empty()) out_.parameters = moveit_controllers_;
+    if (!spawned_known_) out_.spawned.clear();
     return std::move(out_);
   }
+  bool spawned_known() const { return spawned_known_; }
 
  private:
-  // --- tokens ---
+  // --- what names and methods mean ---
 
-  const PythonToken& token(std::size_t ahead = 0) const {
-    static const PythonToken end;
-    return at_ + ahead < tokens_.size() ? tokens_[at_ + ahead] : end;
+  Value unassigned(const std::string& name) override {
+    return name == "__file__" ? Value::of(path_.string()) : Value{};
   }
-  bool is(const char* sign, std::size_t ahead = 0) const {
-    return token(ahead).kind == PythonToken::Kind::sign && token(ahead).text == sign;
-  }
-  bool is_name(std::size_t ahead = 0) const { return token(ahead).kind == PythonToken::Kind::name; }
-  Location here() const { return {path_.string(), token().line}; }
 
-  /// To the bracket that closes what is open at `depth` 0, or to a comma there; false at the end of the text.
-  void skip_element() {
-    for (int depth = 0; at_ < tokens_.size(); ++at_) {
-      if (is("(") || is("[") || is("{")) ++depth;
-      if (is(")") || is("]") || is("}"))
-        if (depth-- == 0) return;
-      if (depth == 0 && is(",")) return;
+  Value method(Value value, const std::string& name, const Arguments* a) override {
+    if (value.kind == Value::Kind::builder) return a ? builder_method(std::move(value), name, *a) : Value{};
+    if (!a)
+      return name == "parent" && value.kind == Value::Kind::text
+                 ? Value::of(fs::path(value.text).parent_path().string())
+                 : Value{};
+    static const std::set<std::string> kSame = {"perform", "as_posix", "toxml",    "resolve",    "strip",
+                                                "items",   "copy",     "absolute", "expanduser", "as_string"};
+    if (kSame.contains(name)) return value;
+    if (name == "find" && a->values.size() == 1) return package(flat(a->values.front()));
+    if (name == "get" && !a->values.empty()) {
+      if (const Value* found = value.find(flat(a->values.front()))) return *found;
+      return a->values.size() > 1 ? a->values[1] : Value{};
     }
-  }
-
-  // --- statements ---
-
-  void statement() {
-    if (is_name() && is("=", 1)) {
-      const std::string name = token().text;
-      at_ += 2;
-      const std::size_t begin = at_;
-      Value value = expression(0);
-      if (at_ == begin) ++at_;
-      if (is_name() && token().text == "if") value = {};  // a if c else b
-      variables_[name] = std::move(value);
-      return;
-    }
-    const std::size_t begin = at_;
-    if (is_name() && !is_keyword(token().text)) expression(0);
-    if (at_ == begin) ++at_;
-  }
-
-  static bool is_keyword(const std::string& word) {
-    static const std::set<std::string> kWords = {"return", "if",     "elif", "else", "for",  "while",  "in",
-                                                 "not",    "and",    "or",   "def",  "from", "import", "as",
-                                                 "with",   "lambda", "try",  "pass", "class"};
-    return kWords.contains(word);
-  }
-
-  // --- expressions ---
-
-  Value expression(int depth) {
-    if (depth > kDeepest) return {};
-    Value out = operand(depth);
-    while (is("+") || is("/") || is("%") || is("*") || is("-")) {
-      const std::string sign = token().text;
-      ++at_;
-      const Value other = operand(depth + 1);
-      if (sign == "+")
-        out = sum(out, other);
-      else if (sign == "/" && out.kind != Value::Kind::unknown)
-        out = Value::of(joined_path({flat(out, "/"), flat(other, "/")}));
-      else
-        out = {};
-    }
-    return out;
-  }
-
-  static Value sum(const Value& a, const Value& b) {
-    if (a.kind == Value::Kind::list && b.kind == Value::Kind::list) {
-      if (a.weight + b.weight > kHeaviest) return {};
-      Value out = a;
-      out.items.insert(out.items.end(), b.items.begin(), b.items.end());
-      out.weight += b.weight;
-      return out;
-    }
-    if (a.kind == Value::Kind::unknown && b.kind == Value::Kind::unknown) return {};
-    return Value::of(flat(a) + flat(b));
-  }
-
-  Value operand(int depth) {
-    using Kind = PythonToken::Kind;
-    if (token().kind == Kind::string) return strings(depth);
-    if (token().kind == Kind::number) return Value::of(tokens_[at_++].text);
-    if (is("[")) return followed(sequence("]", depth), depth);
-    if (is("(")) return followed(parenthesised(depth), depth);
-    if (is("{")) return map(depth);
-    if (is_name() && !is_keyword(token().text)) return name(depth);
     return {};
   }
 
-  /// Literals beside each other are one.
-  Value strings(int depth) {
-    std::string out;
-    for (; token().kind == PythonToken::Kind::string; ++at_)
-      out += token().formatted ? formatted(token().text) : token().text;
-    return followed(Value::of(out), depth);
-  }
-
-  /// f"…{name}…": variables that are known, a gap for what is computed.
-  std::string formatted(const std::string& text) const {
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] != '{') {
-        out += text[i];
-        continue;
-      }
-      const auto end = std::min(text.find('}', i), text.size());
-      const auto found = variables_.find(text.substr(i + 1, end - i - 1));
-      out += found == variables_.end() ? std::string(1, kUnknown) : flat(found->second);
-      i = end;
+  Value call(const std::string& whole, const std::string& function, const Arguments& a,
+             const Location& where) override {
+    if (const auto value = path_call(whole, function, a)) return *value;
+    if (function == "LaunchConfiguration") {
+      const Value* name = a.first_or("variable_name");
+      return name ? argument(flat(*name), a.find("default")) : Value{};
     }
-    return out;
-  }
-
-  Value sequence(const char* close, int depth) {
-    Value out;
-    out.kind = Value::Kind::list;
-    ++at_;
-    while (at_ < tokens_.size() && !is(close)) {
-      const std::size_t begin = at_;
-      Value item = expression(depth + 1);
-      if (!is(",") && !is(close)) {  // a condition, a comprehension, a name with =
-        skip_element();
-        item = {};
-      }
-      if (add(out, item)) out.items.push_back(std::move(item));
-      if (is(",")) ++at_;
-      if (at_ == begin) ++at_;
-    }
-    ++at_;
-    return out;
-  }
-
-  static bool add(Value& to, const Value& inner) {
-    if (to.weight + inner.weight > kHeaviest) return false;
-    to.weight += inner.weight;
-    return true;
-  }
-
-  /// (x) is x, (x,) and (x, y) are lists.
-  Value parenthesised(int depth) {
-    const std::size_t begin = at_;
-    Value list = sequence(")", depth);
-    const bool tuple = list.items.size() != 1 ||
-                       (at_ >= begin + 2 && at_ - 2 < tokens_.size() && tokens_[at_ - 2].text == ",");
-    return tuple ? list : std::move(list.items.front());
-  }
-
-  Value map(int depth) {
-    Value out;
-    out.kind = Value::Kind::map;
-    ++at_;
-    while (at_ < tokens_.size() && !is("}")) {
-      const std::size_t begin = at_;
-      const Value key = expression(depth + 1);
-      if (is(":")) {
-        ++at_;
-        Value value = expression(depth + 1);
-        if (!is(",") && !is("}")) {
-          skip_element();
-          value = {};
-        }
-        if (add(out, value)) out.entries.emplace_back(flat(key), std::move(value));
-      } else if (!is(",") && !is("}")) {
-        skip_element();
-      }
-      if (is(",")) ++at_;
-      if (at_ == begin) ++at_;
-    }
-    ++at_;
-    return out;
-  }
-
-  /// A dotted name, which may be called; only its last word counts ("launch.actions.Node").
-  Value name(int depth) {
-    const Location where = here();
-    std::string last = token().text;
-    std::string whole = last;
-    ++at_;
-    while (is(".") && is_name(1)) {
-      last = token(1).text;
-      whole += "." + last;
-      at_ += 2;
-    }
-    if (is("(")) return followed(call(whole, last, where, depth), depth);
-    const auto found = variables_.find(whole);
-    if (found != variables_.end()) return followed(found->second, depth);
-    if (whole == "True" || whole == "False") return Value::of(lower(whole));
-    return followed({}, depth);
-  }
-
-  /// What stands behind a value: methods that leave it as it is, or find a package.
-  Value followed(Value value, int depth) {
-    if (depth > kDeepest) return {};
-    while (is(".") || is("[") || is("(")) {
-      if (is("[")) {
-        sequence("]", depth + 1);
-        value = {};
-        continue;
-      }
-      if (is("(")) {
-        sequence(")", depth + 1);
-        value = {};
-        continue;
-      }
-      const std::string method = token(1).text;
-      at_ += 2;
-      if (!is("(")) {
-        value = {};
-        continue;
-      }
-      const Arguments arguments = called_with(depth + 1);
-      static const std::set<std::string> kSame = {"perform", "as_posix", "toxml", "resolve", "strip"};
-      if (method == "find" && arguments.values.size() == 1)
-        value = package(flat(arguments.values.front()));
-      else if (!kSame.contains(method))
-        value = {};
-    }
-    return value;
-  }
-
-  Arguments called_with(int depth) {
-    Arguments out;
-    ++at_;
-    while (at_ < tokens_.size() && !is(")")) {
-      const std::size_t begin = at_;
-      const bool named = is_name() && is("=", 1);
-      const std::string key = named ? token().text : "";
-      if (named) at_ += 2;
-      Value value = expression(depth + 1);
-      if (!is(",") && !is(")")) {
-        skip_element();
-        value = {};
-      }
-      if (named)
-        out.named.emplace_back(key, std::move(value));
-      else
-        out.values.push_back(std::move(value));
-      if (is(",")) ++at_;
-      if (at_ == begin) ++at_;
-    }
-    ++at_;
-    return out;
-  }
-
-  // --- calls that mean something ---
-
-  Value call(const std::string& whole, const std::string& function, const Location& where, int depth) {
-    const Arguments a = called_with(depth + 1);
-    if (function == "LaunchConfiguration") return a.values.empty() ? Value{} : argument(flat(a.values[0]));
     if (function == "DeclareLaunchArgument") declare(a);
-    if (function == "FindPackageShare" || function == "get_package_share_directory" ||
-        function == "get_package_share_path") {
-      const Value* name = a.find("package_name") ? a.find("package_name") : a.first_or("package");
-      return name ? package(flat(*name)) : Value{};
-    }
+    if (function == "SetLaunchConfiguration") set(a);
     if (function == "FindExecutable") return own_argument(a, "name");
-    if (function == "PathJoinSubstitution" || function == "PathSubstitution" || function == "Path")
-      return path_of(a);
-    if (whole.ends_with("path.join")) return path_of(a);
     if (function == "Command") return command(a, where);
     if (function == "process_file") return process_file(a, where);
+    if (whole == "open") return opened(a, where);
     if (function == "ParameterFile") return own_argument(a, "param_file");
     if (function == "ParameterValue" || function == "str") return own_argument(a, "value");
     if (function == "TextSubstitution") return own_argument(a, "text");
-    if (function == "Node") node(a, where);
-    return {};
+    if (function == "EnvironmentVariable" || whole == "os.getenv" || whole == "os.environ.get")
+      return environment(a);
+    if (function == "IfCondition" || function == "UnlessCondition") return condition(function[0] == 'U', a);
+    if (function == "dict") return map_of(a);
+    if (function.ends_with("LaunchDescriptionSource")) return own_argument(a, "location");
+    if (function == "IncludeLaunchDescription") include(a, where);
+    if (function == "MoveItConfigsBuilder") return builder(a, where);
+    if (function == "Node" || function == "ExecuteProcess") node(function, a, where);
+    return function_of_file(a, where);
   }
 
   static Value own_argument(const Arguments& a, const char* name) {
     const Value* value = a.first_or(name);
     return value ? *value : Value{};
+  }
+  static Value map_of(const Arguments& a) {
+    Value out;
+    out.kind = Value::Kind::map;
+    out.entries = a.named;
+    return out;
+  }
+
+  // --- paths and packages ---
+
+  std::optional<Value> path_call(const std::string& whole, const std::string& function, const Arguments& a) {
+    if (function == "FindPackageShare" || function == "get_package_share_directory" ||
+        function == "get_package_share_path") {
+      const Value* name = a.find("package_name") ? a.find("package_name") : a.first_or("package");
+      return name ? package(flat(*name)) : Value{};
+    }
+    if (function == "PathJoinSubstitution" || function == "PathSubstitution" || function == "Path" ||
+        whole.ends_with("path.join"))
+      return path_of(a);
+    if (function == "ThisLaunchFileDir") return Value::of(path_.parent_path().string());
+    if (whole.ends_with("path.dirname"))
+      return Value::of(fs::path(flat(own_argument(a, "path"))).parent_path());
+    if (whole.ends_with("path.abspath") || whole.ends_with("path.realpath") ||
+        whole.ends_with("path.normpath"))
+      return own_argument(a, "path");
+    return std::nullopt;
   }
 
   static Value path_of(const Arguments& a) {
@@ -374,44 +151,125 @@ class Reader {
     return parts.empty() ? Value{} : Value::of(joined_path(parts));
   }
 
-  Value argument(const std::string& name) const {
+  Value package(const std::string& name) {
+    const fs::path folder = has_gap(name) ? fs::path{} : find_(name);
+    if (!folder.empty()) return Value::of(folder.string());
+    if (!has_gap(name)) missing_.insert(name);
+    return Value::gap();
+  }
+
+  static Value environment(const Arguments& a) {
+    const Value* name = a.first_or("name");
+    if (!name || has_gap(flat(*name))) return {};
+    if (const char* value = std::getenv(flat(*name).c_str())) return Value::of(value);
+    const Value* fallback = a.second_or("default_value");
+    return fallback ? *fallback : Value::gap();
+  }
+
+  // --- launch arguments ---
+
+  Value argument(const std::string& name, const Value* fallback) const {
     if (const auto given = given_.find(name); given != given_.end()) return Value::of(given->second);
-    const auto declared = declared_.find(name);
-    return declared == declared_.end() || !declared->second ? Value::of(std::string(1, kUnknown))
-                                                            : Value::of(*declared->second);
+    if (const auto declared = declared_.find(name); declared != declared_.end() && declared->second.value)
+      return Value::of(*declared->second.value);
+    return fallback && fallback->kind == Value::Kind::text ? *fallback : Value::gap();
   }
 
   void declare(const Arguments& a) {
     const Value* name = a.first_or("name");
     if (!name || has_gap(flat(*name)) || declared_.size() > kMostFound) return;
-    const Value* fallback = a.find("default_value");
-    std::optional<std::string> value;
-    if (fallback && !has_gap(flat(*fallback))) value = flat(*fallback);
-    declared_[flat(*name)] = value;
+    Declared declared;
+    if (const Value* fallback = a.second_or("default_value"); fallback && !has_gap(flat(*fallback)))
+      declared.value = flat(*fallback);
+    if (const Value* choices = a.find("choices"))
+      for (const Value& choice : choices->items)
+        if (!has_gap(flat(choice))) declared.choices.push_back(flat(choice));
+    declared_[flat(*name)] = std::move(declared);
     if (std::find(order_.begin(), order_.end(), flat(*name)) == order_.end()) order_.push_back(flat(*name));
   }
 
-  Value package(const std::string& name) {
-    const fs::path folder = has_gap(name) ? fs::path{} : find_(name);
-    if (!folder.empty()) return Value::of(folder.string());
-    if (!has_gap(name)) missing_.insert(name);
-    return Value::of(std::string(1, kUnknown));
+  void set(const Arguments& a) {
+    const Value *name = a.first_or("name"), *value = a.second_or("value");
+    if (name && value && !has_gap(flat(*name)) && !has_gap(flat(*value)) && declared_.size() <= kMostFound)
+      declared_[flat(*name)].value = flat(*value);
   }
 
-  void not_taken(const Location& where, std::string what) {
-    if (!last_ || out_.not_taken.size() >= kMostFound) return;
-    const auto same = [&](const auto& other) { return other.second == what; };
-    if (std::none_of(out_.not_taken.begin(), out_.not_taken.end(), same))
-      out_.not_taken.emplace_back(where, std::move(what));
+  /// "true" or "false"; a gap where it is computed.
+  static Value condition(bool unless, const Arguments& a) {
+    const std::string text = a.values.empty() ? std::string(1, kUnknown) : lower(flat(a.values.front()));
+    const bool yes = text == "true" || text == "1", no = text == "false" || text == "0";
+    return yes || no ? Value::of(yes != unless ? "true" : "false") : Value::gap();
+  }
+  /// What the condition of an action is; "true" without one.
+  static std::string condition_of(const Arguments& a) {
+    const Value* condition = a.find("condition");
+    return condition ? flat(*condition) : "true";
   }
 
-  // --- descriptions and parameter files ---
+  // --- launch files that are included ---
 
-  /// Command(["xacro ", FILE, " ", "name:=", VALUE, …])
+  void include(const Arguments& a, const Location& where) {
+    if (!last_ || condition_of(a) == "false") return;
+    const std::string named = flat(own_argument(a, "launch_description_source"));
+    if (has_gap(named) || named.empty())
+      return not_taken(where, unknown_file("launch file that is included"));
+    const fs::path file = named;
+    if (!is_there(file))
+      return not_taken(where, "the launch file '" + named + "' that is included is not there");
+    if (file.extension() != ".py") return not_taken(where, "'" + named + "' is included, which is no Python");
+    if (depth_ >= kDeepestInclude || ++included_ > kMostIncluded)
+      return not_taken(where, "'" + named + "' is included, too many or too deep");
+    std::string text;
+    Problems problems;
+    collect(problems, [&] { text = read_file(file, 1 << 20); });
+    if (problems.has_errors()) return not_taken(where, problems.list().front().what);
+    LaunchReader inner(text, file, values_for(a), find_, depth_ + 1, included_);
+    take_over(inner.read(), inner.spawned_known());
+  }
+
+  /// An included file sees all values of the one that includes it, and those that it is given.
+  std::map<std::string, std::string> values_for(const Arguments& a) const {
+    std::map<std::string, std::string> out;
+    for (const auto& [name, declared] : declared_)
+      if (declared.value) out[name] = *declared.value;
+    for (const auto& [name, value] : given_) out[name] = value;
+    const auto give = [&](const std::string& name, const Value& value) {
+      if (has_gap(flat(value)))
+        out.erase(name);
+      else
+        out[name] = flat(value);
+    };
+    if (const Value* given = a.second_or("launch_arguments")) {
+      for (const auto& [name, value] : given->entries) give(name, value);
+      for (const Value& pair : given->items)
+        if (pair.items.size() == 2) give(flat(pair.items[0]), pair.items[1]);
+    }
+    return out;
+  }
+
+  void take_over(PythonLaunch inner, bool spawned_known) {
+    for (PythonLaunchDescription& found : inner.descriptions) keep(std::move(found));
+    for (PythonLaunchFile& found : inner.parameters) keep_parameters(found.file, found.where);
+    out_.spawned.insert(out_.spawned.end(), inner.spawned.begin(), inner.spawned.end());
+    spawned_known_ = spawned_known_ && spawned_known;
+    for (auto& [where, what] : inner.not_taken) not_taken(where, std::move(what));
+    for (PythonLaunchArgument& argument : inner.arguments) {
+      const bool again = std::any_of(out_.arguments.begin(), out_.arguments.end(),
+                                     [&](const auto& other) { return other.name == argument.name; });
+      if (!again && !declared_.contains(argument.name) && argument.known &&
+          out_.arguments.size() < kMostFound)
+        out_.arguments.push_back(std::move(argument));
+    }
+  }
+
+  // --- descriptions ---
+
+  /// Command(["xacro ", FILE, " ", "name:=", VALUE, …]) or Command(["cat ", FILE])
   Value command(const Arguments& a, const Location& where) {
     const std::string text = a.values.empty() ? "" : flat(a.values.front());
     std::vector<std::string> words = split_words(text);
-    if (words.empty() || fs::path(words.front()).filename() != "xacro") {
+    const std::string program = words.empty() ? "" : fs::path(words.front()).filename().string();
+    if (program != "xacro" && program != "cat") {
       if (has_gap(text)) not_taken(where, "a Command is computed");
       return {};
     }
@@ -432,46 +290,129 @@ class Reader {
     PythonLaunchDescription found;
     found.where = where;
     if (const Value* file = a.first_or("input_file_name")) found.file = flat(*file);
-    if (const Value* mappings = a.find("mappings"))
+    if (const Value* mappings = a.second_or("mappings"))
       for (const auto& [key, value] : mappings->entries) add_argument(found, key, flat(value));
     keep(std::move(found));
     return {};
   }
 
-  void add_argument(PythonLaunchDescription& to, const std::string& name, std::string value) {
-    if (value.size() > 1 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front())
-      value = value.substr(1, value.size() - 2);
-    if (has_gap(name) || has_gap(value))
+  static bool is_description(const std::string& file) {
+    return file.ends_with(".urdf") || file.ends_with(".xacro");
+  }
+
+  /// open(FILE), whose text becomes robot_description.
+  Value opened(const Arguments& a, const Location& where) {
+    const std::string file = flat(own_argument(a, "file"));
+    if (!has_gap(file) && is_description(file)) keep({file, {}, {}, where});
+    return {};
+  }
+
+  /// load_file('arm_description', 'urdf/arm.urdf'), as many launch files define it for themselves.
+  Value function_of_file(const Arguments& a, const Location& where) {
+    if (a.values.size() != 2 || !a.named.empty()) return {};
+    const std::string name = flat(a.values[0]), inside = flat(a.values[1]);
+    if (has_gap(name + inside) || !is_description(inside) || name.find('/') != std::string::npos) return {};
+    const fs::path folder = find_(name);
+    if (!folder.empty() && is_there(folder / inside)) keep({folder / inside, {}, {}, where});
+    return {};
+  }
+
+  void add_argument(PythonLaunchDescription& to, const std::string& name, const std::string& value) {
+    if (has_gap(name) || has_gap(value)) {
       not_taken(to.where, "the value of '" + (has_gap(name) ? std::string("an argument") : name) +
                               "' for the description is not written down");
-    else
-      to.arguments.emplace_back(name, std::move(value));
+      if (!has_gap(name)) to.unknown.push_back(name);
+    } else {
+      to.arguments.emplace_back(name, without_quotes(value));
+    }
   }
 
   void keep(PythonLaunchDescription found) {
     if (has_gap(found.file.string()) || found.file.empty())
       return not_taken(found.where, unknown_file("description"));
+    const std::string name = found.file.filename().string();
+    if (name.find(".sdf") != std::string::npos || name.find(".world") != std::string::npos) return;
     const bool again = std::any_of(
         out_.descriptions.begin(), out_.descriptions.end(),
         [&](const auto& other) { return other.file == found.file && other.arguments == found.arguments; });
     if (!again && out_.descriptions.size() < kMostFound) out_.descriptions.push_back(std::move(found));
   }
 
-  std::string unknown_file(const std::string& what) const {
-    std::string out = "the file of a " + what + " is not written down";
-    if (!missing_.empty())
-      out += ", or in a package that is not here (" +
-             join(std::vector<std::string>(missing_.begin(), missing_.end()), ", ") + ")";
+  // --- MoveIt ---
+
+  /// MoveItConfigsBuilder("arm", package_name="arm_moveit_config"): the layout of MoveIt's setup assistant.
+  Value builder(const Arguments& a, const Location& where) {
+    const Value* robot = a.first_or("robot_name");
+    if (!robot || has_gap(flat(*robot))) return {};
+    const Value* named = a.second_or("package_name");
+    const Value folder = package(named ? flat(*named) : flat(*robot) + "_moveit_config");
+    if (has_gap(folder.text)) {
+      not_taken(where, unknown_file("description"));
+      return {};
+    }
+    Value out;
+    out.kind = Value::Kind::builder;
+    out.text = folder.text;
+    for (const char* extension : {".urdf.xacro", ".urdf"})
+      if (const fs::path file = fs::path(folder.text) / "config" / (flat(*robot) + extension);
+          is_there(file)) {
+        out.entries.emplace_back("file", Value::of(file.string()));
+        break;
+      }
     return out;
   }
 
-  /// parameters=[FILE, {…}] and arguments=["--param-file", FILE] of a node that has to do with controllers.
-  void node(const Arguments& a, const Location& where) {
+  Value builder_method(Value builder, const std::string& name, const Arguments& a) {
+    if (name == "robot_description") {
+      std::erase_if(builder.entries, [](const auto& entry) { return entry.first == "file"; });
+      if (const Value* file = a.first_or("file_path"))
+        builder.entries.emplace_back("file", Value::of(joined_path({builder.text, flat(*file)})));
+      if (const Value* mappings = a.second_or("mappings"))
+        builder.entries.insert(builder.entries.end(), mappings->entries.begin(), mappings->entries.end());
+    }
+    if (name != "to_moveit_configs" && name != "to_dict") return builder;
+    PythonLaunchDescription found;
+    found.where = {path_.string()};
+    for (const auto& [key, value] : builder.entries) {
+      if (key == "file")
+        found.file = flat(value);
+      else
+        add_argument(found, key, flat(value));
+    }
+    if (!found.file.empty()) keep(std::move(found));
+    const fs::path controllers = fs::path(builder.text) / "config" / "ros2_controllers.yaml";
+    if (is_there(controllers)) moveit_controllers_ = {{controllers, {path_.string()}}};
+    return {};
+  }
+
+  // --- nodes ---
+
+  void node(const std::string& function, const Arguments& a, const Location& where) {
+    const std::string when = condition_of(a);
+    if (when == "false") return;
+    if (function == "ExecuteProcess") {
+      const Value* cmd = a.find("cmd");
+      return cmd ? spawn(spawned_by_command(*cmd), when == "true") : void();
+    }
     const Value* package = a.find("package");
     const std::string name = package ? flat(*package) : "";
+    const Value* arguments = a.find("arguments");
+    if (name == "robot_state_publisher" && arguments)
+      for (const Value& item : arguments->items)
+        if (is_description(flat(item))) keep({flat(item), {}, {}, where});
+    if (name == "controller_manager" && arguments) {
+      const Value* program = a.find("executable");
+      if (program && flat(*program).starts_with("spawner"))
+        spawn(spawned_by_spawner(*arguments), when == "true");
+    }
     if (name != "controller_manager" && name != "ros_gz_sim" && name != "mujoco_ros2_control") return;
     for (const char* key : {"parameters", "arguments", "ros_arguments"})
       if (const Value* list = a.find(key)) parameter_files(*list, where, key == std::string("parameters"));
+  }
+
+  void spawn(const Spawned& spawned, bool surely) {
+    spawned_known_ = spawned_known_ && surely && spawned.known;
+    out_.spawned.insert(out_.spawned.end(), spawned.names.begin(), spawned.names.end());
   }
 
   void parameter_files(const Value& value, const Location& where, bool each_is_one) {
@@ -482,92 +423,76 @@ class Reader {
       if (has_gap(text)) {
         if (each_is_one) not_taken(where, unknown_file("node's parameters"));
       } else if (text.ends_with(".yaml") || text.ends_with(".yml")) {
-        const bool again = std::any_of(out_.parameters.begin(), out_.parameters.end(),
-                                       [&](const auto& other) { return other.file == text; });
-        if (!again && out_.parameters.size() < kMostFound) out_.parameters.push_back({text, where});
+        keep_parameters(text, where);
       }
     }
   }
 
-  void list_arguments() {
-    for (const std::string& name : order_) {
-      const auto given = given_.find(name);
-      const auto& fallback = declared_[name];
-      const bool is_given = given != given_.end();
-      out_.arguments.push_back({name, is_given ? given->second : fallback.value_or(""),
-                                is_given || fallback.has_value(), is_given});
-      if (!out_.arguments.back().known)
-        not_taken({path_.string()}, "the argument '" + name + "' has no default that is written down");
-    }
+  void keep_parameters(const fs::path& file, const Location& where) {
+    const bool again = std::any_of(out_.parameters.begin(), out_.parameters.end(),
+                                   [&](const auto& other) { return other.file == file; });
+    if (!again && out_.parameters.size() < kMostFound) out_.parameters.push_back({file, where});
   }
 
+  // --- what is not taken ---
+
+  void not_taken(const Location& where, std::string what) {
+    if (!last_ || out_.not_taken.size() >= kMostFound) return;
+    const auto same = [&](const auto& other) { return other.second == what; };
+    if (std::none_of(out_.not_taken.begin(), out_.not_taken.end(), same))
+      out_.not_taken.emplace_back(where, std::move(what));
+  }
+
+  std::string unknown_file(const std::string& what) const {
+    std::string out = "the file of a " + what + " is not written down";
+    if (!missing_.empty())
+      out += ", or in a package that is not here (" +
+             join(std::vector<std::string>(missing_.begin(), missing_.end()), ", ") + ")";
+    return out;
+  }
+
+  void list_arguments() {
+    std::vector<PythonLaunchArgument> own;
+    for (const std::string& name : order_) {
+      const auto given = given_.find(name);
+      const Declared& declared = declared_[name];
+      const bool is_given = given != given_.end();
+      own.push_back({name, is_given ? given->second : declared.value.value_or(""),
+                     is_given || declared.value.has_value(), is_given, declared.choices});
+      if (!own.back().known)
+        not_taken(
+            {path_.string()},
+            "the argument '" + name + "' has no default that is written down" +
+                (declared.choices.empty() ? "" : " (it is one of " + join(declared.choices, ", ") + ")"));
+    }
+    out_.arguments.insert(out_.arguments.begin(), own.begin(), own.end());
+  }
+
+  struct Declared {
+    std::optional<std::string> value;
+    std::vector<std::string> choices;
+  };
+
   const fs::path& path_;
-  const std::map<std::string, std::string>& given_;
+  const std::map<std::string, std::string> given_;
   const PackageSearch& find_;
-  std::vector<PythonToken> tokens_;
-  std::size_t at_ = 0;
-  bool last_ = false;
-  std::map<std::string, Value> variables_;
-  std::map<std::string, std::optional<std::string>> declared_;
+  const int depth_;
+  int& included_;
+  bool last_ = false, spawned_known_ = true;
+  std::map<std::string, Declared> declared_;
   std::vector<std::string> order_;
   std::set<std::string> missing_;
+  std::vector<PythonLaunchFile> moveit_controllers_;
   PythonLaunch out_;
 };
 
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalnum(c) ||
-           std::string_view("/._-:=+,@%").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 }  // namespace
-}  // namespace python_launch
-
-std::vector<std::pair<std::string, std::string>> PythonLaunch::variables() const {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const PythonLaunchArgument& argument : arguments)
-    for (const PythonLaunchFile& parameter : parameters) {
-      std::error_code error;
-      if (!argument.known || !std::filesystem::is_regular_file(parameter.file, error)) continue;
-      if (read_file(parameter.file).find("$(var " + argument.name + ")") == std::string::npos) continue;
-      out.emplace_back(argument.name, argument.value);
-      break;
-    }
-  return out;
-}
-
-namespace {
-/// A node of Gazebo gets the topics of its bridge as a YAML file, too. What is not there is left in: its name
-/// is what somebody has to look for.
-bool can_have_controllers(const std::filesystem::path& file) {
-  std::error_code error;
-  return !std::filesystem::is_regular_file(file, error) ||
-         read_file(file).find("ros__parameters") != std::string::npos;
-}
-}  // namespace
-
-std::string PythonLaunch::line() const {
-  if (descriptions.empty()) return "";
-  const PythonLaunchDescription& description = descriptions.front();
-  std::string out = "polyarm run --description " + python_launch::quoted(description.file.string());
-  for (const PythonLaunchFile& file : parameters)
-    if (can_have_controllers(file.file)) out += " --controllers " + python_launch::quoted(file.file.string());
-  std::set<std::string> said;
-  for (const auto& [name, value] : description.arguments)
-    if (said.insert(name).second) out += " " + python_launch::quoted(name + ":=" + value);
-  for (const auto& [name, value] : variables())
-    if (said.insert(name).second) out += " " + python_launch::quoted(name + ":=" + value);
-  return out;
-}
+}  // namespace python
 
 PythonLaunch read_python_launch(std::string_view text, const std::filesystem::path& path,
                                 const std::map<std::string, std::string>& args, const PackageSearch& find) {
-  return python_launch::Reader(text, path, args, find).read();
+  int included = 0;
+  return python::LaunchReader(text, path, args, find, 0, included).read();
 }
 
 }  // namespace polyarm::ros_files

@@ -1,7 +1,8 @@
 #pragma once
 /// What a Python launch file of ROS 2 says in so many words: argument defaults, the description and how it is
-/// expanded, parameter files. The file is read as text; no Python is run. What is computed (conditions,
-/// loops, functions of other modules) is listed as not taken.
+/// expanded, parameter files, controllers that are spawned, launch files that it includes. The files are read
+/// as text; no Python is run. What is computed (conditions, loops, functions of other modules) is listed as
+/// not taken.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -16,14 +17,16 @@ namespace polyarm::ros_files {
 
 struct PythonLaunchArgument {
   std::string name;
-  std::string value;   ///< given from outside, else the default
-  bool known = false;  ///< false: no default, or one that is computed
-  bool given = false;  ///< from outside
+  std::string value;                 ///< given from outside, else the default
+  bool known = false;                ///< false: no default, or one that is computed
+  bool given = false;                ///< from outside
+  std::vector<std::string> choices;  ///< empty: any value
 };
 
 struct PythonLaunchDescription {
   std::filesystem::path file;
   std::vector<std::pair<std::string, std::string>> arguments;  ///< NAME:=VALUE of xacro, in their order
+  std::vector<std::string> unknown;  ///< arguments of xacro whose values are computed
   Location where;
 };
 
@@ -34,20 +37,30 @@ struct PythonLaunchFile {
 
 struct PythonLaunch {
   std::vector<PythonLaunchArgument> arguments;
-  std::vector<PythonLaunchDescription> descriptions;  ///< of `xacro` commands and xacro.process_file
-  std::vector<PythonLaunchFile> parameters;           ///< YAML files given to nodes
+  /// Of `xacro` and `cat` commands, xacro.process_file, open(), MoveItConfigsBuilder, robot_state_publisher.
+  std::vector<PythonLaunchDescription> descriptions;
+  std::vector<PythonLaunchFile> parameters;  ///< YAML files given to nodes
+  std::vector<std::string> spawned;          ///< controllers that are started; empty: not known
   /// What could not be taken: "the value of use_fake_hardware is computed".
   std::vector<std::pair<Location, std::string>> not_taken;
 
   /// The values of `$(var NAME)` in the parameter files that an argument of the launch file has.
   std::vector<std::pair<std::string, std::string>> variables() const;
-  /// "polyarm run --description … --controllers … NAME:=VALUE": what to type; empty without a description.
-  std::string line() const;
+  /// Arguments of the first description that xacro needs and whose values are not known.
+  std::vector<std::string> needed() const;
+  /// "polyarm VERB --description … --controllers … NAME:=VALUE": what to type, with NAME:=VALUE for each of
+  /// needed(); empty without a description.
+  std::string line(const std::string& verb = "run") const;
 };
 
-/// `args` are NAME:=VALUE from outside. Bounded: text of at most 1 MiB, expressions 64 deep, 100,000 tokens;
-/// what lies beyond is not taken. Throws Error("not-python") where the text is not that of a launch file.
+/// `args` are NAME:=VALUE from outside. Bounded: text of at most 1 MiB, expressions 64 deep, 100,000 tokens,
+/// 50 included files 8 deep; what lies beyond is not taken.
 PythonLaunch read_python_launch(std::string_view text, const std::filesystem::path& path,
                                 const std::map<std::string, std::string>& args, const PackageSearch& find);
+
+/// Lines like those of PythonLaunch::line for what lies in the package of a launch file that names no
+/// description, and in the packages beside it: the descriptions that nothing includes, each with the first
+/// controllers file of the same package. At most five; none where there is no package.
+std::vector<std::string> lines_of_package(const std::filesystem::path& launch, const std::string& verb);
 
 }  // namespace polyarm::ros_files

@@ -153,6 +153,153 @@ TEST(PythonLaunch, AFileWithoutParametersIsNoControllersFileInTheLine) {
   EXPECT_EQ(launch.line().find("bridge.yaml"), std::string::npos) << launch.line();
 }
 
+/// A package with launch files of its own.
+struct Workspace {
+  test::Folder folder;
+  PackageSearch find = [this](const std::string& name) {
+    const auto at = folder.path() / name;
+    return std::filesystem::exists(at) ? at : std::filesystem::path();
+  };
+  PythonLaunch read(const std::string& text, const std::map<std::string, std::string>& given = {}) const {
+    const auto file = folder.write("arm_bringup/launch/whole.launch.py", text);
+    return read_python_launch(text, file, given, find);
+  }
+};
+
+TEST(PythonLaunch, FollowsWhatItIncludesWithTheValuesItGives) {
+  const Workspace ws;
+  ws.folder.write("arm_bringup/launch/rsp.launch.py",
+                  "DeclareLaunchArgument('sim', default_value='false')\n"
+                  "DeclareLaunchArgument('prefix', default_value='none')\n"
+                  "d = Command(['xacro /ws/arm.xacro sim:=', LaunchConfiguration('sim'), ' prefix:=', "
+                  "LaunchConfiguration('prefix'), ' outer:=', LaunchConfiguration('outer')])\n");
+  const PythonLaunch launch = ws.read(
+      "DeclareLaunchArgument('outer', default_value='seen')\n"
+      "rsp = IncludeLaunchDescription(PythonLaunchDescriptionSource([os.path.join(\n"
+      "    get_package_share_directory('arm_bringup'), 'launch', 'rsp.launch.py')]),\n"
+      "    launch_arguments={'sim': 'true', 'prefix': compute()}.items())\n"
+      "x = IncludeLaunchDescription(PythonLaunchDescriptionSource(FindPackageShare('nav2_bringup') + "
+      "'/n.py'))\n"
+      "y = IncludeLaunchDescription(os.path.dirname(__file__) + '/none.launch.py')\n");
+  ASSERT_EQ(launch.descriptions.size(), 1u);
+  EXPECT_EQ(launch.descriptions[0].arguments,
+            (Pairs{{"sim", "true"}, {"prefix", "none"}, {"outer", "seen"}}));
+  EXPECT_TRUE(launch.descriptions[0].where.file.ends_with("rsp.launch.py"));
+  EXPECT_TRUE(says(launch, "nav2_bringup"));
+  EXPECT_TRUE(says(launch, "none.launch.py' that is included is not there"));
+}
+
+TEST(PythonLaunch, OfWhatItIncludesConditionsThatAreKnownDecide) {
+  const Workspace ws;
+  ws.folder.write("arm_bringup/launch/sim.launch.py", "d = Command(['xacro /ws/sim.xacro'])\n");
+  ws.folder.write("arm_bringup/launch/real.launch.py", "d = Command(['xacro /ws/real.xacro'])\n");
+  const std::string text =
+      "DeclareLaunchArgument('sim', default_value='true')\n"
+      "sim = LaunchConfiguration('sim')\n"
+      "IncludeLaunchDescription(ThisLaunchFileDir() + '/sim.launch.py', condition=IfCondition(sim))\n"
+      "IncludeLaunchDescription(ThisLaunchFileDir() + '/real.launch.py', condition=UnlessCondition(sim))\n";
+  EXPECT_EQ(ws.read(text).descriptions.at(0).file, "/ws/sim.xacro");
+  EXPECT_EQ(ws.read(text).descriptions.size(), 1u);
+  EXPECT_EQ(ws.read(text, {{"sim", "false"}}).descriptions.at(0).file, "/ws/real.xacro");
+}
+
+TEST(PythonLaunch, AFileThatIncludesItselfEnds) {
+  const Workspace ws;
+  const PythonLaunch launch = ws.read(
+      "IncludeLaunchDescription(__file__)\nIncludeLaunchDescription(__file__)\nd = Command(['xacro "
+      "/ws/a.xacro'])\n");
+  EXPECT_EQ(launch.descriptions.size(), 1u);
+  EXPECT_TRUE(says(launch, "too many or too deep"));
+}
+
+TEST(PythonLaunch, KnowsTheLayoutOfMoveItsSetupAssistant) {
+  const Workspace ws;
+  const auto urdf = ws.folder.write("arm_moveit/config/arm.urdf.xacro", "<robot/>");
+  const auto other = ws.folder.write("arm_moveit/config/other.urdf.xacro", "<robot/>");
+  const auto controllers =
+      ws.folder.write("arm_moveit/config/ros2_controllers.yaml", "a: {ros__parameters: {}}\n");
+  const PythonLaunch plain = ws.read(
+      "c = MoveItConfigsBuilder('arm', package_name='arm_moveit').to_moveit_configs()\n"
+      "return generate_demo_launch(c)\n");
+  EXPECT_EQ(plain.line(), "polyarm run --description " + urdf + " --controllers " + controllers);
+  const PythonLaunch own = ws.read(
+      "c = (MoveItConfigsBuilder('arm', package_name='arm_moveit')\n"
+      "     .robot_description(file_path='config/other.urdf.xacro', mappings={'sim': 'true'})\n"
+      "     .trajectory_execution(file_path='config/x.yaml').to_moveit_configs())\n");
+  EXPECT_EQ(own.descriptions.at(0).file, other);
+  EXPECT_EQ(own.descriptions.at(0).arguments, (Pairs{{"sim", "true"}}));
+}
+
+TEST(PythonLaunch, ReadsDescriptionsThatAreOpenedPublishedOrPrinted) {
+  for (const char* text :
+       {"with open(os.path.join('/ws', 'arm.urdf'), 'r') as f:\n    d = f.read()\n",
+        "doc = xacro.parse(open('/ws/arm.urdf'))\n", "d = Command(['cat ', '/ws/arm.urdf'])\n",
+        "n = Node(package='robot_state_publisher', arguments=['/ws/arm.urdf'])\n",
+        "files = {'urdf': '/ws/arm.urdf'}\nd = Command(['xacro ', files['urdf']])\n",
+        "files = dict(urdf='/ws/arm.urdf')\nd = Command(['xacro ', files.get('urdf')])\n",
+        "d = Command(['xacro ', EnvironmentVariable('POLYARM_NOT_SET', default_value='/ws/arm.urdf')])\n",
+        "d = Command(['xacro ', Path('/ws/launch/x.py').parent.parent / 'arm.urdf'])\n"}) {
+    const PythonLaunch launch = read(text);
+    ASSERT_EQ(launch.descriptions.size(), 1u) << text;
+    EXPECT_EQ(launch.descriptions[0].file, "/ws/arm.urdf") << text;
+  }
+  EXPECT_TRUE(read("d = Command(['xacro /ws/world.sdf.xacro'])\n").descriptions.empty()) << "SDF is no robot";
+}
+
+TEST(PythonLaunch, StartsTheControllersThatAreSpawned) {
+  const test::Folder folder;
+  const auto yaml = folder.write("c.yaml",
+                                 "controller_manager: {ros__parameters: {}}\njsb: {ros__parameters: {}}\n"
+                                 "arm: {ros__parameters: {}}\ngrip: {ros__parameters: {}}\n");
+  const std::string begin =
+      "d = Command(['xacro /ws/arm.xacro'])\nn = Node(package='controller_manager', parameters=['" + yaml +
+      "'])\n";
+  const auto line = [&](const std::string& spawners) { return read(begin + spawners).line(); };
+  const std::string spawner = "Node(package='controller_manager', executable='spawner', arguments=";
+  EXPECT_TRUE(line(spawner + "['jsb', '--controller-manager', '/controller_manager'])\n" + spawner +
+                   "['arm', '-c', '/cm'])\n" + spawner + "['grip', '--inactive'])\n")
+                  .ends_with(" --activate arm --activate jsb"));
+  EXPECT_TRUE(
+      line("ExecuteProcess(cmd=['ros2', 'control', 'load_controller', '--set-state', 'active', 'arm'])\n")
+          .ends_with(" --activate arm"));
+  for (const char* unknown : {"[LaunchConfiguration('which')])\n", "['arm'], condition=IfCondition(f()))\n",
+                              "['somewhere_else'])\n", "names)\n"})
+    EXPECT_EQ(line(spawner + "['jsb'])\n" + spawner + unknown).find("--activate"), std::string::npos)
+        << unknown;
+  EXPECT_EQ(read(begin + spawner + "['jsb'])\n").line("check").find("--activate"), std::string::npos);
+}
+
+TEST(PythonLaunch, WhatTheDescriptionNeedsAndNobodySaysIsToBeFilledIn) {
+  const test::Folder folder;
+  const auto xacro = folder.write("a.xacro",
+                                  "<robot><xacro:arg name=\"model\"/><xacro:arg name=\"sim\" "
+                                  "default=\"true\"/></robot>");
+  const PythonLaunch launch =
+      read("DeclareLaunchArgument('model', choices=['one', 'two'])\nd = Command(['xacro ', '" + xacro +
+           "', ' model:=', LaunchConfiguration('model'), ' sim:=', f()])\n");
+  EXPECT_EQ(launch.needed(), (std::vector<std::string>{"model"}));
+  EXPECT_TRUE(launch.line().ends_with(" model:=VALUE")) << launch.line();
+  EXPECT_TRUE(says(launch, "it is one of one, two"));
+}
+
+TEST(PythonLaunch, OfALaunchFileWithoutADescriptionItsPackageIsLookedThrough) {
+  const test::Folder folder;
+  folder.write("ws/arm_bringup/package.xml", "<package><name>arm_bringup</name></package>");
+  const auto launch = folder.write("ws/arm_bringup/launch/joy.launch.py", "");
+  folder.write("ws/arm_description/package.xml", "<package><name>arm_description</name></package>");
+  folder.write("ws/arm_description/urdf/arm.urdf.xacro",
+               "<robot name=\"a\"><xacro:include filename=\"part.xacro\"/></robot>");
+  folder.write("ws/arm_description/urdf/part.xacro", "<robot/>");
+  folder.write("ws/arm_bringup/config/c.yaml", "controller_manager: {ros__parameters: {}}\n");
+  folder.write("ws/arm_bringup/config/other.yaml", "rviz: 1\n");
+  const std::vector<std::string> lines = lines_of_package(launch, "run");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("arm_description/urdf/arm.urdf.xacro"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find(" --controllers "), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("/c.yaml"), std::string::npos) << lines[0];
+  EXPECT_TRUE(lines_of_package("/nowhere/launch.py", "run").empty());
+}
+
 TEST(PythonLaunch, OddWordsAreQuotedInTheLine) {
   const PythonLaunch launch = read("d = Command(['xacro /ws/arm.xacro a:=\"$(rm -rf)\"'])\n");
   EXPECT_NE(launch.line().find("'a:=\"$(rm'"), std::string::npos) << launch.line();
@@ -177,7 +324,7 @@ TEST(PythonLaunchFuzz, AnythingEndsInTime) {
   for (const char* begin : {"a = 'x'\n", "a = ['x']\n", "a = {'x': 'y'}\n"})
     for (const char* doubled : {"a = a + a\n", "a = [a, a]\n", "a = (a, [a], {'b': a})\n"}) {
       std::string text = begin;
-      for (int i = 0; i < 200; ++i) text += doubled;
+      for (int i = 0; i < 4000; ++i) text += doubled;
       read(text + "d = Command(a)\n");
     }
   description::test::Mutator mutate(5);

@@ -90,6 +90,16 @@ TEST(Kinematics, IkAndFkUndoEachOther) {
   EXPECT_NEAR(pose["rpy"][2].get<double>(), 0.2, 1e-5);
 }
 
+/// What a script reads from --json it gives back in the same order.
+TEST(Kinematics, JointsAreNamedInTheOrderThatTheyAreGivenIn) {
+  const Finished fk = run_command({"fk", "universal_robots/ur5e", "--json"});
+  const auto pose = nlohmann::ordered_json::parse(fk.output);
+  std::vector<std::string> names;
+  for (const auto& [name, value] : pose["joints"].items()) names.push_back(name);
+  EXPECT_EQ(names, (std::vector<std::string>{"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+                                             "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"}));
+}
+
 TEST(Kinematics, OfTheLinkThatIsSaid) {
   const auto height = [](std::vector<std::string> line) {
     line.insert(line.begin(), {"fk", "universal_robots/ur5e", "--json"});
@@ -234,7 +244,8 @@ TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
 
 TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {
   const test::Folder folder;
-  folder.write("job.script", "movej joints(50deg, 0deg, 0deg, 0deg, 0deg, 0deg)\nwait 200ms\nraise \"no part\"\n");
+  folder.write("job.script",
+               "movej joints(50deg, 0deg, 0deg, 0deg, 0deg, 0deg)\nwait 200ms\nraise \"no part\"\n");
   folder.write("cell.yaml", std::string("polyarm: cell/1\nrobots: {arm: {model: ") + POLYARM_SOURCE_DIR +
                                 "/examples/r6bot/r6bot.urdf}}\nprogram: job.script\n");
   const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});

@@ -1,0 +1,187 @@
+#include "apps/asked_cell.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "apps/options.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/description/catalogue.hpp"
+#include "polyarm/description/packages.hpp"
+#include "polyarm/description/urdf.hpp"
+#include "polyarm/ros_files/python_launch.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void print_taken(const ros_files::PythonLaunch& read) {
+  std::error_code error;
+  const auto missing = [&](const fs::path& file) {
+    return fs::is_regular_file(file, error) ? "" : ", which is not there";
+  };
+  const auto in_line = [](const Location& where) {
+    return where.line > 0 ? fmt::format(" (line {})", where.line) : std::string();
+  };
+  for (const auto& found : read.descriptions)
+    fmt::print(stderr, "  taken: description  {}{}{}\n", found.file.string(), in_line(found.where),
+               missing(found.file));
+  for (const auto& found : read.parameters)
+    fmt::print(stderr, "  taken: controllers  {}{}{}\n", found.file.string(), in_line(found.where),
+               missing(found.file));
+  for (const auto& argument : read.arguments)
+    if (argument.known)
+      fmt::print(stderr, "  taken: argument     {}:={}{}\n", argument.name, argument.value,
+                 argument.given ? "" : " (its default)");
+  for (const auto& [where, what] : read.not_taken)
+    fmt::print(stderr, "  not taken: {}{}\n", what, in_line(where));
+}
+
+/// Controllers files that the description itself names, for Gazebo.
+std::vector<ros_files::PythonLaunchFile> controllers_of(
+    const ros_files::PythonLaunchDescription& description) {
+  std::vector<ros_files::PythonLaunchFile> out;
+  Problems ignored;
+  std::error_code error;
+  collect(ignored, [&] {
+    const std::map<std::string, std::string> arguments(description.arguments.begin(),
+                                                       description.arguments.end());
+    const auto model =
+        description::load_robot(description.file.string(), description::Catalogue({}), ignored, arguments);
+    for (const std::string& file : model.controller_files)
+      if (fs::is_regular_file(file, error)) out.push_back({file, description.where});
+  });
+  return out;
+}
+
+/// What a Python launch file says in so many words, and the line that does `verb` with it.
+int explain_python_launch(const std::string& verb, const std::string& path,
+                          const std::map<std::string, std::string>& given) {
+  ros_files::PythonLaunch read =
+      ros_files::read_python_launch(read_file(path), path, given, description::packages_near(path));
+  fmt::print(stderr, "polyarm {}: {} is a Python launch file of ROS 2, which is read and not executed\n",
+             verb, path);
+  std::error_code error;
+  if (!read.descriptions.empty() && read.parameters.empty())
+    read.parameters = controllers_of(read.descriptions.front());
+  print_taken(read);
+  if (!read.descriptions.empty() && fs::is_regular_file(read.descriptions.front().file, error)) {
+    if (read.descriptions.size() > 1)
+      fmt::print(stderr, "it has several descriptions; the first is used below\n");
+    if (const auto needed = read.needed(); !needed.empty())
+      fmt::print(stderr, "replace VALUE: the description needs {}\n", join(needed, ", "));
+    fmt::print(stderr, "type instead:\n  {}\n", read.line(verb));
+    return kUsage;
+  }
+  const std::vector<std::string> lines = ros_files::lines_of_package(path, verb);
+  const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
+  if (!lines.empty()) {
+    fmt::print(stderr, "it names no description that is here; its packages have these, type for example\n");
+    for (const std::string& line : lines) fmt::print(stderr, "  {}\n", line);
+  } else if (!hints.descriptions.empty()) {
+    fmt::print(stderr,
+               "it names no description that is here; type, with the paths of what it mentions\n  {}\n",
+               hints.line(verb));
+  } else {
+    fmt::print(stderr,
+               "it names no description; if it belongs to a robot, type\n"
+               "  polyarm {} --description FILE.urdf --controllers FILE.yaml\n",
+               verb);
+  }
+  return kUsage;
+}
+
+/// A launch file of ROS 2 is a program and does not run here.
+int explain_launch_file(const std::string& verb, const std::string& path,
+                        const std::map<std::string, std::string>& given) {
+  if (path.ends_with(".py")) return explain_python_launch(verb, path, given);
+  const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
+  fmt::print(stderr, "polyarm {}: {} is a launch file of ROS 2; it mentions\n", verb, path);
+  for (const std::string& name : hints.descriptions) fmt::print(stderr, "  description  {}\n", name);
+  for (const std::string& name : hints.controllers) fmt::print(stderr, "  controllers  {}\n", name);
+  fmt::print(stderr, "type instead, with their paths:\n  {}\n", hints.line(verb));
+  return kUsage;
+}
+
+/// A launch file of ROS 1 is XML; those of ROS 2 are programs, or XML that calls itself so.
+bool runs_here(const std::string& path) {
+  const fs::path file = path;
+  return file.extension() == ".launch" || path.ends_with(".launch.xml");
+}
+
+/// A description, or a robot of the catalogue, may stand where a cell does.
+bool is_robot(const std::string& named) {
+  std::error_code error;
+  const fs::path path = named;
+  if (fs::is_regular_file(path, error)) return path.extension() == ".urdf" || path.extension() == ".xacro";
+  if (named.empty() || fs::exists(path, error)) return false;
+  return open_catalogue().find(named).has_value();
+}
+
+}  // namespace
+
+void AskedCell::add_to(CommandLine& app) {
+  app.add_option("cell", cell,
+                 "folder with a cell.yaml, a cell file, a launch file of ROS 1, or a robot: a URDF, xacro or "
+                 "catalogue name");
+  app.add_option("arguments", arguments, "NAME:=VALUE of a launch file or of a description in xacro");
+  app.add_option("--description", description,
+                 "a robot's URDF or xacro, or its catalogue name, instead of a cell");
+  app.add_option("--controllers", controllers, "controllers YAML for --description; may be repeated");
+}
+
+std::optional<int> AskedCell::settle(const std::string& verb) {
+  if (!description.empty() && cell.find(":=") != std::string::npos)
+    arguments.insert(arguments.begin(), std::exchange(cell, ""));
+  if (description.empty() && is_robot(cell)) description = std::exchange(cell, "");
+  const std::string named = cell.empty() ? description : cell;
+  if (cell.empty() == description.empty()) {
+    fmt::print(stderr,
+               "polyarm {0}: name a cell, or a robot with --description FILE.urdf; see polyarm {0} --help\n",
+               verb);
+    return kUsage;
+  }
+  if (description::is_launch_file(named) && !runs_here(named))
+    return explain_launch_file(verb, named, named_values(arguments));
+  return std::nullopt;
+}
+
+namespace {
+/// A launch file that starts no robot here: the packages around it may have one to name instead.
+[[noreturn]] void refuse_launch_file(const std::string& path, const Error& error) {
+  std::vector<Problem> problems = error.problems();
+  const auto lines = ros_files::lines_of_package(path, "run");
+  for (Problem& problem : problems)
+    if (!lines.empty() && (problem.code == "ros2-launch" || problem.code == "no-description"))
+      problem.advice = "its packages have descriptions, type for example: " + join(lines, "; or: ");
+  throw Error(std::move(problems));
+}
+}  // namespace
+
+cell::CellFile AskedCell::open() const {
+  if (description::is_launch_file(cell)) {
+    Problems problems;
+    cell::CellFile launched;
+    try {
+      launched = cell::cell_from_launch(cell, named_values(arguments), overrides, problems);
+    } catch (const Error& e) {
+      refuse_launch_file(cell, e);
+    }
+    for (const Problem& problem : problems.list()) launched.notes.push_back(problem.text());
+    if (!activate.empty()) launched.activate = activate;
+    return launched;
+  }
+  cell::CellFile file = description.empty()
+                            ? cell::read_cell_file(cell, overrides)
+                            : cell::cell_from_description(description, controllers, overrides);
+  for (const auto& [name, value] : named_values(arguments))
+    for (cell::RobotEntry& robot : file.robots) robot.arguments[name] = value;
+  if (!activate.empty()) file.activate = activate;
+  return file;
+}
+
+}  // namespace polyarm::apps

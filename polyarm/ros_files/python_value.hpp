@@ -1,0 +1,78 @@
+#pragma once
+/// What an expression of a Python launch file means, as far as that is written down. Private to the room.
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::ros_files::python {
+
+constexpr int kDeepest = 64;
+constexpr std::size_t kLongestText = 4096, kHeaviest = 10'000;
+constexpr char kUnknown = '\x01';  ///< within a text: stands for what is not known
+
+/// A text may have gaps (kUnknown). A builder is MoveItConfigsBuilder: `text` is the folder of its package,
+/// `entries` are "file" and the mappings of its description.
+struct Value {
+  enum class Kind { unknown, text, list, map, builder } kind = Kind::unknown;
+  std::string text;
+  std::vector<Value> items;                            ///< of a list
+  std::vector<std::pair<std::string, Value>> entries;  ///< of a map
+  std::size_t weight = 1;                              ///< values in it, itself too: a = [a, a] doubles
+
+  static Value of(std::string text) {
+    Value out;
+    out.kind = Kind::text;
+    out.text = text.size() > kLongestText ? std::string(1, kUnknown) : std::move(text);
+    return out;
+  }
+  static Value gap() { return of(std::string(1, kUnknown)); }
+  const Value* find(const std::string& key) const {
+    for (const auto& [name, value] : entries)
+      if (name == key) return &value;
+    return nullptr;
+  }
+};
+
+inline bool has_gap(const std::string& text) {
+  return text.find(kUnknown) != std::string::npos;
+}
+
+/// One text of a text or a list of texts, with `joint` between them.
+inline std::string flat(const Value& value, const std::string& joint = "", int depth = 0) {
+  if (value.kind == Value::Kind::text) return value.text;
+  if (value.kind != Value::Kind::list || depth > kDeepest) return std::string(1, kUnknown);
+  std::vector<std::string> parts;
+  for (const Value& item : value.items) parts.push_back(flat(item, "", depth + 1));
+  const std::string out = join(parts, joint);
+  return out.size() > kLongestText ? std::string(1, kUnknown) : out;
+}
+
+/// a / b / c as PathJoinSubstitution and os.path.join have it: an absolute part begins anew.
+inline std::string joined_path(const std::vector<std::string>& parts) {
+  std::filesystem::path out;
+  for (const std::string& part : parts) out /= std::filesystem::path(part);
+  return out.string();
+}
+
+/// Of a call.
+struct Arguments {
+  std::vector<Value> values;
+  std::vector<std::pair<std::string, Value>> named;
+  const Value* find(const std::string& name) const {
+    for (const auto& [key, value] : named)
+      if (key == name) return &value;
+    return nullptr;
+  }
+  const Value* first_or(const std::string& name) const {
+    return values.empty() ? find(name) : &values.front();
+  }
+  const Value* second_or(const std::string& name) const {
+    return values.size() < 2 ? find(name) : &values[1];
+  }
+};
+
+}  // namespace polyarm::ros_files::python
