@@ -146,9 +146,12 @@ class Requests::Work {
   explicit Work(Cell& cell) : cell_(cell) {}
 
   void handle(const std::string& line, Answer answer, const void* from) {
-    begin(std::move(answer), from, line.size(), [&] { return parse_request(line); });
+    begin(as_text(std::move(answer)), from, line.size(), [&] { return parse_request(line); });
   }
   void handle(Json request, std::size_t bytes, Answer answer, const void* from) {
+    ask(std::move(request), bytes, as_text(std::move(answer)), from);
+  }
+  void ask(Json request, std::size_t bytes, JsonAnswer answer, const void* from) {
     begin(std::move(answer), from, bytes, [&] { return std::move(request); });
   }
 
@@ -184,7 +187,7 @@ class Requests::Work {
   struct Open {
     Json id, request;
     const Row* row = nullptr;
-    Answer answer;
+    JsonAnswer answer;
     const void* from = nullptr;
     std::size_t bytes = 0;
     Poll poll;
@@ -196,7 +199,7 @@ class Requests::Work {
   static constexpr Nanoseconds kTickTime = 1'000'000;
 
   template <typename Parse>
-  void begin(Answer answer, const void* from, std::size_t bytes, Parse parse) {
+  void begin(JsonAnswer answer, const void* from, std::size_t bytes, Parse parse) {
     Open open;
     open.answer = std::move(answer);
     open.from = from;
@@ -291,7 +294,12 @@ class Requests::Work {
   static bool send(Open& open, Json line) {
     open.answered = true;
     if (!open.id.is_null()) line["id"] = open.id;
-    return open.answer(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    return open.answer(std::move(line));
+  }
+  static JsonAnswer as_text(Answer answer) {
+    return [answer = std::move(answer)](const Json& line) {
+      return answer(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    };
   }
 
   /// True when it is over.
@@ -299,7 +307,10 @@ class Requests::Work {
     Progress progress;
     guarded(open, [&] {
       if (open.refused) return;
-      if (!std::exchange(open.begun, true)) open.poll = open.row->handler(cell_, open.request);
+      if (!std::exchange(open.begun, true)) {
+        open.poll = open.row->handler(cell_, open.request);
+        open.request = Json();  // a goal stays open for long, and its points are many
+      }
       progress = open.poll(cell_);
     });
     if (open.refused) {
@@ -325,6 +336,9 @@ void Requests::handle(const std::string& line, Answer answer, const void* from) 
 }
 void Requests::handle(nlohmann::json request, std::size_t bytes, Answer answer, const void* from) {
   work_->handle(std::move(request), bytes, std::move(answer), from);
+}
+void Requests::ask(nlohmann::json request, std::size_t bytes, JsonAnswer answer, const void* from) {
+  work_->ask(std::move(request), bytes, std::move(answer), from);
 }
 void Requests::end(const void* from, const nlohmann::json& id) {
   work_->end(from, id);

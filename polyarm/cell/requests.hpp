@@ -44,6 +44,8 @@ nlohmann::json request_id(const nlohmann::json& request);
 
 /// Takes an answer, one JSON object without line ends; false when nobody listens any more.
 using Answer = std::function<bool(const std::string& line)>;
+/// The same for an asker in this process: the answer is neither printed nor parsed.
+using JsonAnswer = std::function<bool(nlohmann::json answer)>;
 
 /// Cell thread. A request is `{"request": NAME, …arguments, "id": anything}`; its answer `{"id": …, "ok":
 /// true, "result": …}` or `{"id": …, "ok": false, "error": {code, what, advice, where}}`. What takes a few
@@ -58,6 +60,7 @@ class Requests {
   void handle(const std::string& line, Answer answer, const void* from = nullptr);
   /// The same of one that was read from so many bytes already.
   void handle(nlohmann::json request, std::size_t bytes, Answer answer, const void* from = nullptr);
+  void ask(nlohmann::json request, std::size_t bytes, JsonAnswer answer, const void* from = nullptr);
   /// What this asker has open under this id (not null) ends without a further answer.
   void end(const void* from, const nlohmann::json& id);
   /// Once each tick: goes on with what takes time.

@@ -229,7 +229,8 @@ Poll param_set(Cell& cell, const Json& arguments) {
   if (found == arguments.end() || !found->is_object() || found->empty())
     throw Error("bad-argument", "'values' is no map of parameters");
   for (const auto& [key, value] : found->items())
-    values.emplace_back(key, value.is_string() ? value.get<std::string>() : value.dump());
+    values.emplace_back(key, value.is_string() ? value.get<std::string>()
+                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace));
   const auto job = cell.loop().controllers().begin_change(text_argument(arguments, "name"), values);
   return [job, count = values.size()](Cell&) {
     return job->done() ? Progress::done({{"changed", count}}) : Progress{};
@@ -288,7 +289,7 @@ void spell_out(Json& value) {
 std::string text_of(Json message) {
   if (message.is_string()) return message.get<std::string>();
   spell_out(message);
-  return message.dump();
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vector<std::string> types) {

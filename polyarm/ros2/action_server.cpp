@@ -82,9 +82,9 @@ class Server : public std::enable_shared_from_this<Server> {
     using Self = std::weak_ptr<Server>;
     const auto serve = [&](const char* name, const std::string& type, auto member) {
       bridge_.service(port_.node, base + name, type,
-                      [self = Self(weak_from_this()), member](const Json& request, Reply reply) {
+                      [self = Self(weak_from_this()), member](Json request, Reply reply) {
                         if (const auto server = self.lock())
-                          (server.get()->*member)(request, std::move(reply));
+                          (server.get()->*member)(std::move(request), std::move(reply));
                       });
     };
     serve("send_goal", port_.type + "_SendGoal", &Server::send_goal);
@@ -119,13 +119,13 @@ class Server : public std::enable_shared_from_this<Server> {
 
   std::string target() const { return port_.controller + "/" + port_.port; }
 
-  void send_goal(const Json& request, Reply reply) {
+  void send_goal(Json request, Reply reply) {
     const Json stamp = bridge_.ros_stamp(bridge_.cell().now());
     if (find(request["goal_id"])) return reply({{"accepted", false}, {"stamp", stamp}});
     const auto goal = std::make_shared<Goal>();
     goal->id = request["goal_id"];
     goal->stamp = stamp;
-    Json message = request["goal"];
+    Json message = std::move(request["goal"]);
     if (message.contains("trajectory")) bridge_.to_cell(message["trajectory"]);
     for (const char* list :
          {"path_tolerance", "goal_tolerance", "component_path_tolerance", "component_goal_tolerance"})
@@ -204,7 +204,7 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->waiting.clear();
   }
 
-  void get_result(const Json& request, Reply reply) {
+  void get_result(Json request, Reply reply) {
     const GoalPointer goal = find(request["goal_id"]);
     if (!goal) return reply({{"status", GoalStatus::STATUS_UNKNOWN}});
     if (goal->over()) return reply({{"status", goal->status}, {"result", goal->result}});
@@ -213,8 +213,8 @@ class Server : public std::enable_shared_from_this<Server> {
 
   /// All goals where neither id nor time is given, those up to a time, and the one with the id. An id alone
   /// must be one of a goal under way; to find none in the other cases is no fault.
-  void cancel_goal(const Json& request, Reply reply) {
-    const Json& info = request["goal_info"];
+  void cancel_goal(Json request, Reply reply) {
+    const Json info = std::move(request["goal_info"]);
     const bool any_id = std::all_of(info["goal_id"]["uuid"].begin(), info["goal_id"]["uuid"].end(),
                                     [](const Json& byte) { return byte == 0; });
     const std::int64_t until = nanoseconds_of(info["stamp"]);

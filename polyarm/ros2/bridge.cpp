@@ -48,13 +48,26 @@ std::string Bridge::interface_name(const std::string& name) const {
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
 }
 
+namespace {
+/// About the memory that a request takes.
+std::size_t weight_of(const Json& value) {
+  std::size_t out = sizeof(Json);
+  if (value.is_string()) out += value.get_ref<const std::string&>().size();
+  if (value.is_structured())
+    for (const Json& item : value) out += weight_of(item);
+  return out;
+}
+}  // namespace
+
 void Bridge::ask(Json request, OnAnswer answer, const void* from) {
   const bool changes = request["request"].get_ref<const std::string&>().starts_with("control.");
-  cell_.requests().handle(
-      request.dump(-1, ' ', false, Json::error_handler_t::replace),  // texts may be no UTF-8
-      [this, changes, answer = std::move(answer)](const std::string& line) {
+  // As JSON, not as text: a goal of thousands of points would be printed and parsed for nothing.
+  const std::size_t bytes = weight_of(request);
+  cell_.requests().ask(
+      std::move(request), bytes,
+      [this, changes, answer = std::move(answer)](const Json& given) {
         changed_ = changed_ || changes;
-        guarded([&] { answer(Json::parse(line, nullptr, false)); });
+        guarded([&] { answer(given); });
         return true;
       },
       from);
@@ -80,7 +93,7 @@ void Bridge::service(const std::string& node, const std::string& service, const 
         const auto once =
             std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(request.answer));
         guarded([&] {
-          call(fields, [once, &answered](const Json& response) {
+          call(std::move(fields), [once, &answered](const Json& response) {
             if (*once) (*once)(messages::from_json(answered, response));
             *once = nullptr;
           });

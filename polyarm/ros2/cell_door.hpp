@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 using OnAnswer = std::function<void(const Json& answer)>;
 /// A service whose fields come and go as JSON; `reply` may be called later, and once.
 using Reply = std::function<void(Json response)>;
-using OnCall = std::function<void(const Json& request, Reply reply)>;
+using OnCall = std::function<void(Json request, Reply reply)>;
 
 /// The cell, the wire, and how names and times of one become those of the other.
 class Bridge {

@@ -14,7 +14,8 @@ using Status = messages::diagnostic_msgs::msg::DiagnosticStatus;
 constexpr Nanoseconds kDiagnostics = 1'000'000'000;
 
 std::string text_of(const Json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>()
+                           : value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 /// What std_srvs/Trigger says of an answer of the cell.

@@ -183,9 +183,13 @@ class RemoteParticipant::Work {
         if (!is_over() && Clock::now() >= next_start_) start();
         continue;
       }
-      if (channel_->may_sleep()) sleep(std::chrono::milliseconds(kLook_ms));
+      bool look = true;  // at the process itself: when it says something there, or nothing at all
+      if (channel_->may_sleep()) look = sleep(std::chrono::milliseconds(kLook_ms));
       channel_->woken();
       const bool broken = !hear();
+      const auto now = Clock::now();
+      if (!look && now - looked_ < std::chrono::milliseconds(kLook_ms) && !broken && !channel_->broken()) continue;
+      looked_ = now;
       child_.listen();
       if (const auto ending = child_.ended()) {
         hear();
@@ -206,14 +210,17 @@ class RemoteParticipant::Work {
     return over_;
   }
 
-  /// Until there is something from the process, or from the one who owns this.
-  void sleep(Clock::duration most) const {
+  /// Until there is something from the process, or from the one who owns this. False where nothing but a
+  /// message has come.
+  bool sleep(Clock::duration most) const {
     std::array<pollfd, 4> fds{{{bell_.number(), POLLIN, 0},
                                {child_.running() ? channel_->bell() : -1, POLLIN, 0},
                                {child_.end(), POLLIN, 0},
                                {child_.errors(), POLLIN, 0}}};
     const auto ms = std::chrono::ceil<std::chrono::milliseconds>(most).count();
-    if (::poll(fds.data(), fds.size(), static_cast<int>(ms)) < 0) errno = 0;
+    const int count = ::poll(fds.data(), fds.size(), static_cast<int>(ms));
+    if (count < 0) errno = 0;
+    return count != 1 || fds[1].revents != POLLIN;
   }
 
   void start() {
@@ -372,7 +379,7 @@ class RemoteParticipant::Work {
   // Of the thread.
   process::Child child_;
   std::vector<std::byte> heard_;
-  Clock::time_point started_, sign_, next_start_;
+  Clock::time_point started_, sign_, looked_, next_start_;
   std::chrono::milliseconds pause_;
   std::uint64_t beats_ = 0;
   RemoteNews refused_;  ///< what the process has said before it ended

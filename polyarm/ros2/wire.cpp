@@ -305,7 +305,7 @@ class Wire::Work {
     enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
       if (!*on_request) return true;
       return (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
-                              send(to_answer_, {replies, std::move(reply), asker, Clock::now() + kPatience});
+                              answer({replies, std::move(reply), asker, Clock::now() + kPatience});
                             }});
     });
   }
@@ -335,6 +335,11 @@ class Wire::Work {
     const std::lock_guard lock(mutex_);
     statistics_.received += unseen ? 1 : 0;
     ++statistics_.refused;
+  }
+
+  /// At once where the reader is there, which spares a reply the way through the sending thread.
+  void answer(Outgoing out) {
+    if (!write(out)) send(to_answer_, std::move(out));
   }
 
   void send(std::deque<Outgoing>& queue, Outgoing out) {
@@ -381,7 +386,7 @@ class Wire::Work {
     }
   }
 
-  /// False where it must wait for its reader.
+  /// False where it must wait for its reader. On the sending thread, and of a reply on the one that gives it.
   bool write(Outgoing& out) {
     std::optional<Related> related;
     if (out.to) {
@@ -402,6 +407,7 @@ class Wire::Work {
 
   /// Whether a reader of Cyclone has been answered before, or has had the time to hear of its writer.
   bool hears(const Guid& reader, Clock::time_point asked) {
+    const std::lock_guard lock(mutex_);
     if (answered_.contains(reader)) return true;
     if (Clock::now() < asked + kFirstReply) return false;
     if (answered_.size() >= kMostAnswered) answered_.clear();
@@ -474,7 +480,7 @@ class Wire::Work {
   std::deque<std::function<bool()>> waiting_;
   /// Whoever asked is answered however much is told on topics, as it is by a cell in lock-step.
   std::deque<Outgoing> to_answer_, to_tell_;
-  std::set<Guid> answered_;  ///< readers of Cyclone; of the sending thread
+  std::set<Guid> answered_;  ///< readers of Cyclone
   WireStatistics statistics_;
   bool over_ = false;
   std::thread thread_;

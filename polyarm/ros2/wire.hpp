@@ -5,7 +5,8 @@
 /// and nodes, topics and services are there again as soon as it is.
 ///
 /// What comes in waits until `take` is called: callbacks run on that thread alone. What goes out is written
-/// by a thread of this class; a reply waits up to ten seconds until its reader is matched.
+/// by a thread of this class, except a reply whose reader is there already: that is handed over at once. Any
+/// other reply waits up to ten seconds until its reader is matched.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>

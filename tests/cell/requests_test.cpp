@@ -57,6 +57,38 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
   }
 }
 
+/// As the door of ROS 2 asks: neither side is printed and parsed.
+TEST_F(RequestsTest, AskersInThisProcessGiveAndGetJson) {
+  std::vector<Json> answers;
+  const auto keep = [&](Json answer) {
+    answers.push_back(std::move(answer));
+    return true;
+  };
+  cell.cell().requests().ask({{"request", "control.list"}, {"id", 7}}, 100, keep);
+  cell.cell().requests().ask({{"request", "nothing"}}, 100, keep);
+  cell.tick();
+  ASSERT_EQ(answers.size(), 2u);
+  EXPECT_EQ(answers[0]["id"], 7);
+  EXPECT_TRUE(answers[0]["result"].is_array());
+  EXPECT_EQ(error_of(answers[1]), "unknown-request");
+}
+
+/// Texts from the network may be no UTF-8: that is a message that cannot be read, not a fault of the cell.
+TEST_F(RequestsTest, TextsThatAreNoUtf8AreAnsweredInWords) {
+  Json message = trajectory(0.1, 1);
+  message["joint_names"] = {"joint_1", "\xff\xfe"};
+  std::vector<Json> answers;
+  cell.cell().requests().ask({{"request", "send"}, {"to", "follow"}, {"message", message}}, 100,
+                             [&](Json answer) {
+                               answers.push_back(std::move(answer));
+                               return true;
+                             });
+  for (int i = 0; answers.empty() && i < 100; ++i) cell.tick();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_FALSE(answers[0]["ok"].get<bool>());
+  EXPECT_NE(error_of(answers[0]), "internal") << what_of(answers[0]);
+}
+
 TEST(StreamedCommands, ThatStopComingAreToldOnceAndSeen) {
   std::string controllers = kSharedJoint;
   controllers.replace(controllers.find("    interface_name: position"), 28,

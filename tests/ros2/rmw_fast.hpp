@@ -42,8 +42,9 @@ class RmwNode {
   enum class Range { localhost, subnet };
 
   /// `listener` is told of who is found; it outlives the node. `vendor`: it says that it is another's.
+  /// `shared_memory`: in the range localhost, as rmw_fastrtps has it; else UDP alone.
   RmwNode(std::uint32_t domain, Range range, dds::DomainParticipantListener* listener = nullptr,
-          std::optional<std::array<std::uint8_t, 2>> vendor = {}) {
+          std::optional<std::array<std::uint8_t, 2>> vendor = {}, bool shared_memory = true) {
     dds::DomainParticipantQos qos = factory()->get_default_participant_qos();
     if (vendor) {
       static std::uint8_t count = 0;
@@ -58,8 +59,9 @@ class RmwNode {
       builtin.metatrafficMulticastLocatorList.clear();
       builtin.metatrafficUnicastLocatorList.push_back(fast::Locator_t());
       qos.transport().use_builtin_transports = false;
-      qos.transport().user_transports.push_back(
-          std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
+      if (shared_memory)
+        qos.transport().user_transports.push_back(
+            std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
       const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
       udp->maxInitialPeersRange = 32;
       qos.transport().user_transports.push_back(udp);
@@ -85,14 +87,16 @@ class RmwNode {
   RmwNode& operator=(const RmwNode&) = delete;
 
   dds::DataReader* reader(const std::string& topic, const std::string& type, bool latched = false,
-                          bool reliable = true) {
+                          bool reliable = true, int depth = 10) {
     dds::DataReaderQos qos = subscriber_->get_default_datareader_qos();
     state(qos, latched, reliable);
+    if (!latched) qos.history().depth = depth;
     return subscriber_->create_datareader(topic_of(topic, type), qos);
   }
-  dds::DataWriter* writer(const std::string& topic, const std::string& type) {
+  dds::DataWriter* writer(const std::string& topic, const std::string& type, int depth = 10) {
     dds::DataWriterQos qos = publisher_->get_default_datawriter_qos();
     state(qos, false, true);
+    qos.history().depth = depth;
     return publisher_->create_datawriter(topic_of(topic, type), qos);
   }
   /// The next sample, if one has come; its identity in `info`.
