@@ -1,6 +1,7 @@
 #include "polyarm/program/ast.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "polyarm/base/text.hpp"
@@ -37,6 +38,17 @@ std::optional<Statement::Motion> motion_of(std::string_view word) {
   return static_cast<Statement::Motion>(at - std::begin(kMotions));
 }
 
+namespace {
+/// Of a number four digits are enough to find it in the program.
+std::string short_text(const Value& value) {
+  const data::Number* number = value.as_number();
+  if (!number || number->value == 0) return value.text();
+  const double scale = std::pow(10, 3 - std::floor(std::log10(std::abs(number->value))));
+  const double rounded = std::round(number->value * scale) / scale;
+  return std::isfinite(rounded) ? Value(data::Number{rounded, number->dimension}).text() : value.text();
+}
+}  // namespace
+
 std::string spelled(const Expression& expression) {
   using Kind = Expression::Kind;
   switch (expression.kind) {
@@ -52,7 +64,7 @@ std::string spelled(const Expression& expression) {
     case Kind::field:
       return spelled(*expression.parts[0]) + "." + expression.name;
     case Kind::literal:
-      return expression.value.text();
+      return short_text(expression.value);
     case Kind::binary:
       return spelled(*expression.parts[0]) + " " + spelling(expression.op) + " " +
              spelled(*expression.parts[1]);

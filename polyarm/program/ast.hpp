@@ -209,6 +209,7 @@ struct Program {
   std::vector<std::string> lines;
   Block statements;                ///< with those of the included files where they are included
   std::vector<Included> included;  ///< file 1 and on
+  bool lacks_included = false;     ///< a file that it includes could not be read
 
   Location at(Place place) const;
   /// The source line without blanks around it; empty for a line there is not.

@@ -44,7 +44,12 @@ class CellNamesCheck {
       if (clause.kind == Clause::Kind::at) not_measured(clause.target, clause.place);
   }
   void not_measured(const std::string& name, Place place) {
-    if (!known_.measured.contains(name) || own_.contains(name)) return;
+    if (own_.contains(name)) return;
+    if (const auto link = known_.brought.find(name); link != known_.brought.end())
+      scope_.error("read-only", place,
+                   "'" + name + "' comes from the link '" + link->second + "'; a program cannot set it",
+                   "wait for it; if both sides set it, say direction: both in signals.yaml");
+    if (!known_.measured.contains(name)) return;
     scope_.error("read-only", place,
                  "'" + name + "' says what the hardware measures; a program cannot set it",
                  "wait for it, or set the tag of the command that brings it about");

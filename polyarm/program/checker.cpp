@@ -31,27 +31,26 @@ void KnownNames::add(const data::DataStore& store) {
   }
 }
 
-namespace {
-using Statements = Statement::Kind;
-
-/// Blocks that run within one cycle: what may not stand in them.
 bool takes_time(const Statement& s) {
   switch (s.kind) {
-    case Statements::move:
-    case Statements::wait:
-    case Statements::wait_time:
-    case Statements::ask:
-    case Statements::load:
-    case Statements::import:
-    case Statements::meet:
-    case Statements::lock:
-    case Statements::together:
-    case Statements::hold:
+    case Statement::Kind::move:
+    case Statement::Kind::wait:
+    case Statement::Kind::wait_time:
+    case Statement::Kind::ask:
+    case Statement::Kind::load:
+    case Statement::Kind::import:
+    case Statement::Kind::meet:
+    case Statement::Kind::lock:
+    case Statement::Kind::together:
+    case Statement::Kind::hold:
       return true;
     default:
       return false;
   }
 }
+
+namespace {
+using Statements = Statement::Kind;
 
 class Checker {
  public:
@@ -59,6 +58,7 @@ class Checker {
       : program_{program}, known_{known}, problems_{problems}, scope_{program, known, problems} {}
 
   void run() {
+    const bool understood = !problems_.has_errors();
     check_functions_names();
     block(program_.statements, true);
     for (const Statement& s : program_.statements) apart(s);
@@ -66,6 +66,7 @@ class Checker {
     check_cell_names(program_, known_, scope_);
     check_blends(program_, scope_);
     check_values(program_, scope_);
+    if (understood) check_endless(program_, scope_);
     scope_.warn_of_case();
   }
 
@@ -284,7 +285,7 @@ class Checker {
     const std::string variable = scope_.variable_in(name);
     const auto at = scope_.names.find(name);
     if (variable.empty() && at == scope_.names.end()) {
-      if (scope_.made.contains(name)) return;
+      if (scope_.made.contains(name) || program_.lacks_included) return;
       return error("unknown-name", place,
                    "there is nothing called '" + name + "'" + did_you_mean(name, scope_.all_names()),
                    "write `let " + name + " = …` to make it");

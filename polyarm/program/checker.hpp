@@ -25,7 +25,8 @@ struct KnownNames {
   std::map<std::string, Type> names;
   /// Where `load` looks for files; nothing: files are not looked for.
   std::optional<std::filesystem::path> folder;
-  std::set<std::string> measured;  ///< tags that the hardware alone sets
+  std::set<std::string> measured;              ///< tags that the hardware alone sets
+  std::map<std::string, std::string> brought;  ///< tags that a link alone sets, and its name
   struct Robots {
     std::vector<std::string> names, tools;
   };

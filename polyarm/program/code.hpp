@@ -216,6 +216,8 @@ struct Compiled {
 void for_each_statement(const Block& block, const std::function<void(const Statement&)>& visit);
 /// Every expression that stands in `s` itself, not in its blocks.
 void for_each_expression(const Statement& s, const std::function<void(const Expression&)>& visit);
+/// The statement that begins in this line, or null.
+const Statement* statement_at(const Program& program, const Location& where);
 /// Calls of functions in `e`, by name.
 void for_each_call(const Expression& e, const std::function<void(const Expression&)>& visit);
 

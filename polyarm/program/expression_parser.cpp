@@ -152,6 +152,14 @@ void TokenCursor::expect_end(const std::string& statement) const {
   refuse_bad(peek());
   if (is_symbol("="))
     throw SyntaxError{"unexpected", peek().place, "'=' compares nothing here", "write == to compare"};
+  if (peek().kind == TokenKind::name && (peek().text == "then" || peek().text == "do"))
+    throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
+                      "the block begins on the next line"};
+  if (peek().kind == TokenKind::name && at_ > 0 && tokens_[at_ - 1].kind == TokenKind::number &&
+      tokens_[at_ - 1].dimension == Dimension::none && find_unit(peek().text))
+    throw SyntaxError{"unexpected", peek().place,
+                      "a blank separates the unit '" + peek().text + "' from its number",
+                      "write the unit right behind it, such as 5mm"};
   throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
                     "one statement stands on a line; a name with blanks goes in `back-quotes`"};
 }

@@ -62,6 +62,9 @@ struct Move {
   } step;
   /// The frame, where the program says it by a value: maps it into the world. Then `frame` is for messages.
   std::optional<Pose> frame_pose;
+  /// Of a move in a function the calls that led to it, to be put behind what a message says: "; called from
+  /// line 7".
+  std::string called;
 };
 
 /// How much of a move is done, along its own path.

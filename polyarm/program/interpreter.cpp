@@ -289,7 +289,24 @@ void Interpreter::unwind(Task& task, const Problem& problem) {
   task.state = TaskState::running;
 }
 
+/// The calls that led to the line of the task, as they are put behind a message; empty outside of functions.
+std::string Interpreter::called_from(const Task& task) const {
+  constexpr std::size_t kMost = 3;
+  std::string out;
+  for (std::size_t i = task.frames.size(), told = 0; i-- > 1; ++told) {
+    if (told == kMost) return out + " …";
+    const Location at = program_.at(code_.sources[task.frames[i].return_to - 1].line);
+    const std::size_t name = at.file.rfind('/') + 1;  // 0 where there is none
+    out += (told == 0 ? "; called from line " : ", from line ") + std::to_string(at.line) +
+           (at.file == program_.file ? "" : " of " + at.file.substr(name));
+  }
+  return out;
+}
+
 void Interpreter::fail(Task& task, Problem problem) {
+  const Location line = program_.at(task.line);
+  if (problem.where.line == line.line && problem.where.file == line.file && !task.parent)
+    problem.what += called_from(task);
   task.state = TaskState::failed;
   give_back_locks(task, 0);
   Task* parent = task.parent ? task_of(task.parent) : nullptr;

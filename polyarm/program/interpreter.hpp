@@ -150,6 +150,7 @@ class Interpreter {
   void raise(Task& task, Problem problem, bool catchable);
   void unwind(Task& task, const Problem& problem);
   void fail(Task& task, Problem problem);
+  std::string called_from(const Task& task) const;
   TaskStatus status_of(const Task& task) const;
   const Task& shown_task() const;
   Place place_of(const Task& task) const;

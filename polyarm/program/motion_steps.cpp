@@ -251,6 +251,7 @@ void Interpreter::move(Task& task, const Step& step) {
     fail_at(refused.place, "bad-type", refused.what, refused.advice);
   }
   if (!host_.room_for_move(move.robot)) return wait_for(task, WaitKind::room, move.robot);
+  move.called = called_from(task);
   const Handle handle = host_.start_move(move, program_.at(source(step).line));
   forget_arrived(task);
   task.moves.push_back({handle, source(step).line});

@@ -6,6 +6,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/import_format.hpp"
 #include "polyarm/program/lexer.hpp"
 #include "polyarm/program/statement_parser.hpp"
@@ -217,8 +218,12 @@ class Parser {
     try {
       text = read_file(path, bounds::kProgramBytes);
     } catch (const Error& e) {
+      program_.lacks_included = true;
+      std::vector<std::string> others = data::file_names_in(path.parent_path());
+      std::erase(others, std::filesystem::path(by).filename().string());
       return error("no-file", s.name_place,
-                   "'" + s.name + "' cannot be included: " + e.problems().front().what,
+                   "'" + s.name + "' cannot be included: " + e.problems().front().what +
+                       did_you_mean(path.filename().string(), others),
                    "the name is relative to the folder of this file");
     }
     if (const auto why = data::why_not_text(text)) return error("not-text", s.name_place, *why);

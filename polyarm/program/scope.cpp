@@ -98,7 +98,10 @@ void Scope::forget(std::size_t keep) {
 /// The nearest name there is; not in a file where everything is wrong, since it looks at every name.
 std::string Scope::suggested(const std::string& name) const {
   constexpr std::size_t kMost = 500;
-  return problems_.list().size() < kMost ? did_you_mean(name, all_names()) : std::string{};
+  if (problems_.list().size() >= kMost) return {};
+  std::vector<std::string> all = all_names();
+  all.insert(all.end(), {"true", "false"});
+  return did_you_mean(name, all);
 }
 
 std::string Scope::variable_in(const std::string& name) const {
@@ -151,7 +154,7 @@ Type Scope::type_of_name(const std::string& name, Place place) {
     if (at == names.end()) continue;
     return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
   }
-  if (made.contains(name)) return kUnknown;
+  if (made.contains(name) || program_.lacks_included) return kUnknown;
   error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
         "names are data, points, tags and what `let` made");
   return kUnknown;
@@ -198,9 +201,28 @@ Type Scope::infer_unary(const Expression& e) {
   return wanted == Kind::boolean ? kBoolean : number_of(of.dimension);
 }
 
+namespace {
+/// What is meant by adding something to a place.
+const char* advice_for(Operator op, const Type& a, const Type& b) {
+  if (op != Operator::add && op != Operator::subtract) return "";
+  if (a.kind == Kind::pose && b.kind == Kind::pose)
+    return "write A * B for B in the frame A, or offset(A, x = 20mm) to shift it";
+  if (a.kind == Kind::pose) return "shift a pose with offset(P, x = 20mm, rz = 5deg)";
+  return a.kind == Kind::joints ? "change one joint with joints(NAME = …), or move with `speedj`" : "";
+}
+}  // namespace
+
 void Scope::refuse_pair(const Expression& e, const Type& a, const Type& b) {
+  const auto is_name_of_cell = [this](const Expression& part) {
+    return part.kind == Expression::Kind::name && names.contains(part.name) && !local(part.name);
+  };
+  const auto boolean_for_number = [&](const Type& one, const Expression& part, const Type& other) {
+    return one.kind == Kind::boolean && other.kind == Kind::number && is_name_of_cell(part);
+  };
+  const bool tag = boolean_for_number(a, *e.parts[0], b) || boolean_for_number(b, *e.parts[1], a);
   error("bad-type", e.place,
-        std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b));
+        std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b),
+        tag ? "a tag is a bool unless signals.yaml says `type: number`" : advice_for(e.op, a, b));
 }
 
 Type Scope::infer_binary(const Expression& e) {
@@ -249,6 +271,12 @@ Type Scope::infer_call(const Expression& e) {
   const Statement* own = function(e.name);
   const Function* builtin = own ? nullptr : find_function(e.name);
   if (!own && !builtin) {
+    if (program_.lacks_included) return kUnknown;
+    if (e.name == "print" || e.name == "printf" || e.name == "echo") {
+      error("unknown-function", e.place, "there is no function '" + e.name + "'",
+            "a line is printed with `log(…)`");
+      return kUnknown;
+    }
     std::vector<std::string> all = function_names();
     for (const Statement* each : functions) all.push_back(each->name);
     error("unknown-function", e.place, "there is no function '" + e.name + "'" + did_you_mean(e.name, all),

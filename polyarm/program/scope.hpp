@@ -77,12 +77,16 @@ class Scope {
   std::unordered_map<std::string, const Statement*> function_at_;
 };
 
+/// It waits or moves, so it may not be in a block that runs within one cycle.
+bool takes_time(const Statement& s);
 /// Tasks that command one robot, and meetings that one task alone comes to.
 void check_tasks(const Program& program, Scope& scope);
 /// Finds robots, tools and frames that the cell does not have, and tags that no program may set.
 void check_cell_names(const Program& program, const KnownNames& known, Scope& scope);
 /// Finds values that a run would refuse, as far as they are known before.
 void check_values(const Program& program, Scope& scope);
+/// Finds loops that never end, and never wait.
+void check_endless(const Program& program, Scope& scope);
 /// Warns of blends that cannot happen, with the line that prevents each.
 void check_blends(const Program& program, Scope& scope);
 

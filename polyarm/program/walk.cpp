@@ -25,6 +25,14 @@ void for_each_expression(const Statement& s, const std::function<void(const Expr
   for (const Clause& clause : s.clauses) some(clause.value), some(clause.to);
 }
 
+const Statement* statement_at(const Program& program, const Location& where) {
+  const Statement* out = nullptr;
+  for_each_statement(program.statements, [&](const Statement& s) {
+    if (!out && s.place.line == where.line && program.at(s.place).file == where.file) out = &s;
+  });
+  return out;
+}
+
 void for_each_call(const Expression& e, const std::function<void(const Expression&)>& visit) {
   if (e.kind == Expression::Kind::call) visit(e);
   for (const ExpressionPtr& part : e.parts) for_each_call(*part, visit);

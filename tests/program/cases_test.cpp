@@ -210,7 +210,7 @@ TEST(Words, NoneButTheReservedOnesAreTakenFromNames) {
                  " exact\n",
              "words.script");
     run_case("# given " + name + ": True\nwait " + name + "\nset " + name + " False\nwhile " + name +
-                 "\nend\nlog(" + name + ")  # expect: False\n",
+                 "\n  wait 1s\nend\nlog(" + name + ")  # expect: False\n",
              "words.script");
     run_case("func twice(" + name + ")\n  return " + name + " * 2\nend\nlog(twice(" + name +
                  " = 2))  # expect: 4\n",

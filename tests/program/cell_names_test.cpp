@@ -13,8 +13,10 @@ std::string found(const std::string& text, bool with_robots = true) {
   KnownNames known;
   known.names = {{"P", {data::Kind::pose, {}}},       {"Nozzle", {data::Kind::pose, {}}},
                  {"Count", {data::Kind::number, {}}}, {"Held", {data::Kind::boolean, {}}},
-                 {"Lamp", {data::Kind::boolean, {}}}, {"Home", {data::Kind::joints, {}}}};
+                 {"Lamp", {data::Kind::boolean, {}}}, {"Home", {data::Kind::joints, {}}},
+                 {"Go", {data::Kind::boolean, {}}}};
   known.measured = {"Held"};
+  known.brought = {{"Go", "plc"}};
   if (with_robots) known.robots = KnownNames::Robots{{"left", "right"}, {"suction_cup", "cup.yaml"}};
   Problems problems;
   check(parsed(text), known, problems);
@@ -60,6 +62,15 @@ TEST(CellNames, NoProgramSetsWhatTheHardwareMeasures) {
       std::string::npos)
       << "a name of its own";
   EXPECT_EQ(found("test \"a sensor\"\n  set Held = true\n  run\nend\n"), "") << "a test is the far side";
+}
+
+TEST(CellNames, NoProgramSetsWhatALinkBrings) {
+  const std::string text = " read-only 'Go' comes from the link 'plc'; a program cannot set it\n";
+  EXPECT_EQ(found("set Go = true\n"), "1:5" + text);
+  EXPECT_EQ(found("set Go True\n"), "1:5" + text);
+  EXPECT_EQ(found("movel P, at end - 10mm set Go = true\n"), "1:10" + text);
+  EXPECT_EQ(found("let Go = false\nset Go = true\n").find("read-only"), std::string::npos);
+  EXPECT_EQ(found("test \"a PLC\"\n  set Go = true\n  run\nend\n"), "");
 }
 
 }  // namespace
