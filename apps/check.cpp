@@ -63,8 +63,8 @@ void print_text(const cell::CheckResult& result) {
   int reached = 0;
   for (const cell::PointReport& point : result.points) reached += point.reachable ? 1 : 0;
   if (!result.points.empty()) fmt::print("{} of {} points can be reached\n", reached, result.points.size());
-  if (result.moves > 0)
-    fmt::print("{} moves looked along{}\n", result.moves,
+  if (result.moves > 0 || !result.reached.file.empty())
+    fmt::print("{} move{} planned{}\n", result.moves, result.moves == 1 ? "" : "s",
                result.reached.file.empty() ? "" : ", as far as " + result.reached.text());
   fmt::print("{} error{}, {} warning{}\n", errors, errors == 1 ? "" : "s", warnings,
              warnings == 1 ? "" : "s");

@@ -50,10 +50,11 @@ void Request::part() {
 }
 
 void Request::add_to(CommandLine& app) {
-  app.add_option("what", words,
-                 "a JointTrajectory file (YAML or JSON), or [CELL] and moves: movej P, movel P, movec VIA P, "
-                 "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
-                 "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone");
+  app.add_option(
+      "what", words,
+      "[CELL or ROBOT], then a JointTrajectory file (YAML or JSON) or moves: movej P, movel P, movec VIA P, "
+      "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
+      "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone");
   app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
   app.add_option("--of", of, "of a cell with several robots: which");
   app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
@@ -134,9 +135,20 @@ cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
               "say --of " + join(names, " or --of "));
 }
 
+/// A robot in the place of a cell: a name of the catalogue or the file of a description.
+bool is_robot(const std::string& word, const description::Catalogue& catalogue) {
+  const std::string ending = lower(fs::path(word).extension().string());
+  return ending == ".urdf" || ending == ".xacro" || (!fs::exists(word) && catalogue.find(word).has_value());
+}
+
 Setting settle(Request& request, Problems& problems) {
   Setting out;
-  if (!request.words.empty() && fs::exists(request.words[0]) && !is_trajectory_file(request.words[0])) {
+  if (request.robot.empty() && is_robot(request.words[0], open_catalogue())) {
+    request.robot = request.words[0];
+    request.words.erase(request.words.begin());
+    if (request.words.empty()) return out;
+  }
+  if (fs::exists(request.words[0]) && !is_trajectory_file(request.words[0])) {
     cell::Overrides overrides;
     overrides.robot = request.robot;
     out.file = cell::read_cell_file(request.words[0], overrides);
@@ -147,8 +159,13 @@ Setting settle(Request& request, Problems& problems) {
     entry.model = request.robot, entry.tool = request.tool;
     out.file.robots.push_back(entry);
   } else {
-    throw Error("no-robot", "no robot is named, and '" + request.words[0] + "' is no cell",
-                "say --robot universal_robots/ur5e, or begin with the folder of a cell");
+    const bool move = parse_number(request.words[0]) || is_move_word(request.words[0]) ||
+                      is_trajectory_file(request.words[0]);
+    throw WrongUse("no-robot",
+                   move ? "no robot is named"
+                        : "'" + request.words[0] + "' is neither a cell nor a robot" +
+                              did_you_mean(request.words[0], open_catalogue().names()),
+                   "begin with the folder of a cell, or with a robot such as universal_robots/ur5e");
   }
   std::vector<std::string> notes;
   out.robots = cell::resolve_robots(out.file, open_catalogue(), false, problems, notes);
@@ -375,7 +392,7 @@ int run_plan(int argc, char** argv) {
   request.part();
   const auto require_words = [&] {
     if (request.words.empty())
-      throw Error("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
+      throw WrongUse("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
   };
   Problems problems;
   try {

@@ -80,6 +80,8 @@ std::optional<Call> call_of(const std::string& text) {
   return Call{text.substr(0, open), split_words(inside, ",")};
 }
 
+constexpr const char* kJointsAdvice = "joint values are one word: movej 'joints(0, -90deg, …)'";
+
 class Reader {
  public:
   Reader(const NamedPlaces& places, const std::vector<double>& from, const PaceWords& all)
@@ -90,7 +92,9 @@ class Reader {
     while (i < words.size()) {
       const auto kind = kind_of(words[i]);
       if (!kind)
-        refuse(words[i], "begins no move", "moves are movej, movel, movec VIA END and spline P1 P2 …");
+        refuse(words[i], "begins no move",
+               parse_number(words[i]) ? kJointsAdvice
+                                      : "moves are movej, movel, movec VIA END and spline P1 P2 …");
       out_.emplace_back();
       out_.back().kind = *kind;
       set("speed", all_.speed), set("acceleration", all_.acceleration), set("blend", all_.blend);
@@ -212,6 +216,9 @@ class Reader {
     if (const auto state = places_.robot.model->named_states.find(word);
         state != places_.robot.model->named_states.end())
       return {state->second, word};
+    if (parse_number(word))
+      throw Error("unknown-name", "'" + word + "' is a number, where a move goes to is a place",
+                  kJointsAdvice);
     const std::vector<std::string> known = places_.names();
     throw Error("unknown-name", "there is no place called '" + word + "'" + did_you_mean(word, known),
                 "known are " + join(known, ", ") + "; or write joints(…), pose(…), by(…)");
@@ -257,6 +264,10 @@ std::vector<std::string> NamedPlaces::names() const {
 std::vector<Move> parse_moves(const std::vector<std::string>& words, const NamedPlaces& places,
                               const std::vector<double>& from, const PaceWords& all) {
   return Reader(places, from, all).read(words);
+}
+
+bool is_move_word(const std::string& word) {
+  return kind_of(word).has_value();
 }
 
 std::string text_of(const Move& move) {

@@ -36,6 +36,9 @@ struct NamedPlaces {
 std::vector<moves::Move> parse_moves(const std::vector<std::string>& words, const NamedPlaces& places,
                                      const std::vector<double>& from, const PaceWords& all);
 
+/// A word that begins a move.
+bool is_move_word(const std::string& word);
+
 /// "movel Pick", for messages.
 std::string text_of(const moves::Move& move);
 

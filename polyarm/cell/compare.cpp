@@ -45,10 +45,12 @@ class Closeness {
 
 class Quiet : public Observer {};
 
+/// Of a cell with a program.
 void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
   control::ControlLoop& loop = cell.loop();
   Closeness closeness(cell);
-  std::vector<double> passes;
+  std::vector<double> passes;      // when each ended
+  std::optional<double> ended_at;  // the program
   loop.begin();
   Nanoseconds next_tick = 0;
   while (!cell.finished() && !cell.failure() && seconds(loop.cycle().time) < limit_s) {
@@ -56,8 +58,9 @@ void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
       next_tick = loop.cycle().time + Cell::kTick;
       cell.tick(loop.cycle().time);
       closeness.look(out);
-      if (cell.program() && cell.program()->status().passes > passes.size())
-        passes.push_back(seconds(loop.cycle().time));
+      const Task& program = *cell.program();
+      if (program.status().passes > passes.size()) passes.push_back(seconds(loop.cycle().time));
+      if (!ended_at && program.ended()) ended_at = seconds(loop.cycle().time);
     }
     loop.step_next();
   }
@@ -66,6 +69,9 @@ void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
   out.cycles = passes.size();
   if (passes.size() > 1)
     out.cycle_s = (passes.back() - passes.front()) / static_cast<double>(passes.size() - 1);
+  else if (passes.size() == 1 || ended_at)
+    out.cycle_s = passes.empty() ? *ended_at : passes.front();
+  if (passes.empty() && ended_at) out.cycles = 1;
   if (cell.failure()) {
     out.problem = cell.failure()->problem;
     if (out.problem->where.file.empty() && cell.program())

@@ -23,7 +23,9 @@ struct RobotVerdict {
   bool runs = false;
   std::optional<Problem> problem;  ///< the first thing that it cannot do, with its line
   double time_s = 0;               ///< of the whole run
-  std::optional<double> cycle_s;   ///< of a pass of the outermost while, the mean of all but the first
+  /// Of a pass of the outermost while: the mean of all but the first, or of the only one. Of a program
+  /// without such a loop: until its end.
+  std::optional<double> cycle_s;
   std::uint64_t cycles = 0;
   std::optional<Nearest> limit;        ///< rad or m from the nearest limit of a joint's range
   std::optional<Nearest> singularity;  ///< kinematics::smallest_singular_value(): 0 is singular

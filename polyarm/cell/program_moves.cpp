@@ -286,7 +286,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   for (moves::Move& one : moves) {
     std::string name = one.end().name;
     queued.last = arm.robot.motion->queue(std::move(one), facts, step);
-    arm.open.push_back({queued.last, where, std::move(name)});
+    arm.open.push_back({queued.last, where, std::move(name), move.called});
   }
   forget_ended();
   asked_[++last_handle_] = {queued};
@@ -358,6 +358,7 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
                   "the controller refused the move to " + told.name + ": it would have begun with a jump",
                   {}});
       if (problem.where.file.empty()) problem.where = told.where;
+      problem.what += told.called;
       return program::Progress::failed(std::move(problem));
     }
   return std::nullopt;

@@ -71,6 +71,7 @@ class ProgramMoves {
     std::uint64_t id;
     Location where;
     std::string name;
+    std::string called;  ///< by the functions of the program
   };
   /// The robot with another TCP, and which; points may change while a program runs.
   struct MadeTool {

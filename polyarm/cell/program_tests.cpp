@@ -11,6 +11,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/wait_hints.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/lexer.hpp"
@@ -134,7 +135,11 @@ void TestTask::tell_of_program() {
 }
 
 std::optional<Problem> TestTask::problem() const {
-  if (task_->failed()) return task_->status().problem;
+  if (task_->failed() && task_->status().problem) {
+    Problem out = *task_->status().problem;
+    explain_timeout(cell_, *task_, out);
+    return out;
+  }
   if (cell_.failure() && !asks_for_error_) return cell_.failure()->problem;
   return std::nullopt;
 }

@@ -26,11 +26,15 @@ struct Rehearsal {
   std::vector<RehearsedPath> paths;  ///< where they were asked for
 };
 
-/// Goes through the program of a cell that has not begun, without time and robots: moves are planned one
-/// after the other from where those before them end and count as made; loops of the program are passed twice;
-/// a wait for tags is helped by turning booleans over that it reads, and what is found after the first such
-/// help is a warning, since the program may never come there so. Changes the cell's values: it is of no use
-/// for running afterwards. Cell thread. `with_paths`: the ways are kept, too.
+/// Goes through the program of a cell that has not begun, without time and robots. Moves are planned one
+/// after the other, each from the end of the one before, and count as made. Loops of the program are passed
+/// twice. Values that end them are set for waits; the cell has its own values again afterwards. Cell thread.
+///
+/// A problem behind such a wait is an error if it is there whatever the wait brings: neither the values of
+/// the line nor the place where its move begins depend on what others set. Else it is a warning.
+/// `with_paths`: the ways are kept, too.
 Rehearsal rehearse(Cell& cell, bool with_paths = false);
+/// The same with the script of the PLC, which moves nothing.
+Rehearsal rehearse_plc(Cell& cell);
 
 }  // namespace polyarm::cell

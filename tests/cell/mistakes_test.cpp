@@ -68,10 +68,10 @@ TEST_F(Mistakes, ATabInYamlIsCalledATab) {
 
 TEST_F(Mistakes, DegreesAndMillimetresWithoutTheirUnitsAreErrors) {
   cell(", rpy: [0, 0, 90]");
-  EXPECT_NE(
-      both().find("cell.yaml:3 an angle of 90 rad is more than two whole turns (this looks like degrees, write "
-                  "90deg"),
-      std::string::npos)
+  EXPECT_NE(both().find(
+                "cell.yaml:3 an angle of 90 rad is more than two whole turns (this looks like degrees, write "
+                "90deg"),
+            std::string::npos)
       << checked();
   cell(", at: [0, 350, 0]");
   EXPECT_NE(
@@ -108,6 +108,54 @@ TEST_F(Mistakes, ARobotThatTheCellDoesNotHaveIsAnErrorBehindAWaitToo) {
   EXPECT_EQ(both(), "job.script:2 the cell has no robot 'amr'; did you mean 'arm'? (known are: arm)\n");
 }
 
+TEST_F(Mistakes, TheNamedStatesOfARobotAreNamesOfTheCell) {
+  folder.write("r.urdf", read_file(test::kSixAxes));
+  folder.write(
+      "r.srdf",
+      "<robot name='r6bot'><group name='arm'/><group_state name='home' group='arm'><joint name='joint_1' "
+      "value='0'/></group_state></robot>");
+  folder.write("job.script", "movej home\n");
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: r.urdf, hardware: mock}\nprogram: job.script\n");
+  EXPECT_EQ(both(), "");
+  folder.write("job.script", "let home = pose(1m, 0, 0)\n");
+  EXPECT_NE(both().find("job.script:1 there is a 'home' already"), std::string::npos) << checked();
+}
+
+TEST_F(Mistakes, ALiveDataSetWithoutAFileIsToldWithTheNearest) {
+  folder.write("orders.data", "Name: Count\nNum: 0\n");
+  folder.write("job.script", "load orders\nlog(Count)\n");
+  folder.write("signals.yaml", "polyarm: signals/1\nlive: [order]\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_EQ(
+      checked().find("signals.yaml:2 there is no file 'order'; did you mean 'orders'?: nothing is live"), 0u)
+      << checked();
+  for (const char* name : {"orders", "orders.data"}) {
+    folder.write("signals.yaml", std::string("polyarm: signals/1\nlive: [") + name + "]\n");
+    EXPECT_EQ(checked(), "");
+    test::LockStepCell built(read_cell_file(folder.path()));
+    EXPECT_TRUE(built.cell().files().is_live("orders")) << name;
+  }
+}
+
+TEST_F(Mistakes, AnIncludedFileThatIsMissingIsOneError) {
+  folder.write("moves.script", "func go()\n  log(1)\nend\nlet fast = 50%\n");
+  folder.write("job.script", "include \"move.script\"\ngo()\nlog(fast)\nset fast = 2\n");
+  cell("", "program: job.script\n");
+  const std::string told = both();
+  EXPECT_NE(told.find("job.script:1 'move.script' cannot be included"), std::string::npos) << told;
+  EXPECT_NE(told.find("did you mean 'moves.script'?"), std::string::npos) << told;
+  EXPECT_EQ(told.find('\n'), told.size() - 1) << told;
+}
+
+TEST_F(Mistakes, ABooleanTagThatIsComparedWithANumberSaysWhatItsTypeIs) {
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Kind: {state: arm/joint_1/position}\n");
+  folder.write("job.script", "wait Kind == 2\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_NE(both().find("(a tag is a bool unless signals.yaml says `type: number`)"), std::string::npos)
+      << checked();
+}
+
 TEST_F(Mistakes, OneMistakeIsOneError) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
@@ -133,6 +181,45 @@ TEST_F(Mistakes, NamesThatOnlyThePlcLoadsAreKnown) {
   folder.write("job.script", "wait Delai\n");
   EXPECT_NE(both().find("job.script:1 there is nothing called 'Delai'; did you mean 'Delay'?"),
             std::string::npos);
+}
+
+TEST_F(Mistakes, NobodyInTheCellSetsATagThatALinkBrings) {
+  const std::string link =
+      "polyarm: signals/1\ntags:\n  Lamp: {initial: false}\nlinks:\n  plc: {modbus: client, port: 1502, "
+      "tags: "
+      "{Go: {coil: 0, direction: in}, Done: {coil: 1, direction: both}}}\n";
+  folder.write("signals.yaml", link);
+  folder.write("job.script", "wait Go\nset Done = true\nset Go = false\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  const std::string text =
+      "job.script:3 'Go' comes from the link 'plc'; a program cannot set it (wait for it; if both sides set "
+      "it, "
+      "say direction: both in signals.yaml)\n";
+  EXPECT_EQ(both(), text);
+  folder.write("job.script", "wait Go\n");
+  folder.write("plc.script", "wait Lamp\nwait Lamp\nset Go = false\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\nplc: plc.script\n");
+  EXPECT_EQ(both(), "plc" + text.substr(3));
+  folder.write("signals.yaml",
+               "polyarm: signals/1\nlinks:\n  eye: {mqtt: client, tags: {Go: {topic: go, direction: in}}}\n");
+  folder.write("job.script", "wait Go\nset Go = false\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_EQ(checked(), "") << "a message is taken back, so that the next one is seen";
+}
+
+TEST_F(Mistakes, AControllerWithoutJointsSaysSo) {
+  folder.write(
+      "controllers.yaml",
+      "controller_manager:\n  ros__parameters:\n    update_rate: 100\n    arm: {type: "
+      "joint_trajectory_controller/JointTrajectoryController}\n    push: {type: "
+      "forward_command_controller/ForwardCommandController}\narm:\n  ros__parameters:\n    joints: []\n"
+      "push:\n  ros__parameters:\n    interface_name: position\n");
+  cell("", "controllers: controllers.yaml\n");
+  const std::string told = checked();
+  EXPECT_NE(told.find("controllers.yaml:9 'joints' names no joint (write joints: [NAME, …])"),
+            std::string::npos)
+      << told;
+  EXPECT_NE(told.find("it is not said which joints the controller moves"), std::string::npos) << told;
 }
 
 /// What a cell says that waits for `Ready` of cycledata, which nobody sets.

@@ -78,7 +78,8 @@ TEST(MovingBase, CarriesWhatStandsOnIt) {
   text.insert(text.find("controllers:"),
               "  arm: {model: universal_robots/ur3, on: jetbot, at: [0.1, 0, 0.3]}\n");
   folder.write("cell.yaml", text);
-  LockStepCell bench(read_cell_file(folder.path()), std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
+  LockStepCell bench(read_cell_file(folder.path()),
+                     std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
   const MovingBase& arm = bench.cell().base(1);
   ASSERT_TRUE(arm.moves());
   EXPECT_TRUE(arm.carried());
@@ -115,8 +116,29 @@ TEST(MovingBase, WhatCarriesNobodyIsAnError) {
     const std::string told = problem(std::string("  a: {model: universal_robots/ur3, on: ") + on + "}\n");
     EXPECT_NE(told.find(what), std::string::npos) << told;
   }
+  EXPECT_NE(
+      problem("  a: {model: universal_robots/ur3, on: lift}\n").find("movers of the scene carry no robot"),
+      std::string::npos);
   const std::string near = problem("  a: {model: universal_robots/ur3, on: c}\n");
   EXPECT_EQ(near.find("did you mean"), std::string::npos) << "not itself: " << near;
+}
+
+TEST(MovingBase, TheLineOfTheKeyIsTold) {
+  Folder folder;
+  const auto line = [&](const std::string& keys) {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm:\n    at: [0, 0, 0]\n" + keys);
+    try {
+      LockStepCell cell(read_cell_file(folder.path()));
+    } catch (const Error& e) {
+      return e.problems().front().where.line;
+    }
+    return 0;
+  };
+  const std::string model = "    model: " + test::kSixAxes + "\n";
+  EXPECT_EQ(line("    model: none/such\n"), 5);
+  EXPECT_EQ(line(model + "    tool: suction_cap\n"), 6);
+  EXPECT_EQ(line(model + "    hardware: mocc\n"), 6);
+  EXPECT_EQ(line(model + "    on: lift\n"), 6);
 }
 
 TEST(MovingBase, WhoStandsFreeIsNotCarried) {

@@ -19,16 +19,21 @@ struct Found {
   CheckResult result;
   std::string texts;
 };
-Found checked(const std::string& program, const std::string& more = "", const std::string& robots = "") {
+Found checked(const std::string& program, const std::string& more = "", const std::string& robots = "",
+              const std::string& plc = "") {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   const test::Folder folder;
   folder.write("go.script", program);
-  folder.write("tags.yaml", "polyarm: signals/1\ntags:\n  Ready: {initial: False}\n");
+  folder.write(
+      "tags.yaml",
+      "polyarm: signals/1\ntags:\n  Ready: {initial: False}\n  Kind: {initial: 0}\n  Name: {initial: "
+      "\"\"}\n  At: {state: arm/joint_1/position, type: number}\n");
+  if (!plc.empty()) folder.write("plc.script", plc);
   folder.write("cell.yaml",
                "polyarm: cell/1\nrobots:\n" +
                    (robots.empty() ? "  arm: {model: " + test::kSixAxes + ", hardware: mock}\n" : robots) +
-                   "program: go\n" + more);
+                   "program: go\n" + (plc.empty() ? "" : "plc: plc\n") + more);
   Found out{check(folder.path(), {}, description::Catalogue({}), {}), ""};
   for (const Problem& p : out.result.problems)
     out.texts += (p.severity == Severity::error ? "E" : "W") + std::to_string(p.where.line) + " " + p.code +
@@ -37,9 +42,10 @@ Found checked(const std::string& program, const std::string& more = "", const st
 }
 
 TEST(Rehearsal, GoodWaysAreGood) {
-  const Found found = checked(kBend +
-                              "for i in 1 .. 3\n  movel offset(start, z = -50mm), blend 10mm\n"
-                              "  movel start, blend 10mm\nend\nmovel offset(start, x = 20mm)\n");
+  const Found found =
+      checked(kBend +
+              "for i in 1 .. 3\n  movel offset(start, z = -50mm), blend 10mm\n"
+              "  movel offset(start, y = i * 10mm), blend 10mm\nend\nmovel offset(start, x = 20mm)\n");
   EXPECT_EQ(found.texts, "");
   EXPECT_EQ(found.result.moves, 8u);
   EXPECT_TRUE(found.result.reached.file.empty());
@@ -72,12 +78,127 @@ TEST(Rehearsal, ALineThroughASingularityIsJudgedByItsWay) {
   EXPECT_NE(found.texts.find("joint_"), std::string::npos) << found.texts;
 }
 
-TEST(Rehearsal, WhatLiesBehindAWaitIsAWarning) {
-  const Found found =
-      checked("wait Ready\n" + kBend + "wait Ready == False\nmovel offset(start, z = -500mm)\n",
-              "signals: tags.yaml\nworkspace:\n  table: {plane: [0, 0, 1300mm], normal: [0, 0, 1]}\n");
-  EXPECT_EQ(found.texts.rfind("W5 workspace", 0), 0u) << found.texts;
-  EXPECT_FALSE(found.result.has_errors());
+const std::string kTags = "signals: tags.yaml\n";
+const std::string kTable = kTags + "workspace:\n  table: {plane: [0, 0, 1300mm], normal: [0, 0, 1]}\n";
+
+TEST(Rehearsal, WhatIsWrongWhateverAWaitBringsIsAnErrorBehindItToo) {
+  const std::string texts =
+      checked("wait Ready\n" + kBend + "wait Ready == False\nmovel offset(start, z = -500mm)\n", kTable)
+          .texts;
+  EXPECT_EQ(texts.rfind("E5 workspace", 0), 0u) << texts;
+  EXPECT_EQ(checked("wait Ready\nmovej joints(9rad, 0, 0, 0, 0, 0)\n", kTags).texts.rfind("E2 ", 0), 0u);
+  EXPECT_EQ(checked("wait Ready\nmovej pose(3m, 0, 1m)\n", kTags).texts.rfind("E2 ", 0), 0u);
+  const std::string loop =
+      checked(
+          "let n = 0\nwhile Ready == False\n  set n = n + 1\n  wait Ready\n  movej pose(3m, 0, 1m)\nend\n",
+          kTags)
+          .texts;
+  EXPECT_EQ(loop.rfind("E5 ", 0), 0u) << loop;
+}
+
+TEST(Rehearsal, WhatDependsOnWhatAWaitBringsIsAWarning) {
+  const auto first = [](const std::string& program) { return checked(program, kTable).texts.substr(0, 3); };
+  EXPECT_EQ(first("wait Ready\nlet far = 3m\nif Ready\n  set far = 4m\nend\nmovej pose(far, 0, 1m)\n"), "W6 ")
+      << "by a value";
+  EXPECT_EQ(first("wait Ready\nmovej pose(1m * At + 5m, 0, 1m)\n"), "W2 ") << "by a measured value";
+  EXPECT_EQ(
+      first(kBend +
+            "let low = offset(start, z = -50mm)\nwait Ready\nif Ready\n"
+            "  movej joints(0, -20deg, 60deg, 0, 60deg, 0)\nend\nmovel low\nmovel offset(low, z = -400mm)\n"),
+      "W9 ")
+      << "by where the robot is then";
+}
+
+TEST(Rehearsal, ValuesThatAProgramFailsWithAreErrorsIfNothingElseChangesThem) {
+  const auto first = [](const std::string& program) { return checked(program, kTags).texts.substr(0, 3); };
+  EXPECT_EQ(first("func f(x)\n  return 1 / x\nend\nlog(f(0))\n"), "E2 ");
+  EXPECT_EQ(first("func f(v)\n  movej joints(0, 0, 0, 0, 0, 0), speed v\nend\nf(-20mm/s)\n"), "E2 ");
+  EXPECT_EQ(first("for x in [1, 0]\n  log(1 / x)\nend\n"), "E2 ");
+  EXPECT_EQ(first("let l = [1, 2, 3]\nfor i in 1 .. 4\n  log(l[i])\nend\n"), "E3 ");
+  EXPECT_EQ(first("for v in [10mm/s, 20mm]\n  movej joints(0, 0, 0, 0, 0, 0), speed v\nend\n"), "E2 ");
+  EXPECT_EQ(first("let n = 3\nwhile n > -1\n  log(1 / n)\n  set n = n - 1\nend\n"), "E3 ");
+  EXPECT_EQ(
+      first("func down(n)\n  if n == 0.5\n    return 0\n  end\n  return down(n - 1)\nend\nlog(down(3))\n"),
+      "E5 ");
+  EXPECT_EQ(first("func f(n)\n  wait Ready\n  return 1 / n\nend\nlog(f(0))\n"), "E3 ") << "behind a wait";
+  EXPECT_EQ(first("log(1 / Kind)\n"), "E1 ") << "nobody in the cell changes Kind";
+  EXPECT_EQ(first("wait Kind > 2\nlog(1 / (Kind - 3))\n"), "W2 ") << "who ends the wait does";
+  EXPECT_EQ(first("log(1 / At)\n"), "W1 ") << "the hardware measures At";
+  EXPECT_EQ(first("let l = [1, 2]\nfor i in 1 .. 4\n  if Kind < i\n    break\n  end\n  log(l[i])\nend\n"),
+            "");
+}
+
+TEST(Rehearsal, WaitsForNumbersAndTextsAreHelped) {
+  const auto texts = [](const std::string& program) {
+    const Found found = checked(program, kTags);
+    return found.texts.substr(0, 3) + found.result.reached.text();
+  };
+  EXPECT_EQ(texts("wait Kind >= 4\nmovej pose(3m, 0, 1m)\n"), "E2 ");
+  EXPECT_EQ(texts("wait Name == \"red\" and At < -0.5\nmovej pose(3m, 0, 1m)\n"), "E2 ");
+}
+
+TEST(Rehearsal, BranchesThatOtherValuesLeadToAreGoneThrough) {
+  const auto texts = [](const std::string& program, const std::string& plc) {
+    return checked(program, kTags, "", plc).texts.substr(0, 3);
+  };
+  const std::string plc = "wait Ready\nset Name = \"blue\"\nset Kind = 3\n";
+  const std::string far = "  movej pose(3m, 0, 1m)\nend\n", near = "  movej joints(0, 0, 0, 0, 0, 0)\n";
+  EXPECT_EQ(texts("set Ready = true\nwait Name != \"\"\nif Name == \"red\"\n" + near + "else\n" + far, plc),
+            "E6 ");
+  EXPECT_EQ(texts("set Ready = true\nif Kind > 2\n" + far, plc), "E3 ");
+  EXPECT_EQ(
+      texts("func go(p)\n  movej p\nend\nset Ready = true\nif Kind > 2\n  go(pose(3m, 0, 1m))\nend\n", plc),
+      "E2 ");
+  EXPECT_EQ(texts("if Ready\n" + far, ""), "E2 ") << "a person may set it";
+  EXPECT_EQ(texts("set Kind = 1\nif Kind > 2\n" + far, ""), "") << "nobody sets it to that";
+  EXPECT_EQ(texts("set Ready = true\nif Kind > 2\n  log(1 / (Kind - 4))\nend\n", plc), "")
+      << "4 was only tried";
+}
+
+TEST(Rehearsal, WhatIsWrongInAFunctionIsToldWithItsCalls) {
+  const std::string moves =
+      checked("func inner(p)\n  movej p\nend\nfunc outer(x)\n  inner(pose(x, 0, 1m))\nend\nouter(3m)\n")
+          .texts;
+  EXPECT_EQ(moves.rfind("E2 ", 0), 0u) << moves;
+  EXPECT_NE(moves.find("; called from line 5, from line 7\n"), std::string::npos) << moves;
+  const std::string values = checked("func f(x)\n  return 1 / x\nend\nlog(f(0))\n").texts;
+  EXPECT_EQ(values, "E2 zero '/' by zero; called from line 4\n");
+}
+
+TEST(Rehearsal, WhatAMoveSetsOutsideOfItsWayIsAWarning) {
+  const std::string line = "movel offset(start, z = -50mm), at ";
+  const auto texts = [&](const std::string& at) {
+    return checked(kBend + line + at + " set Ready = true\n", kTags).texts;
+  };
+  EXPECT_EQ(texts("end - 500mm"), "W3 at-outside the move is 0.05m long: 'Ready' is set where it begins\n");
+  EXPECT_EQ(texts("start + 80mm"), "W3 at-outside the move is 0.05m long: 'Ready' is set where it ends\n");
+  EXPECT_NE(texts("start + 20s").find("W3 at-outside the move takes "), std::string::npos);
+  EXPECT_EQ(texts("end - 40mm"), "");
+}
+
+TEST(Rehearsal, BlendsThatAreShrunkAreTold) {
+  const std::string texts =
+      checked(kBend +
+              "movel offset(start, z = -50mm), blend 400mm\nmovel offset(start, z = -50mm, y = 50mm)\n")
+          .texts;
+  EXPECT_EQ(texts.rfind("W3 blend-shrunk", 0), 0u) << texts;
+}
+
+TEST(Rehearsal, ThePlcIsGoneThrough) {
+  const auto texts = [](const std::string& plc) {
+    return checked("wait Ready\nset Kind = 2\nmovej joints(0, 0, 0, 0, 0, 0)\n", kTags, "", plc)
+        .texts.substr(0, 14);
+  };
+  EXPECT_EQ(texts("func f(x)\n  return 1 / x\nend\nset Ready = true\nlog(f(0))\n"), "E2 zero '/' by ");
+  EXPECT_EQ(texts("set Ready = true\nwait Kind == 2\nlog(1 / (Kind - 2))\n"), "W3 zero '/' by ")
+      << "the program sets Kind";
+  EXPECT_EQ(texts("set Ready = true\nwait Kind == 2\n"), "");
+}
+
+TEST(Rehearsal, ALoopThatOnlyARunShowsToBeEndlessIsAWarning) {
+  const std::string texts =
+      checked("for i in 1 .. 2\n  let n = 0\n  while n < 3\n    set n = n * 2\n  end\nend\n", kTags).texts;
+  EXPECT_EQ(texts.find("busy-loop the program neither waits nor moves here"), 3u) << texts;
 }
 
 TEST(Rehearsal, EveryRobotOfTheProgramIsLookedAt) {

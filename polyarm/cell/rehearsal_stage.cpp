@@ -1,0 +1,324 @@
+#include "polyarm/cell/rehearsal_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <variant>
+
+#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/open_names.hpp"
+#include "polyarm/cell/relative_moves.hpp"
+#include "polyarm/program/code.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+constexpr int kPathSamples = 40;
+
+/// Of the TCP along a motion, at equal times.
+std::vector<Vec3> places_of(const moves::RobotFacts& facts, const moves::PlannedMotion& motion) {
+  std::vector<Vec3> out;
+  std::vector<double> q(facts.chain.joints());
+  std::size_t hint = 0;
+  for (int k = 0; k <= kPathSamples; ++k) {
+    motion.path.sample(motion.path.duration() * k / kPathSamples, q, {}, {}, {}, hint);
+    out.push_back(facts.chain.forward(q).position);
+  }
+  return out;
+}
+
+/// Of the TCP's way, m.
+double length_of(const moves::RobotFacts& facts, const moves::PlannedMotion& motion) {
+  const std::vector<Vec3> places = places_of(facts, motion);
+  double out = 0;
+  for (std::size_t k = 1; k < places.size(); ++k) out += norm(places[k] - places[k - 1]);
+  return out;
+}
+}  // namespace
+
+Stage::Stage(Cell& cell, const program::Program& program, const program::Program* others, ProgramMoves* moves,
+             bool with_paths)
+    : cell_(cell),
+      program_(program),
+      moves_(moves),
+      open_(open_names(cell, others)),
+      with_paths_(with_paths) {
+  for (const auto& robot : cell.robots())
+    arms_.push_back({robot.get(), robot->start, {}, nullptr, false, {}});
+  for (const Arm& arm : arms_) tell_where(arm);
+}
+
+Stage::~Stage() {
+  for (auto& [name, value] : before_) cell_.store().set(name, std::move(value), "check");
+}
+
+void Stage::keep(const NamedValue& value) {
+  help(value.first, value.second);
+  kept_ = value;
+}
+
+const data::Value* Stage::find(std::string_view name) const {
+  if (kept_ && kept_->first == name) return &kept_->second;
+  const data::Value* value = cell_.store().find(name);
+  const data::Point* point = value ? value->as_point() : nullptr;
+  if (!point || !moves_ || point->frame().empty()) return value;
+  data::Value& out = in_world_[std::string(name)];
+  out = moves_->in_world(*point);
+  return &out;
+}
+
+void Stage::set(const std::string& name, data::Value value, const Location&) {
+  if (const data::Value* now = cell_.store().find(name)) before_.try_emplace(name, *now);
+  cell_.store().set(name, std::move(value), "check");
+}
+
+program::Handle Stage::start_move(const program::Move& move, const Location& where) {
+  ++events_;
+  if (!moves_) throw Error(Problem{"no-robot", where, "a PLC's script moves no robot", {}});
+  if (move.of_base()) return 1;
+  const Asked asked{where, calls_at(where), move.called};
+  try {
+    queue(moves_->prepare(is_relative(move) ? from_now(move) : move, where), asked);
+  } catch (const Error& e) {
+    tell(e.problems().front(), asked, values_known(asked));
+  }
+  return 1;
+}
+
+program::Handle Stage::start_arrival(const std::string&) {
+  arrive();
+  return 1;
+}
+
+program::Travel Stage::travel(program::Handle) const {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  return {kFar, 0, std::numeric_limits<Nanoseconds>::max(), 0};
+}
+
+data::Value Stage::here(const std::string& robot, const std::string& tool, const std::string& frame) const {
+  if (!moves_) throw Error("no-robot", "a PLC's script moves no robot");
+  return moves_->here_at(robot, tool, frame, [this](std::size_t arm) {
+    const Location last = arms_[arm].went.empty() ? Location{} : arms_[arm].went.back().asked.where;
+    if (!helped_.empty()) here_known_ = here_known_ && start_known(arms_[arm], last);
+    return arms_[arm].at;
+  });
+}
+
+void Stage::wait_until(Nanoseconds time) {
+  now_ = std::max(now_ + 1'000'000, time);
+  ++events_;
+}
+
+void Stage::help(const std::string& name, const data::Value& value) {
+  ++events_;
+  if (helped_.insert(name).second) certainty_.reset();
+  set(name, value, {});
+}
+
+void Stage::tell_failure(const program::TaskStatus& status) {
+  out_.reached = status.where;
+  const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
+                                        "refused", "no-robot", "unreachable", "nobody-there"};
+  if (!status.problem || std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
+  Problem problem = *status.problem;
+  bool known = values_known({status.where, calls_at(status.where), {}});
+  if (problem.code == "too-deep") known = known && certainty().conditions_known();
+  if (kept_ && !known) return;  // the value was only tried
+  problem.severity = known ? Severity::error : Severity::warning;
+  out_.problems.add(std::move(problem));
+}
+
+void Stage::tell_endless(const Location& where, int statements) {
+  out_.problems.warning("busy-loop", where,
+                        "the program neither waits nor moves here: it was followed for " +
+                            std::to_string(statements) + " statements",
+                        "a loop that waits for something needs `wait CONDITION`, or `wait 10ms`");
+}
+
+/// Where a move leads that says by how much.
+program::Move Stage::from_now(const program::Move& move) {
+  arrive();
+  data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
+  if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
+  const auto named = [&](const Arm& arm) {
+    return move.robot.empty() || arm.robot->entry.name == move.robot;
+  };
+  const auto arm = std::find_if(arms_.begin(), arms_.end(), named);  // here() has found it
+  return from_here(move, place, *arm->robot, arm->at);
+}
+
+program::Progress Stage::arrive() {
+  for (Arm& arm : arms_) plan(arm);
+  return program::Progress::done();
+}
+
+void Stage::queue(ProgramMoves::Prepared move, const Asked& asked) {
+  Arm& arm = arms_[move.arm];
+  if (arm.with != move.with) plan(arm);
+  arm.with = move.with;
+  for (moves::Move& one : move.moves) {
+    arm.waiting.push_back({std::move(one), asked});
+    if (arm.waiting.back().first.blend <= 0) plan(arm);
+  }
+}
+
+void Stage::plan(Arm& arm) {
+  while (!arm.waiting.empty()) {
+    if (arm.lost) {
+      find_again(arm);
+      continue;
+    }
+    std::vector<moves::Move> moves;
+    for (const auto& [move, asked] : arm.waiting) moves.push_back(move);
+    const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
+    try {
+      moves::MovePlan plan = moves::plan_moves(facts, arm.at, moves, cell_.plan_options());
+      if (with_paths_) keep_paths(arm, facts, plan);
+      for (const moves::MovePlan::Warning& warning : plan.warnings)
+        tell(warning.problem, arm.waiting[warning.move].second, true);
+      for (const moves::PlannedMotion& motion : plan.motions) check_on_the_way(arm, facts, motion);
+      arm.at = std::move(plan.end);
+      tell_where(arm);
+      out_.moves += moves.size();
+      note_made(arm, moves.size());
+    } catch (const moves::MoveError& e) {
+      out_.moves += e.move + 1;
+      note_made(arm, e.move);
+      const auto& [move, asked] = arm.waiting.front();
+      tell(e.problems().front(), asked,
+           values_known(asked) && (is_out_of_reach(arm, move) || start_known(arm, asked.where)));
+      arm.lost = true;
+    }
+  }
+}
+
+/// What a move sets on its way, by length or time, is set between its ends.
+void Stage::check_on_the_way(const Arm& arm, const moves::RobotFacts& facts,
+                             const moves::PlannedMotion& motion) {
+  const Asked& asked = arm.waiting[motion.first].second;
+  const program::Statement* s =
+      motion.first == motion.last ? program::statement_at(program_, asked.where) : nullptr;
+  if (!s || s->arguments.size() != 1) return;
+  for (const program::Clause& clause : s->clauses) {
+    const data::Number* away =
+        clause.kind == program::Clause::Kind::at && clause.value ? clause.value->value.as_number() : nullptr;
+    if (!away) continue;
+    const bool time = away->dimension == Dimension::time;
+    const double whole = time ? motion.path.duration() : length_of(facts, motion);
+    if (away->value <= whole * 1.001) continue;
+    Problem problem{"at-outside", program_.at(clause.place),
+                    "the move " + std::string(time ? "takes " : "is ") +
+                        data::Value(data::Number{std::round(whole * 1000) / 1000, away->dimension}).text() +
+                        (time ? "" : " long") + ": '" + clause.target + "' is set where it " +
+                        (clause.from_end ? "begins" : "ends"),
+                    time ? "give a shorter time" : "give a shorter length", Severity::warning};
+    tell(std::move(problem), asked, true);
+  }
+}
+
+void Stage::keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan) {
+  for (const moves::PlannedMotion& motion : plan.motions)
+    out_.paths.push_back({arm.robot->entry.name, arm.waiting[motion.first].second.where,
+                          motion.path.duration(), places_of(facts, motion)});
+}
+
+/// The first `count` of those that wait.
+void Stage::note_made(Arm& arm, std::size_t count) {
+  const auto end = std::next(arm.waiting.begin(), static_cast<std::ptrdiff_t>(count));
+  for (auto at = arm.waiting.begin(); at != end; ++at)
+    arm.went.push_back({at->second, std::holds_alternative<std::vector<double>>(at->first.end().at)});
+  arm.waiting.erase(arm.waiting.begin(), end);
+}
+
+/// After a move that cannot be made: as if it had arrived some other way, if its end can be reached at all.
+void Stage::find_again(Arm& arm) {
+  const auto [move, asked] = std::move(arm.waiting.front());
+  arm.waiting.erase(arm.waiting.begin());
+  arm.went.push_back({asked, false, true});
+  try {
+    arm.at = joints_at(arm, move.end(), arm.at);
+    arm.lost = false;
+    tell_where(arm);
+  } catch (const Error&) {  // from the next that can
+  }
+}
+
+std::vector<double> Stage::joints_at(const Arm& arm, const moves::MoveTarget& end,
+                                     const std::vector<double>& seed) {
+  const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
+  const auto* joints = std::get_if<std::vector<double>>(&end.at);
+  if (!joints) return moves::joints_for(facts, std::get<Pose>(end.at), seed, end.name);
+  moves::check_joints(facts, *joints, end.name);
+  return *joints;
+}
+
+/// The end of the move cannot be reached, wherever it begins.
+bool Stage::is_out_of_reach(const Arm& arm, const moves::Move& move) {
+  try {
+    joints_at(arm, move.end(), arm.robot->facts->home);
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+/// The move at `where` begins where this one does in every run that comes there.
+bool Stage::start_known(const Arm& arm, Location where) const {
+  for (auto went = arm.went.rbegin(); went != arm.went.rend(); ++went) {
+    const Location& from = went->asked.where;
+    if (went->guessed || !values_known(went->asked) || !certainty().follows(from, where)) return false;
+    if (went->to_joints) return true;
+    where = from;
+  }
+  return certainty().follows({}, where);
+}
+
+bool Stage::values_known(const Asked& asked) const {
+  return here_known_ && certainty().values_known(asked.calls);
+}
+
+/// The calls that lead to this line, and the line; of the task that is in it.
+std::vector<Location> Stage::calls_at(const Location& where) const {
+  for (const program::TaskStatus& task : interpreter_->status()) {
+    std::vector<Location> calls = interpreter_->calls(task.name);
+    if (calls.empty() || calls.back().line != where.line || calls.back().file != where.file) continue;
+    calls.back() = where;
+    return calls;
+  }
+  return {where};
+}
+
+const program::Certainty& Stage::certainty() const {
+  if (!certainty_) {
+    std::set<std::string> open = open_;
+    open.insert(helped_.begin(), helped_.end());
+    certainty_.emplace(program_, std::move(open));
+  }
+  return *certainty_;
+}
+
+/// What hangs on the robot goes with it.
+void Stage::tell_where(const Arm& arm) {
+  const auto index = static_cast<std::size_t>(&arm - arms_.data());
+  if (cell_.motion(index)) cell_.motion(index)->set_planned(arm.at);
+}
+
+/// Of a move. `known`: it cannot be made in any run that comes there.
+void Stage::tell(Problem problem, const Asked& asked, bool known) {
+  if (problem.where.file.empty()) problem.where = asked.where;
+  problem.what += asked.called;
+  if (!told_.insert({problem.where.text(), problem.code}).second) return;
+  if (!helped_.empty() && !known) problem.severity = Severity::warning;
+  out_.problems.add(std::move(problem));
+}
+
+std::vector<std::string> Stage::names() const {
+  return cell_.store().names();
+}
+
+std::uint64_t Stage::data_version() const {
+  return cell_.store().version();
+}
+
+}  // namespace polyarm::cell

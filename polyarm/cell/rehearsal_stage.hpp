@@ -1,0 +1,131 @@
+#pragma once
+/// What a program that is rehearsed takes for its cell; for the rehearsal's own files.
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polyarm/cell/program_moves.hpp"
+#include "polyarm/cell/prompter.hpp"
+#include "polyarm/cell/rehearsal.hpp"
+#include "polyarm/program/certainty.hpp"
+#include "polyarm/program/interpreter.hpp"
+
+namespace polyarm::cell {
+
+/// A line of the program, with the calls of functions that lead to it.
+struct Asked {
+  Location where;
+  std::vector<Location> calls;
+  std::string called;  ///< the same for messages
+};
+
+/// Plans the moves that the program asks for, keeps the values that it sets, and knows which of them others
+/// may change. Cell thread.
+class Stage : public program::Host {
+ public:
+  static constexpr std::size_t kMostMoves = 500;
+
+  /// `others`: a program that runs beside it; null: none. `moves`: null where it moves nothing.
+  Stage(Cell& cell, const program::Program& program, const program::Program* others, ProgramMoves* moves,
+        bool with_paths);
+  /// The cell has the values that it had before.
+  ~Stage() override;
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// The interpreter that goes through the program. It outlives the going.
+  void attend(const program::Interpreter* interpreter) { interpreter_ = interpreter; }
+  /// The name has this value, whatever the program sets.
+  void keep(const NamedValue& value);
+  void wait_until(Nanoseconds time);
+  /// Sets a name to what ends a wait. In the cell others do that, or do not, and later it has any value.
+  void help(const std::string& name, const data::Value& value);
+  /// The program has failed with the values that there are. Where it reads what others may have changed by
+  /// then, this is a warning; what the program raises itself is meant.
+  void tell_failure(const program::TaskStatus& status);
+  /// The program neither waits nor moves in this line, for so many statements.
+  void tell_endless(const Location& where, int statements);
+  /// Grows with every wait and every move.
+  std::uint64_t events() const { return events_; }
+  bool enough() const { return out_.moves >= kMostMoves; }
+  Rehearsal& result() { return out_; }
+
+  // As of program::Host.
+  const data::Value* find(std::string_view name) const override;
+  std::vector<std::string> names() const override;
+  void set(const std::string& name, data::Value value, const Location& where) override;
+  std::uint64_t data_version() const override;
+  program::Handle start_move(const program::Move& move, const Location& where) override;
+  program::Progress poll_move(program::Handle) override { return arrive(); }
+  bool room_for_move(const std::string&) override { return true; }
+  program::Handle start_arrival(const std::string& robot) override;
+  void end_move(program::Handle, const Location&) override {}
+  program::Travel travel(program::Handle handle) const override;
+  data::Value here(const std::string& robot, const std::string& tool,
+                   const std::string& frame) const override;
+  program::Handle start_load(const std::string&, program::LoadForm, const Location&) override { return 1; }
+  program::Progress poll_load(program::Handle) override { return program::Progress::done(); }
+  program::Handle start_ask(const std::string&, const Location&) override { return 1; }
+  program::Progress poll_ask(program::Handle) override { return program::Progress::done(); }
+  Nanoseconds now() const override { return now_; }
+  void hold(const std::string&, const Location&) override {}
+  void log(const std::string&, const Location&) override {}
+
+ private:
+  /// A move that was made.
+  struct Went {
+    Asked asked;
+    bool to_joints = false;  ///< it ended at a joint state, wherever it came from
+    bool guessed = false;    ///< it cannot be made, and counts as if it had been
+  };
+  struct Arm {
+    const CellRobot* robot;
+    std::vector<double> at;  ///< after all moves planned so far
+    std::vector<std::pair<moves::Move, Asked>> waiting;
+    std::shared_ptr<const moves::RobotFacts> with;
+    bool lost;               ///< nobody knows where it is
+    std::vector<Went> went;  ///< every move that it has made
+  };
+
+  program::Move from_now(const program::Move& move);
+  program::Progress arrive();
+  void queue(ProgramMoves::Prepared move, const Asked& asked);
+  void plan(Arm& arm);
+  void check_on_the_way(const Arm& arm, const moves::RobotFacts& facts, const moves::PlannedMotion& motion);
+  void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan);
+  static void note_made(Arm& arm, std::size_t count);
+  void find_again(Arm& arm);
+  static std::vector<double> joints_at(const Arm& arm, const moves::MoveTarget& end,
+                                       const std::vector<double>& seed);
+  static bool is_out_of_reach(const Arm& arm, const moves::Move& move);
+  bool start_known(const Arm& arm, Location where) const;
+  bool values_known(const Asked& asked) const;
+  std::vector<Location> calls_at(const Location& where) const;
+  const program::Certainty& certainty() const;
+  void tell_where(const Arm& arm);
+  void tell(Problem problem, const Asked& asked, bool known);
+
+  Cell& cell_;
+  const program::Program& program_;
+  const program::Interpreter* interpreter_ = nullptr;
+  ProgramMoves* moves_;
+  std::vector<Arm> arms_;
+  Nanoseconds now_ = 0;
+  std::uint64_t events_ = 0;
+  std::set<std::string> open_;    ///< names whose values others change
+  std::set<std::string> helped_;  ///< names that were set to end a wait
+  std::map<std::string, data::Value> before_;
+  std::optional<NamedValue> kept_;
+  bool with_paths_ = false;
+  mutable bool here_known_ = true;  ///< each here() was where the robot is in every run
+  mutable std::optional<program::Certainty> certainty_;
+  std::set<std::pair<std::string, std::string>> told_;
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  Rehearsal out_;
+};
+
+}  // namespace polyarm::cell
