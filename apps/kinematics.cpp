@@ -33,7 +33,7 @@ struct Common {
   Pose tcp_pose() const {
     if (tcp.size() == 3) return {{tcp[0], tcp[1], tcp[2]}, {}};
     if (tcp.size() == 6) return pose_xyz_rpy({tcp[0], tcp[1], tcp[2]}, {tcp[3], tcp[4], tcp[5]});
-    if (!tcp.empty()) throw Error("bad-value", "--tcp takes 3 or 6 numbers", {});
+    if (!tcp.empty()) throw WrongUse("bad-value", "--tcp takes 3 or 6 numbers", {});
     return description::find_tool(tool, ".").tcp;
   }
 };
@@ -56,10 +56,10 @@ Loaded load(const Common& common) {
 
 void check_size(const std::vector<double>& values, const kinematics::Chain& chain, const char* option) {
   if (values.size() != chain.joints())
-    throw Error("bad-value",
-                fmt::format("{} takes {} numbers for this robot ({}), here are {}", option, chain.joints(),
-                            join(chain.names(), " "), values.size()),
-                {});
+    throw WrongUse("bad-value",
+                   fmt::format("{} takes {} numbers for this robot ({}), here are {}", option, chain.joints(),
+                               join(chain.names(), " "), values.size()),
+                   {});
 }
 
 json json_of(const Pose& pose) {
@@ -102,7 +102,7 @@ struct PoseQuestion {
   bool all = false, position_only = false;
 
   void add_to(CommandLine& app) {
-    app.add_option("--xyz", xyz, "position, m")->expected(3)->required();
+    app.add_option("--xyz", xyz, "position, m; has to be given")->expected(3);
     Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
@@ -125,6 +125,9 @@ struct PoseQuestion {
 };
 
 Pose PoseQuestion::target() const {
+  if (xyz.size() != 3)
+    throw WrongUse("bad-value", "no position is given",
+                   "write --xyz X Y Z, in metres in the frame of the base");
   Pose out{{xyz[0], xyz[1], xyz[2]}, {}};
   if (rpy.size() == 3) out.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
   if (quaternion.size() != 4) return out;
@@ -210,6 +213,7 @@ int run_fk(int argc, char** argv) {
                   "polyarm fk");
   Common common;
   std::vector<double> joints;
+  common.robot.of_numbers = "--joints";
   common.add_to(app);
   app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);
   app.footer(examples({"polyarm fk universal_robots/ur3 --joints 0 -1.2 1.5 -1.9 -1.57 0",
@@ -239,6 +243,7 @@ int run_ik(int argc, char** argv) {
                   "polyarm ik");
   Common common;
   PoseQuestion question;
+  common.robot.of_numbers = "--xyz";
   common.add_to(app);
   question.add_to(app);
   app.footer(examples(
@@ -250,9 +255,9 @@ int run_ik(int argc, char** argv) {
        "polyarm ik abb/irb_120 --xyz 0.4 0 0.3 --rpy 3.1416 0 0 --orientation-tolerance 0.1 0.1 0"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   const Loaded robot = load(common);
+  const Pose target = question.target();
   if (question.seed.empty()) question.seed = robot.home;
   check_size(question.seed, *robot.chain, "--seed");
-  const Pose target = question.target();
   const ik::InverseKinematics arm(*robot.chain);
   const Result result = answer(arm, question, target, robot.home);
   const std::string way = question.of_parts() ? "solved by iteration: parts of a pose" : way_of(arm);

@@ -126,6 +126,9 @@ int main(int argc, char** argv) {
     if (wanted != verb.name) continue;
     try {
       return verb.run(argc - 1, argv + 1);
+    } catch (const apps::WrongUse& e) {
+      complain(std::string(e.what()) + "\n");
+      return apps::kUsage;
     } catch (const Error& e) {
       complain(std::string(e.what()) + "\n");
     } catch (const std::system_error& e) {

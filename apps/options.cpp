@@ -1,5 +1,10 @@
 #include "apps/options.hpp"
 
+#include <algorithm>
+#include <filesystem>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/plugins/plugins.hpp"
 
 namespace polyarm::apps {
@@ -29,15 +34,33 @@ description::Catalogue open_catalogue() {
   return description::Catalogue(description::default_catalogue_folders());
 }
 
-std::map<std::string, std::string> named_values(const std::vector<std::string>& words) {
+namespace {
+/// `words` has something that is not NAME:=VALUE.
+WrongUse not_named(const std::vector<std::string>& words, const std::string& of_numbers) {
+  std::vector<std::string> numbers;
+  for (const std::string& word : words) {
+    const bool starts_as_number =
+        word.find_first_of("0123456789") <= 1 && word.find(":=") == std::string::npos;
+    if (starts_as_number) numbers.push_back(word);
+  }
+  if (numbers.empty() || of_numbers.empty()) {
+    const auto named = [](const std::string& word) { return word.find(":=") + 1 > 1; };
+    const std::string wrong = *std::find_if_not(words.begin(), words.end(), named);
+    return {"bad-value", "nothing takes '" + wrong + "' here",
+            "arguments of a description in xacro are NAME:=VALUE; --help lists the options"};
+  }
+  const std::string all = join(numbers, " ");
+  return {"bad-value", "no option takes the number" + std::string(numbers.size() == 1 ? " " : "s ") + all,
+          "write " + of_numbers + " " + all};
+}
+}  // namespace
+
+std::map<std::string, std::string> named_values(const std::vector<std::string>& words,
+                                                const std::string& of_numbers) {
   std::map<std::string, std::string> out;
   for (const std::string& word : words) {
     const auto at = word.find(":=");
-    if (at == std::string::npos || at == 0)
-      throw Error("bad-value", "'" + word + "' is not NAME:=VALUE",
-                  word.find_first_not_of("0123456789.-+eE") == std::string::npos
-                      ? "numbers follow an option, such as --joints or --xyz"
-                      : "arguments of a description come as NAME:=VALUE");
+    if (at == std::string::npos || at == 0) throw not_named(words, of_numbers);
     out[word.substr(0, at)] = word.substr(at + 2);
   }
   return out;
@@ -50,9 +73,24 @@ Option* AskedRobot::add_to(CommandLine& app, const std::string& what) {
   return robot;
 }
 
+namespace {
+/// A cell in the place of a robot: which robots it has.
+void refuse_cell(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::exists(fs::path(name) / "cell.yaml", ignored)) return;
+  std::vector<std::string> models;
+  for (const cell::RobotEntry& robot : cell::read_cell_file(name).robots) models.push_back(robot.model);
+  throw WrongUse("no-robot", "'" + name + "' is a cell, and this verb is about one robot",
+                 models.empty() ? "the cell has none" : "its robots are " + join(models, ", "));
+}
+}  // namespace
+
 description::RobotModel AskedRobot::load(Problems& warnings, const description::Catalogue& catalogue) const {
+  refuse_cell(name);
   Problems found;
-  description::RobotModel model = description::load_robot(name, catalogue, found, named_values(arguments));
+  description::RobotModel model =
+      description::load_robot(name, catalogue, found, named_values(arguments, of_numbers));
   for (Problem problem : found.list()) {
     if (problem.severity == Severity::error) {
       problem.severity = Severity::warning;

@@ -17,8 +17,10 @@ std::string wrong_hardware(const std::string& name);
 /// --plugins DIR, which may be repeated; load_plugins() takes the folders up before any other.
 void add_plugin_option(CommandLine& app, std::vector<std::string>& folders);
 void load_plugins(const std::vector<std::string>& folders);
-/// NAME:=VALUE, as ROS writes the arguments of xacro and launch files. Error: bad-value.
-std::map<std::string, std::string> named_values(const std::vector<std::string>& words);
+/// NAME:=VALUE, as ROS writes the arguments of xacro and launch files. Throws WrongUse for anything else, and
+/// says for numbers that they follow `of_numbers`, if that is an option of the verb.
+std::map<std::string, std::string> named_values(const std::vector<std::string>& words,
+                                                const std::string& of_numbers = {});
 /// The catalogue: folders of --catalogue first, then where it is installed.
 description::Catalogue open_catalogue();
 
@@ -26,6 +28,7 @@ description::Catalogue open_catalogue();
 struct AskedRobot {
   std::string name, tip;
   std::vector<std::string> arguments;
+  std::string of_numbers;  ///< the option of the verb that numbers follow
 
   Option* add_to(CommandLine& app,
                  const std::string& what = "catalogue name, or a URDF, xacro or robot file");

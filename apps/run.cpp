@@ -277,8 +277,9 @@ void require_something_real(cell::Cell& cell, bool asked) {
 /// Nothing here needs root, and a fault of a process of root's reaches the whole machine.
 void warn_of_root(cell::Cell& cell) {
   if (::geteuid() == 0 && cell.arming().needed())
-    cell.tell("this runs as root, with real hardware: run it as a user of the groups that the device needs "
-              "(dialout, i2c), and give priority by rtprio in /etc/security/limits.conf");
+    cell.tell(
+        "this runs as root, with real hardware: run it as a user of the groups that the device needs "
+        "(dialout, i2c), and give priority by rtprio in /etc/security/limits.conf");
 }
 
 /// What a run of one cell came to.
@@ -425,7 +426,8 @@ int execute(RunArguments& a, const std::string& command) {
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
   const bool whole = a.run.fast;  // a cell in lock-step has time to wait for who reads
-  const std::unique_ptr<Output> shown = a.json ? make_json_output(whole) : make_text_output(a.quiet, whole);
+  const std::unique_ptr<Output> shown =
+      a.json ? make_json_output(whole) : make_text_output(a.quiet, whole, !a.run.fast);
   const description::Catalogue catalogue = open_catalogue();
   stop_on_signals(!a.run.fast);
   a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };

@@ -23,8 +23,9 @@ Printer::Full when_full(bool whole) {
 /// Lines scroll; on a terminal one status line (time, pose) stays at the bottom.
 class TextOutput : public Output {
  public:
-  TextOutput(bool quiet, bool whole)
+  TextOutput(bool quiet, bool whole, bool typed)
       : quiet_(quiet),
+        typed_(typed),
         terminal_(::isatty(STDOUT_FILENO) != 0),
         printer_(STDOUT_FILENO, when_full(whole), gap) {
     printer_.when_gone(cell::request_stop_once);
@@ -43,15 +44,17 @@ class TextOutput : public Output {
   }
   void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
               const std::string& who) override {
-    if (!quiet_) line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who));
+    if (!quiet_)
+      line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who));
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     line(fmt::format("{:8.3f}      │ {}: {}", seconds(time), task, text));
   }
   void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
-    line(fmt::format(
-        "{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
-        state == "held" && cause != "the run failed" ? "  (type resume, back, discard or stop)" : ""));
+    line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
+                     typed_ && state == "held" && cause != "the run failed"
+                         ? "  (type resume, back, discard or stop)"
+                         : ""));
   }
   void on_stop(Nanoseconds time, const cell::StopReport& stop) override {
     line(fmt::format("{:8.3f}  {}", seconds(time), stop.sentence()));
@@ -73,7 +76,7 @@ class TextOutput : public Output {
   }
   const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
   void line(const std::string& text) { printer_.put(cleared() + printable(text) + "\n"); }
-  bool quiet_, terminal_, status_ = false;
+  bool quiet_, typed_, terminal_, status_ = false;
   Printer printer_;
 };
 
@@ -150,8 +153,8 @@ json vector(const Vec3& v) {
 
 }  // namespace
 
-std::unique_ptr<Output> make_text_output(bool quiet, bool whole) {
-  return std::make_unique<TextOutput>(quiet, whole);
+std::unique_ptr<Output> make_text_output(bool quiet, bool whole, bool typed) {
+  return std::make_unique<TextOutput>(quiet, whole, typed);
 }
 std::unique_ptr<Output> make_json_output(bool whole) {
   return std::make_unique<JsonOutput>(whole);

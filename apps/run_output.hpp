@@ -15,8 +15,9 @@ class Output : public cell::Observer {
 };
 
 /// Tells a person, on a terminal or in a log, what happens in a run.
+/// @param typed somebody may type words such as resume.
 /// @param whole waits for a slow reader; without it lines are left out where nobody reads them.
-std::unique_ptr<Output> make_text_output(bool quiet, bool whole);
+std::unique_ptr<Output> make_text_output(bool quiet, bool whole, bool typed);
 /// One JSON object per line on standard output.
 std::unique_ptr<Output> make_json_output(bool whole);
 

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/error.hpp"
+
 namespace polyarm::apps {
 
 /// Exit codes of every verb.
@@ -11,6 +13,12 @@ enum Exit {
   kFailed = 1,   ///< the run, the check or the solve ended as failed
   kUsage = 2,    ///< the command line was wrong
   kStopped = 3,  ///< stopped by a person before the end
+};
+
+/// A command line that was understood, and says what cannot be: ends the command with kUsage.
+class WrongUse : public Error {
+ public:
+  using Error::Error;
 };
 
 struct Verb {

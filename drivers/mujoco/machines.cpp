@@ -110,11 +110,21 @@ void Machines::lay_out(ModelView& view) const noexcept {
     put(view.d()->mocap_pos + 3 * view.mover_mocap[k], movers_[k].at * movers_[k].fact->axis);
 }
 
+/// No part is where the next one would come: two in one place would push each other away.
+bool Machines::is_free(const Feeder& feeder, const Parts& parts) const noexcept {
+  constexpr double kOverlap = -1e-3;
+  const auto next = static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented)]);
+  const Bounds there = bounds_of(scene_->parts[next].shape, feeder.pose);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (parts.in_world(i) && there.near(parts.bounds(i), kOverlap)) return false;
+  return true;
+}
+
 void Machines::step(ModelView& view, Parts& parts, double timestep) noexcept {
   for (std::size_t k = 0; k < movers_.size(); ++k) advance(k, movers_[k], view, parts, timestep);
   lay_out(view);
   for (Feeder& f : feeders_)
-    if (f.asked > f.presented && f.presented < static_cast<int>(f.parts.size()))
+    if (f.asked > f.presented && f.presented < static_cast<int>(f.parts.size()) && is_free(f, parts))
       parts.present(static_cast<std::size_t>(f.parts[static_cast<std::size_t>(f.presented++)]), f.pose);
   for (Region& r : regions_)
     for (std::size_t i = 0; r.command >= 0 && r.asked > r.taken && i < parts.size(); ++i)

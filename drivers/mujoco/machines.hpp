@@ -42,6 +42,7 @@ class Machines {
     std::vector<const description::Fixture*> fixtures;
     bool moves() const noexcept { return velocity != 0 || at != target; }
   };
+  bool is_free(const Feeder& feeder, const Parts& parts) const noexcept;
   void advance(std::size_t index, Mover& mover, ModelView& view, Parts& parts, double dt) noexcept;
 
   const description::Scene* scene_;

@@ -371,11 +371,9 @@ std::string finger_name(std::size_t robot, int side) {
 
 const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
                                           std::span<const hardware::RobotInstance> robots) {
-  for (const auto& block : robot.hardware)
-    if (const auto found = block.parameters.find("base"); found != block.parameters.end())
-      for (const hardware::RobotInstance& each : robots)
-        if (found->second == "on " + each.name) return &each;
-  return nullptr;
+  const auto carries = [&](const hardware::RobotInstance& each) { return each.name == robot.on; };
+  const auto found = std::find_if(robots.begin(), robots.end(), carries);
+  return robot.on.empty() || found == robots.end() ? nullptr : &*found;
 }
 
 bool stands_free(const hardware::RobotInstance& robot) {

@@ -107,8 +107,31 @@ void add_robots(const CellFile& file, program::KnownNames& known) {
   }
 }
 
-Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
-                       const std::function<void()>& more_names, const program::ReadPrograms& read) {
+void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems) {
+  for (const std::string& set : signals.live) {
+    try {
+      const auto where = signals.live_where.find(set);
+      data::find_file(set, file.folder, where == signals.live_where.end() ? Location{} : where->second);
+    } catch (const Error& e) {
+      Problem problem = e.problems().front();
+      problem.severity = Severity::warning;
+      problem.what += ": nothing is live";
+      problems.add(std::move(problem));
+    }
+  }
+}
+
+void add_brought(const signals::Signals& signals, program::KnownNames& known) {
+  using Role = signals::LinkTag::Role;
+  for (const signals::LinkEntry& link : signals.links)
+    for (const signals::LinkTag& tag : link.tags)
+      if (tag.direction == signals::Direction::in && (link.kind == "modbus" || tag.role == Role::answer))
+        known.brought[tag.name] = link.name;
+}
+
+Programs load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
+                       data::DataStore& store, Problems& problems, const std::function<void()>& more_names,
+                       const program::ReadPrograms& read) {
   Programs out;
   std::size_t checked = 0;  // who had read them has checked them, too
   Problems of_data;         // names that are missing because of these are nobody's mistake
@@ -148,6 +171,7 @@ Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& 
   known.add(store);
   known.folder = file.folder;
   add_robots(file, known);
+  add_brought(signals, known);
   for (const auto* loaded : {&out.program, &out.plc})
     if (*loaded && checked == 0 && !of_data.has_errors()) program::check(**loaded, known, problems);
   return out;

@@ -8,6 +8,7 @@
 #include "polyarm/cell/data_files.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/signals/tags.hpp"
 
 namespace polyarm::cell {
 
@@ -17,6 +18,9 @@ void load_plugins(const CellFile& file, Problems& problems);
 /// The same without those of the cell's folders: no code that a cell brings runs. Warns of each folder whose
 /// libraries were therefore not looked into; true if there is one.
 bool look_at_plugins(const CellFile& file, Problems& problems);
+
+/// Warns of live data sets that the cell has no file of.
+void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems);
 
 struct Programs {
   std::optional<program::Program> program, plc;
@@ -28,10 +32,14 @@ std::string file_of_cell(const CellFile& file, const std::string& name, const Lo
 
 /// What a program may call robots and tools.
 void add_robots(const CellFile& file, program::KnownNames& known);
+/// Tags that only the far side of a link sets. What comes as messages (MQTT, topics of ROS 2) is not among
+/// them: a program takes a message back so that it sees the next one.
+void add_brought(const signals::Signals& signals, program::KnownNames& known);
 
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
 /// and checks them against the names of the store, which `more_names` may add to when the data are there.
-Programs load_programs(const CellFile& file, DataFiles& files, data::DataStore& store, Problems& problems,
+Programs load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
+                       data::DataStore& store, Problems& problems,
                        const std::function<void()>& more_names = {}, const program::ReadPrograms& read = {});
 
 }  // namespace polyarm::cell

@@ -182,6 +182,7 @@ void Cell::build_tags(Problems& problems) {
     if (!file_.signals.empty())
       signals_ = signals::load_signals(file_of_cell(file_, file_.signals, file_.signals_where));
   });
+  check_live(file_, signals_, problems);
   if (!options_.lock_step || options_.links) admit_links(file_, signals_, problems);
   if (!options_.lock_step) admit_doors(file_, problems);
   const signals::Signals& signals = signals_;

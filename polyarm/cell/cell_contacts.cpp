@@ -72,13 +72,15 @@ Problem Cell::problem_of(const ContactReport& contact) const {
   else if (contact.during == ContactDuring::jog)
     out.advice = "jog it away slowly, then polyarm control resume";
   else if (options_.waits)
-    out.advice = "polyarm control back leads out along the path; or polyarm control discard, then jog it away "
-                 "slowly; then polyarm control resume";
+    out.advice =
+        "polyarm control back leads out along the path; or polyarm control discard, then jog it away "
+        "slowly; then polyarm control resume";
   if (!options_.waits) out.advice += ", or run with --allow-contact";
   return out;
 }
 
 void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
+  std::optional<Problem> inside;  // what follows in physics is no news
   for (ContactReport* contact : contact_watch_.tick(snapshot, loop_->hardware().world_names())) {
     find_cause(*contact);
     if (failure_) continue;
@@ -86,12 +88,14 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
     if (options_.allow_contact) {
       problem.severity = options_.contact_errors ? Severity::error : Severity::warning;
       observer_.on_problem(now, problem);
+      if (options_.contact_errors && contact->during == ContactDuring::start) inside = std::move(problem);
     } else if (options_.waits) {  // somebody is there; the loop has begun to stop
       observer_.on_problem(now, problem);
     } else {
       fail(now, std::move(problem));
     }
   }
+  if (inside) fail(now, std::move(*inside));
 }
 
 nlohmann::json contacts_json(const Cell& cell) {
@@ -101,8 +105,9 @@ nlohmann::json contacts_json(const Cell& cell) {
   for (const auto& robot : cell.robots()) checked = checked || checks_contacts(*robot);
   const control::ContactStop stop = cell.contact_stop();
   return {{"checked", checked},
-          {"stop", stop == control::ContactStop::none ? nlohmann::json()
-                                                      : nlohmann::json(stop == control::ContactStop::cut ? 0 : 1)},
+          {"stop", stop == control::ContactStop::none
+                       ? nlohmann::json()
+                       : nlohmann::json(stop == control::ContactStop::cut ? 0 : 1)},
           {"touching", cell.contacts().touching()},
           {"unchecked", cell.unchecked_bodies()},
           {"list", std::move(list)}};

@@ -84,6 +84,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
+  for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
                    "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
                    "payload", "tip", "on"},
@@ -130,15 +131,16 @@ void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
     const auto carrier = std::find_if(robots.begin(), robots.end(),
                                       [&](const RobotEntry& each) { return each.name == robot.on; });
     if (carrier == robots.end())
-      problems.error("unknown-robot", robot.where,
-                     "'" + robot.name + "' stands on '" + robot.on + "', which there is none of" +
-                         did_you_mean(robot.on, others));
+      problems.error("unknown-robot", robot.place_of("on"),
+                     "'" + robot.name + "' is on '" + robot.on + "', and the cell has no robot of that name" +
+                         did_you_mean(robot.on, others),
+                     "name another robot; fixtures and movers of the scene carry no robot");
     else if (carrier->name == robot.name)
-      problems.error("bad-carrier", robot.where, "'" + robot.name + "' stands on itself",
+      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' stands on itself",
                      "name another robot, or take 'on' away");
     else if (!carrier->on.empty())
       problems.error(
-          "bad-carrier", robot.where,
+          "bad-carrier", robot.place_of("on"),
           "'" + robot.name + "' stands on '" + robot.on + "', which stands on '" + carrier->on + "'",
           "let it stand on one that stands on the ground");
     else

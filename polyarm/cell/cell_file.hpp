@@ -52,6 +52,12 @@ struct RobotEntry {
   std::vector<RangeEntry> ranges;               ///< of joints, narrower than the robot's
   std::string text;  ///< the description itself, where `model` names the file that it stands in
   Location where;
+  std::map<std::string, Location> places;  ///< of its keys in the file
+  /// Of a key, or of the robot where the file does not say it.
+  const Location& place_of(const std::string& key) const {
+    const auto at = places.find(key);
+    return at == places.end() ? where : at->second;
+  }
 };
 
 /// How long a joint move takes: as fast as the limits allow (times `speed`), or the thesis's rule.

@@ -45,7 +45,7 @@ void Cell::build_programs(Problems& problems) {
   context.observer = &observer_;
   context.now = &now_;
   Programs programs = load_programs(
-      file_, *files_, store_, problems,
+      file_, signals_, *files_, store_, problems,
       [&] {
         links_ = std::make_unique<CellLinks>(signals_, states_, store_, options_.lock_step,
                                              options_.lock_step && !options_.links, problems);
@@ -361,7 +361,7 @@ void Cell::begin_program(const std::string& name, const Location& where) {
     throw Error(Problem{"no-program", where, "the cell has no program", "name one: program: NAME"});
   files_->flush();
   Problems problems;
-  Programs programs = load_programs(file, *files_, store_, problems);
+  Programs programs = load_programs(file, signals_, *files_, store_, problems);
   problems.throw_if_errors();
   start_program(std::move(*programs.program));
 }

@@ -4,6 +4,7 @@
 
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/program_tests.hpp"
+#include "polyarm/cell/wait_hints.hpp"
 #include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
@@ -16,6 +17,9 @@ constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
 /// A cell that only sends messages ends when nothing has moved for this long.
 constexpr Nanoseconds kSendSettle = 500'000'000;
+/// A program that neither waits nor moves for this long is told about; where nothing that it reads changes
+/// any more, it is called a deadlock after the second time.
+constexpr Nanoseconds kBusyPatience = 1'000'000'000, kEndlessPatience = 30'000'000'000;
 }  // namespace
 
 void Cell::tell_loop_events() {
@@ -206,14 +210,34 @@ void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
   recorder_.note_stop(stop->sentence());
 }
 
+namespace {
+bool is_busy_for(const Task* task, Nanoseconds now, Nanoseconds patience) {
+  return task && !task->ended() && task->busy_since() && now - *task->busy_since() >= patience;
+}
+
+Problem problem_of_busy(const Task& task) {
+  return {"busy-loop", task.status().where,
+          "'" + task.name() + "' has neither waited nor moved for 1 s; it is in this line now",
+          "a loop that waits for something needs `wait CONDITION`, or `wait 10ms`", Severity::warning};
+}
+
+std::string any_hint(Cell& cell) {
+  const std::string hint = hint_of_wait(cell);
+  return hint.empty() ? cell.hint_of_live() : hint;
+}
+}  // namespace
+
 void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot) {
   constexpr Nanoseconds kLongWait = 3'000'000'000;
   const auto since = program_ && begun_ && !program_->ended() ? program_->waits_since() : std::nullopt;
   if (since && now - *since == kLongWait / kTick * kTick)
-    if (const std::string hint = hint_of_live(); !hint.empty() && told_warnings_.insert(hint).second)
+    if (const std::string hint = any_hint(*this); !hint.empty() && told_warnings_.insert(hint).second)
       observer_.on_note(program_->status().where.text() + ": " + hint);
-  const auto stuck = [](const Task* task) {
-    return !task || task->ended() ||
+  for (const Task* task : {program_.get(), plc_.get()})
+    if (is_busy_for(task, now, kBusyPatience) && told_warnings_.insert("busy " + task->name()).second)
+      observer_.on_problem(now, problem_of_busy(*task));
+  const auto stuck = [now](const Task* task) {
+    return !task || task->ended() || is_busy_for(task, now, kEndlessPatience) ||
            (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
   };
   const bool quiet = !test_ && !options_.waits && program_ && !program_->ended() && stuck(program_.get()) &&
@@ -223,19 +247,26 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
   quiet_version_ = store_.version();
   if (!quiet) quiet_since_ = now;
   if (now - quiet_since_ < kDeadlockPatience) return;
-  const std::string hint = hint_of_live();
+  const std::string hint = any_hint(*this);
   std::string waiting = program_->sentence();
   if (plc_ && !plc_->ended()) waiting += "; " + plc_->sentence();
+  const bool busy = program_->busy_since().has_value();
+  const std::string advice =
+      busy ? "end the loop, or let it wait for what it needs" : "check who is to set these tags";
   fail(now, {"deadlock", program_->status().where,
-             "every task waits, and no clock, link or motion can change what it waits for: " + waiting,
-             hint.empty() ? "check who is to set these tags" : hint});
+             (busy ? "the program goes round without end, and nothing changes what it reads: "
+                   : "every task waits, and no clock, link or motion can change what it waits for: ") +
+                 waiting,
+             hint.empty() ? advice : hint});
 }
 
 void Cell::watch_end(Nanoseconds now) {
   for (Task* task : {program_.get(), plc_.get()}) {
     if (!task || !task->failed()) continue;
-    const Problem problem = task->status().problem.value_or(
+    if (failure_ || told_ended_.contains(task)) continue;
+    Problem problem = task->status().problem.value_or(
         Problem{"failed", task->status().where, task->name() + " failed", {}});
+    explain_timeout(*this, *task, problem);
     if (!options_.waits) {
       fail(now, problem);
     } else if (told_ended_.insert(task).second) {

@@ -89,6 +89,7 @@ class Checker {
         const std::string from = file_of_cell(file_, file_.signals, file_.signals_where);
         signals_ = signals::parse_signals(read_file(from), from, found);
         for (const Problem& problem : found.list()) problems_.add(problem);
+        check_live(file_, signals_, problems_);
       });
   }
 
@@ -107,7 +108,9 @@ class Checker {
       if (tag.role == data::TagRole::state) known.measured.insert(tag.name);
     }
     for (const signals::CameraLink& camera : signals_.cameras) known.names.try_emplace(camera.point);
+    add_named_states(known);
     add_link_names(known);
+    add_brought(signals_, known);
     collect(problems_, [&] {  // tags that are written wrong are names all the same
       std::error_code ignored;
       if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
@@ -130,6 +133,14 @@ class Checker {
       });
     if (!script.empty()) one_program(script, known);
     if (!plc.empty()) one_program(plc, known);
+  }
+
+  /// A cell offers the named joint states of its robots as data.
+  void add_named_states(program::KnownNames& known) const {
+    for (const auto& robot : robots_)
+      for (const auto& [state, positions] : robot->model.named_states)
+        known.names[file_.robots.size() == 1 ? state : robot->entry.name + "_" + state] = {data::Kind::joints,
+                                                                                           {}};
   }
 
   /// Names that only a link or the heartbeat has.
@@ -312,7 +323,8 @@ class Checker {
     const std::filesystem::path scratch =
         options_.state_folder.empty() ? own_folder() : std::filesystem::path();
     options.state_folder = scratch.empty() ? options_.state_folder : scratch / "data";
-    check_whole(options);
+    rehearse_whole(options);
+    if (options_.dry) run_whole(options);
     std::error_code ignored;
     if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
   }
@@ -324,21 +336,30 @@ class Checker {
     return pattern;
   }
 
-  void check_whole(const CellOptions& options) {
+  /// Physics is left out where nothing depends on it. Controllers are configured on the hardware that they
+  /// are for.
+  void rehearse_whole(const CellOptions& options) {
     Listener listener;
     CellFile file = file_;
-    if (!options_.dry)
-      for (RobotEntry& robot : file.robots) robot.hardware = "mock";
+    for (RobotEntry& robot : file.robots)
+      if (file.controllers.empty()) robot.hardware = "mock";
     collect(problems_, [&] {
       Cell cell(file, catalogue_, options, listener);
+      if (!file.controllers.empty())
+        for (const Problem& problem : listener.problems) problems_.add(problem);
+      const Rehearsal found = rehearse(cell), of_plc = rehearse_plc(cell);
+      for (const Problem& problem : found.problems.list()) problems_.add(problem);
+      for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
+      result_.moves = found.moves;
+      result_.reached = found.reached;
+    });
+  }
+
+  void run_whole(const CellOptions& options) {
+    Listener listener;
+    collect(problems_, [&] {
+      Cell cell(file_, catalogue_, options, listener);
       listener.problems.clear();  // known already
-      if (!options_.dry) {
-        const Rehearsal found = rehearse(cell);
-        for (const Problem& problem : found.problems.list()) problems_.add(problem);
-        result_.moves = found.moves;
-        result_.reached = found.reached;
-        return;
-      }
       RunOptions run_options;
       run_options.fast = true;
       run_options.seconds = 3600;
@@ -348,9 +369,16 @@ class Checker {
     });
   }
 
+  /// What is told twice, and warnings of what is an error, too.
   void remove_repeats() {
-    std::set<std::string> seen;
-    std::erase_if(result_.problems, [&](const Problem& p) { return !seen.insert(p.text()).second; });
+    std::set<std::string> seen, errors;
+    const auto place_and_text = [](const Problem& p) { return p.where.text() + "\n" + p.what; };
+    for (const Problem& p : result_.problems)
+      if (p.severity == Severity::error) errors.insert(place_and_text(p));
+    std::erase_if(result_.problems, [&](const Problem& p) {
+      return !seen.insert(p.text()).second ||
+             (p.severity == Severity::warning && errors.contains(place_and_text(p)));
+    });
   }
 
   const description::Catalogue& catalogue_;

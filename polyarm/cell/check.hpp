@@ -22,7 +22,7 @@ struct CheckResult {
   std::vector<Problem> problems;    ///< of every file, in the order of the cell
   std::vector<std::string> notes;   ///< what contacts are not detected for, and what looks like a placeholder
   std::vector<PointReport> points;  ///< every point of the program's data, for the cell's robot
-  std::size_t moves = 0;            ///< of the program, that were looked along
+  std::size_t moves = 0;            ///< of the program, that were planned
   Location reached;                 ///< where its moves could not be followed any further; empty: to its end
   bool has_errors() const;
 };

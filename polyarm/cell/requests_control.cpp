@@ -1,8 +1,8 @@
 /// Requests about controllers.
 #include <algorithm>
 
-#include "polyarm/base/text.hpp"
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/cell/point_edits.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/controllers/types.hpp"
@@ -67,8 +67,9 @@ Json inputs_of(Cell& cell, const std::string& name) {
 LifecycleState controller_state(Cell& cell, const std::string& name) {
   for (const control::ListedController& c : cell.loop().controllers().list())
     if (c.name == name) return c.state;
-  throw Error("unknown-controller", "there is no controller '" + name + "'" +
-                                        did_you_mean(name, cell.loop().controllers().names()));
+  throw Error("unknown-controller",
+              "there is no controller '" + name + "'" + did_you_mean(name, cell.loop().controllers().names()),
+              "there are: " + join(cell.loop().controllers().names(), ", "));
 }
 
 Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer) {
@@ -145,7 +146,8 @@ Poll control_switch(Cell& cell, const Json& arguments) {
 
 Poll control_load(Cell& cell, const Json& arguments) {
   require_short_name(text_argument(arguments, "name"));
-  if (const std::size_t loaded = cell.loop().controllers().list().size(); loaded >= bounds::kLoadedControllers)
+  if (const std::size_t loaded = cell.loop().controllers().list().size();
+      loaded >= bounds::kLoadedControllers)
     throw Error("too-many", "the cell has " + std::to_string(loaded) + " controllers already",
                 "unload one first: control.unload");
   controllers::Parameters parameters;

@@ -26,6 +26,19 @@ std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
 }
 
+const char* such_as(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::angle:
+      return "write such as 5deg; a bare number is in rad";
+    case Dimension::length:
+      return "write such as 20mm; a bare number is in m";
+    case Dimension::angular_speed:
+      return "write such as 10deg/s; a bare number is in rad/s";
+    default:
+      return "write such as 50mm/s; a bare number is in m/s";
+  }
+}
+
 /// A number in SI, or a text with its unit.
 double jog_quantity(const Json& value, const std::string& of, Dimension dimension) {
   std::optional<double> number;
@@ -38,7 +51,7 @@ double jog_quantity(const Json& value, const std::string& of, Dimension dimensio
   throw Error("bad-argument",
               "'" + of + "' is " + (value.is_string() ? value.get<std::string>() : value.dump()) + ", not " +
                   name(dimension),
-              "a bare number is in rad or m (and s)");
+              such_as(dimension));
 }
 
 /// {elbow_joint: 0.2} → the value of each joint; `absent` where it says nothing.
@@ -216,6 +229,17 @@ Poll follow_command(std::size_t i, std::uint32_t session, JogCommand command) {
   };
 }
 
+/// Why a step has ended early.
+Error stopped(const Cell& cell) {
+  if (const ContactReport* contact = cell.contacts().touching_now())
+    return {"stopped", "a contact ended the step: " + contact->sentence(), "jog it away slowly"};
+  const control::StopCause cause = cell.snapshot().cause;
+  return {"stopped",
+          std::string("the step ended early: ") +
+              (cause == control::StopCause::none ? "somebody else has the robot now" : control::name(cause)),
+          "polyarm health shows the state"};
+}
+
 /// A step: the cell renews it as long as whoever asked is there, and tells how far it is.
 Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
   return [i, session, command, own = session == 0, begun = false, renewed = Nanoseconds{0},
@@ -232,8 +256,7 @@ Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
     }
     const jog::JogStatus status = jogging.status(i);
     const bool over = status.step >= command.step;
-    if (status.ended >= session || (!over && !jogging.engaged(i)))
-      throw Error("stopped", "something stopped the step before it was done", "polyarm control list, health");
+    if (status.ended >= session || (!over && !jogging.engaged(i))) throw stopped(cell);
     Json out = state_of(cell, i);
     out["session"] = session;
     if (over && status.standing) {

@@ -19,8 +19,10 @@ namespace {
 const controllers::Parameters& parameters_of(Cell& cell, const std::string& name) {
   const controllers::ControllerContext* context = cell.loop().controllers().context(name);
   if (!context)
-    throw Error("unknown-controller", "there is no controller '" + name + "'" +
-                                          did_you_mean(name, cell.loop().controllers().names()));
+    throw Error(
+        "unknown-controller",
+        "there is no controller '" + name + "'" + did_you_mean(name, cell.loop().controllers().names()),
+        "there are: " + join(cell.loop().controllers().names(), ", "));
   return context->parameters;
 }
 

@@ -158,7 +158,10 @@ Poll tags_set(Cell& cell, const Json& arguments) {
                 "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
   if (cell.store().tag_role(name) == data::TagRole::state)
     throw Error("read-only", "'" + name + "' says what the hardware measures",
-                "polyarm tags force, as long as it runs");
+                "force it: polyarm tags force " + name + " VALUE keeps the value as long as it runs");
+  if (const auto link = cell.links().source_of(name); link && link->direction == "in")
+    throw Error("read-only", "'" + name + "' comes from the link '" + link->link + "'",
+                "force it: polyarm tags force " + name + " VALUE keeps the value as long as it runs");
   cell.store().set(name, wanted_value(*like, arguments.value("value", Json())), who_asks(arguments));
   return at_once(tag_json(cell, name));
 }

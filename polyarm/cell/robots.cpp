@@ -195,7 +195,7 @@ void check_carried(const CellRobot& robot, Problems& problems) {
   for (const HardwareBlock& block : robot.blocks)
     if (const auto base = block.info->parameters.find("base");
         base != block.info->parameters.end() && base->second == "free")
-      problems.error("bad-carrier", robot.entry.where,
+      problems.error("bad-carrier", robot.entry.place_of("on"),
                      "'" + robot.entry.name + "' stands on '" + robot.entry.on +
                          "', and by its description it stands free",
                      "take 'on' away, or <param name=\"base\">free</param> out of its description");
@@ -206,7 +206,7 @@ void refuse_overload(const CellRobot& robot, Problems& problems) {
   const std::optional<double>& rated = robot.model.provenance.payload_kg;
   const double payload = robot.entry.payload.mass;
   if (!rated || !(payload > *rated)) return;
-  problems.error("payload", robot.entry.where,
+  problems.error("payload", robot.entry.place_of("payload"),
                  fmt::format("a payload of {:g} kg is more than the {:g} kg that {} may carry", payload,
                              *rated, robot.model.name),
                  "carry less, or choose a robot that carries it");
@@ -221,6 +221,19 @@ void tell_of_controllers(const CellRobot& robot, std::vector<std::string>& notes
                       ": its <gazebo> names a controllers file, start it with --controllers " + controllers);
 }
 
+/// What `step` throws without a place is wrong at this key.
+template <typename Step>
+void at_key(const RobotEntry& entry, const std::string& key, Step step) {
+  try {
+    step();
+  } catch (const Error& e) {
+    std::vector<Problem> problems = e.problems();
+    for (Problem& problem : problems)
+      if (problem.where.file.empty()) problem.where = entry.place_of(key);
+    throw Error(std::move(problems));
+  }
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
                                    const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
@@ -230,9 +243,11 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   const auto beside = file.folder / entry.model;
   const bool is_file = std::filesystem::is_regular_file(beside);
   Problems found;
-  robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
-                                                              catalogue, found, entry.arguments)
-                                    : description::read_urdf(entry.text, entry.model, found);
+  at_key(entry, "model", [&] {
+    robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
+                                                                catalogue, found, entry.arguments)
+                                      : description::read_urdf(entry.text, entry.model, found);
+  });
   for (const Problem& problem : found.list())
     if (problem.severity == Severity::error)
       robot->hardware_faults.push_back(problem);
@@ -243,7 +258,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   std::vector<moves::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
   moves::Workspace workspace(std::move(zones));
-  robot->tool = description::find_tool(entry.tool, file.folder.string());
+  at_key(entry, "tool", [&] { robot->tool = description::find_tool(entry.tool, file.folder.string()); });
   refuse_overload(*robot, problems);
   if (auto missing = description::missing_in_tool(entry.tool, file.folder.string()))
     problems.add(std::move(*missing));
@@ -295,6 +310,27 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
   return resolve_robots(file, described.joint_limits, catalogue, real, problems, notes);
 }
 
+namespace {
+bool in_physics(const CellRobot& robot) {
+  const auto plays = [](const HardwareBlock& block) { return block.driver == "mujoco"; };
+  return robot.blocks.empty() ? robot.driver == "mujoco"
+                              : std::any_of(robot.blocks.begin(), robot.blocks.end(), plays);
+}
+
+/// Physics knows only the robots that it plays.
+void check_carriers(const CellRobots& robots, Problems& problems) {
+  for (const auto& robot : robots) {
+    const auto carries = [&](const auto& each) { return each->entry.name == robot->entry.on; };
+    const auto carrier = std::find_if(robots.begin(), robots.end(), carries);
+    if (carrier == robots.end() || !in_physics(*robot) || in_physics(**carrier)) continue;
+    problems.warning("bad-carrier", robot->entry.place_of("on"),
+                     "'" + robot->entry.name + "' stands on '" + robot->entry.on +
+                         "', which is not in physics: it stays where '" + robot->entry.on + "' begins",
+                     "give both the same hardware, for example hardware: mujoco");
+  }
+}
+}  // namespace
+
 CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
                           const description::Catalogue& catalogue, bool real, Problems& problems,
                           std::vector<std::string>& notes) {
@@ -309,6 +345,7 @@ CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::Joi
       }
     }
   }
+  check_carriers(out, problems);
   return out;
 }
 
@@ -466,15 +503,7 @@ class Components {
   }
 
   hardware::RobotInstance instance(const CellRobot& robot) const {
-    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}};
-  }
-
-  /// Physics is told what a robot stands on where it is told whether it stands free.
-  static void seat(hardware::RobotInstance& made, const CellRobot& robot) {
-    if (robot.entry.on.empty()) return;
-    made.hardware.emplace_back();
-    made.hardware.back().name = robot.entry.name;
-    made.hardware.back().parameters["base"] = "on " + robot.entry.on;
+    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}, robot.entry.on};
   }
 
   void take(const CellRobot& robot) {
@@ -491,7 +520,6 @@ class Components {
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
-      if (robot.driver == "mujoco") seat(planned.context.robots.back(), robot);
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
@@ -518,7 +546,6 @@ class Components {
         with_tool(instances.back());
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
-      if (physics && instances.back().hardware.size() == 1) seat(instances.back(), robot);
     }
     if (physics &&
         !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin

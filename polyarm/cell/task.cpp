@@ -47,7 +47,8 @@ void Task::tick() {
 
 void Task::tick(const std::function<void()>& between) {
   if (ended()) return;
-  for (int done = 0; done < kBudget;) {
+  int done = 0;
+  while (done < kBudget) {
     const program::StepResult result = interpreter_.step(done < kTold ? 1 : kBudget - done);
     const bool news = result.state != status_.state || interpreter_.paused() != status_.paused;
     if (result.executed > 0 || news) look();
@@ -55,6 +56,10 @@ void Task::tick(const std::function<void()>& between) {
     done += result.executed;
     if (between) between();
   }
+  if (done < kBudget)
+    busy_since_.reset();
+  else if (!busy_since_)
+    busy_since_ = *now_;
   // Moves are under way while no statement is begun.
   const program::Place at = interpreter_.position();
   if (at.line != seen_.line || at.file != seen_.file) look();

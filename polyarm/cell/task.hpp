@@ -40,6 +40,9 @@ class Task {
   std::optional<Nanoseconds> last_pass() const { return last_pass_; }
   /// Since when, in cell time, it waits for what it waits for; nothing while it does not wait.
   std::optional<Nanoseconds> waits_since() const { return waits_since_; }
+  /// Since when, in cell time, it has used up all statements that it may begin in a tick; nothing while it
+  /// waits or has less to do.
+  std::optional<Nanoseconds> busy_since() const { return busy_since_; }
   /// "PAPscript.script:12: wait GripperActive, waits for GripperActive"
   std::string sentence() const;
 
@@ -54,7 +57,7 @@ class Task {
   program::TaskStatus status_;
   Location shown_;
   program::Place seen_;
-  std::optional<Nanoseconds> pass_ended_, last_pass_, waits_since_;
+  std::optional<Nanoseconds> pass_ended_, last_pass_, waits_since_, busy_since_;
 };
 
 }  // namespace polyarm::cell

@@ -109,6 +109,7 @@ CallbackReturn ForwardCommandController::on_configure(ControllerContext& context
   const std::vector<double> nothing(names.size(), std::numeric_limits<double>::quiet_NaN());
   wanted_ = nothing;
   inbox_.reset(nothing);
+  if (names.empty()) refuse_no_joints(context.parameters);
   return names.empty() ? CallbackReturn::failure : CallbackReturn::success;
 }
 

@@ -40,7 +40,10 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
   p.read("reference", reference, {.text = "what is asked for", .choices = {"position", "velocity"}});
   p.read("command_interface", command, {.text = "what is commanded", .choices = {"effort", "velocity"}});
   if (!one.empty()) names.insert(names.begin(), one);
-  if (names.empty()) return CallbackReturn::failure;
+  if (names.empty()) {
+    refuse_no_joints(p);
+    return CallbackReturn::failure;
+  }
   position_ = reference == "position";
   joints_ = std::vector<Joint>(names.size());
   asked_.reset(names.size());
@@ -112,8 +115,7 @@ ReturnType JointPidController::update(const Cycle& cycle, const Verdict& verdict
   if (inbox_.fetch() && verdict.speed > 0) {
     command_watch().take(cycle.time, cycle.time);
     for (std::size_t j = 0; j < joints_.size(); ++j)
-      if (const double asked = inbox_.value()[j]; std::isfinite(asked))
-        joints_[j].set_point = asked;
+      if (const double asked = inbox_.value()[j]; std::isfinite(asked)) joints_[j].set_point = asked;
   }
   const bool asks = position_ || std::any_of(joints_.begin(), joints_.end(),
                                              [](const Joint& joint) { return joint.set_point != 0; });

@@ -258,7 +258,10 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
     joints_.push_back(context.whole_joint(joint));
     told_joints_.push_back(joint);
   }
-  if (joints_.empty()) return CallbackReturn::failure;
+  if (joints_.empty()) {
+    refuse_no_joints(context.parameters);
+    return CallbackReturn::failure;
+  }
   rules_ = {};
   rules_.joints = told_joints_;
   rules_.whole = joints_;

@@ -97,4 +97,7 @@ class Parameters {
   Problems problems_;
 };
 
+/// Adds the problem that a controller has none of the `joints` that it is to move.
+void refuse_no_joints(Parameters& parameters);
+
 }  // namespace polyarm::controllers

@@ -8,9 +8,7 @@ namespace polyarm::data {
 
 namespace fs = std::filesystem;
 
-namespace {
-/// The names in `folder` as a program could write them: whole, and without a known ending.
-std::vector<std::string> names_in(const fs::path& folder) {
+std::vector<std::string> file_names_in(const fs::path& folder) {
   constexpr std::size_t kMost = 2000;
   std::vector<std::string> out;
   std::error_code error;
@@ -29,6 +27,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return out;
 }
 
+namespace {
 /// A data file of the same name is not meant where a script is asked for.
 fs::path find_script(const std::string& name, const fs::path& folder, const Location& named_at) {
   std::error_code ignored;
@@ -46,16 +45,20 @@ fs::path find_file(const std::string& name, const fs::path& folder, Location nam
   if (name.empty() || name.find('\0') != std::string::npos || name.size() > 1000)
     throw Error(Problem{"no-file", named_at, "this is no name of a file", {}});
   std::vector<std::string> tried = {name};
-  for (const std::string& ending : file_endings()) tried.push_back(name + ending);
+  const std::vector<std::string>& endings = file_endings();
+  const bool ends =
+      std::find(endings.begin(), endings.end(), fs::path(name).extension().string()) != endings.end();
+  for (const std::string& ending : endings)
+    if (!ends) tried.push_back(name + ending);
   for (const std::string& candidate : tried) {
     std::error_code ignored;
     if (fs::is_regular_file(folder / candidate, ignored)) return folder / candidate;
   }
   const fs::path place = (folder / name).parent_path();
-  throw Error(Problem{
-      "no-file", named_at,
-      "there is no file '" + name + "'" + did_you_mean(fs::path(name).filename().string(), names_in(place)),
-      "looked in " + (place.empty() ? "." : place.string()) + " for " + join(tried, ", ")});
+  throw Error(Problem{"no-file", named_at,
+                      "there is no file '" + name + "'" +
+                          did_you_mean(fs::path(name).filename().string(), file_names_in(place)),
+                      "looked in " + (place.empty() ? "." : place.string()) + " for " + join(tried, ", ")});
 }
 
 LoadedFiles load_files(const std::string& name, const fs::path& folder, Location named_at) {

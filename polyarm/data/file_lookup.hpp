@@ -11,8 +11,12 @@ namespace polyarm::data {
 /// The endings that a program may leave out, in the order in which they are tried.
 const std::vector<std::string>& file_endings();
 
-/// The file called `name`, looked for beside the file that names it: as written, then with .points, .data,
-/// .script, .txt. Throws Error("no-file") that lists what was tried and the nearest file there is.
+/// The names in `folder` as a program could write them: whole, and without a known ending.
+std::vector<std::string> file_names_in(const std::filesystem::path& folder);
+
+/// The file called `name`, looked for beside the file that names it: as written, then, without a known
+/// ending, with .points, .data, .script, .txt. Throws Error("no-file") that lists what was tried and the
+/// nearest file there is.
 std::filesystem::path find_file(const std::string& name, const std::filesystem::path& folder,
                                 Location named_at = {});
 

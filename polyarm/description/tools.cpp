@@ -134,7 +134,8 @@ Tool find_tool(const std::string& name, const std::string& folder) {
   std::vector<std::string> known = built_in_tools();
   std::error_code error;
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (at->path().extension() == ".yaml") known.push_back(at->path().stem().string());
+    if (at->path().extension() == ".yaml")
+      known.insert(known.end(), {at->path().stem().string(), at->path().filename().string()});
   throw Error("unknown-tool", "there is no tool '" + name + "'" + did_you_mean(name, known),
               "known are: " + join(built_in_tools(), ", ") + ", or a tool file beside the cell");
 }

@@ -41,7 +41,8 @@ struct RobotInstance {
   Pose base;                                ///< T_world_base
   std::vector<double> initial_positions;    ///< of the actuated joints, rad or m
   std::vector<description::HardwareInfo>
-      hardware;  ///< the <ros2_control> blocks this component stands for; may be empty
+      hardware;    ///< the <ros2_control> blocks this component stands for; may be empty
+  std::string on;  ///< the robot whose root link carries this one; empty: it stands in the world
 };
 
 /// Everything a component is told when it is made.
@@ -59,8 +60,8 @@ struct InterfaceDescription {
   double initial = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Actuator, sensor or system. The on_… and prepare calls come one at a time, from threads that may differ and
-/// may be kept waiting; read, write and perform come from the control thread, which must never block,
+/// Actuator, sensor or system. The on_… and prepare calls come one at a time, from threads that may differ
+/// and may be kept waiting; read, write and perform come from the control thread, which must never block,
 /// allocate, throw or log. An inactive component is read while it is being activated.
 class Component {
  public:

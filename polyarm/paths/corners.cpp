@@ -84,7 +84,7 @@ class CartesianPathBuilder::Assembly {
       const char* side = before.length <= after.length ? "before" : "after";
       warn(i, d,
            wide            ? std::string("the curve would leave the ball of that radius, or turn too far")
-           : half <= curve ? fmt::format("half of the segment {} it, which is {:.6g} long", side,
+           : half <= curve ? fmt::format("half of the segment {} it, which is {:.6g} m long", side,
                                          std::min(before.length, after.length))
                            : fmt::format("the radius of the arc beside it"));
     }
@@ -105,7 +105,7 @@ class CartesianPathBuilder::Assembly {
     out_.warnings.push_back(
         {"blend-shrunk",
          {},
-         fmt::format("the radius {:.6g} at {} is shrunk to {:.6g}: {}", at.radius, at.name, d, why),
+         fmt::format("the radius {:.6g} m at {} is shrunk to {:.6g} m: {}", at.radius, at.name, d, why),
          "give a smaller radius, or move the waypoints apart",
          Severity::warning});
   }

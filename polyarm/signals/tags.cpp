@@ -8,6 +8,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/data/file_lookup.hpp"
 #include "polyarm/signals/links_file.hpp"
 
 namespace polyarm::signals {
@@ -163,6 +164,15 @@ CameraLink read_camera(const std::string& name, const Yaml& node, const Location
   return out;
 }
 
+/// Written with the ending of its file or without.
+void add_live(const std::string& written, const Location& where, Signals& out) {
+  const std::vector<std::string>& endings = data::file_endings();
+  const std::filesystem::path path(written);
+  const bool ends = std::find(endings.begin(), endings.end(), path.extension().string()) != endings.end();
+  out.live.push_back(ends ? path.stem().string() : written);
+  out.live_where[out.live.back()] = where;
+}
+
 void read_all(const Yaml& root, const std::filesystem::path& folder, Signals& out, Problems& problems) {
   collect(problems, [&] { check_version(root, problems); });
   root.check_keys({"polyarm", "tags", "live", "data", "cameras", "links", "heartbeat", "watch", "points"},
@@ -171,11 +181,14 @@ void read_all(const Yaml& root, const std::filesystem::path& folder, Signals& ou
   for (const std::string& name : tags.defined() ? tags.keys() : std::vector<std::string>{})
     collect(problems,
             [&] { out.tags.push_back(read_tag(name, tags[name], tags.key_location(name), problems)); });
-  if (root.has("live")) collect(problems, [&] { out.live = root["live"].texts(); });
+  if (root.has("live"))
+    collect(problems, [&] {
+      for (const std::string& set : root["live"].texts()) add_live(set, root.key_location("live"), out);
+    });
   for (const std::string& set : root["data"].keys())
     collect(problems, [&] {
       root["data"][set].check_keys({"live"}, problems);
-      if (root["data"][set]["live"].boolean(false)) out.live.push_back(set);
+      if (root["data"][set]["live"].boolean(false)) add_live(set, root["data"].key_location(set), out);
     });
   for (const std::string& name : cameras.defined() ? cameras.keys() : std::vector<std::string>{})
     collect(problems, [&] {

@@ -87,7 +87,8 @@ struct Heartbeat {
 
 struct Signals {
   std::vector<Tag> tags;
-  std::vector<std::string> live;
+  std::vector<std::string> live;  ///< data sets, without the ending of their file
+  std::map<std::string, Location> live_where;
   std::vector<CameraLink> cameras;
   std::vector<LinkEntry> links;
   std::optional<Heartbeat> heartbeat;

@@ -416,6 +416,19 @@ TEST(Mujoco, FeederPresentsTheNextPart) {
   EXPECT_FALSE(rig.part(1).in_world);
 }
 
+TEST(Mujoco, FeederWaitsUntilItsPlaceIsFree) {
+  const Stage stage = line();
+  Rig rig = simulate(stage);
+  rig.command("scene/magazine/feed") = 2;
+  rig.run(1);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 1) << "two in one place would push each other away";
+  EXPECT_NEAR(norm(rig.part(0).pose.position - Vec3{0.3, 0, 0.02}), 0, 5e-4);
+  rig.command("scene/chute/take") = 1;
+  rig.run(1);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 2);
+  EXPECT_NEAR(norm(rig.part(1).pose.position - Vec3{0.3, 0, 0.02}), 0, 5e-4);
+}
+
 TEST(Mujoco, OutfeedTakesWhatRestsThere) {
   const Stage stage = line();
   Rig rig = simulate(stage);

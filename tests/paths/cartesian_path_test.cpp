@@ -250,7 +250,7 @@ TEST(CartesianPaths, ShrinkRadiiAndNameTheWaypoint) {
                   .build();
   ASSERT_EQ(made.warnings.size(), 1u);
   EXPECT_EQ(made.warnings[0].code, "blend-shrunk");
-  EXPECT_NE(made.warnings[0].what.find("0.3 at above the box is shrunk to 0.2"), std::string::npos)
+  EXPECT_NE(made.warnings[0].what.find("0.3 m at above the box is shrunk to 0.2 m"), std::string::npos)
       << made.warnings[0].what;
   EXPECT_NEAR(made.sections[0].breaks()[1], 0.8, 1e-12);
   // An arc of 2 cm has no corner of 10 cm.

@@ -129,14 +129,43 @@ TEST(Describe, ADescriptionInXacroIsToldItsArguments) {
   const Finished fk = run_command({"fk", file, "--joints", "0", "name:=mine"});  // behind what takes many
   EXPECT_EQ(fk.exit_code, 0) << fk.output;
   const Finished wrong = run_command({"describe", file, "name=mine"});
-  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.output.find("NAME:=VALUE"), std::string::npos) << wrong.output;
+}
+
+TEST(Kinematics, BareNumbersAreSaidToFollowAnOption) {
+  const auto said = [](const std::vector<std::string>& words) {
+    const Finished wrong = run_command(words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
+    return wrong.output;
+  };
+  const std::string ur3 = "universal_robots/ur3";
+  EXPECT_EQ(said({"fk", ur3, "0", "-1.57"}),
+            "error: no option takes the numbers 0 -1.57 (write --joints 0 -1.57)\n");
+  EXPECT_EQ(said({"fk", ur3, "-90deg"}),
+            "error: no option takes the number -90deg (write --joints -90deg)\n");
+  EXPECT_EQ(said({"ik", ur3, "0.4", "0", "0.3"}),
+            "error: no option takes the numbers 0.4 0 0.3 (write --xyz 0.4 0 0.3)\n");
+  EXPECT_NE(said({"ik", ur3}).find("no position is given (write --xyz X Y Z"), std::string::npos);
+  EXPECT_NE(said({"fk", ur3, "--joints", "0", "1"}).find("--joints takes 6 numbers"), std::string::npos);
 }
 
 TEST(Kinematics, IkSaysWhyNot) {
   const Finished ik = run_command({"ik", "universal_robots/ur3", "--xyz", "5", "3", "2"});
   EXPECT_EQ(ik.exit_code, 1);
   EXPECT_NE(ik.output.find("reaches"), std::string::npos) << ik.output;
+}
+
+TEST(Describe, SaysThatACellIsNoRobot) {
+  const test::ExampleCopy copy("pick_and_place");
+  for (const char* verb : {"describe", "fk"}) {
+    const Finished told = run_command({verb, copy.path()});
+    EXPECT_EQ(told.exit_code, 2);
+    EXPECT_NE(
+        told.output.find("is a cell, and this verb is about one robot (its robots are universal_robots/ur3)"),
+        std::string::npos)
+        << told.output;
+  }
 }
 
 TEST(Describe, UrdfOfARobotRunsAsADescription) {
@@ -240,6 +269,59 @@ TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
   const Finished& finished = running.wait();
   EXPECT_NE(finished.output.find("again"), std::string::npos);
   EXPECT_EQ(finished.output.find("silent"), std::string::npos) << finished.output;
+}
+
+/// A cell of a UR3 with one part in physics.
+test::Folder cell_with_part(const std::string& mass) {
+  test::Folder folder;
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3, hardware: mujoco, tool: "
+               "suction_cup}\nscene: scene.yaml\nsignals: signals.yaml\nprogram: job.script\n");
+  folder.write(
+      "scene.yaml",
+      "polyarm: scene/1\nfloor: {height: 0}\nparts:\n  cube: {kind: cube, box: [40mm, 40mm, 40mm], mass: " +
+          mass + ", at: [0.3, 0.1, 0.02]}\n");
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Suck: {command: arm/tool/vacuum}\n  Held: {state: "
+               "arm/tool/part_present}\n");
+  return folder;
+}
+
+TEST(Run, APartThatIsTooHeavyForTheCupIsNamed) {
+  const test::Folder folder = cell_with_part("20kg");
+  folder.write(
+      "job.script",
+      "movej pose(300mm, 100mm, 140mm, 180deg, 0, 0)\nmovel pose(300mm, 100mm, 40.5mm, 180deg, 0, 0)\n"
+      "set Suck = true\nmovel pose(300mm, 100mm, 140mm, 180deg, 0, 0)\nwait Held timeout 1s\n");
+  const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(
+      run.output.find("job.script:5:1: error: the time-out passed and the condition is still false; it reads "
+                      "Held; the TCP of 'arm' is "),
+      std::string::npos)
+      << run.output;
+  folder.write(
+      "job.script",
+      "movej pose(300mm, 100mm, 140mm, 180deg, 0, 0)\nmovel pose(300mm, 100mm, 41mm, 180deg, 0, 0)\nset Suck "
+      "= true\nwait Held timeout 1s\nmovel pose(300mm, 100mm, 41.2mm, 180deg, 0, 0), accel 8m/s2\nwait Held "
+      "timeout 1s\n");
+  const Finished heavy = run_command({"run", folder.path().string(), "--fast", "--quiet"});
+  EXPECT_NE(heavy.output.find("cube weighs 20 kg, and the cup holds 60 N, which is 6.12 kg"),
+            std::string::npos)
+      << heavy.output;
+}
+
+TEST(Run, WhoStartsInsideSomethingIsToldThatAlone) {
+  const test::Folder folder = cell_with_part("50g");
+  folder.write("scene.yaml",
+               "polyarm: scene/1\nfixtures:\n  crate: {box: [0.3, 0.3, 0.3], at: [0.2, 0, 0.3]}\n");
+  folder.write("job.script", "movej joints(0, -90deg, 90deg, -90deg, -90deg, 0)\n");
+  const Finished dry = run_command({"check", folder.path().string(), "--dry"});
+  EXPECT_EQ(dry.exit_code, 1);
+  EXPECT_NE(dry.output.find(" is inside fixture crate where it starts"), std::string::npos) << dry.output;
+  EXPECT_EQ(dry.output.find("jumped"), std::string::npos) << "what physics makes of it: " << dry.output;
+  const Finished run = run_command({"run", folder.path().string(), "--fast"});
+  EXPECT_EQ(run.output.find("type resume"), std::string::npos) << "nobody can: " << run.output;
 }
 
 TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {

@@ -222,7 +222,29 @@ TEST_F(Plan, RefusalsSayWhichMoveWhyAndWhatToDo) {
       "did you mean 'elbow_joint'");
   const auto failed = ur({"movel", "pose(5,0,0)", "--json"});
   EXPECT_EQ(failed.result()["result"], "failed");
-  EXPECT_EQ(plan({"movel", "home"}).exit_code, 1);
+}
+
+TEST_F(Plan, ACommandLineWithoutARobotOrWithBareNumbersSaysWhatToWrite) {
+  const auto refused = [&](const std::vector<std::string>& arguments, int code, const std::string& text) {
+    const auto run = plan(arguments);
+    EXPECT_EQ(run.exit_code, code) << run.output;
+    EXPECT_TRUE(says(run, text)) << run.output;
+  };
+  refused({"movel", "home"}, 2,
+          "no robot is named (begin with the folder of a cell, or with a robot such as");
+  refused({"-1.57", "0"}, 2, "no robot is named");
+  refused({"no_cell", "movel", "home"}, 2, "'no_cell' is neither a cell nor a robot");
+  refused({"universal_robots/ur5", "movel", "hom"}, 1, "did you mean 'home'?");
+  const std::string joints = "joint values are one word: movej 'joints(0, -90deg, …)'";
+  refused({"universal_robots/ur5", "0", "-1", "0", "0", "0", "0"}, 1, joints);
+  refused({"universal_robots/ur5", "movej", "0", "-1", "0", "0", "0", "0"}, 1, joints);
+}
+
+TEST_F(Plan, ARobotMayStandWhereACellStands) {
+  const std::vector<std::string> move{"movej", "joints(0,-90deg,90deg,-90deg,-90deg,0)"};
+  const auto run = plan({"universal_robots/ur5", move[0], move[1]});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(run.output, ur(move).output);
 }
 
 }  // namespace

@@ -154,6 +154,18 @@ TEST_F(Programs, RobotsAreComparedByWhatTheyCan) {
   EXPECT_NE(badly.output.find("far.script:3"), std::string::npos) << badly.output;
 }
 
+TEST_F(Programs, TheCycleOfAProgramWithoutALoopIsItsWholeTime) {
+  folder.write("once.script", "load work\nmovej joints(10deg, -90deg, 0deg, 0deg, 0deg, 0deg)\nwait 1s\n");
+  const Finished run =
+      run_command({"compare", (folder.path() / "once.script").string(), "--robots", urdf, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto told = nlohmann::json::parse(run.output)[0];
+  EXPECT_EQ(told["cycles"], 1);
+  ASSERT_TRUE(told["cycle_s"].is_number()) << told;
+  EXPECT_GT(told["cycle_s"], 1.0);
+  EXPECT_LE(told["cycle_s"], told["time_s"]);
+}
+
 TEST_F(Programs, TheReferencePageIsWhatTheCommandWrites) {
   EXPECT_EQ(run_command({"language", "page"}).output,
             read_file(POLYARM_SOURCE_DIR "/docs/language-reference.md"));

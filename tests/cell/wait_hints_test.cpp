@@ -1,0 +1,98 @@
+/// A program that waits in vain is told why, as far as the cell knows it.
+#include "polyarm/cell/wait_hints.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "polyarm/cell/cell_file.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+/// A feeder with two parts.
+class Waits : public ::testing::Test {
+ protected:
+  Waits() {
+    folder.write(
+        "scene.yaml",
+        "polyarm: scene/1\nfeeders:\n  chute: {at: [0.4, 0, 0.02]}\n  spare: {at: [0.4, 0.3, 0.02]}\n"
+        "parts:\n  cube: {kind: cube, box: [40mm, 40mm, 40mm], mass: 0.1, feeder: chute, count: 2}\n");
+    folder.write("signals.yaml",
+                 "polyarm: signals/1\ntags:\n  Feed: {command: scene/chute/feed, type: number}\n"
+                 "  Lying: {state: scene/chute/count, type: number}\n  Spare: {state: scene/spare/present}\n"
+                 "  Go: {initial: false}\n");
+  }
+  /// What the run fails with.
+  Problem failure(const std::string& program, const std::string& plc = "", double seconds = 6) {
+    folder.write("job.script", program);
+    folder.write("plc.script", plc);
+    folder.write(
+        "cell.yaml",
+        "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+            ", hardware: mock, tool: suction_cup}\nscene: scene.yaml\nsignals: signals.yaml\nprogram: "
+            "job.script\n" +
+            (plc.empty() ? "" : "plc: plc.script\n"));
+    test::LockStepCell cell(read_cell_file(folder.path()));
+    cell.run(seconds);
+    return cell.cell().failure() ? cell.cell().failure()->problem : Problem{};
+  }
+  test::Folder folder;
+};
+
+TEST_F(Waits, ATimeOutNamesTheFeederThatIsEmpty) {
+  const std::string empty = "the feeder 'chute' is empty: it has brought all of its 2 parts";
+  const std::string what = failure("set Feed = 3\nwait Lying > 2 timeout 1s\n").what;
+  EXPECT_EQ(what, "the time-out passed and the condition is still false; it reads Lying; " + empty);
+  EXPECT_EQ(failure("wait Go timeout 1s\n", "set Feed = 3\nwait Lying > 2\nset Go = true\n").what,
+            "the time-out passed and the condition is still false; it reads Go; " + empty)
+      << "the PLC waits for it";
+  EXPECT_NE(failure("wait Spare timeout 1s\n")
+                .what.find("'spare' is empty: no part of the scene has 'feeder: spare'"),
+            std::string::npos);
+  EXPECT_EQ(failure("wait Go timeout 1s\n").what.find("feeder"), std::string::npos);
+}
+
+TEST_F(Waits, ATimeOutSaysThatNobodyAskedTheFeeder) {
+  EXPECT_NE(
+      failure("wait Lying > 0 timeout 1s\n")
+          .what.find("the feeder 'chute' was asked for 0 parts and has brought none: set 'Feed' to one more"),
+      std::string::npos);
+}
+
+TEST_F(Waits, ADeadlockNamesTheEmptyFeederToo) {
+  const Problem told = failure("set Feed = 3\nwait Lying > 2\n");
+  EXPECT_EQ(told.code, "deadlock") << told.text();
+  EXPECT_EQ(told.advice, "the feeder 'chute' is empty: it has brought all of its 2 parts");
+}
+
+TEST_F(Waits, ATimeOutForAGripperSaysWhyItHoldsNothing) {
+  folder.write(
+      "scene.yaml",
+      "polyarm: scene/1\nparts:\n  cube: {kind: cube, box: [40mm, 40mm, 40mm], mass: 20kg, at: [0.4, 0.1, "
+      "0.3]}\n");
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Suck: {command: arm/tool/vacuum}\n  Held: {state: "
+               "arm/tool/part_present}\n");
+  const std::string wait = "wait Held timeout 1s\n";
+  EXPECT_NE(failure(wait).what.find("it reads Held; the vacuum of 'arm' is off: 'Suck' is False"),
+            std::string::npos);
+  const std::string away = failure("set Suck = true\n" + wait).what;
+  EXPECT_NE(away.find(" mm away from cube, the nearest part; the cup grips within 1.5 mm"), std::string::npos)
+      << away;
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Held: {state: arm/tool/part_present}\n");
+  EXPECT_NE(failure(wait).what.find("no tag of signals.yaml has 'command: arm/tool/vacuum'"),
+            std::string::npos);
+}
+
+TEST_F(Waits, AProgramThatGoesRoundWithoutEndEndsTheRun) {
+  const std::string text = "let n = 1\nwhile n != 0\n  set n = n * 1\nend\n";
+  EXPECT_EQ(failure(text).text(), Problem{}.text()) << "a program may have much to calculate";
+  const Problem told = failure(text, "", 40);
+  EXPECT_EQ(told.code, "deadlock") << told.text();
+  EXPECT_NE(told.what.find("goes round without end"), std::string::npos) << told.text();
+}
+
+}  // namespace
+}  // namespace polyarm::cell
