@@ -61,6 +61,11 @@ class Server : public signals::LinkPort {
 
   bool waits() const override { return true; }
 
+  void remember(const std::vector<LinkValue>& values) override {
+    for (const LinkValue& value : values)
+      if (value.tag < entry_.tags.size()) put(value);
+  }
+
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                 LinkNews& news) override {
     for (const LinkValue& write : writes) put(write);

@@ -1,15 +1,14 @@
 #include <mosquitto.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <map>
 
 #include "links/mqtt/payload.hpp"
 #include "links/mqtt/port.hpp"
-#include "polyarm/base/file.hpp"
-#include "polyarm/base/text.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::mqtt {
 
@@ -30,7 +29,8 @@ class Client : public signals::LinkPort {
  public:
   explicit Client(const LinkEntry& entry) : entry_(entry), last_(entry.tags.size()) {
     begin_library();
-    if (!entry_.password_file.empty()) password_ = trim(read_file(entry_.password_file));
+    for (std::size_t i = 0; i < entry_.tags.size(); ++i)
+      if (entry_.tags[i].direction != Direction::out) tags_of_.emplace(entry_.tags[i].topic, i);
   }
   ~Client() override { close(); }
 
@@ -38,10 +38,7 @@ class Client : public signals::LinkPort {
 
   void open() override {
     close();
-    const std::string id = entry_.client_id.empty()
-                               ? "polyarm-" + entry_.name + "-" + std::to_string(::getpid())
-                               : entry_.client_id;
-    client_ = mosquitto_new(id.c_str(), true, this);
+    client_ = mosquitto_new(entry_.client_id.empty() ? nullptr : entry_.client_id.c_str(), true, this);
     if (!client_) throw Error("link-lost", "out of memory");
     mosquitto_connect_callback_set(client_, &Client::on_connect);
     mosquitto_message_callback_set(client_, &Client::on_message);
@@ -73,20 +70,26 @@ class Client : public signals::LinkPort {
     for (const LinkValue& write : writes) publish(write);
     // Whatever has come in is taken in one round; the first look may wait.
     check(mosquitto_loop(client_, static_cast<int>(patience / 1'000'000), 1), "is gone");
-    for (std::size_t k = 0; k < 100 && came_.size() != looked_; ++k) {
+    for (std::size_t k = 0; k < 100 && came_.size() != looked_ && !is_much(); ++k) {
       looked_ = came_.size();
       check(mosquitto_loop(client_, 0, 1), "is gone");
     }
     looked_ = 0;
+    came_bytes_ = 0;
     for (auto& [tag, text] : came_) take(tag, text, news);
     came_.clear();
   }
 
  private:
+  /// Enough for one round; the rest waits at the broker.
+  bool is_much() const {
+    return came_bytes_ > bounds::kLinkRoundBytes || came_.size() > bounds::kLinkRoundValues;
+  }
+
   void set_up() {
     if (!entry_.user.empty())
       mosquitto_username_pw_set(client_, entry_.user.c_str(),
-                                password_.empty() ? nullptr : password_.c_str());
+                                entry_.password.empty() ? nullptr : entry_.password.c_str());
     if (!entry_.will_topic.empty())
       check(mosquitto_will_set(client_, entry_.will_topic.c_str(), static_cast<int>(entry_.will_text.size()),
                                entry_.will_text.data(), entry_.will_qos, entry_.will_retain),
@@ -141,19 +144,23 @@ class Client : public signals::LinkPort {
 
   static void on_message(mosquitto*, void* self, const mosquitto_message* message) {
     Client& client = *static_cast<Client*>(self);
-    const auto length = static_cast<std::size_t>(std::max(0, message->payloadlen));
+    const auto [first, last] = client.tags_of_.equal_range(message->topic);
+    if (first == last) return;
+    // One byte more than is taken, so that it is refused for its length.
+    const auto length = std::min(static_cast<std::size_t>(std::max(0, message->payloadlen)), kLongestMessage + 1);
     const std::string text(static_cast<const char*>(message->payload), length);
-    for (std::size_t i = 0; i < client.entry_.tags.size(); ++i)
-      if (client.entry_.tags[i].direction != Direction::out && client.entry_.tags[i].topic == message->topic)
-        client.came_.emplace_back(i, text);
+    for (auto each = first; each != last; ++each) {
+      client.came_.emplace_back(each->second, text);
+      client.came_bytes_ += length;
+    }
   }
 
   LinkEntry entry_;
-  std::string password_;
   mosquitto* client_ = nullptr;
   int connected_ = -1;  ///< the broker's answer; -1: none yet
   std::vector<std::pair<std::size_t, std::string>> came_;
-  std::size_t looked_ = 0;
+  std::size_t looked_ = 0, came_bytes_ = 0;
+  std::multimap<std::string, std::size_t> tags_of_;  ///< that come in, by topic
   std::vector<std::optional<std::string>> last_;  ///< both: what the two sides know
 };
 }  // namespace

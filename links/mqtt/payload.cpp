@@ -13,8 +13,6 @@ namespace {
 using Json = nlohmann::json;
 using signals::LinkTag;
 
-constexpr std::size_t kLongestMessage = 65536;
-
 std::string shortened(const std::string& text) {
   std::string out = text.substr(0, 40);
   for (char& c : out)

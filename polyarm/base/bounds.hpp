@@ -72,6 +72,16 @@
     "the connection is closed")                                                                               \
   X(kClientBurstBytes, 32 << 20, "bytes", "requests of one client at once", "the connection is closed")       \
   X(kClientNameBytes, 60, "bytes", "the name of a client", "cut")                                             \
+  X(kAccepted, 200, "connections/s", "new connections, after a burst",                                        \
+    "they wait: those that are there go first")                                                               \
+  X(kAcceptBurst, 100, "connections", "new connections at once", "the same")                                  \
+  X(kViewerRequestBytes, 64 << 10, "bytes", "a message of Foxglove and its like",                              \
+    "the connection is closed")                                                                               \
+  X(kViewerBytesASecond, 256 << 10, "bytes", "messages of one of these in a second, after a burst",            \
+    "the connection is closed")                                                                               \
+  X(kViewerBurstBytes, 1 << 20, "bytes", "messages of one of these at once", "the connection is closed")      \
+  X(kAssetBytes, 128 << 20, "bytes", "meshes that these have asked for and not read, of all",                 \
+    "refused with a text")                                                                                    \
   X(kSlowJobs, 64, "jobs", "pictures, meshes and backups that wait to be made", "status 503")                 \
   X(kZipBytes, 64 << 20, "bytes", "a project's zip", "refused: too-large; status 413")                        \
   X(kUploads, 2, "bodies", "bodies that are received at a time", "status 503")                                \
@@ -91,9 +101,18 @@
     "the oldest are left out when it is started again")                                                      \
   X(kDdsMemory, 1 << 30, "bytes", "memory of the process that speaks DDS", "it ends, and is started again")
 
-#define POLYARM_BOUNDS_LINKS(X)                                          \
-  X(kModbusClients, 16, "connections", "connections to a Modbus server", \
-    "the one that was silent for longest is closed")
+#define POLYARM_BOUNDS_LINKS(X)                                                                               \
+  X(kModbusClients, 16, "connections", "connections to a Modbus server",                                      \
+    "the one that was silent for longest is closed")                                                          \
+  X(kLinkMemory, 256 << 20, "bytes", "memory of the process that speaks a link's protocol",                   \
+    "it ends, and is started again")                                                                          \
+  X(kLinkRoundBytes, 4 << 20, "bytes", "texts that are taken or handed over in one round of a link",          \
+    "taken in the next round")                                                                                \
+  X(kLinkRoundValues, 10000, "values", "messages that are taken in one round of a link",                      \
+    "taken in the next round")                                                                                \
+  X(kLinkEvents, 10000, "values", "values of a link that wait for the cell", "the latest of each tag is kept") \
+  X(kLinkRefusals, 10, "values", "refused values of one link that are reported in a second",                  \
+    "counted")
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
   X(kYamlNesting, 64, "levels", "brackets within brackets in YAML", "refused: yaml-syntax")                   \
@@ -115,6 +134,9 @@
   X(kQuotedBytes, 200, "bytes", "a value that a message quotes", "cut, with an ellipsis")                     \
   X(kSuggestedBytes, 100, "bytes", "a name for which the nearest is looked for", "none is suggested")         \
   X(kSuggestedNames, 5000, "names", "names among which it is looked for", "the others are not looked at")     \
+  X(kMeshBytes, 128 << 20, "bytes", "a mesh file", "the link is shown by what it collides with")                \
+  X(kMeshTriangles, 2000000, "triangles", "one mesh", "the link is shown by what it collides with")             \
+  X(kRobotTriangles, 4000000, "triangles", "all meshes of a robot", "the other links are shown by what they collide with") \
   X(kXacroElements, 2000000, "elements", "elements and evaluations of a xacro", "refused")                    \
   X(kXacroNesting, 150, "levels", "macros, includes and texts of a xacro within each other", "refused")       \
   X(kXacroTextBytes, 5000000, "bytes", "one evaluated text of a xacro", "refused")                            \

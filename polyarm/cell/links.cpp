@@ -1,6 +1,8 @@
 #include "polyarm/cell/links.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -36,6 +38,18 @@ data::Value nothing_of(LinkTag::Type type) {
   }
   return false;
 }
+
+/// For each tag of the link the cell's tag of that name; null where there is none.
+std::vector<const signals::Tag*> rules_of(const LinkEntry& entry, const std::vector<signals::Tag>& tags) {
+  std::unordered_map<std::string_view, const signals::Tag*> by_name;
+  for (const signals::Tag& tag : tags) by_name.emplace(tag.name, &tag);
+  std::vector<const signals::Tag*> out;
+  for (const LinkTag& tag : entry.tags) {
+    const auto found = by_name.find(tag.name);
+    out.push_back(found == by_name.end() ? nullptr : found->second);
+  }
+  return out;
+}
 }  // namespace
 
 std::vector<std::filesystem::path> CellLinks::module_folders() {
@@ -62,6 +76,7 @@ CellLinks::CellLinks(const signals::Signals& signals, CellStates& own, data::Dat
       running.link =
           std::make_unique<signals::Link>(entry, signals::load_link_port(entry, module_folders()), options);
       running.sent.resize(entry.tags.size());
+      running.rules = rules_of(entry, tags_);
       running.state = running.link->state();
       links_.push_back(std::move(running));
     });
@@ -163,9 +178,7 @@ void CellLinks::write(const signals::Situation& situation) {
       if (entry.tags[i].direction == Direction::in) continue;
       const data::Value* value = store_.find(entry.tags[i].name);
       if (!value || value->kind() != kind_of(entry.tags[i].type)) continue;
-      const auto tag = std::find_if(tags_.begin(), tags_.end(),
-                                    [&](const signals::Tag& t) { return t.name == entry.tags[i].name; });
-      const data::Value& out = tag == tags_.end() ? *value : tag->output(*value, situation);
+      const data::Value& out = running.rules[i] ? running.rules[i]->output(*value, situation) : *value;
       if (running.sent[i] && *running.sent[i] == out) continue;
       running.sent[i] = out;
       running.link->post(i, out);

@@ -14,11 +14,11 @@ namespace polyarm::cell {
 /// The links of a cell at work: what comes goes into the store, what the store has goes out. Cell thread.
 class CellLinks {
  public:
-  /// Where modules of links are looked for: beside the command and its drivers.
+  /// Where programs and modules of links are looked for: beside the command and its drivers.
   static std::vector<std::filesystem::path> module_folders();
 
   /// Declares the names that only a link has, and fills the states `link/NAME/up` and `link/NAME/losses`.
-  /// `off`: nothing is connected. Problems: modules that there are not, names of another type.
+  /// `off`: nothing is connected. Problems: programs that are not installed, names of another type.
   CellLinks(const signals::Signals& signals, CellStates& own, data::DataStore& store, bool lock_step,
             bool off, Problems& problems);
 
@@ -54,6 +54,7 @@ class CellLinks {
     std::unique_ptr<signals::Link> link;
     signals::LinkState state;
     std::vector<std::optional<data::Value>> sent;  ///< by tag
+    std::vector<const signals::Tag*> rules;        ///< by tag: what goes out in place of its value, or null
     std::size_t up_state = 0, losses_state = 0;
   };
   void declare(const signals::LinkEntry& entry, data::DataStore& store, Problems& problems) const;

@@ -12,6 +12,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
+#include "polyarm/process/confinement.hpp"
 #include "polyarm/ros2/dds_exchange.hpp"
 #include "polyarm/ros2/participant.hpp"
 
@@ -176,6 +177,9 @@ int main(int argc, char** argv) {
   rules.parent = parent;
   rules.most_memory = bounds::kDdsMemory;
   if (!process::become_child(rules)) return 1;
+  const char* profiles = std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+  process::confine({{profiles ? profiles : ""}, {}, {}});
+  process::filter_calls();
   try {
     process::Channel channel{process::Channel::Inherited{}};
     return ros2::DdsProcess(channel).run();

@@ -121,6 +121,8 @@ constexpr int kLooksUntilRead = 50;
 constexpr std::size_t kMostDisplaced = 64;
 /// A writer that never rests must not keep us from writing.
 constexpr int kMostPostponed = 4;
+/// Names for a temporary file that are tried.
+constexpr int kTakenNames = 1000;
 /// A file changed so recently may change again within the same tick of its time stamp.
 constexpr std::int64_t kStampResolution = 50'000'000;
 }  // namespace
@@ -397,8 +399,12 @@ class FileMailbox::Io {
 
   void write() {
     const std::string text = image_.text();
-    const std::string temporary = temporary_path();
+    std::string temporary = temporary_path();
     Descriptor made = written_file(temporary, text);
+    for (int i = 0; !made && errno == EEXIST && i < kTakenNames; ++i) {  // left by a killed run, or planted
+      temporary = temporary_path();
+      made = written_file(temporary, text);
+    }
     if (!made) return complain(unwritable());
     watch_.collect();
     if (watch_.rewritten() && ++postponed_ < kMostPostponed) {  // it would be overwritten before it is merged
@@ -443,8 +449,9 @@ class FileMailbox::Io {
   Descriptor written_file(const std::string& temporary, const std::string& text) const {
     struct stat old {};
     const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
-    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    bool good = static_cast<bool>(file) && ::fchmod(file.number(), mode) == 0;
+    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644));
+    if (!file) return file;  // what has this name is somebody else's
+    bool good = ::fchmod(file.number(), mode) == 0;
     for (std::size_t at = 0; good && at < text.size();) {
       const ssize_t n = ::write(file.number(), text.data() + at, text.size() - at);
       if (n < 0 && errno == EINTR) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/signals/remote_port.hpp"
 
 namespace polyarm::signals {
 
@@ -131,9 +132,11 @@ std::vector<double> given_pose(const LinkTag& tag, const data::Value& value) {
 
 std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
                                          const std::vector<std::filesystem::path>& folders) {
-  const std::string file = "polyarm_link_" + entry.kind + ".so";
+  const std::string program = link_program(entry.kind), file = program + ".so";
   for (const std::filesystem::path& folder : folders) {
     std::error_code ignored;
+    if (std::filesystem::is_regular_file(folder / program, ignored))
+      return std::make_unique<RemotePort>(entry, (folder / program).string());
     if (!std::filesystem::exists(folder / file, ignored)) continue;
     void* const library = ::dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);  // stays open
     if (!library)
@@ -145,7 +148,7 @@ std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
     return std::unique_ptr<LinkPort>(make(entry));
   }
   throw Error(Problem{"no-link-module", entry.where,
-                      "the link '" + entry.name + "' needs " + file + ", which is not built here",
+                      "the link '" + entry.name + "' needs " + program + ", which is not built here",
                       "tools/setup installs what it needs; then build again"});
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 /// Links: tags and values of a cell that go to and come from somewhere else, over a network.
 ///
-/// What a link carries is described by a LinkEntry; what speaks the protocol is a LinkPort, made by the
-/// module of that protocol. Link gives the port a thread of its own, connects again after a loss, and
-/// exchanges values with the cell thread, which never waits.
+/// A LinkEntry describes what a link carries; a LinkPort speaks the protocol, in a process of its own where a
+/// library of others parses what comes (remote_port.hpp). Link gives the port a thread of its own, connects again
+/// after a loss, and exchanges values with the cell thread, which never waits.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -100,6 +100,7 @@ struct LinkEntry {
 
   // MQTT
   std::string client_id, user, password_file, will_topic, will_text;
+  std::string password;  ///< what the file holds, once a port is made
   bool will_retain = true;
   int will_qos = 1;
   bool tls = false;
@@ -128,7 +129,7 @@ struct LinkNews {
   void refuse(std::size_t tag, std::string why) { refused.emplace_back(tag, std::move(why)); }
 };
 
-/// Speaks one protocol with one far side. Called by one thread.
+/// Speaks one protocol with one far side. Called by one thread, but for give_up().
 class LinkPort {
  public:
   virtual ~LinkPort() = default;
@@ -142,12 +143,17 @@ class LinkPort {
                         LinkNews& news) = 0;
   /// Whether exchange() itself waits for what comes.
   virtual bool waits() const { return false; }
+  /// Before the first open(): values that both sides knew before the port was made anew. A server offers them.
+  virtual void remember(const std::vector<LinkValue>&) {}
+  /// Any thread: nobody waits for it any more. A call that waits for the far side may end with an Error.
+  virtual void give_up() noexcept {}
 };
 
-/// What a module of a protocol exports: `extern "C" LinkPort* polyarm_link_1(const LinkEntry&)`.
+/// What makes a port: of `polyarm_link_KIND`, a program (link_process.hpp), or of a module of that name, which
+/// exports it as `extern "C" LinkPort* polyarm_link_1(const LinkEntry&)`.
 using MakeLinkPort = LinkPort* (*)(const LinkEntry&);
-/// Looks for `polyarm_link_<kind>.so` in the folders. Throws Error("no-link-module") that says what to
-/// install.
+/// Looks for `polyarm_link_KIND` in the folders, a program or else a module (.so) that parses nothing of strangers.
+/// Throws Error("no-link-module") that says what to install.
 std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
                                          const std::vector<std::filesystem::path>& folders);
 
@@ -177,7 +183,8 @@ struct LinkOptions {
 class Link {
  public:
   Link(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options = {});
-  /// Hands over what was posted, for as long as the link's timeout, then closes.
+  /// Hands over what was posted, for as long as the link's timeout, then closes. Gives up a connection that is
+  /// being made.
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;

@@ -1,11 +1,14 @@
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/signals/link.hpp"
 
 namespace polyarm::signals {
@@ -13,6 +16,9 @@ namespace polyarm::signals {
 namespace {
 /// A port that waits for news looks for posts this often.
 constexpr Nanoseconds kPatience = 5'000'000;
+constexpr Nanoseconds kSecond = 1'000'000'000;
+/// Losses, refusals and notes that wait for the cell.
+constexpr std::size_t kMostOtherEvents = 100;
 
 Nanoseconds steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -40,19 +46,17 @@ class Link::Io {
   }
 
   ~Io() {
-    if (thread_.joinable()) {
-      {
-        const std::lock_guard lock(mutex_);
-        ending_ = true;
-      }
-      wake_.notify_all();
-      thread_.join();
+    if (!thread_.joinable()) {
+      finish();
+      return;
     }
-    if (open_) {
-      const Nanoseconds until = steady_now() + entry_.timeout;
-      while (open_ && !idle() && steady_now() < until) round(steady_now(), 0);
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
     }
-    port_->close();
+    wake_.notify_all();
+    if (!open_) port_->give_up();
+    thread_.join();
   }
 
   const LinkEntry& entry() const { return entry_; }
@@ -111,6 +115,14 @@ class Link::Io {
       wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanoseconds>(0, next - steady_now())),
                      [this] { return ending_ || (news_ && open_); });
     }
+    finish();
+  }
+
+  /// On the port's thread, with which a process of the port ends.
+  void finish() {
+    const Nanoseconds until = steady_now() + entry_.timeout;
+    while (open_ && !idle() && steady_now() < until) round(steady_now(), 0);
+    port_->close();
   }
 
   void connect(Nanoseconds now) {
@@ -163,8 +175,12 @@ class Link::Io {
       const std::lock_guard lock(mutex_);
       news_ = false;
       known = posted_;
-      for (std::size_t i = 0; i < wanted_.size(); ++i)
-        if (wanted_[i] && given_[i] != posted_[i]) writes.push_back({i, *wanted_[i]});
+      std::size_t bytes = 0;
+      for (std::size_t i = 0; i < wanted_.size() && bytes <= bounds::kLinkRoundBytes; ++i) {
+        if (!wanted_[i] || given_[i] == posted_[i]) continue;
+        writes.push_back({i, *wanted_[i]});
+        if (const std::string* text = wanted_[i]->as_text()) bytes += text->size();
+      }
     }
     LinkNews news;
     const Nanoseconds begun = steady_now();
@@ -189,11 +205,7 @@ class Link::Io {
     for (std::string& note : news.notes)
       events_.push_back({{LinkEvent::Kind::note, 0, {}, std::move(note)}, UINT64_MAX});
     for (const std::size_t tag : news.seen) heard_at_[tag] = now, state_.heard[tag] = 1;
-    for (auto& [tag, why] : news.refused) {
-      if (refusals_[tag] == why) continue;
-      refusals_[tag] = why;
-      events_.push_back({{LinkEvent::Kind::refused, tag, {}, why}, 0});
-    }
+    take_refusals(news, now);
     for (LinkValue& value : news.values) {
       refusals_[value.tag].clear();
       // Told by the far side, so it need not be told again when we connect anew.
@@ -206,14 +218,52 @@ class Link::Io {
       const Nanoseconds limit = entry_.tags[i].stale;
       state_.stale[i] = limit > 0 && (heard_at_[i] < 0 || now - heard_at_[i] > limit);
     }
+    if (events_.size() > bounds::kLinkEvents) leave_out_events();
+  }
+
+  /// Each once; of a far side that sends ever other rubbish only some.
+  void take_refusals(LinkNews& news, Nanoseconds now) {
+    if (now - refusing_since_ >= kSecond) {
+      if (const auto left_out = std::exchange(refusals_left_out_, 0); left_out > 0)
+        events_.push_back({{LinkEvent::Kind::note, 0, {},
+                            std::to_string(left_out) + " more values were not taken than are reported"}, UINT64_MAX});
+      refusing_since_ = now;
+      refusals_told_ = 0;
+    }
+    for (auto& [tag, why] : news.refused) {
+      if (refusals_[tag] == why) continue;
+      if (refusals_told_ == bounds::kLinkRefusals) {
+        ++refusals_left_out_;
+        continue;
+      }
+      ++refusals_told_;
+      refusals_[tag] = why;
+      events_.push_back({{LinkEvent::Kind::refused, tag, {}, why}, 0});
+    }
+  }
+
+  /// The cell does not look: it gets the latest of each tag, and the latest of what else there was.
+  void leave_out_events() {
+    std::vector<std::pair<LinkEvent, std::uint64_t>> kept;
+    std::vector<char> has(entry_.tags.size(), 0);
+    std::size_t others = 0;
+    for (auto each = events_.rbegin(); each != events_.rend(); ++each) {
+      const bool value = each->first.kind == LinkEvent::Kind::value;
+      if (value ? std::exchange(has[each->first.tag], 1) == 0 : ++others <= kMostOtherEvents)
+        kept.push_back(std::move(*each));
+    }
+    events_.assign(std::make_move_iterator(kept.rbegin()), std::make_move_iterator(kept.rend()));
   }
 
   const LinkEntry entry_;
   std::unique_ptr<LinkPort> port_;
   const LinkOptions options_;
   // The port's thread.
-  bool open_ = false, has_been_open_ = false;
+  std::atomic<bool> open_{false};
+  bool has_been_open_ = false;
   Nanoseconds next_try_ = 0, pause_;
+  Nanoseconds refusing_since_ = 0;
+  std::uint64_t refusals_told_ = 0, refusals_left_out_ = 0;
   // Both; under the lock.
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/reach.hpp"
@@ -291,14 +292,23 @@ void read_ros2(const Yaml& node, LinkEntry& out, Problems& problems) {
 /// Two tags in one place would fight.
 void check_places(const LinkEntry& link, Problems& problems) {
   if (link.kind != "modbus") return;
-  for (std::size_t i = 0; i < link.tags.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      const LinkTag &a = link.tags[k], &b = link.tags[i];
-      if (a.area == b.area && a.address < b.address + b.registers() && b.address < a.address + a.registers())
-        problems.error("bad-link", b.where,
-                       "'" + b.name + "' and '" + a.name + "' share an address of '" + link.name + "'",
-                       "a float32 takes two registers, a float64 four, a pose six numbers");
+  std::vector<const LinkTag*> order;
+  for (const LinkTag& tag : link.tags) order.push_back(&tag);
+  std::stable_sort(order.begin(), order.end(), [](const LinkTag* a, const LinkTag* b) {
+    return std::tie(a->area, a->address) < std::tie(b->area, b->address);
+  });
+  const LinkTag* furthest = nullptr;  // of those before, the one that ends last
+  for (const LinkTag* tag : order) {
+    if (furthest && furthest->area == tag->area && tag->address < furthest->address + furthest->registers()) {
+      const auto [a, b] = std::minmax(furthest, tag);  // as they are written
+      problems.error("bad-link", b->where,
+                     "'" + b->name + "' and '" + a->name + "' share an address of '" + link.name + "'",
+                     "a float32 takes two registers, a float64 four, a pose six numbers");
     }
+    if (!furthest || furthest->area != tag->area ||
+        furthest->address + furthest->registers() < tag->address + tag->registers())
+      furthest = tag;
+  }
 }
 
 LinkEntry read_link(const std::string& name, const Yaml& node, const Location& where,

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <nlohmann/json.hpp>
 
@@ -115,6 +116,22 @@ TEST_F(LinkedCell, AProgramThatWaitsIsHeldWhenItsLinkIsLostAndGoesOnWhenAPersonR
   }));
   EXPECT_EQ(state(), RunState::held) << "nothing resumes by itself";
   EXPECT_TRUE(plc_has("Belt", 7)) << "on_hold, told anew to a PLC that had forgotten";
+  ask({{"request", "control.resume"}});
+  EXPECT_TRUE(becomes([&] { return plc_has("Belt", 4); }));
+}
+
+TEST_F(LinkedCell, AProcessOfALinkThatIsKilledIsALossLikeAnyOther) {
+  start_cell(kWaits);
+  ASSERT_TRUE(becomes([&] { return plc_has("Belt", 3); }));
+  const int process = test::link_process_of(::getpid());
+  ASSERT_GT(process, 0) << "the library that parses what the PLC sends is in a process of its own";
+  ASSERT_EQ(::kill(process, SIGKILL), 0);
+  ASSERT_TRUE(test::eventually([&] { return tick(), plc->look(), state() == RunState::held; }));
+  EXPECT_TRUE(says("the link 'plc' is lost: modbus at 127.0.0.1")) << told;
+  EXPECT_TRUE(says("(polyarm_link_modbus) was ended by SIGKILL")) << told;
+  ASSERT_TRUE(becomes([&] { return says("the link 'plc' is there again"); })) << told;
+  EXPECT_EQ(state(), RunState::held) << "nothing resumes by itself";
+  plc->post("Start", true);
   ask({{"request", "control.resume"}});
   EXPECT_TRUE(becomes([&] { return plc_has("Belt", 4); }));
 }

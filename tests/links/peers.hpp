@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -108,6 +110,24 @@ class Peer {
   pid_t pid_ = -1;
   std::FILE *to_ = nullptr, *from_ = nullptr;
 };
+
+/// The process that speaks a link of the process `parent`; 0 where there is none.
+inline int link_process_of(int parent) {
+  const auto text = [](const std::filesystem::path& file) {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+    const int process = std::atoi(entry.path().filename().c_str());
+    if (process <= 0 || !text(entry.path() / "comm").starts_with("polyarm_link_")) continue;
+    const std::string status = text(entry.path() / "status");
+    if (status.find("PPid:\t" + std::to_string(parent) + "\n") != std::string::npos &&
+        status.find("State:\tZ") == std::string::npos)
+      return process;
+  }
+  return 0;
+}
 
 /// The system's Python, for which its packages are.
 inline const char* python() {

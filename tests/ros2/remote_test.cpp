@@ -184,6 +184,7 @@ TEST(RemoteParticipant, TheProcessHasNoRightsAndNoDescriptorsOfOurs) {
   const RemoteParticipant remote(options());
   const int process = remote.process();
   EXPECT_EQ(status_of(process, "NoNewPrivs"), "1");
+  EXPECT_EQ(status_of(process, "Seccomp"), "2") << "its calls are filtered";
   const std::filesystem::path folder = "/proc/" + std::to_string(process) + "/fd";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::error_code error;

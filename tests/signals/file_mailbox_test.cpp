@@ -401,6 +401,20 @@ TEST_F(Mailbox, KeepsWhatItCanOfSeveralValues) {
   EXPECT_EQ(content(), "# why\nName: A\nBool: True\n\nName: B\nBool: True\n");
 }
 
+TEST_F(Mailbox, WritesThroughNoLinkThatSomebodyHasPlanted) {
+  rewrite("Name: Belt\nBool: False\n");
+  const auto victim = folder_ / "victim";
+  write_file_atomically(victim, "as it was");
+  for (int n = 0; n < 20; ++n)
+    std::filesystem::create_symlink(
+        victim, folder_ / (".cycledata.data.tmp" + std::to_string(::getpid()) + "." + std::to_string(n)));
+  FileMailbox mailbox(ImportFile::load(path_), inline_options());
+  mailbox.post("Belt", true);
+  mailbox.step();
+  EXPECT_EQ(content(), "Name: Belt\nBool: True\n");
+  EXPECT_EQ(read_file(victim), "as it was");
+}
+
 TEST_F(Mailbox, LeavesNoTemporaryFiles) {
   rewrite(kTwo);
   {

@@ -77,6 +77,7 @@ class Command {
     if (::write(keyboard_, text.data(), text.size()) < 0) throw std::runtime_error("nobody can type");
   }
   void signal(int number) { ::kill(pid_, number); }
+  pid_t process() const { return pid_; }
   /// Reads until a line contains `text`; false at the end of the output.
   bool wait_for(const std::string& text) { return !line_with(text).empty(); }
   /// That line; empty at the end of the output.

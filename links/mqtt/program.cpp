@@ -1,0 +1,9 @@
+/// polyarm_link_mqtt: what speaks MQTT for a cell's link.
+#include "links/mqtt/port.hpp"
+#include "polyarm/signals/link_process.hpp"
+
+int main(int argc, char** argv) {
+  using namespace polyarm;
+  return signals::serve_link(
+      argc, argv, [](const signals::LinkEntry& entry) { return mqtt::make_client(entry).release(); });
+}
