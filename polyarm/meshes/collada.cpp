@@ -1,14 +1,17 @@
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <string_view>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/meshes/mesh.hpp"
 
 namespace polyarm::meshes {
@@ -21,6 +24,10 @@ using Color = std::array<float, 4>;
 using Map = std::array<std::array<double, 4>, 3>;
 constexpr Map kIdentity{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 constexpr int kDeepest = 64;
+/// An element costs some hundred bytes, a node may be shown by others again and again.
+constexpr std::size_t kMostElements = 1'000'000, kMostNodes = 20'000;
+/// In one list, and read in all.
+constexpr std::size_t kMostInList = 12 * kMostTriangles, kMostNumbers = 8 * kMostInList;
 
 Map operator*(const Map& a, const Map& b) {
   Map out{};
@@ -53,6 +60,9 @@ std::string link(const Element* e, const char* name) {
 class ColladaReader {
  public:
   ColladaReader(const std::string& text, const std::string& name) : name_(name) {
+    check_xml_bounds(text, name, kLargestFile);
+    if (static_cast<std::size_t>(std::count(text.begin(), text.end(), '<')) > kMostElements)
+      refuse("it has more than a million elements");
     if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       refuse("line " + std::to_string(document_.ErrorLineNum()) + " is no XML");
     root_ = document_.FirstChildElement("COLLADA");
@@ -99,7 +109,7 @@ class ColladaReader {
   }
 
   template <class T>
-  std::vector<T> numbers(const Element* e) const {
+  std::vector<T> numbers(const Element* e, std::size_t most = kMostInList) {
     std::vector<T> out;
     std::string_view rest = e && e->GetText() ? e->GetText() : "";
     for (;;) {
@@ -107,6 +117,8 @@ class ColladaReader {
       if (begin == std::string_view::npos) return out;
       rest.remove_prefix(begin);
       if (rest.starts_with('+')) rest.remove_prefix(1);
+      if (out.size() >= most || ++numbers_ > kMostNumbers)
+        refuse("there are too many numbers in line " + std::to_string(e->GetLineNum()));
       T value{};
       const auto [end, wrong] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
       if (wrong != std::errc())
@@ -117,12 +129,12 @@ class ColladaReader {
     }
   }
 
-  Map own_map(const Element& node) const {
+  Map own_map(const Element& node) {
     Map out = kIdentity;
     for (const Element* e = node.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string_view kind = e->Name();
       if (kind != "matrix" && kind != "translate" && kind != "rotate" && kind != "scale") continue;
-      const std::vector<double> v = numbers<double>(e);
+      const std::vector<double> v = numbers<double>(e, 16);
       if (v.size() < (kind == "matrix" ? 12u : kind == "rotate" ? 4u : 3u))
         refuse("<" + std::string(kind) + "> in line " + std::to_string(e->GetLineNum()) + " is too short");
       Map next = kIdentity;
@@ -138,6 +150,7 @@ class ColladaReader {
 
   void add_nodes(const Element& parent, const Map& before, int depth) {
     if (depth > kDeepest) refuse("its nodes are too deep in each other");
+    if (++nodes_ > kMostNodes) refuse("it shows more than 20,000 nodes");
     for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string_view kind = e->Name();
       if (kind == "node") add_nodes(*e, before * own_map(*e), depth + 1);
@@ -160,20 +173,22 @@ class ColladaReader {
   }
 
   struct Source {
-    std::vector<float> values;
+    std::shared_ptr<const std::vector<float>> values;
     std::size_t stride = 3, offset = 0;
     bool there = false;
     std::array<float, 3> at(std::size_t i) const {
-      return {values[i * stride], values[i * stride + 1], values[i * stride + 2]};
+      return {(*values)[i * stride], (*values)[i * stride + 1], (*values)[i * stride + 2]};
     }
-    std::size_t size() const { return stride < 3 ? 0 : (values.size() + stride - 3) / stride; }
+    std::size_t size() const { return stride < 3 ? 0 : (values->size() + stride - 3) / stride; }
   };
 
-  Source source(const std::string& id, std::size_t offset) const {
+  Source source(const std::string& id, std::size_t offset) {
     const Element* e = find(id);
     if (!e) refuse("there is no source '" + id + "'");
     Source out;
-    out.values = numbers<float>(e->FirstChildElement("float_array"));
+    auto& values = floats_[e];  // many faces share one
+    if (!values) values = std::make_shared<const std::vector<float>>(numbers<float>(e->FirstChildElement("float_array")));
+    out.values = values;
     out.offset = offset;
     out.there = true;
     const Element* common = e->FirstChildElement("technique_common");
@@ -273,7 +288,7 @@ class ColladaReader {
   }
 
   /// The diffuse colour of the material that the instance binds to the faces' symbol.
-  void color(const std::string& symbol, const Element* instance, MeshPart& part) const {
+  void color(const std::string& symbol, const Element* instance, MeshPart& part) {
     std::string target = symbol;
     const Element* bind = instance ? instance->FirstChildElement("bind_material") : nullptr;
     const Element* common = bind ? bind->FirstChildElement("technique_common") : nullptr;
@@ -290,8 +305,9 @@ class ColladaReader {
     const Element* diffuse = shading ? shading->FirstChildElement("diffuse") : nullptr;
     const Element* value = diffuse ? diffuse->FirstChildElement("color") : nullptr;
     if (!value) return;
-    const std::vector<float> c = numbers<float>(value);
-    for (std::size_t k = 0; k < 4 && k < c.size(); ++k) part.color[k] = c[k];
+    const std::vector<float> c = numbers<float>(value, 4);
+    for (std::size_t k = 0; k < 4 && k < c.size(); ++k)
+      if (std::isfinite(c[k])) part.color[k] = c[k];
     part.colored = c.size() >= 3;
   }
 
@@ -299,8 +315,9 @@ class ColladaReader {
   tinyxml2::XMLDocument document_;
   const Element* root_ = nullptr;
   std::map<std::string, const Element*> by_id_;
+  std::map<const Element*, std::shared_ptr<const std::vector<float>>> floats_;
   Mesh mesh_;
-  std::size_t triangles_ = 0;
+  std::size_t triangles_ = 0, nodes_ = 0, numbers_ = 0;
 };
 
 }  // namespace

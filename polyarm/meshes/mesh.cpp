@@ -63,7 +63,7 @@ void drop_flat(MeshPart& part) {
     const Triple &a = part.positions[part.triangles[i]], &b = part.positions[part.triangles[i + 1]],
                  &c = part.positions[part.triangles[i + 2]];
     const Triple area = cross(b - a, c - a);
-    if (!(dot(area, area) > 0)) continue;  // nor one with a number that is none
+    if (!(dot(area, area) > 0) || !std::isfinite(dot(area, area))) continue;  // nor one with NaN or infinity
     for (std::size_t k = 0; k < 3; ++k) kept.push_back(part.triangles[i + k]);
   }
   part.triangles = std::move(kept);
@@ -150,7 +150,9 @@ std::string material_files(const fs::path& path, const std::string& obj) {
 
 void tidy(MeshPart& part) {
   drop_flat(part);
-  if (part.normals.size() != part.positions.size()) make_normals(part);
+  const bool good = std::all_of(part.normals.begin(), part.normals.end(),
+                                [](const Triple& n) { return std::isfinite(dot(n, n)); });
+  if (!good || part.normals.size() != part.positions.size()) make_normals(part);
   share_corners(part);
 }
 
@@ -160,10 +162,10 @@ Mesh read_mesh(const fs::path& path) {
     throw Error("no-mesh", "there is no mesh file " + path.string(),
                 "put it there, or name its package's folder in POLYARM_PACKAGES");
   if (fs::file_size(path, error) > kLargestFile)
-    throw Error("large-mesh", "the mesh " + path.string() + " is larger than 256 MB",
+    throw Error("large-mesh", "the mesh " + path.string() + " is larger than " + std::to_string(kLargestFile >> 20) + " MB",
                 "simplify it: what is only looked at needs some thousand triangles");
   const std::string kind = lower(path.extension().string()), name = path.string();
-  const std::string bytes = read_file(path);
+  const std::string bytes = read_file(path, kLargestFile);
   Mesh out;
   if (kind == ".stl")
     out = read_stl(bytes, name);

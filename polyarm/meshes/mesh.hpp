@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/description/robot_model.hpp"
 
 namespace polyarm::meshes {
@@ -21,8 +22,8 @@ struct MeshPart {
 using Mesh = std::vector<MeshPart>;
 
 /// Larger files and meshes are refused.
-inline constexpr std::uintmax_t kLargestFile = 256u << 20;
-inline constexpr std::size_t kMostTriangles = 4'000'000;
+inline constexpr std::uintmax_t kLargestFile = bounds::kMeshBytes;
+inline constexpr std::size_t kMostTriangles = bounds::kMeshTriangles;
 
 /// Reads STL (binary and ASCII), OBJ (with its MTL), and Collada. Any thread. Throws Error("no-mesh" |
 /// "bad-mesh" | "large-mesh" | "unknown-mesh") that names the file and says what to do.

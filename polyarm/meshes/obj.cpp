@@ -23,9 +23,12 @@ std::optional<T> number(std::string_view text) {
   return out;
 }
 
-/// Calls `take` with the words of each line; a line that ends with a backslash goes on.
+constexpr std::size_t kMostInLine = 1 << 20, kMostWords = 100'000;
+
+/// Calls `take` with the words of each line; a line that ends with a backslash goes on. Throws
+/// Error("bad-mesh") for a line that no exporter writes.
 template <class Take>
-void each_line(const std::string& text, Take take) {
+void each_line(const std::string& text, const std::string& name, Take take) {
   std::vector<std::string> words;
   int line = 0;
   for (std::size_t from = 0; from < text.size();) {
@@ -33,6 +36,9 @@ void each_line(const std::string& text, Take take) {
     std::string_view part = trim(std::string_view(text).substr(from, end - from));
     from = end + 1;
     ++line;
+    if (part.size() > kMostInLine || words.size() > kMostWords)
+      throw Error("bad-mesh", "the mesh " + name + ":" + std::to_string(line) + ": the line is too long",
+                  "export it again");
     const bool goes_on = part.ends_with('\\');
     if (goes_on) part.remove_suffix(1);
     for (std::string& word : split_words(part.substr(0, part.find('#')))) words.push_back(std::move(word));
@@ -42,10 +48,10 @@ void each_line(const std::string& text, Take take) {
   }
 }
 
-std::map<std::string, Color> colors_of(const std::string& materials) {
+std::map<std::string, Color> colors_of(const std::string& materials, const std::string& name) {
   std::map<std::string, Color> out;
   Color* color = nullptr;
-  each_line(materials, [&](const std::vector<std::string>& words, int) {
+  each_line(materials, name, [&](const std::vector<std::string>& words, int) {
     if (words[0] == "newmtl" && words.size() > 1) {
       color = &out[words[1]];
       *color = {0.8f, 0.8f, 0.8f, 1};
@@ -66,10 +72,10 @@ class ObjReader {
       : name_(name), colors_(std::move(colors)) {}
 
   Mesh read(const std::string& text) {
-    each_line(text, [this](const std::vector<std::string>& words, int line) {
+    each_line(text, name_, [this](const std::vector<std::string>& words, int line) {
       line_ = line;
-      if (words[0] == "v") positions_.push_back(triple(words));
-      if (words[0] == "vn") normals_.push_back(triple(words));
+      if (words[0] == "v") add(positions_, words);
+      if (words[0] == "vn") add(normals_, words);
       if (words[0] == "usemtl") material_ = words.size() > 1 ? words[1] : "";
       if (words[0] == "f") face(words);
     });
@@ -90,6 +96,11 @@ class ObjReader {
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error("bad-mesh", "the mesh " + name_ + ":" + std::to_string(line_) + ": " + what,
                 "export it again");
+  }
+
+  void add(std::vector<std::array<float, 3>>& to, const std::vector<std::string>& words) const {
+    if (to.size() >= 3 * kMostTriangles) refuse("it has too many corners");
+    to.push_back(triple(words));
   }
 
   std::array<float, 3> triple(const std::vector<std::string>& words) const {
@@ -142,7 +153,7 @@ class ObjReader {
 }  // namespace
 
 Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials) {
-  return ObjReader(name, colors_of(materials)).read(text);
+  return ObjReader(name, colors_of(materials, name)).read(text);
 }
 
 }  // namespace polyarm::meshes

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/meshes/glb_writer.hpp"
 
@@ -46,14 +45,32 @@ void place(Mesh& mesh, const Shape& shape) {
   }
 }
 
-Mesh mesh_of(const Link& link) {
+std::size_t triangles_of(const Mesh& mesh) {
+  std::size_t out = 0;
+  for (const MeshPart& part : mesh) out += part.triangles.size() / 3;
+  return out;
+}
+
+/// `left`: triangles that the robot may still have.
+Mesh mesh_of(const Link& link, std::size_t& left) {
   Mesh out;
   for (const Shape& shape : link.visuals) {
     if (shape.kind != ShapeKind::mesh) continue;
     if (shape.mesh_path.empty())
       throw Error("no-mesh", "the mesh " + shape.mesh + " was not found",
                   "name its package's folder in POLYARM_PACKAGES");
+    const auto large = [] {
+      return Error("large-mesh", "the meshes of this robot have too many triangles together",
+                   "simplify them: what is only looked at needs some thousand triangles");
+    };
+    if (left == 0) throw large();  // without reading on
     Mesh mesh = read_mesh(shape.mesh_path);
+    const std::size_t triangles = triangles_of(mesh);
+    if (triangles > left) {
+      left = 0;
+      throw large();
+    }
+    left -= triangles;
     place(mesh, shape);
     for (MeshPart& part : mesh) out.push_back(std::move(part));
   }
@@ -71,13 +88,13 @@ Mesh collision_mesh_of(const Link& link) {
   return out;
 }
 
-RobotMeshes convert(const RobotModel& model) {
+RobotMeshes convert(const RobotModel& model, std::size_t left) {
   RobotMeshes out;
   std::vector<GlbNode> nodes;
   for (const Link& link : model.links) {
     if (!has_mesh(link)) continue;
     try {
-      nodes.push_back({link.name, mesh_of(link)});
+      nodes.push_back({link.name, mesh_of(link, left)});
     } catch (const Error& e) {
       Problem problem = e.problems().front();
       problem.what = "the link '" + link.name + "' is shown by what it collides with: " + problem.what;
@@ -98,7 +115,6 @@ void keep(const std::string& glb, const fs::path& path) {
     if (entry.path().extension() == ".glb") there.emplace(entry.last_write_time(error), entry.path());
   for (; there.size() >= kMostCached; there.erase(there.begin())) fs::remove(there.begin()->second, error);
   Problems ignored;  // without a cache it is made again the next time
-  const AsUser user;
   collect(ignored, [&] { write_file_atomically(path, glb); });
 }
 
@@ -130,7 +146,7 @@ std::string mesh_hash(const RobotModel& model) {
   return fmt::format("{:016x}", h);
 }
 
-RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache) {
+RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache, std::size_t most_triangles) {
   const std::string hash = mesh_hash(model);
   if (hash.empty()) return {};
   const fs::path path = cache / (hash + ".glb");
@@ -138,13 +154,10 @@ RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache) {
   if (!cache.empty() && fs::is_regular_file(path, error)) {
     RobotMeshes kept;
     Problems ignored;
-    collect(ignored, [&] {
-      const AsUser user;
-      kept.glb = read_file(path);
-    });
+    collect(ignored, [&] { kept.glb = read_file(path); });
     if (kept.glb.starts_with("glTF")) return kept;
   }
-  RobotMeshes out = convert(model);
+  RobotMeshes out = convert(model, most_triangles);
   if (!cache.empty() && out.warnings.empty()) keep(out.glb, path);
   return out;
 }

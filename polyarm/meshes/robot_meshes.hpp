@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/robot_model.hpp"
 
@@ -26,6 +27,8 @@ std::string mesh_hash(const description::RobotModel& model);
 
 /// Converts what the links look like, or takes it from `cache`, where it lies under its hash until the files
 /// change. An empty path: no cache. Takes its time and reads the disk: any thread but those of a cell.
-RobotMeshes robot_meshes(const description::RobotModel& model, const std::filesystem::path& cache);
+/// `most_triangles`: of all meshes; links beyond it are shown by what they collide with.
+RobotMeshes robot_meshes(const description::RobotModel& model, const std::filesystem::path& cache,
+                         std::size_t most_triangles = bounds::kRobotTriangles);
 
 }  // namespace polyarm::meshes

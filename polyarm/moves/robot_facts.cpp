@@ -36,8 +36,9 @@ void check_joints(const RobotFacts& robot, std::span<const double> joints, const
     const double lower = robot.chain.lower()[j], upper = robot.chain.upper()[j];
     if (joints[j] >= lower - 1e-9 && joints[j] <= upper + 1e-9) continue;
     throw Error("limit",
-                fmt::format("{} puts {} at {:.4f}, its limits are {:.4f} to {:.4f}", what,
-                            robot.model->joint_names()[j], joints[j], lower, upper),
+                fmt::format("{} puts {} at {}, its limits are {:.4f} to {:.4f}", what, robot.model->joint_names()[j],
+                            std::abs(joints[j]) < 1e6 ? fmt::format("{:.4f}", joints[j]) : fmt::format("{:g}", joints[j]),
+                            lower, upper),
                 std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians"
                                         : "choose a value inside");
   }

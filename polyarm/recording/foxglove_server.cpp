@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::recording {
@@ -185,6 +186,7 @@ std::size_t FoxgloveServer::clients() const {
 void FoxgloveServer::leave(FoxgloveClient* client) {
   const std::lock_guard lock(mutex_);
   clients_.erase(client);
+  for (const auto& each : client->waiting_) asset_bytes_ -= each.asset;
 }
 
 FoxgloveClient::~FoxgloveClient() {
@@ -230,6 +232,7 @@ std::optional<FoxgloveClient::Out> FoxgloveClient::next() {
   if (waiting_.empty()) return std::nullopt;
   Out out = std::move(waiting_.front().out);
   waiting_bytes_ -= out.body->size();
+  server_.asset_bytes_ -= waiting_.front().asset;
   waiting_.pop_front();
   return out;
 }
@@ -365,8 +368,12 @@ void FoxgloveClient::fetch_asset(const Json& message) {
   });
 }
 
-void FoxgloveClient::send_asset(std::uint32_t request, const Asset& asset) {
+void FoxgloveClient::send_asset(std::uint32_t request, const Asset& given) {
   if (waiting_bytes_ >= kMostWaiting) return;  // it does not read
+  const std::size_t bytes = given.data ? given.data->size() : 0;
+  const bool room = server_.asset_bytes_ + bytes <= bounds::kAssetBytes;
+  const Asset none{std::nullopt, "too much waits for those who watch: ask again"};
+  const Asset& asset = room ? given : none;
   std::string body(1, kFetchAssetResponse);
   put_number(body, request);
   put_number(body, static_cast<std::uint8_t>(asset.data ? 0 : 1));
@@ -375,6 +382,7 @@ void FoxgloveClient::send_asset(std::uint32_t request, const Asset& asset) {
   body += problem;
   if (asset.data) body += *asset.data;
   put(kNone, std::move(body));
+  if (asset.data) server_.asset_bytes_ += waiting_.back().asset = bytes;
 }
 
 }  // namespace polyarm::recording

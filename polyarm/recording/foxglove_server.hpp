@@ -92,6 +92,7 @@ class FoxgloveServer {
   AssetSource assets_;
   std::function<void()> wake_;
   std::set<FoxgloveClient*> clients_;
+  std::size_t asset_bytes_ = 0;  ///< that wait for all of them
 };
 
 /// One who watches. What waits for it is bounded: where it reads too little, a newer message of a channel
@@ -126,6 +127,7 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   struct Waiting {
     std::int64_t subscription = kNone;  ///< as the client calls it
     Out out;
+    std::size_t asset = 0;  ///< bytes of an asset in it
   };
   explicit FoxgloveClient(FoxgloveServer& server) : server_(server) {}
   void dispatch(const Json& message);

@@ -44,8 +44,8 @@ constexpr std::size_t kMostAnnounced = 64 << 20, kMostHead = bounds::kHeadBytes,
 /// So much the system may keep of what a WebSocket was sent: more would be old by the time it is read.
 constexpr int kSendBuffer = 128 << 10;
 constexpr double kFarewell_s = 0.5;
-/// After there was no descriptor for who came, nobody is accepted for so long.
-constexpr double kShortage_s = 0.1;
+/// After there was no descriptor for who came, nobody is accepted for so long; after too many, for so long.
+constexpr double kShortage_s = 0.1, kCrowd_s = 0.02;
 
 std::chrono::nanoseconds duration(double seconds) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
@@ -155,7 +155,8 @@ class Port::Work {
   }
 
   void accept();
-  void rest_from_accepting();
+  bool may_accept();
+  void rest_from_accepting(double seconds);
   void make_room_for_strangers();
   void say_goodbye();
 
@@ -165,6 +166,7 @@ class Port::Work {
   std::unique_ptr<net::steady_timer> rest_;
   std::uint16_t acceptor_number_ = 0;
   std::atomic<bool> woken_{false};
+  double may_come_ = bounds::kAcceptBurst, accepted_at_ = 0;
   bool over_ = false;
   std::unique_ptr<net::steady_timer> farewell_;
   std::thread thread_;
@@ -482,7 +484,7 @@ void Port::Work::accept() {
     if (failed && SpareDescriptor::is_shortage(failed.value())) {
       ++refused;
       spare_.turn_away(acceptor_.native_handle());
-      return rest_from_accepting();
+      return rest_from_accepting(kShortage_s);
     }
     if (!failed) {
       ++connections;
@@ -491,13 +493,22 @@ void Port::Work::accept() {
       strangers_.push_back(came.get());
       came->begin();
     }
+    if (!may_accept()) return rest_from_accepting(kCrowd_s);
     accept();
   });
 }
 
-/// Nobody can be accepted now: to try again at once would do nothing else.
-void Port::Work::rest_from_accepting() {
-  rest_ = std::make_unique<net::steady_timer>(context, duration(kShortage_s));
+/// A handshake costs a millisecond of the thread that reads everybody's stops: newcomers wait for their turn.
+bool Port::Work::may_accept() {
+  const double now = steady_now(), passed = accepted_at_ > 0 ? now - accepted_at_ : 0;
+  accepted_at_ = now;
+  may_come_ = std::min<double>(bounds::kAcceptBurst, may_come_ + passed * bounds::kAccepted) - 1;
+  return may_come_ >= 0;
+}
+
+/// Nobody is accepted for a moment: there was no descriptor, or too many came.
+void Port::Work::rest_from_accepting(double seconds) {
+  rest_ = std::make_unique<net::steady_timer>(context, duration(seconds));
   rest_->async_wait([this](Failure) {
     if (!over_) accept();
   });

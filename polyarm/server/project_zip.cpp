@@ -151,6 +151,11 @@ void require_plain(zip_t* zip, zip_uint64_t index, const std::string& name) {
     throw Error("bad-zip", "'" + name + "' of the zip is no ordinary file", "pack files and folders alone");
   if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) && stat.encryption_method != ZIP_EM_NONE)
     throw Error("bad-zip", "'" + name + "' of the zip is encrypted", "pack the project without a password");
+  // What other libraries would unpack is left to them: zlib's format is what every program writes.
+  if (!(stat.valid & ZIP_STAT_COMP_METHOD) ||
+      (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE))
+    throw Error("bad-zip", "'" + name + "' of the zip is packed in another way than zip programs do by default",
+                "pack it again, by Deflate or without compression");
   if ((stat.valid & ZIP_STAT_SIZE) && stat.size > kMostUnzipped)
     throw Error("bad-zip", "the zip has more than 256 MB in it");
 }

@@ -358,6 +358,7 @@ class Sessions::Work {
       asked.robot = (robot.empty() ? "" : robot + "=") + request["model"].get<std::string>();
     }
     asked.cell = request.value("folder", "");
+    require_within_reach(asked);
     if (cell_)
       cell_->ask_restart(std::move(asked));
     else
@@ -367,10 +368,16 @@ class Sessions::Work {
 
   /// The cell's own request, while there is none: it has failed, or could not be built.
   Json restart(const Json& request) {
-    wish = {request.value("robot", ""), request.value("hardware", ""), request.value("program", ""),
-            request.value("cell", "")};
-    if (request.contains("real")) wish->real = request["real"].get<bool>();
+    cell::RestartWish asked{request.value("robot", ""), request.value("hardware", ""),
+                            request.value("program", ""), request.value("cell", "")};
+    if (request.contains("real")) asked.real = request["real"].get<bool>();
+    require_within_reach(asked);
+    wish = std::move(asked);
     return {{"asked", "restart"}};
+  }
+
+  void require_within_reach(const cell::RestartWish& asked) const {
+    cell::require_within_reach(asked, cell_ ? cell_->file().folder : std::filesystem::path());
   }
 
   Json who(std::uint64_t client) const {

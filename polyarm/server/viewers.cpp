@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/recording/live_view.hpp"
 
@@ -17,9 +18,14 @@ class ViewerStream : public Stream {
   explicit ViewerStream(std::shared_ptr<recording::FoxgloveClient> client) : client_(std::move(client)) {}
 
   const char* take(std::string message, bool binary, double now) override {
-    allowance_ = std::min(kBurst, allowance_ + (seen_ > 0 ? (now - seen_) * kASecond : 0));
+    const double passed = seen_ > 0 ? now - seen_ : 0;
+    allowance_ = std::min(kBurst, allowance_ + passed * kASecond);
+    bytes_ = std::min<double>(bounds::kViewerBurstBytes, bytes_ + passed * bounds::kViewerBytesASecond);
+    bytes_ -= static_cast<double>(message.size());
     seen_ = now;
-    if (--allowance_ < 0) return "too many messages a second";
+    // Messages are parsed on the thread that reads everybody's stops.
+    if (message.size() > bounds::kViewerRequestBytes) return "the message is too long";
+    if (--allowance_ < 0 || bytes_ < 0) return "too many messages a second";
     if (binary)
       client_->take_binary(message);
     else
@@ -37,7 +43,7 @@ class ViewerStream : public Stream {
  private:
   static constexpr double kASecond = 200, kBurst = 2000;
   std::shared_ptr<recording::FoxgloveClient> client_;
-  double allowance_ = kBurst, seen_ = 0;
+  double allowance_ = kBurst, bytes_ = bounds::kViewerBurstBytes, seen_ = 0;
   std::atomic<bool> gone_{false};
 };
 

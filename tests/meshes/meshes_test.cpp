@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -208,6 +209,89 @@ TEST(Meshes, WhatIsBrokenIsRefusedWithASentence) {
   EXPECT_NE(why([&] { read_mesh(folder.write("a.step", "x")); }).find("neither STL"), std::string::npos);
 }
 
+/// Small files that cost a reader much; each would keep it for hours, or take gigabytes.
+TEST(Meshes, FilesThatUnfoldAreRefused) {
+  const auto why = [](auto read) {
+    try {
+      read();
+      return std::string("it was taken");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  std::string face = "v 0 0 0\nf";
+  for (int i = 0; i < 600'000; ++i) face += " 1";
+  EXPECT_NE(why([&] { read_obj(face, "a.obj"); }).find("the line is too long"), std::string::npos);
+  std::string continued = "v 0 0 0\nf";
+  for (int i = 0; i < 300'000; ++i) continued += i % 1000 == 0 ? " 1 \\\n" : " 1";
+  EXPECT_NE(why([&] { read_obj(continued, "a.obj"); }).find("the line is too long"), std::string::npos);
+  // Each node shows the one before it twice.
+  std::string nodes = "<COLLADA><library_nodes><node id='n0'/>";
+  for (int i = 1; i < 60; ++i) {
+    const std::string before = "<instance_node url='#n" + std::to_string(i - 1) + "'/>";
+    nodes += "<node id='n" + std::to_string(i) + "'>" + before + before + "</node>";
+  }
+  nodes += "</library_nodes><library_visual_scenes><visual_scene><instance_node url='#n59'/></visual_scene>"
+           "</library_visual_scenes></COLLADA>";
+  EXPECT_NE(why([&] { read_collada(nodes, "a.dae"); }).find("20,000 nodes"), std::string::npos);
+  std::string elements = "<COLLADA>";
+  for (int i = 0; i < 1'000'001; ++i) elements += "<a/>";
+  EXPECT_NE(why([&] { read_collada(elements + "</COLLADA>", "a.dae"); }).find("a million elements"), std::string::npos);
+  std::string attributes = "<COLLADA ";
+  for (int i = 0; i < 1000; ++i) attributes += "a" + std::to_string(i) + "='' ";
+  EXPECT_NE(why([&] { read_collada(attributes + "/>", "a.dae"); }).find("attributes"), std::string::npos);
+  std::string matrix = "<COLLADA><library_visual_scenes><visual_scene><node><matrix>";
+  for (int i = 0; i < 100; ++i) matrix += "1 ";
+  matrix += "</matrix></node></visual_scene></library_visual_scenes></COLLADA>";
+  EXPECT_NE(why([&] { read_collada(matrix, "a.dae"); }).find("too many numbers"), std::string::npos);
+}
+
+TEST(Meshes, ManyFacesOfOneSourceReadItOnce) {
+  const Cube cube;
+  std::string text = cube.collada();
+  // 10,000 groups of faces share a source of 100,000 numbers: read each time that is a thousand million.
+  const std::size_t at = text.find("<float_array count=\"24\">") + 24;
+  std::string more;
+  for (int i = 0; i < 100'000; ++i) more += "0 ";
+  text.insert(text.find("</float_array>", at), more);
+  const std::size_t begin = text.find("<triangles"), end = text.find("</mesh>");
+  const std::string group = "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 2 1</p></triangles>";
+  std::string groups;
+  for (int i = 0; i < 10'000; ++i) groups += group;
+  text.replace(begin, end - begin, groups);
+  EXPECT_EQ(triangles(read_collada(text, "a.dae")), 10'000u);
+}
+
+TEST(Meshes, WhatIsNotFiniteIsLeftOut) {
+  const Cube cube;
+  for (const float bad : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    std::string bytes = cube.binary_stl();
+    std::memcpy(bytes.data() + 84 + 12, &bad, 4);
+    Folder folder;
+    const Mesh mesh = read_mesh(folder.write("a.stl", bytes));
+    EXPECT_EQ(triangles(mesh), 11u);
+    for (const MeshPart& part : mesh)
+      for (const auto& p : part.positions)
+        for (const float c : p) EXPECT_TRUE(std::isfinite(c));
+  }
+  std::string text = cube.obj();
+  for (std::size_t at = 0; (at = text.find("usemtl", at)) != std::string::npos; ++at)
+    text.insert(at, "vn nan 0 0\r\n"), at += 20;
+  for (std::size_t at = 0; (at = text.find("f -", at)) != std::string::npos; at += 3) {
+    std::string line = text.substr(at, text.find("\r\n", at) - at), with;
+    for (std::size_t k = 0; k < line.size(); ++k)
+      with += (line[k] == ' ' && k > 2) || k + 1 == line.size() ? (line[k] == ' ' ? "//1 " : line.substr(k) + "//1")
+                                                                : line.substr(k, 1);
+    text.replace(at, line.size(), with);
+  }
+  Mesh mesh = read_obj(text, "a.obj");
+  for (MeshPart& part : mesh) {
+    tidy(part);
+    for (const auto& n : part.normals)
+      for (const float c : n) EXPECT_TRUE(std::isfinite(c));
+  }
+}
+
 TEST(Meshes, NoFileBreaksAReader) {
   const Cube cube;
   std::mt19937_64 draw(5);
@@ -342,6 +426,16 @@ TEST(RobotMeshes, ABrokenMeshIsAWarningAndTheOthersAreShown) {
   const Json names = read_glb(made.glb).json["nodes"];
   ASSERT_EQ(names.size(), 2u);
   EXPECT_EQ(names[0]["name"], "base_link") << "by the box that it collides with";
+}
+
+TEST(RobotMeshes, LinksBeyondTheTrianglesOfARobotAreShownByWhatTheyCollideWith) {
+  Folder folder;
+  const auto model = robot(folder.write("base.stl", Cube().binary_stl()), folder.write("arm.obj", Cube().obj()));
+  EXPECT_TRUE(robot_meshes(model, {}, 24).warnings.empty());
+  const auto made = robot_meshes(model, {}, 20);
+  ASSERT_EQ(made.warnings.size(), 1u);
+  EXPECT_NE(made.warnings[0].what.find("arm_link"), std::string::npos);
+  EXPECT_NE(made.warnings[0].what.find("too many triangles together"), std::string::npos);
 }
 
 TEST(RobotMeshes, AreMadeOnceAndAnewWhenAFileChanges) {

@@ -184,6 +184,40 @@ TEST(FoxgloveServer, AnAssetComesWithItsRequestsNumberOrWithAReason) {
   EXPECT_EQ(woken, 2);
 }
 
+TEST(FoxgloveServer, AssetsOfAllWhoDoNotReadAreBoundedTogether) {
+  Bench bench;
+  const std::string large(60 << 20, 'x');
+  bench.server.set_assets([&](const std::string&, const std::function<void(Asset)>& reply) {
+    reply(Asset{large, ""});
+  });
+  std::vector<std::shared_ptr<FoxgloveClient>> watchers = {bench.client, bench.server.connect(),
+                                                           bench.server.connect()};
+  for (const auto& each : watchers) {
+    while (each->next()) {
+    }
+    each->take_text(R"({"op":"fetchAsset","uri":"a","requestId":1})");
+  }
+  const auto answer = [](FoxgloveClient& client) {
+    const auto out = client.next();
+    return out ? out->body->size() : 0;
+  };
+  EXPECT_GT(answer(*watchers[0]), large.size());
+  EXPECT_GT(answer(*watchers[1]), large.size());
+  EXPECT_LT(answer(*watchers[2]), 200u) << "told to ask again";
+  watchers[2]->take_text(R"({"op":"fetchAsset","uri":"a","requestId":2})");
+  EXPECT_GT(answer(*watchers[2]), large.size()) << "the others have read theirs";
+  // Who leaves takes along what waits for it.
+  for (int i = 0; i < 5; ++i) {
+    auto leaving = bench.server.connect();
+    ASSERT_TRUE(leaving);
+    while (leaving->next()) {
+    }
+    leaving->take_text(R"({"op":"fetchAsset","uri":"a","requestId":1})");
+  }
+  bench.client->take_text(R"({"op":"fetchAsset","uri":"a","requestId":3})");
+  EXPECT_GT(answer(*bench.client), large.size());
+}
+
 TEST(FoxgloveServer, AnAssetThatComesAfterItsClientHasGoneGoesNowhere) {
   std::function<void(Asset)> later;
   Bench bench;

@@ -103,6 +103,21 @@ TEST_F(ProjectZipTest, NamesThatLookLikeOthersAreNoneOfAProject) {
   }
 }
 
+TEST_F(ProjectZipTest, OnlyWhatZlibUnpacksIsUnpacked) {
+  std::string zip = zip_of(project());
+  // The central directory and the file itself say bzip2, which another library would unpack.
+  for (const auto& [mark, at] : {std::pair{std::string("PK\1\2"), 10}, {std::string("PK\3\4"), 8}})
+    for (std::size_t found = 0; (found = zip.find(mark, found)) != std::string::npos; found += 4)
+      if (zip[found + static_cast<std::size_t>(at)] == 8) zip[found + static_cast<std::size_t>(at)] = 12;
+  try {
+    unzip_into(zip, folder.path() / "back");
+    FAIL() << "it was unpacked";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("by Deflate"), std::string::npos) << e.what();
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "back"));
+}
+
 TEST_F(ProjectZipTest, AFileThatStandsTwiceIsRefused) {
   write_file_atomically(project() / "sub" / "b.script", "x");
   std::string zip = zip_of(project());

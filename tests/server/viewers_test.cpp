@@ -7,8 +7,10 @@
 #include <chrono>
 #include <thread>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/server/gate.hpp"
 #include "polyarm/server/pendant.hpp"
+#include "polyarm/server/stream.hpp"
 #include "tests/support/lock_step_cell.hpp"
 #include "tests/support/node_peers.hpp"
 #include "tests/support/web_peer.hpp"
@@ -86,6 +88,25 @@ class ViewersTest : public ::testing::Test {
   std::unique_ptr<test::LockStepCell> cell;
   std::unique_ptr<Pendant> pendant;
 };
+
+/// Their messages are parsed on the thread that reads everybody's stops.
+TEST(ViewerBounds, LongMessagesAndManyBytesEndTheConnection) {
+  Viewers viewers("1.0");
+  const std::string small = R"({"op":"getParameters","parameterNames":[]})";
+  const auto one = viewers.welcome();
+  EXPECT_EQ(one->take(small, false, 1), nullptr);
+  EXPECT_STREQ(one->take(std::string(bounds::kViewerRequestBytes + 1, ' '), false, 1), "the message is too long");
+  const auto other = viewers.welcome();
+  const std::string large(bounds::kViewerRequestBytes, ' ');
+  std::size_t taken = 0;
+  while (taken < 1000 && other->take(large, false, 1) == nullptr) ++taken;
+  EXPECT_EQ(taken, bounds::kViewerBurstBytes / bounds::kViewerRequestBytes);
+  const auto steady = viewers.welcome();
+  for (int i = 0; i < 200; ++i)
+    ASSERT_EQ(steady->take(large, false, 1 + i * static_cast<double>(bounds::kViewerRequestBytes) /
+                                                 bounds::kViewerBytesASecond),
+              nullptr);
+}
 
 TEST_F(ViewersTest, AreToldWhatTheCellSays) {
   WebPeer peer(pendant->port());
