@@ -39,6 +39,8 @@ std::string own_path() {
 /// Where the cell's output goes: beside its other files of a run, else into a file without a name.
 int open_log(const fs::path& log) {
   std::error_code error;
+  const auto nowhere = [] { return ::open("/dev/null", O_WRONLY | O_CLOEXEC); };
+  if (fs::is_symlink(log.parent_path(), error)) return nowhere();  // the cell that starts says so
   fs::create_directories(log.parent_path(), error);
   const fs::path ignore = log.parent_path() / ".gitignore";
   try {
@@ -46,7 +48,7 @@ int open_log(const fs::path& log) {
   } catch (const Error&) {
   }
   const int fd = ::open(log.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
-  return fd >= 0 ? fd : ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  return fd >= 0 ? fd : nowhere();
 }
 
 /// In the child: everything but the memory is its own. It hears nothing of the terminal's Ctrl-C.

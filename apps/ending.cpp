@@ -46,6 +46,17 @@ void catch_signal(int number, void (*handler)(int)) {
   ::sigaction(number, &action, nullptr);
 }
 
+/// Of those that nobody has said more about: whoever sends one means an end, which is on the path. Faults of the
+/// process itself end it, since nothing is known of it any more.
+bool would_end_the_process(int number) {
+  for (const int other : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE, SIGXFSZ,             // caught above, or ignored
+                          SIGCHLD, SIGURG, SIGWINCH, SIGCONT,                             // end nothing
+                          SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGKILL,                    // suspend, or cannot be caught
+                          SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS})              // faults
+    if (number == other) return false;
+  return true;
+}
+
 /// Nothing real moves, so nothing is lost when a build, a check or a plugin does not listen.
 void end_in_time() {
   constexpr auto kOnThePath = std::chrono::milliseconds(500), kAtOnce = std::chrono::milliseconds(350);
@@ -70,8 +81,8 @@ void stop_on_signals(bool wall_clock) {
   struct sigaction before {};
   ::sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) catch_signal(SIGHUP, on_loss);
-  for (const int number : {SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR})
-    catch_signal(number, on_loss);
+  for (int number = 1; number <= SIGRTMAX; ++number)
+    if (would_end_the_process(number)) catch_signal(number, on_loss);
   for (const int number : {SIGPIPE, SIGXFSZ}) catch_signal(number, SIG_IGN);
   if (wall_clock) {
     catch_signal(SIGTSTP, on_suspend);

@@ -51,25 +51,13 @@ fs::path project_root(const fs::path& cell_folder) {
   return root;
 }
 
-void Reach::confine() {
-  const std::lock_guard lock(mutex_);
-  confined_ = true;
-}
-
-void Reach::enter(const fs::path& cell_folder) {
-  if (AsUser::active()) return;
-  const fs::path root = project_root(cell_folder);
-  const std::lock_guard lock(mutex_);
-  add(cells_, root);
-}
-
-void Reach::allow(const fs::path& path) {
+void ReachGrant::allow(const fs::path& path) {
   const fs::path real = resolved(path);
   const std::lock_guard lock(mutex_);
   add(allowed_, real);
 }
 
-void Reach::allow_reading(const fs::path& folder) {
+void ReachGrant::allow_reading(const fs::path& folder) {
   if (folder.empty()) return;
   const fs::path named = plain(folder), real = resolved(folder);
   const std::lock_guard lock(mutex_);
@@ -77,43 +65,103 @@ void Reach::allow_reading(const fs::path& folder) {
   add(readable_, real);
 }
 
-void Reach::allow_host(const std::string& host) {
+void ReachGrant::allow_host(const std::string& host) {
   const std::lock_guard lock(mutex_);
   hosts_.insert(host);
 }
 
-bool Reach::host_allowed(const std::string& host) const {
-  if (is_loopback(host)) return true;
-  const std::lock_guard lock(mutex_);
-  return !confined_ || hosts_.contains(host) || hosts_.contains("all");
-}
-
-void Reach::allow_secret(const std::string& name) {
+void ReachGrant::allow_secret(const std::string& name) {
   const std::lock_guard lock(mutex_);
   secrets_.insert(name);
 }
 
-bool Reach::secret_allowed(const std::string& name) const {
+bool ReachGrant::has_path(const fs::path& path, const fs::path& real, bool writes) const {
   const std::lock_guard lock(mutex_);
-  return !confined_ || secrets_.contains(name);
+  if ((!cell_.empty() && inside(real, cell_)) || inside_any(real, allowed_)) return true;
+  return !writes && (inside_any(real, readable_) || inside_any(plain(path), readable_));
+}
+
+bool ReachGrant::has_host(const std::string& host) const {
+  const std::lock_guard lock(mutex_);
+  return hosts_.contains(host) || hosts_.contains("all");
+}
+
+bool ReachGrant::has_secret(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return secrets_.contains(name);
+}
+
+fs::path ReachGrant::cell() const {
+  const std::lock_guard lock(mutex_);
+  return cell_;
+}
+
+void Reach::confine() {
+  const std::lock_guard lock(mutex_);
+  confined_ = true;
+}
+
+std::shared_ptr<ReachGrant> Reach::open_cell(const fs::path& cell_folder) {
+  if (AsUser::active()) return std::make_shared<ReachGrant>();
+  const fs::path root = project_root(cell_folder);
+  auto out = grant();
+  {
+    const std::lock_guard lock(out->mutex_);
+    out->cell_ = root;
+  }
+  const std::lock_guard lock(mutex_);
+  any_cell_ = true;
+  return out;
+}
+
+std::shared_ptr<ReachGrant> Reach::grant() {
+  auto out = std::make_shared<ReachGrant>();
+  const std::lock_guard lock(mutex_);
+  std::erase_if(open_, [](const auto& each) { return each.expired(); });
+  open_.push_back(out);
+  return out;
+}
+
+std::vector<std::shared_ptr<const ReachGrant>> Reach::open() const {
+  std::vector<std::shared_ptr<const ReachGrant>> out;
+  const std::lock_guard lock(mutex_);
+  for (const auto& each : open_)
+    if (auto grant = each.lock()) out.push_back(std::move(grant));
+  return out;
+}
+
+bool Reach::host_allowed(const std::string& host, const ReachGrant* grant) const {
+  if (is_loopback(host) || all_.has_host(host) || (grant && grant->has_host(host))) return true;
+  const std::lock_guard lock(mutex_);
+  return !confined_;
+}
+
+bool Reach::secret_allowed(const std::string& name, const ReachGrant* grant) const {
+  if (all_.has_secret(name) || (grant && grant->has_secret(name))) return true;
+  const std::lock_guard lock(mutex_);
+  return !confined_;
 }
 
 bool Reach::confined() const {
   const std::lock_guard lock(mutex_);
-  return confined_ && !cells_.empty();
-}
-
-std::vector<fs::path> Reach::cells() const {
-  const std::lock_guard lock(mutex_);
-  return cells_;
+  return confined_ && any_cell_;
 }
 
 bool Reach::allows(const fs::path& path, const fs::path& real, Use use) const {
-  const std::lock_guard lock(mutex_);
-  if (!confined_ || cells_.empty()) return true;
-  if (inside_any(real, cells_) || inside_any(real, allowed_)) return true;
-  return use == Use::read && (inside_any(real, readable_) || inside_any(plain(path), readable_));
+  if (!confined() || all_.has_path(path, real, use == Use::write)) return true;
+  const auto grants = open();
+  return std::any_of(grants.begin(), grants.end(),
+                     [&](const auto& grant) { return grant->has_path(path, real, use == Use::write); });
 }
+
+namespace {
+/// " /their/cell", the newest of the open cells.
+std::string newest_cell(const std::vector<std::shared_ptr<const ReachGrant>>& grants) {
+  for (auto grant = grants.rbegin(); grant != grants.rend(); ++grant)
+    if (const fs::path cell = (*grant)->cell(); !cell.empty()) return " " + cell.string();
+  return {};
+}
+}  // namespace
 
 void Reach::check(const fs::path& path, const fs::path& real, Use use) const {
   if (AsUser::active() || allows(path, real, use)) return;
@@ -121,7 +169,7 @@ void Reach::check(const fs::path& path, const fs::path& real, Use use) const {
   throw Error(Problem{"outside-cell",
                       {path.string()},
                       std::string("a cell may not ") + (use == Use::read ? "read" : "write") +
-                          " this file, which is outside its folder " + cells().back().string() +
+                          " this file, which is outside its folder" + newest_cell(open()) +
                           (link ? ": links lead to " + real.string() : ""),
                       "copy it into the cell's folder; or, if you trust the cell, add --allow " +
                           real.string() + " to the command"});

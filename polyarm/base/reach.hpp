@@ -3,7 +3,7 @@
 /// its folder. Every file is read by read_file() and written by write_file_atomically(), which ask here, so
 /// that no reader of a format needs a check of its own. Any thread; not for the control loop.
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -19,39 +19,71 @@ bool inside(const std::filesystem::path& path, const std::filesystem::path& root
 /// gap: `pick/cell.yaml` reaches the files of `pick/far_plc/cell.yaml`, and the other way round.
 std::filesystem::path project_root(const std::filesystem::path& cell_folder);
 
+/// Files, hosts and secrets that somebody has allowed. Any thread.
+class ReachGrant {
+ public:
+  /// The file, or the folder and all below, may be read and written.
+  void allow(const std::filesystem::path& path);
+  /// Installed descriptions and packages may be read. Their own links may lead elsewhere: they are the user's.
+  void allow_reading(const std::filesystem::path& folder);
+  /// A name or address, or "all".
+  void allow_host(const std::string& host);
+  /// A secret, by its name (base/secrets.hpp).
+  void allow_secret(const std::string& name);
+
+  bool has_path(const std::filesystem::path& path, const std::filesystem::path& real, bool writes) const;
+  bool has_host(const std::string& host) const;
+  bool has_secret(const std::string& name) const;
+  /// The folder of the cell that it was given to; empty for none.
+  std::filesystem::path cell() const;
+
+ private:
+  friend class Reach;
+  mutable std::mutex mutex_;
+  std::filesystem::path cell_;
+  std::vector<std::filesystem::path> allowed_, readable_;
+  std::set<std::string> hosts_, secrets_;
+};
+
+/// What the user allows every cell (`--allow`, installed packages), and the grants of the cells that are open.
+/// A grant ends with its last owner, so that a cell that is opened later begins without it.
 class Reach {
  public:
   enum class Use { read, write };
 
-  /// Nothing is refused before confine() was called and a cell was entered.
+  /// Nothing is refused before confine() was called and a cell was opened.
   void confine();
-  /// A cell was opened by the user: its project's folder may be read and written from now on.
-  void enter(const std::filesystem::path& cell_folder);
-  /// The user has named it: the file, or the folder and all below.
-  void allow(const std::filesystem::path& path);
-  /// Installed descriptions and packages. Their own links may lead elsewhere: they are the user's.
-  void allow_reading(const std::filesystem::path& folder);
-  /// The user lets cells speak with this host; a name or address, or "all".
-  void allow_host(const std::string& host);
-  bool host_allowed(const std::string& host) const;
-  /// The user lets cells send this secret, by its name (base/secrets.hpp).
-  void allow_secret(const std::string& name);
-  bool secret_allowed(const std::string& name) const;
+  /// For every cell of this process, as ReachGrant.
+  void allow(const std::filesystem::path& path) { all_.allow(path); }
+  void allow_reading(const std::filesystem::path& folder) { all_.allow_reading(folder); }
+  void allow_host(const std::string& host) { all_.allow_host(host); }
+  void allow_secret(const std::string& name) { all_.allow_secret(name); }
 
-  /// True where nothing forbids it. `real`: `path` with its links resolved.
+  /// The user opens a cell: its project's folder may be read and written as long as the grant lives. In an
+  /// AsUser the cell is only looked at, and its grant opens no file.
+  [[nodiscard]] std::shared_ptr<ReachGrant> open_cell(const std::filesystem::path& cell_folder);
+  /// An empty grant, of a scratch folder or of a cell without a folder.
+  [[nodiscard]] std::shared_ptr<ReachGrant> grant();
+
+  /// `grant`: that of the cell that wants it; null for none.
+  bool host_allowed(const std::string& host, const ReachGrant* grant) const;
+  bool secret_allowed(const std::string& name, const ReachGrant* grant) const;
+  /// True where nothing forbids it, by the grants of all open cells: threads are not told apart. `real`: `path`
+  /// with its links resolved.
   bool allows(const std::filesystem::path& path, const std::filesystem::path& real, Use use) const;
   /// Throws Error("outside-cell") that names the option; passes in an AsUser.
   void check(const std::filesystem::path& path, const std::filesystem::path& real, Use use) const;
   void check(const std::filesystem::path& path, Use use) const { check(path, resolved(path), use); }
   /// True once files are refused.
   bool confined() const;
-  std::vector<std::filesystem::path> cells() const;
 
  private:
+  std::vector<std::shared_ptr<const ReachGrant>> open() const;
+
+  ReachGrant all_;
   mutable std::mutex mutex_;
-  bool confined_ = false;
-  std::vector<std::filesystem::path> cells_, allowed_, readable_;
-  std::set<std::string> hosts_, secrets_;
+  bool confined_ = false, any_cell_ = false;
+  std::vector<std::weak_ptr<const ReachGrant>> open_;
 };
 
 /// That of this process.

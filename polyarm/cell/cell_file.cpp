@@ -243,13 +243,13 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     cell.program = beside || !std::filesystem::exists(given) ? overrides.program
                                                              : std::filesystem::absolute(given).string();
     cell.program_where = {"--program"};
-    if (!beside) reach().allow_reading(resolved(cell.folder / cell.program).parent_path());
+    if (!beside) cell.grant->allow_reading(resolved(cell.folder / cell.program).parent_path());
   }
   if (overrides.robot.empty()) return;
   const auto equals = overrides.robot.find('=');
   const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
   std::error_code error;  // a description that the user names brings meshes and includes from beside it
-  if (std::filesystem::is_regular_file(model, error)) reach().allow_reading(resolved(model).parent_path());
+  if (std::filesystem::is_regular_file(model, error)) cell.grant->allow_reading(resolved(model).parent_path());
   if (equals == std::string::npos) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
@@ -315,8 +315,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
                         {given.string()},
                         "this is a program, and a cell is asked for",
                         "polyarm run CELL --program " + given.string()});
-  reach().enter(cell.folder);
-  allow_remembered(cell.folder);
+  cell.grant = reach().open_cell(cell.folder);
+  allow_remembered(cell);
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);

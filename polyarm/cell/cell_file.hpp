@@ -9,6 +9,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/cell/door.hpp"
 #include "polyarm/cell/recorder.hpp"
@@ -103,9 +104,11 @@ struct CellFile {
   LoopEntry loop;
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   ProfileEntries profiles;
-  std::vector<moves::WorkspaceZone> workspace;  ///< of all robots
-  std::map<std::string, DoorOptions> doors;     ///< into it, by the names of their modules
-  std::optional<RecordOptions> record;          ///< each run is recorded
+  std::vector<moves::WorkspaceZone> workspace;   ///< of all robots
+  std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules
+  std::optional<RecordOptions> record;           ///< each run is recorded
+  /// What it may reach, as long as this file or a copy of it is somebody's.
+  std::shared_ptr<ReachGrant> grant = reach().grant();
 };
 
 /// What the command line puts over the file.

@@ -20,7 +20,7 @@ std::string subject_of(const CellFile& file) {
 }
 
 bool secret_allowed(const CellFile& file, const std::string& name) {
-  return reach().secret_allowed(name) || is_approved({"secret", subject_of(file), name});
+  return reach().secret_allowed(name, file.grant.get()) || is_approved({"secret", subject_of(file), name});
 }
 
 /// Who joins the ROS graph as more than this machine, and whom else it talks to.
@@ -56,7 +56,7 @@ class List {
   void add(const char* kind, const std::string& what, const std::string& why, const Location& where) {
     Wanted wanted{kind, what, why, where, false};
     if (wanted.kind == "host")
-      wanted.allowed = reach().host_allowed(what) || is_approved({"host", subject_of(file_), what});
+      wanted.allowed = reach().host_allowed(what, file_.grant.get()) || is_approved({"host", subject_of(file_), what});
     if (wanted.kind == "host" && is_loopback(what)) return;
     if (wanted.kind == "device") wanted.allowed = true;  // opened with --real alone, which the user says
     if (wanted.kind == "secret") wanted.allowed = secret_allowed(file_, what);
@@ -130,8 +130,9 @@ class List {
   std::set<std::pair<std::string, std::string>> seen_;
 };
 
-void admit_host(const std::string& host, const std::string& who, const Location& where, Problems& problems) {
-  if (reach().host_allowed(host)) return;
+void admit_host(const CellFile& file, const std::string& host, const std::string& who, const Location& where,
+                Problems& problems) {
+  if (reach().host_allowed(host, file.grant.get())) return;
   problems.error("host-not-allowed", where,
                  who + " wants to reach " + (host == "subnet" ? "the whole network (subnet)" : "the host " + host) +
                      ", which you have not allowed",
@@ -153,7 +154,7 @@ void admit_file(const CellFile& file, const LinkEntry& link, std::string& named,
   collect(problems, [&] {
     const fs::path path = secret_file(name);
     mark_secret(path);
-    reach().allow_reading(path);
+    file.grant->allow_reading(path);
     named = path.string();
   });
 }
@@ -164,13 +165,13 @@ std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread) {
   return List(file).all(unread ? *unread : told_later);
 }
 
-void allow_remembered(const fs::path& cell_folder) {
+void allow_remembered(const CellFile& file) {
   if (AsUser::active() || !reach().confined()) return;
-  const std::string subject = project_root(cell_folder).string();
+  const std::string subject = subject_of(file);
   for (const Approval& each : approvals()) {
     if (each.subject != subject) continue;
-    if (each.kind == "host") reach().allow_host(each.what);
-    if (each.kind == "path") reach().allow(each.what);
+    if (each.kind == "host") file.grant->allow_host(each.what);
+    if (each.kind == "path") file.grant->allow(each.what);
   }
 }
 
@@ -181,15 +182,15 @@ void remember_allowed(const CellFile& file, const Wanted& wanted) {
 }
 
 void allow_and_remember(const CellFile& file, const Wanted& wanted) {
-  if (wanted.kind == "host") reach().allow_host(wanted.what);
-  if (wanted.kind == "file") reach().allow(wanted.what);
+  if (wanted.kind == "host") file.grant->allow_host(wanted.what);
+  if (wanted.kind == "file") file.grant->allow(wanted.what);
   remember_allowed(file, wanted);
 }
 
 void admit_links(const CellFile& file, signals::Signals& signals, Problems& problems) {
   for (LinkEntry& link : signals.links) {
     for (const std::string& host : hosts_of(link))
-      admit_host(host, "the link '" + link.name + "'", link.where, problems);
+      admit_host(file, host, "the link '" + link.name + "'", link.where, problems);
     for (std::string* named : {&link.password_file, &link.ca_file, &link.certificate, &link.key})
       admit_file(file, link, *named, problems);
   }
@@ -198,7 +199,7 @@ void admit_links(const CellFile& file, signals::Signals& signals, Problems& prob
 void admit_doors(const CellFile& file, Problems& problems) {
   for (const auto& [name, options] : file.doors)
     for (const std::string& host : graph_hosts(options))
-      admit_host(host, "the door '" + name + "'", {file.path.string()}, problems);
+      admit_host(file, host, "the door '" + name + "'", {file.path.string()}, problems);
 }
 
 }  // namespace polyarm::cell

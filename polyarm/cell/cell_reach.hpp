@@ -24,11 +24,11 @@ struct Wanted {
 /// opened or connected. Files inside the cell, packages and this machine's loopback are not listed.
 /// `unread`: what is wrong in files that could name more.
 std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread = nullptr);
-/// What the user has approved for cells in this folder earlier is allowed from now on.
-void allow_remembered(const std::filesystem::path& cell_folder);
+/// Adds to the cell's grant what the user has approved for cells in its folder earlier.
+void allow_remembered(const CellFile& file);
 /// Remembers that cells in this folder may reach it, from when one is opened next.
 void remember_allowed(const CellFile& file, const Wanted& wanted);
-/// Allows it, and remembers that for cells in this folder. A plugin is approved by its hash.
+/// Adds it to the cell's grant, and remembers it for cells in this folder. A plugin is approved by its hash.
 void allow_and_remember(const CellFile& file, const Wanted& wanted);
 
 /// Before links are connected: their hosts, secrets and certificates. `secret:NAME` becomes a file's path.

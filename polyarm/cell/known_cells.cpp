@@ -4,8 +4,10 @@
 #include <cstdlib>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/cell_reach.hpp"
 
@@ -163,6 +165,42 @@ Json reach_of_cell(const fs::path& open, const std::string& folder, const std::v
   const CellFile file = read_cell_file(path);
   for (const std::string& each : allow) allow_one(file, each);
   return wants_json(file);
+}
+
+namespace {
+[[noreturn]] void refuse_outside(const char* what, const std::string& named) {
+  throw Error("outside-cell",
+              std::string("the ") + what + " '" + shortened(named) + "' is outside the project, and this cell goes on",
+              std::string("name one of the project; a ") + what + " elsewhere is named where Polyarm is started");
+}
+
+/// The folder of the cell that the wish opens; that of the open one where it names none.
+fs::path folder_wished(const std::string& cell, const fs::path& open) {
+  if (cell.empty()) return open;
+  std::error_code error;
+  const fs::path named = resolved(cell);
+  const fs::path folder = fs::is_directory(named, error) ? named : named.parent_path();
+  const std::vector<fs::path> known = openable(open, recent_cells());
+  const bool listed = std::find(known.begin(), known.end(), folder) != known.end();
+  const bool beside = !open.empty() && polyarm::inside(folder, project_root(open));
+  if (!fs::exists(named, error) || (!listed && !beside))
+    throw Error("unknown-cell", "'" + shortened(cell) + "' is none of the cells that can be opened, and this one goes on",
+                "name its folder or its file; `cells` lists those that are known");
+  return folder;
+}
+}  // namespace
+
+void require_within_reach(const RestartWish& wish, const fs::path& open_folder) {
+  const AsUser user;
+  const fs::path folder = folder_wished(wish.cell, open_folder.empty() ? open_folder : resolved(open_folder));
+  const auto in_project = [&](const fs::path& path) {
+    return !folder.empty() && polyarm::inside(resolved(path), project_root(folder));
+  };
+  if (!wish.program.empty() && !in_project(folder / wish.program)) refuse_outside("program", wish.program);
+  const std::string model = wish.robot.substr(wish.robot.find('=') + 1);
+  std::error_code error;
+  if (fs::is_regular_file(model, error) && !in_project(model))  // else a name of the catalogue
+    refuse_outside("robot", model);
 }
 
 }  // namespace polyarm::cell

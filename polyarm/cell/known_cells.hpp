@@ -7,6 +7,8 @@
 
 namespace polyarm::cell {
 
+struct RestartWish;
+
 /// Where cells of the user's own lie.
 std::filesystem::path projects_folder();
 
@@ -19,5 +21,10 @@ nlohmann::json known_cells(const std::filesystem::path& open_folder);
 /// Throws Error("unknown-cell" | "no-cell" | "not-here" | "not-wanted").
 nlohmann::json reach_of_cell(const std::filesystem::path& open, const std::string& folder,
                              const std::vector<std::string>& allow);
+
+/// What a door may have a cell built with: a cell that known_cells() lists or a file of the open project, a
+/// program of its folder, a robot of the catalogue or a description in the project. Anything else is named on
+/// the command line. `open_folder`: empty where no cell is open. Throws Error("unknown-cell" | "outside-cell").
+void require_within_reach(const RestartWish& wish, const std::filesystem::path& open_folder);
 
 }  // namespace polyarm::cell

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
@@ -33,7 +34,7 @@ class Scratch {
     std::string pattern = (fs::temp_directory_path() / "polyarm-XXXXXX").string();
     if (!mkdtemp(pattern.data())) throw Error("unwritable", "there is no place for temporary files");
     path_ = pattern;
-    reach().allow(path_);
+    grant_->allow(path_);
   }
   ~Scratch() {
     std::error_code error;
@@ -45,6 +46,7 @@ class Scratch {
 
  private:
   fs::path path_;
+  const std::shared_ptr<ReachGrant> grant_ = reach().grant();
 };
 
 /// One job at a time beside everything else: it may take seconds, for which the cell's worker has no time.
@@ -117,9 +119,12 @@ Json paths_json(const std::vector<RehearsedPath>& paths) {
 /// The program's text in a folder of its own, with the scripts beside it that it may include.
 fs::path stage_program(const fs::path& original, const std::string& text, const fs::path& to) {
   std::error_code error;
+  Problems left_out;  // links that lead outside the cell: a program that includes them says so
   for (const auto& entry : fs::directory_iterator(original.parent_path(), error))
-    if (entry.is_regular_file() && lower(entry.path().extension().string()) == ".script")
-      fs::copy_file(entry.path(), to / entry.path().filename(), fs::copy_options::overwrite_existing, error);
+    if (entry.is_regular_file(error) && lower(entry.path().extension().string()) == ".script")
+      collect(left_out, [&] {
+        write_file_atomically(to / entry.path().filename(), read_file(entry.path(), bounds::kProgramBytes));
+      });
   const fs::path staged = to / original.filename();
   write_file_atomically(staged, text);
   return staged;

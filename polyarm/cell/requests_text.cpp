@@ -6,6 +6,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/data/file_lookup.hpp"
@@ -211,10 +212,7 @@ Poll cell_restart(Cell& cell, const Json& arguments) {
   wish.hardware = text_argument(arguments, "hardware", "");
   wish.program = text_argument(arguments, "program", "");
   wish.cell = text_argument(arguments, "cell", "");
-  std::error_code error;
-  if (!wish.cell.empty() && !std::filesystem::exists(wish.cell, error))
-    throw Error("unknown-cell", "there is no cell '" + shortened(wish.cell) + "', and this one goes on",
-                "name its folder or its file; `cells` lists those that are known");
+  require_within_reach(wish, cell.file().folder);
   cell.ask_restart(std::move(wish));
   return at_once({{"asked", "restart"}});
 }

@@ -186,7 +186,7 @@ class SocketDoor::Work {
 
   const fs::path& path() const { return path_; }
 
-  /// Stops and holds of all first; then a line of each in turn.
+  /// Stops and holds of all first, so many of each that nobody keeps the others; then a line of each in turn.
   void serve(Requests& requests) {
     std::vector<std::shared_ptr<Client>> clients;
     {
@@ -210,8 +210,7 @@ class SocketDoor::Work {
       return taken = true;
     };
     for (const auto& client : clients)
-      while (hand_over(client, true)) {
-      }
+      for (std::size_t n = 0; n < bounds::kUrgentLines && hand_over(client, true);) ++n;
     std::size_t empty = 0;
     for (std::size_t n = 0; n < kLinesATick && empty < clients.size();) {
       const bool had = hand_over(clients[++turn_ % clients.size()], false);

@@ -44,18 +44,21 @@ long holder_of(ino_t file) {
 /// Nothing is removed or written through links that a stranger's cell may bring.
 void refuse_links(const fs::path& state) {
   std::error_code error;
-  std::vector<fs::path> places = {state};
-  for (const auto& entry : fs::directory_iterator(state, error)) places.push_back(entry.path());
-  for (const fs::path& place : places)
-    if (fs::is_symlink(place, error)) {
-      if (reach().confined()) reach().check(place, Reach::Use::write);
-      const fs::path real = resolved(place), own = resolved(state.parent_path());
-      if (polyarm::inside(own, real))
-        throw Error(Problem{"bad-state",
-                            {place.string()},
-                            "this link leads to " + real.string(),
-                            "remove it: runs keep what they write in this folder"});
-    }
+  const fs::path own = resolved(state.parent_path());
+  const auto refuse = [&](const fs::path& place) {
+    if (!fs::is_symlink(place, error)) return;
+    if (reach().confined()) reach().check(place, Reach::Use::write);
+    const fs::path real = resolved(place);
+    if (polyarm::inside(own, real))
+      throw Error(Problem{"bad-state",
+                          {place.string()},
+                          "this link leads to " + real.string(),
+                          "remove it: runs keep what they write in this folder"});
+  };
+  refuse(state);
+  if (fs::is_symlink(state, error)) return;  // to a folder that it may write
+  fs::recursive_directory_iterator each(state, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && each != end; each.increment(error)) refuse(each->path());
 }
 }  // namespace
 
@@ -109,7 +112,8 @@ StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool 
     sweep_temporaries(folder_ / ".state");
     sweep_temporaries(state_);
   } else {
-    reach().allow(elsewhere);
+    grant_ = reach().grant();
+    grant_->allow(elsewhere);
   }
   std::error_code error;
   if (!keep) fs::remove_all(state_, error);

@@ -55,6 +55,7 @@ class StateFolder {
   std::filesystem::path folder_, state_;
   std::set<std::string> live_;
   std::shared_ptr<const StateLock> lock_;  // copies are of one run
+  std::shared_ptr<ReachGrant> grant_;      ///< to `elsewhere`
 };
 
 }  // namespace polyarm::cell

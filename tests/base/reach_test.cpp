@@ -84,13 +84,14 @@ class AReach : public ::testing::Test {
     place.write("cellar/a", "x");
     fs::create_symlink(place.path() / "home", cell() / "link");
     reach.confine();
-    reach.enter(cell());
+    grant = reach.open_cell(cell());
   }
   fs::path cell() const { return place.path() / "cell"; }
   bool reads(const fs::path& path) const { return reach.allows(path, resolved(path), Reach::Use::read); }
   bool writes(const fs::path& path) const { return reach.allows(path, resolved(path), Reach::Use::write); }
   Folder place;
   Reach reach;
+  std::shared_ptr<ReachGrant> grant;
 };
 
 TEST_F(AReach, KeepsToTheCellsFolderLinksIncluded) {
@@ -145,13 +146,59 @@ TEST_F(AReach, ACellWithinACellReachesBoth) {
 }
 
 TEST_F(AReach, HostsBeyondThisMachineHaveToBeAllowed) {
-  EXPECT_TRUE(reach.host_allowed("127.0.0.1"));
-  EXPECT_TRUE(reach.host_allowed("localhost"));
-  EXPECT_FALSE(reach.host_allowed("127.evil.example"));
-  EXPECT_FALSE(reach.host_allowed("10.0.0.5"));
-  EXPECT_FALSE(reach.host_allowed("")) << "a server would listen everywhere";
+  const auto allowed = [&](const std::string& host) { return reach.host_allowed(host, grant.get()); };
+  EXPECT_TRUE(allowed("127.0.0.1"));
+  EXPECT_TRUE(allowed("localhost"));
+  EXPECT_FALSE(allowed("127.evil.example"));
+  EXPECT_FALSE(allowed("10.0.0.5"));
+  EXPECT_FALSE(allowed("")) << "a server would listen everywhere";
   reach.allow_host("10.0.0.5");
-  EXPECT_TRUE(reach.host_allowed("10.0.0.5"));
+  EXPECT_TRUE(allowed("10.0.0.5"));
+}
+
+TEST_F(AReach, WhatOneCellIsAllowedEndsWithIt) {
+  grant->allow(place.path() / "home");
+  grant->allow_reading(place.path() / "cellar");
+  grant->allow_host("10.0.0.5");
+  grant->allow_secret("broker");
+  EXPECT_TRUE(writes(place.path() / "home/id"));
+  EXPECT_TRUE(reads(place.path() / "cellar/a"));
+  place.write("next/cell.yaml", "x");
+  grant = reach.open_cell(place.path() / "next");
+  EXPECT_TRUE(reads(place.path() / "next/cell.yaml"));
+  EXPECT_FALSE(reads(cell() / "cell.yaml")) << "the folder of the cell before";
+  EXPECT_FALSE(writes(place.path() / "home/id"));
+  EXPECT_FALSE(reads(place.path() / "cellar/a"));
+  EXPECT_FALSE(reach.host_allowed("10.0.0.5", grant.get()));
+  EXPECT_FALSE(reach.secret_allowed("broker", grant.get()));
+}
+
+TEST_F(AReach, BetweenTwoCellsNothingIsOpen) {
+  grant = nullptr;
+  EXPECT_FALSE(reads(cell() / "cell.yaml"));
+  EXPECT_FALSE(reads("/etc/passwd"));
+  reach.allow(place.path() / "home");
+  EXPECT_TRUE(writes(place.path() / "home/id")) << "the command line's counts always";
+}
+
+TEST_F(AReach, TwoCellsThatAreOpenKeepTheirOwnHosts) {
+  place.write("next/cell.yaml", "x");
+  const auto next = reach.open_cell(place.path() / "next");
+  next->allow_host("10.0.0.5");
+  EXPECT_FALSE(reach.host_allowed("10.0.0.5", grant.get()));
+  EXPECT_TRUE(reach.host_allowed("10.0.0.5", next.get()));
+  EXPECT_TRUE(reads(cell() / "cell.yaml"));
+  EXPECT_TRUE(reads(place.path() / "next/cell.yaml"));
+}
+
+TEST_F(AReach, ACellThatIsOnlyLookedAtOpensNothing) {
+  place.write("next/cell.yaml", "x");
+  std::shared_ptr<ReachGrant> looked;
+  {
+    const AsUser user;
+    looked = reach.open_cell(place.path() / "next");
+  }
+  EXPECT_FALSE(reads(place.path() / "next/cell.yaml"));
 }
 
 TEST(Sha256, IsThatOfTheStandard) {

@@ -8,6 +8,7 @@
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -86,6 +87,77 @@ TEST_F(ReachOfCells, NothingElseIsAllowedFromADistance) {
   EXPECT_EQ(code(reach({{"allow", {"host:192.0.2.8"}}})), "not-wanted");
   EXPECT_TRUE(approvals().empty());
   EXPECT_EQ(code(cell->ask({{"request", "cell.reach"}, {"folder", "/etc"}})), "unknown-cell");
+}
+
+/// In a process of its own, since nothing takes confine() back.
+TEST_F(ReachOfCells, WhatOneCellMayReachTheNextOneOfThisProcessMayNot) {
+  const auto admitted = [](const CellFile& file) {
+    signals::Signals read = signals::load_signals((file.folder / file.signals).string());
+    Problems problems;
+    admit_links(file, read, problems);
+    return problems.list().empty() ? "ok" : problems.list().front().code;
+  };
+  home.write("cells/theirs/signals.yaml",
+             "polyarm: signals/1\nlinks:\n  plc: {modbus: client, host: 192.0.2.7, beyond_loopback: true, tags: "
+             "{A: {coil: 0, direction: in}}}\n");
+  home.write("cells/more/signals.yaml", read_file(folder_of("theirs") / "signals.yaml"));
+  write_cell("more", "signals: signals.yaml\n");
+  home.write("secret.txt", "x");
+  approve({"host", fs::canonical(folder_of("theirs")).string(), "192.0.2.7"});
+  approve({"path", fs::canonical(folder_of("theirs")).string(), (home.path() / "secret.txt").string()});
+  EXPECT_EXIT(
+      {
+        polyarm::reach().confine();
+        auto theirs = std::make_unique<CellFile>(read_cell_file(folder_of("theirs")));
+        if (admitted(*theirs) != "ok") std::exit(1);
+        if (!polyarm::reach().allows(home.path() / "secret.txt", home.path() / "secret.txt", Reach::Use::read))
+          std::exit(2);
+        theirs.reset();
+        const CellFile more = read_cell_file(folder_of("more"));
+        if (admitted(more) != "host-not-allowed") std::exit(3);
+        if (polyarm::reach().allows(home.path() / "secret.txt", home.path() / "secret.txt", Reach::Use::read))
+          std::exit(4);
+        std::exit(0);
+      },
+      testing::ExitedWithCode(0), "");
+}
+
+TEST_F(ReachOfCells, ADoorBuildsTheCellWithNothingFromElsewhere) {
+  home.write("elsewhere/arm.urdf", "<robot name='a'/>");
+  home.write("elsewhere/cell.yaml", "polyarm: cell/1\n");
+  home.write("elsewhere/job.script", "wait 1s\n");
+  const auto asked = [&](const Json& more) {
+    Json request{{"request", "cell.restart"}};
+    request.update(more);
+    return code(cell->ask(request));
+  };
+  EXPECT_EQ(asked({{"program", "/etc/passwd"}}), "outside-cell");
+  EXPECT_EQ(asked({{"program", "../../elsewhere/job.script"}}), "outside-cell");
+  EXPECT_EQ(asked({{"cell", (home.path() / "elsewhere").string()}}), "unknown-cell");
+  EXPECT_EQ(asked({{"cell", "/etc/passwd"}}), "unknown-cell");
+  EXPECT_EQ(asked({{"robot", "arm=" + (home.path() / "elsewhere/arm.urdf").string()}}), "outside-cell");
+  fs::create_symlink(home.path() / "elsewhere/job.script", folder_of("own") / "link.script");
+  EXPECT_EQ(asked({{"program", "link.script"}}), "outside-cell");
+  EXPECT_FALSE(cell->cell().restart());
+  home.write("cells/own/job.script", "wait 1s\n");
+  EXPECT_EQ(asked({{"cell", folder_of("theirs").string()}}), "ok");
+  EXPECT_EQ(asked({{"program", "job.script"}, {"robot", "abb/irb_120"}}), "ok");
+}
+
+TEST_F(ReachOfCells, ADryRunReadsNoScriptThatALinkLeadsOutTo) {
+  home.write("elsewhere/job.script", "movej SecretPoint\n");
+  fs::create_symlink(home.path() / "elsewhere/job.script", folder_of("own") / "other.script");
+  home.write("cells/own/job.script", "include \"other.script\"\n");
+  cell = nullptr;  // its lock
+  EXPECT_EXIT(
+      {
+        polyarm::reach().confine();
+        polyarm::reach().allow_reading(POLYARM_SOURCE_DIR);
+        cell = std::make_unique<LockStepCell>(read_cell_file(folder_of("own")));
+        const Json told = cell->ask({{"request", "program.dry"}, {"name", "job.script"}});
+        std::exit(told.dump().find("SecretPoint") == std::string::npos ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST_F(ReachOfCells, AListThatCannotBeWholeSaysSo) {

@@ -178,6 +178,21 @@ TEST_F(SocketDoorTest, AnswersEveryLineInOrder) {
   for (int i = 0; i < 500; ++i) EXPECT_EQ(peer.line(static_cast<std::size_t>(i))["id"], i);
 }
 
+TEST_F(SocketDoorTest, StopsByTheThousandKeepTheCellForNoTick) {
+  Peer peer(door->path());
+  std::string all;
+  for (int i = 0; i < 5000; ++i) all += "{\"request\":\"control.hold\"}\n";
+  std::thread talker([&] { peer.say(all); });
+  for (std::size_t serves = 1; peer.lines() < 5000 && serves < 1'000'000; ++serves) {
+    std::this_thread::yield();
+    door->serve(cell.cell().requests());
+    peer.listen(0);
+    ASSERT_LE(peer.lines(), serves * (bounds::kUrgentLines + bounds::kSocketLinesATick));
+  }
+  talker.join();
+  EXPECT_EQ(peer.lines(), 5000u) << "each is answered";
+}
+
 TEST_F(SocketDoorTest, ALineMayComeInPieces) {
   Peer peer(door->path());
   for (const char c : std::string("\n\n{\"request\":\"control.types\"}\n")) {

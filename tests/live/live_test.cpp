@@ -36,7 +36,7 @@ TEST(CtrlC, TwiceStopsAtOnce) {
 }
 
 TEST(Signals, EachThatCanBeCaughtStopsOnThePath) {
-  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM}) {
+  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM, SIGSTKFLT, SIGTRAP, SIGRTMIN, SIGRTMAX}) {
     const ExampleCopy copy("pick_and_place");
     Command run({"run", copy.path(), "--json", "--hardware", "mock"});
     ASSERT_TRUE(run.wait_for("moveto PrePick"));

@@ -146,6 +146,15 @@ TEST_F(ForeignCell, AStateFolderThatIsALinkEmptiesNothing) {
   EXPECT_TRUE(fs::exists(place.path() / "home/data/precious.txt"));
 }
 
+TEST_F(ForeignCell, ALinkDeepInItsStateFolderIsRefusedAsWell) {
+  cell_with("");
+  fs::create_directories(cell() / ".state/versions");
+  fs::create_directory_symlink(place.path() / "home", cell() / ".state/versions/main.script");
+  const auto refused = run();
+  EXPECT_EQ(refused.exit_code, 1) << refused.output;
+  EXPECT_TELLS(refused.output, ".state/versions/main.script");
+}
+
 TEST_F(ForeignCell, ReadsItsOwnFolderAlone) {
   place.write("home/scene.yaml", "polyarm: scene/1\n");
   for (const std::string& named : {std::string("../home/scene.yaml"), (place.path() / "home/scene.yaml").string(),
