@@ -54,7 +54,7 @@ Json task_json(const program::Interpreter& interpreter, const program::TaskStatu
            {"waits_for", waits_for(status.waiting.kind)},
            {"names", status.waiting.names},
            {"text", status.waiting.text},
-           {"passes", status.passes},
+           {"passes", status.cycles},
            {"paused", status.paused},
            {"calls", calls},
            {"variables", variables},
@@ -116,7 +116,7 @@ Json program_json(Cell& cell) {
               {"where", shown_place(status.where)},
               {"source", status.source},
               {"sentence", task.sentence()},
-              {"passes", status.passes},
+              {"passes", status.cycles},
               {"tasks", tasks},
               {"question", asks ? Json(status.waiting.text) : Json()},
               {"problem", status.problem ? json_of(*status.problem) : Json()}});

@@ -22,7 +22,7 @@ Task::Task(std::string name, program::Program program, ProgramHost::Context cont
 }
 
 void Task::look() {
-  const std::uint64_t passes = status_.passes;
+  const std::uint64_t cycles = status_.cycles;
   const program::Waiting before = std::move(status_.waiting);
   status_ = interpreter_.overview();
   if (status_.waiting.kind != before.kind || status_.waiting.names != before.names) {
@@ -30,8 +30,8 @@ void Task::look() {
     if (status_.waiting.kind != program::WaitKind::none) waits_since_ = *now_;
   }
   seen_ = interpreter_.position();
-  if (status_.passes > passes) {
-    const auto more = static_cast<Nanoseconds>(status_.passes - passes);
+  if (status_.cycles > cycles) {
+    const auto more = static_cast<Nanoseconds>(status_.cycles - cycles);
     if (pass_ended_) last_pass_ = (*now_ - *pass_ended_) / more;
     pass_ended_ = *now_;
   }
@@ -62,7 +62,7 @@ void Task::tick(const std::function<void()>& between) {
     busy_since_ = *now_;
   // Moves are under way while no statement is begun.
   const program::Place at = interpreter_.position();
-  if (at.line != seen_.line || at.file != seen_.file) look();
+  if (at.line != seen_.line || at.file != seen_.file || interpreter_.cycles() != status_.cycles) look();
 }
 
 bool Task::ended() const {

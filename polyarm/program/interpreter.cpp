@@ -103,8 +103,23 @@ void Interpreter::forget_arrived(Task& task) const {
 
 TaskStatus Interpreter::status_of(const Task& task) const {
   const Place place = place_of(task);
-  return {task.name,    task.state,  program_.at(place), program_.source(place),
-          task.waiting, task.passes, task.problem,       paused_ == task.id};
+  return {task.name,   task.state,      program_.at(place), program_.source(place), task.waiting,
+          task.passes, cycles_of(task), task.problem,       paused_ == task.id};
+}
+
+/// A pass counts when the robot has done it: while a move is under way, those before the pass that asked for
+/// it.
+std::uint64_t Interpreter::cycles_of(const Task& task) const {
+  if (task.ended_cycles) return *task.ended_cycles;
+  for (const Task::Asked& move : task.moves)
+    if (host_.under_way(move.handle)) return move.passes;
+  return task.passes;
+}
+
+std::uint64_t Interpreter::cycles() const {
+  std::uint64_t out = 0;
+  for (const auto& task : tasks_) out = std::max(out, cycles_of(*task));
+  return out;
 }
 
 std::vector<TaskStatus> Interpreter::status() const {
@@ -129,6 +144,7 @@ TaskStatus Interpreter::overview() const {
   TaskStatus out = status_of(shown_task());
   out.state = state();
   for (const auto& task : tasks_) out.passes = std::max(out.passes, task->passes);
+  out.cycles = cycles();
   return out;
 }
 
@@ -214,6 +230,7 @@ void Interpreter::end_program(TaskState outcome) {
   if (outcome == TaskState::finished && std::none_of(code_.steps.begin(), code_.steps.end(), loops))
     tasks_.front()->passes = 1;  // the program is the pass, where it has no loop
   for (const auto& task : tasks_) {
+    if (outcome != TaskState::finished) task->ended_cycles = cycles_of(*task);
     if (task->over()) continue;
     task->ended_in = place_of(*task);
     task->state = TaskState::stopped;

@@ -28,7 +28,8 @@ struct TaskStatus {
                    ///< waits in, else of the one that it comes to next
   std::string source;  ///< the text of that line
   Waiting waiting;
-  std::uint64_t passes = 0;        ///< of outermost while loops, completed
+  std::uint64_t passes = 0;  ///< of outermost while loops, completed by the program, which queues moves ahead
+  std::uint64_t cycles = 0;  ///< of those, the ones whose moves have ended
   std::optional<Problem> problem;  ///< why it failed
   bool paused = false;             ///< it stands in front of `where`, at a breakpoint or after a step
 };
@@ -117,6 +118,8 @@ class Interpreter {
   MoveDefaults uses(const std::string& task) const;
   /// The place that overview() tells, for who looks often.
   Place position() const;
+  /// The cycles that overview() tells, likewise.
+  std::uint64_t cycles() const;
   /// `call` is called whenever a task has waited long enough, before it goes on; it may look at this.
   void on_wait_over(std::function<void()> call) { wait_over_ = std::move(call); }
 
@@ -152,6 +155,7 @@ class Interpreter {
   void fail(Task& task, Problem problem);
   std::string called_from(const Task& task) const;
   TaskStatus status_of(const Task& task) const;
+  std::uint64_t cycles_of(const Task& task) const;
   const Task& shown_task() const;
   Place place_of(const Task& task) const;
   const Task* working_child_of(const Task& task) const;

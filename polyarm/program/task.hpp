@@ -44,6 +44,7 @@ struct Interpreter::Task {
   struct Asked {
     Handle handle = 0;
     Place line;
+    std::uint64_t passes = 0;  ///< completed when it was asked for
   };
   std::deque<Asked> moves;              ///< that may not have arrived, in the order of the program
   std::optional<Nanoseconds> deadline;  ///< of the wait that is being looked at
@@ -52,6 +53,7 @@ struct Interpreter::Task {
   bool met = false, was_true = false;
   std::unique_ptr<Work> work;  ///< that its step is at, in pieces
   std::uint64_t passes = 0;
+  std::optional<std::uint64_t> ended_cycles;  ///< where it was stopped, those whose moves had ended
   std::optional<Problem> problem;
   std::optional<Place> ended_in;  ///< the line, where it was stopped in one
 

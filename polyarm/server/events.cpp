@@ -34,7 +34,7 @@ Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = t
           {"line", status.where.line},
           {"where", place_json(status.where)},
           {"source", status.source},
-          {"cycle", status.passes},
+          {"cycle", status.cycles},
           {"last_pass_s", task.last_pass() ? Json(seconds(*task.last_pass())) : Json()},
           {"paused", task.interpreter().paused()},
           {"begun", begun},

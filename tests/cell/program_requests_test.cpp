@@ -73,6 +73,28 @@ TEST_F(ProgramRequests, ALoadedProgramBeginsWhenSomebodySaysSo) {
   EXPECT_EQ(error_of(ask("program.start")), "program-begun");
 }
 
+TEST_F(ProgramRequests, AnEndlessProgramThatQueuesAheadCountsTheCyclesThatTheRobotHasDone) {
+  folder.write("work.script", "load work_data\nwhile true\n  movej A\n  movej B\nend\n");
+  ASSERT_TRUE(load("work.script")["ok"].get<bool>());
+  ask("program.start");
+  cell->run(0.05);
+  const std::uint64_t queued = cell->cell().program()->status().passes;
+  EXPECT_GT(queued, 10u) << "it is far ahead";
+  EXPECT_EQ(state()["passes"], 0);
+  int turns = 0;  // arrivals at B
+  const auto at_b = [this] { return std::abs(joint("joint_1") + 0.3) < 1e-3; };
+  for (bool there = false, was = false; turns < 3; was = there) {
+    cell->run(0.01);
+    there = at_b();
+    if (there && !was) ++turns;
+    EXPECT_LE(std::abs(state()["passes"].get<int>() - turns), 1);
+    ASSERT_LT(cell->cell().now(), 100'000'000'000);
+  }
+  ask("program.stop");
+  cell->run(1);
+  EXPECT_LE(std::abs(state()["passes"].get<int>() - turns), 1) << "nor does its end count what was queued";
+}
+
 TEST_F(ProgramRequests, WhatStandsReadyMayBeginAsItWasSavedSince) {
   ASSERT_TRUE(load("work.script")["ok"].get<bool>());
   folder.write("work.script", "load work_data\nmoveto B\nmoveto Nowhere\n");
