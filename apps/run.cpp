@@ -333,7 +333,7 @@ class OneRun {
       pendant_->attach(*cell);
       cell->tell("pendant: " + pendant_->link());  // by the cell, whose events say it to other clients, too
     }
-    if (a_.connects) cell->loop().supervisor().latch().request(realtime::StopKind::controlled);
+    if (a_.connects) cell->hold_for({"connected", {}, "the real hardware has just been connected", {}});
     const cell::RunResult result = cell::run(*cell, a_.run, observer_);
     const bool armed = cell->arming().needed() && cell->arming().armed();
     if (pendant_) pendant_->detach();

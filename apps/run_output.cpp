@@ -50,9 +50,9 @@ class TextOutput : public Output {
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     line(fmt::format("{:8.3f}      │ {}: {}", seconds(time), task, text));
   }
-  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
-    line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause,
-                     typed_ && state == "held" && cause != "the run failed"
+  void on_state(Nanoseconds time, const std::string& state, const Problem& cause) override {
+    line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause.what,
+                     typed_ && state == "held" && cause.code != "run-failed"
                          ? "  (type resume, back, discard or stop)"
                          : ""));
   }
@@ -106,8 +106,12 @@ class JsonOutput : public Output {
   void on_log(Nanoseconds t, const std::string& task, const std::string& text) override {
     put({{"event", "log"}, {"time_s", seconds(t)}, {"task", task}, {"text", text}});
   }
-  void on_state(Nanoseconds t, const std::string& state, const std::string& cause) override {
-    put({{"event", "state"}, {"time_s", seconds(t)}, {"state", state}, {"cause", cause}});
+  void on_state(Nanoseconds t, const std::string& state, const Problem& cause) override {
+    put({{"event", "state"},
+         {"time_s", seconds(t)},
+         {"state", state},
+         {"cause", cause.what},
+         {"cause_code", cause.code}});
   }
   void on_stop(Nanoseconds t, const cell::StopReport& stop) override {
     json event = cell::json_of(stop);

@@ -2,6 +2,7 @@
 /// What went wrong, where, and what to do about it. Exceptions are for outside the control cycle only.
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace polyarm {
@@ -17,6 +18,14 @@ struct Location {
 
 enum class Severity { error, warning };
 
+/// A name, text or number that a sentence contains, so that a page can say the sentence in another language.
+/// The name of a number ends with its unit: depth_m, moved_rad, time_s.
+struct Fact {
+  std::string name;
+  std::variant<std::string, double> value;
+};
+using Facts = std::vector<Fact>;
+
 /// One finding. `code` is stable and short ("unknown-name"), for tools; the other texts are for people.
 struct Problem {
   std::string code;
@@ -24,6 +33,7 @@ struct Problem {
   std::string what;    ///< one sentence with the offending text and the numbers
   std::string advice;  ///< what to do; may be empty
   Severity severity = Severity::error;
+  Facts facts = {};  ///< what `what` contains
   /// "file:line:column: error: what [advice]"
   std::string text() const;
 };

@@ -10,22 +10,37 @@
 namespace polyarm::cell {
 
 namespace {
-void add_robot(const CellRobot& robot, std::vector<std::string>& out) {
+Problem unchecked(const char* code, std::string what, Facts facts) {
+  return {code, {}, std::move(what), {}, Severity::warning, std::move(facts)};
+}
+
+void add_robot(const CellRobot& robot, std::vector<Problem>& out) {
   const std::string& name = robot.entry.name;
   if (!checks_contacts(robot)) {
-    out.push_back(fmt::format("{}: contacts are not detected, its hardware is {} (hardware: mujoco detects them)",
-                              name, robot.driver));
+    out.push_back(unchecked(
+        "no-contacts",
+        fmt::format("{}: contacts are not detected, its hardware is {} (hardware: mujoco detects them)", name,
+                    robot.driver),
+        {{"robot", name}, {"driver", robot.driver}}));
     return;
   }
   const std::vector<std::string> links = description::links_without_body(robot.model);
   if (!links.empty())
-    out.push_back(fmt::format(
-        "{}: contacts of {} of {} links are not detected, as their collision is a mesh or missing: {}", name,
-        links.size(), robot.model.links.size(), join(links, ", ")));
+    out.push_back(unchecked(
+        "links-without-body",
+        fmt::format(
+            "{}: contacts of {} of {} links are not detected, as their collision is a mesh or missing: {}",
+            name, links.size(), robot.model.links.size(), join(links, ", ")),
+        {{"robot", name},
+         {"count", static_cast<double>(links.size())},
+         {"all", static_cast<double>(robot.model.links.size())},
+         {"links", join(links, ", ")}}));
   if (robot.tool.name != "none" && !description::has_body(robot.tool.body) &&
       robot.tool.gripper != description::GripperKind::parallel)
-    out.push_back(
-        fmt::format("{}: contacts of its tool {} are not detected, as it has no body", name, robot.tool.name));
+    out.push_back(unchecked(
+        "tool-without-body",
+        fmt::format("{}: contacts of its tool {} are not detected, as it has no body", name, robot.tool.name),
+        {{"robot", name}, {"tool", robot.tool.name}}));
 }
 }  // namespace
 
@@ -35,12 +50,21 @@ bool checks_contacts(const CellRobot& robot) {
                      [](const HardwareBlock& block) { return block.driver == "mujoco"; });
 }
 
-std::vector<std::string> unchecked_bodies(const CellRobots& robots, const description::Scene& scene) {
-  std::vector<std::string> out;
+std::vector<Problem> unchecked_bodies(const CellRobots& robots, const description::Scene& scene) {
+  std::vector<Problem> out;
   for (const auto& robot : robots) add_robot(*robot, out);
   for (const description::Fixture& fixture : scene.fixtures)
     if (!fixture.shapes.empty() && !description::has_body(fixture.shapes))
-      out.push_back("fixture " + fixture.name + ": contacts are not detected, as its shape is a mesh");
+      out.push_back(
+          unchecked("fixture-without-body",
+                    "fixture " + fixture.name + ": contacts are not detected, as its shape is a mesh",
+                    {{"fixture", fixture.name}}));
+  return out;
+}
+
+std::vector<std::string> sentences(const std::vector<Problem>& problems) {
+  std::vector<std::string> out;
+  for (const Problem& problem : problems) out.push_back(problem.what);
   return out;
 }
 

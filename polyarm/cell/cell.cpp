@@ -45,7 +45,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
                  : description::read_scene(file_of_cell(file_, file_.scene, file_.scene_where), problems);
   });
   unchecked_bodies_ = cell::unchecked_bodies(robots_, scene_);
-  for (const auto& more : {unchecked_bodies_, placeholder_notes(robots_)})
+  for (const auto& more : {sentences(unchecked_bodies_), placeholder_notes(robots_)})
     notes.insert(notes.end(), more.begin(), more.end());
   for (const std::string& note : notes) observer_.on_note(note);
   parts_ = PartTracker(scene_);

@@ -165,6 +165,12 @@ class Cell {
   /// At the end of a run: what lets the program go on later is on the disk.
   void keep_safe_point();
   const std::optional<Failure>& failure() const { return failure_; }
+  /// Why the cell does not run: the cause of the loop's stop; if the cell itself asked for it, what it asked
+  /// for (link-lost, link-stale, heartbeat, program-hold, connected, run-failed). `code` is as control::code
+  /// or one of these.
+  Problem stop_cause() const;
+  /// Stops on the path; `why` is the cause until the cell runs again.
+  void hold_for(Problem why);
   /// Faults that stopped one robot while the rest went on.
   const std::vector<Problem>& group_faults() const { return group_faults_; }
   /// True when program and PLC have ended, and every part has come to rest or has had 2 s to.
@@ -238,7 +244,7 @@ class Cell {
   void forget_pushes() { held_place_.forget(); }
   /// Contacts so far, and what they are not detected for.
   const ContactWatch& contacts() const { return contact_watch_; }
-  const std::vector<std::string>& unchecked_bodies() const { return unchecked_bodies_; }
+  const std::vector<Problem>& unchecked_bodies() const { return unchecked_bodies_; }
   control::ContactStop contact_stop() const { return loop_->supervisor().contact_stop(); }
   const JointPlaces& joint_places() const { return joint_places_; }
   /// Reports to everybody, and keeps it among the events.
@@ -346,6 +352,7 @@ class Cell {
   std::unique_ptr<CellLinks> links_;
   std::unique_ptr<Heartbeats> heartbeats_;
   bool links_ready_ = false, told_waiting_ = false, missed_ = false;
+  std::optional<Problem> held_by_;  ///< what the cell itself stopped the loop for; empty once it runs again
   Nanoseconds stopped_at_ = -1;  ///< since when outputs have what they are to have at the end
   std::vector<Camera> cameras_;
   std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
@@ -385,7 +392,7 @@ class Cell {
   std::size_t pass_state_ = 0, running_state_ = 0, line_state_ = 0, held_state_ = 0, fault_state_ = 0;
   std::vector<std::array<std::size_t, 3>> tcp_states_;
   ContactWatch contact_watch_;
-  std::vector<std::string> unchecked_bodies_;
+  std::vector<Problem> unchecked_bodies_;
   int contacts_max_ = 0;
   double tracking_error_max_ = 0;
   std::uint64_t told_version_ = 0, quiet_version_ = 0;

@@ -5,6 +5,7 @@
 
 #include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/problem_json.hpp"
 
 namespace polyarm::cell {
 
@@ -66,7 +67,8 @@ void Cell::find_cause(ContactReport& contact) const {
 }
 
 Problem Cell::problem_of(const ContactReport& contact) const {
-  Problem out{"contact", contact.where, contact.sentence(), "move the points or the obstacle"};
+  Problem out{"contact",       contact.where,  contact.sentence(), "move the points or the obstacle",
+              Severity::error, contact.facts()};
   if (contact.during == ContactDuring::start)
     out.advice = "move the base of the robot, the obstacle, or where it starts (home)";
   else if (contact.during == ContactDuring::jog)
@@ -101,6 +103,9 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
 nlohmann::json contacts_json(const Cell& cell) {
   nlohmann::json list = nlohmann::json::array();
   for (const ContactReport& contact : cell.contacts().list()) list.push_back(json_of(contact));
+  nlohmann::json why = nlohmann::json::array();
+  for (const Problem& each : cell.unchecked_bodies())
+    why.push_back({{"code", each.code}, {"facts", facts_json(each.facts)}});
   bool checked = false;
   for (const auto& robot : cell.robots()) checked = checked || checks_contacts(*robot);
   const control::ContactStop stop = cell.contact_stop();
@@ -109,7 +114,8 @@ nlohmann::json contacts_json(const Cell& cell) {
                        ? nlohmann::json()
                        : nlohmann::json(stop == control::ContactStop::cut ? 0 : 1)},
           {"touching", cell.contacts().touching()},
-          {"unchecked", cell.unchecked_bodies()},
+          {"unchecked", sentences(cell.unchecked_bodies())},
+          {"unchecked_why", std::move(why)},
           {"list", std::move(list)}};
 }
 

@@ -93,8 +93,10 @@ void Cell::start_program(program::Program program) {
     return (!set.empty() && files_->is_live(set)) || links_->source_of(name).has_value();
   };
   context.hold = [this](const std::string& reason, const Location& where) {
-    observer_.on_problem(now_, {"held", where, reason, "polyarm control resume", Severity::warning});
-    loop_->supervisor().latch().request(realtime::StopKind::controlled);
+    Problem why{"program-hold",      where, reason, "polyarm control resume", Severity::warning,
+                {{"reason", reason}}};
+    observer_.on_problem(now_, why);
+    hold_for(std::move(why));
   };
   program_ = std::make_unique<Task>("program", std::move(program), context);
   if (options_.cycles > 0) program_->interpreter().limit_passes(options_.cycles);

@@ -108,15 +108,29 @@ void Cell::watch_links(Nanoseconds now, const control::Snapshot& snapshot) {
           observer_.on_note("the programs begin when the link '" + link.entry->name +
                             "' is there: " + link.state.reason);
   }
-  const std::optional<std::string> lost = links_->lost();
-  const std::optional<std::string>& why = lost ? lost : heartbeats_->stopped();
+  const std::optional<Problem> lost = links_->lost();
+  const std::optional<Problem>& why = lost ? lost : heartbeats_->stopped();
   missed_ = why.has_value();
   const bool works = (program_ && begun_ && !program_->ended()) || jogging_->engaged();
   if (!missed_ || !works || snapshot.state != control::RunState::running) return;
   if (loop_->supervisor().latch().requested() != realtime::StopKind::none) return;
-  observer_.on_problem(now, {"held", program_ ? program_->status().where : Location{}, *why,
-                             "mend it, then polyarm control resume", Severity::warning});
+  Problem problem = *why;
+  if (program_) problem.where = program_->status().where;
+  problem.advice = "mend it, then polyarm control resume";
+  observer_.on_problem(now, problem);
+  hold_for(std::move(problem));
+}
+
+void Cell::hold_for(Problem why) {
+  held_by_ = std::move(why);
   loop_->supervisor().latch().request(realtime::StopKind::controlled);
+}
+
+Problem Cell::stop_cause() const {
+  const control::StopCause cause = snapshot().cause;
+  if (cause == control::StopCause::asked && held_by_) return *held_by_;
+  if (cause == control::StopCause::asked && failure_) return {"run-failed", {}, "the run failed", {}};
+  return {control::code(cause), {}, control::name(cause), {}};
 }
 
 void Cell::tell_changes(Nanoseconds now) {
@@ -137,6 +151,15 @@ void Cell::fail(Nanoseconds now, Problem problem) {
   loop_->supervisor().latch().request(realtime::StopKind::controlled);
 }
 
+namespace {
+void add_component_facts(const hardware::Hardware& hardware, std::size_t component, Facts& facts) {
+  facts.push_back({"component", hardware.component_name(component)});
+  if (const std::string name = hardware.blamed_interface(component); !name.empty())
+    facts.push_back({"interface", name});
+  if (const std::string own = hardware.own_reason(component); !own.empty()) facts.push_back({"reason", own});
+}
+}  // namespace
+
 /// A fault ends what works towards an end; a cell that waits for others is brought back by them.
 void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
   const bool fault = snapshot.state == control::RunState::fault;
@@ -148,16 +171,22 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
                            snapshot.cause == Cause::jump || snapshot.cause == Cause::not_following ||
                            snapshot.cause == Cause::late;
   std::string who;
+  Facts facts{{"cause", control::code(snapshot.cause)}};
   if (of_hardware && snapshot.culprit >= 0) {
     const auto component = static_cast<std::size_t>(snapshot.culprit);
     const std::string reason = loop_->hardware().reason(component);
     who = " (" + loop_->hardware().component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
+    add_component_facts(loop_->hardware(), component, facts);
   } else if (snapshot.cause == Cause::limits && snapshot.culprit >= 0) {
-    who = " (" + loop_->table().command_names()[static_cast<std::size_t>(snapshot.culprit)] + ")";
+    const std::string& name = loop_->table().command_names()[static_cast<std::size_t>(snapshot.culprit)];
+    who = " (" + name + ")";
+    facts.push_back({"interface", name});
   } else if (snapshot.cause == Cause::controller && snapshot.culprit >= 0) {
-    who = " (" + loop_->controllers().name_of(snapshot.culprit) + ")";
+    const std::string name = loop_->controllers().name_of(snapshot.culprit);
+    who = " (" + name + ")";
+    facts.push_back({"controller", name});
   }
-  Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}};
+  Problem problem{"fault", {}, std::string(control::name(snapshot.cause)) + who, {}, Severity::error, facts};
   const bool waits = waits_for_others();
   problem.advice =
       !waits ? "see the recorded cycles of this run"
@@ -187,7 +216,10 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
         {},
         fmt::format("{} ({}{}); only what works on {} has stopped", control::name(cause), name,
                     reason.empty() ? "" : ": " + reason, hardware.group(i)),
-        "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME"};
+        "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME",
+        Severity::error,
+        {{"cause", control::code(cause)}, {"group", hardware.group(i)}}};
+    add_component_facts(hardware, i, problem.facts);
     observer_.on_problem(now, problem);
     if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // one that comes and goes
     if (waits_for_others()) recorder_.begin(begin_record(*this, problem), now);
@@ -196,14 +228,17 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
 
 void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
   constexpr std::size_t kKept = 1000;
+  const bool asked = loop_->supervisor().latch().requested() != realtime::StopKind::none;
+  if (snapshot.state == control::RunState::running && !asked) held_by_.reset();
   if (joint_places_.all().empty()) joint_places_ = JointPlaces(robots_, loop_->table());
   held_place_.tick(snapshot, joint_places_, jogging_->engaged() || contact_watch_.touching());
   if (snapshot.state == control::RunState::stopping && snapshot.cause == control::StopCause::contact)
     stop_watch_.set_category(loop_->supervisor().contact_stop() == control::ContactStop::cut ? 0 : 1);
   auto stop = stop_watch_.tick(snapshot, robots_, joint_places_);
   if (!stop) return;
-  if (failure_ && snapshot.cause == control::StopCause::asked)
-    stop->cause = "the run failed";  // nobody asked
+  const Problem cause = stop_cause();
+  stop->cause = cause.what;
+  stop->cause_code = cause.code;
   if (stops_.size() >= kKept) stops_.erase(stops_.begin());
   stops_.push_back(*stop);
   observer_.on_stop(now, *stop);
@@ -253,11 +288,14 @@ void Cell::watch_for_deadlock(Nanoseconds now, const control::Snapshot& snapshot
   const bool busy = program_->busy_since().has_value();
   const std::string advice =
       busy ? "end the loop, or let it wait for what it needs" : "check who is to set these tags";
-  fail(now, {"deadlock", program_->status().where,
+  fail(now, {busy ? "endless-loop" : "deadlock",
+             program_->status().where,
              (busy ? "the program goes round without end, and nothing changes what it reads: "
                    : "every task waits, and no clock, link or motion can change what it waits for: ") +
                  waiting,
-             hint.empty() ? advice : hint});
+             hint.empty() ? advice : hint,
+             Severity::error,
+             {{"waiting", waiting}}});
 }
 
 void Cell::watch_end(Nanoseconds now) {

@@ -95,7 +95,7 @@ class Checker {
 
   void bodies() {
     result_.notes = file_.notes;
-    for (const auto& more : {unchecked_bodies(robots_, scene_), placeholder_notes(robots_)})
+    for (const auto& more : {sentences(unchecked_bodies(robots_, scene_)), placeholder_notes(robots_)})
       result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 

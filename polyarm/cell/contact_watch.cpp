@@ -30,6 +30,10 @@ std::string ContactReport::sentence() const {
   return out;
 }
 
+Facts ContactReport::facts() const {
+  return {{"a", a}, {"b", b}, {"depth_m", depth}, {"at_s", seconds(time)}, {"doing", name(during)}};
+}
+
 nlohmann::json json_of(const ContactReport& c) {
   return {{"a", c.a},
           {"b", c.b},

@@ -26,6 +26,8 @@ struct ContactReport {
   Location where;      ///< the move of the program, where that was under way
   /// "arm/forearm touched fixture table at 1.234 s, 2.10 mm deep".
   std::string sentence() const;
+  /// {a, b, depth_m, at_s, doing}
+  Facts facts() const;
 };
 /// {a, b, robot, at_s, depth, position, now, doing, where, text}
 nlohmann::json json_of(const ContactReport& contact);
@@ -53,7 +55,7 @@ class ContactWatch {
 };
 
 class Cell;
-/// {checked, stop, touching, unchecked, list}, as docs/pendant.md has it.
+/// {checked, stop, touching, unchecked, unchecked_why, list}, as docs/pendant.md has it.
 nlohmann::json contacts_json(const Cell& cell);
 
 }  // namespace polyarm::cell

@@ -59,8 +59,12 @@ void EventLog::on_log(Nanoseconds time, const std::string& task, const std::stri
   next_.on_log(time, task, text);
 }
 
-void EventLog::on_state(Nanoseconds time, const std::string& state, const std::string& cause) {
-  keep({{"event", "state"}, {"time_s", seconds(time)}, {"state", state}, {"cause", cause}});
+void EventLog::on_state(Nanoseconds time, const std::string& state, const Problem& cause) {
+  keep({{"event", "state"},
+        {"time_s", seconds(time)},
+        {"state", state},
+        {"cause", cause.what},
+        {"cause_code", cause.code}});
   next_.on_state(time, state, cause);
 }
 

@@ -34,7 +34,7 @@ class EventLog : public Observer {
               const std::string& who) override;
   void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override;
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override;
-  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override;
+  void on_state(Nanoseconds time, const std::string& state, const Problem& cause) override;
   void on_stop(Nanoseconds time, const StopReport& stop) override;
   void on_question(const std::string& text) override;
   void on_problem(Nanoseconds time, const Problem& problem) override;

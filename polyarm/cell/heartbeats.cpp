@@ -37,8 +37,13 @@ void Heartbeats::tick(Nanoseconds now, std::uint64_t cycles, data::DataStore& st
       watched.last = *value;
     }
     if (watched.changed_at >= 0 && now - watched.changed_at > watched.beat.period)
-      stopped_ = "the heartbeat '" + watched.beat.tag + "' has not changed for " +
-                 format_number(seconds(watched.beat.period)) + " s";
+      stopped_ = Problem{"heartbeat",
+                         {},
+                         "the heartbeat '" + watched.beat.tag + "' has not changed for " +
+                             format_number(seconds(watched.beat.period)) + " s",
+                         {},
+                         Severity::warning,
+                         {{"tag", watched.beat.tag}, {"time_s", seconds(watched.beat.period)}}};
   }
 }
 

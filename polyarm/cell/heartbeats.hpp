@@ -17,8 +17,8 @@ class Heartbeats {
 
   /// Once each tick. `cycles`: of the control loop; where it makes no more, the own heartbeat stops.
   void tick(Nanoseconds now, std::uint64_t cycles, data::DataStore& store);
-  /// Which watched one has stopped, a sentence; watched only from its first change on.
-  const std::optional<std::string>& stopped() const { return stopped_; }
+  /// Which watched one has stopped; watched only from its first change on.
+  const std::optional<Problem>& stopped() const { return stopped_; }
 
  private:
   struct Watched {
@@ -31,7 +31,7 @@ class Heartbeats {
   Nanoseconds toggled_at_ = 0;
   std::uint64_t cycles_ = 0;
   bool high_ = false;
-  std::optional<std::string> stopped_;
+  std::optional<Problem> stopped_;
 };
 
 }  // namespace polyarm::cell

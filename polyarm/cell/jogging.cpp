@@ -43,23 +43,52 @@ Jogging::Jogging(Cell& cell) : cell_(cell) {
 }
 Jogging::~Jogging() = default;
 
+namespace {
+/// A component that takes commands of the robot's joints and is not active; empty: there is none.
+std::string inactive_component(Cell& cell, std::size_t robot) {
+  control::ControlLoop& loop = cell.loop();
+  for (const controllers::JointFacts& joint : cell.robots()[robot]->joints)
+    for (const char* what : {"/position", "/velocity", "/effort"}) {
+      const auto command = loop.table().find_command(joint.name + what);
+      const int component = command ? loop.hardware().component_of_command(*command) : -1;
+      if (component < 0) continue;
+      const auto c = static_cast<std::size_t>(component);
+      if (loop.hardware().state_of(c) != LifecycleState::active) return loop.hardware().component_name(c);
+    }
+  return {};
+}
+}  // namespace
+
 void Jogging::require_allowed(std::size_t i) const {
+  if (auto why = why_not(i)) throw Error(std::move(*why));
+}
+
+std::optional<Problem> Jogging::why_not(std::size_t i) const {
   const std::string& name = cell_.robots()[i]->entry.name;
+  const auto no = [&name](const char* code, const std::string& why, const char* advice, Facts facts = {}) {
+    facts.push_back({"robot", name});
+    return Problem{
+        code, {}, "'" + name + "' is not jogged: " + why, advice, Severity::error, std::move(facts)};
+  };
   if (!cell_.arming().armed())
-    throw Error("disarmed", "'" + name + "' is not jogged: real hardware that nobody has armed",
-                "polyarm control arm");
+    return no("disarmed", "real hardware that nobody has armed", "polyarm control arm");
   const control::Snapshot& snapshot = cell_.snapshot();
   if (snapshot.state == control::RunState::fault)
-    throw Error("fault", "'" + name + "' is not jogged: the cell is in a fault", "polyarm control recover");
+    return no("fault", "the cell is in a fault", "polyarm control recover",
+              {{"cause", control::code(snapshot.cause)}});
   if (snapshot.state == control::RunState::stopping)
-    throw Error("stopping", "'" + name + "' is not jogged: the cell is stopping", "ask again when it stands");
+    return no("stopping", "the cell is stopping", "ask again when it stands");
+  if (const std::string component = inactive_component(cell_, i); !component.empty())
+    return no("not-active", "the hardware component '" + component + "' is not active",
+              "polyarm hardware recover NAME, or polyarm hardware state NAME active",
+              {{"component", component}});
   const bool running = snapshot.state == control::RunState::running;
   if (running && cell_.program_runs())
-    throw Error("program-runs", "'" + name + "' is not jogged: the program is running and holds control",
-                "hold it first: polyarm control hold");
+    return no("program-runs", "the program is running and holds control",
+              "hold it first: polyarm control hold");
   if (!running && !robot(i).engaged && !cell_.idle(i))
-    throw Error("motion-held", "'" + name + "' is not jogged: a motion is held half way along its path",
-                "go on: polyarm control resume; or forget it: polyarm control discard");
+    return no("motion-held", "a motion is held half way along its path",
+              "go on: polyarm control resume; or forget it: polyarm control discard");
   if (running && !robot(i).engaged && !snapshot.standing)
     for (const controllers::JointFacts& joint : cell_.robots()[i]->joints) {
       const std::string holder = cell_.loop().controllers().holder_of(joint.name + "/position");
@@ -67,9 +96,10 @@ void Jogging::require_allowed(std::size_t i) const {
           holder.empty() ? nullptr : cell_.loop().controllers().find(holder);
       if (mover && holder != robot(i).name &&
           dynamic_cast<const controllers::JointTrajectoryController*>(mover))
-        throw Error("moving", "'" + name + "' is not jogged: " + holder + " is moving it",
-                    "wait until it has arrived, or hold it: polyarm control hold");
+        return no("moving", holder + " is moving it",
+                  "wait until it has arrived, or hold it: polyarm control hold", {{"controller", holder}});
     }
+  return std::nullopt;
 }
 
 void Jogging::load(std::size_t i) {

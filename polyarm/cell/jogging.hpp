@@ -2,9 +2,11 @@
 /// Who moves the robots of a cell by hand, when that may be, and what gives way meanwhile.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/jog/jog_controller.hpp"
 
@@ -23,8 +25,10 @@ class Jogging {
   explicit Jogging(Cell& cell);
   ~Jogging();
 
-  /// Throws Error that says why the robot may not be jogged now: "program-runs", "disarmed", "fault",
-  /// "stopping", "motion-held", "moving".
+  /// Why the robot may not be jogged now: "program-runs", "disarmed", "fault", "stopping", "not-active",
+  /// "motion-held" or "moving"; empty: it may.
+  std::optional<Problem> why_not(std::size_t robot) const;
+  /// Throws that as an Error.
   void require_allowed(std::size_t robot) const;
   /// A step towards the robot's joints being this one's; true when they are. Throws what refuses it.
   bool engage(std::size_t robot);

@@ -110,15 +110,27 @@ bool CellLinks::ready() const {
   });
 }
 
-std::optional<std::string> CellLinks::lost() const {
+std::optional<Problem> CellLinks::lost() const {
   for (const Running& running : links_) {
     const LinkEntry& entry = running.link->entry();
     if (entry.on_loss != LinkEntry::OnLoss::hold || !running.state.was_up) continue;
-    if (!running.state.up) return "the link '" + entry.name + "' is lost: " + running.state.reason;
+    if (!running.state.up)
+      return Problem{"link-lost",
+                     {},
+                     "the link '" + entry.name + "' is lost: " + running.state.reason,
+                     {},
+                     Severity::warning,
+                     {{"link", entry.name}, {"reason", running.state.reason}}};
     for (std::size_t i = 0; i < entry.tags.size(); ++i)
       if (running.state.stale[i] && running.state.heard[i])
-        return "the link '" + entry.name + "' has brought nothing new of '" + entry.tags[i].name + "' for " +
-               format_number(seconds(entry.tags[i].stale)) + " s";
+        return Problem{
+            "link-stale",
+            {},
+            "the link '" + entry.name + "' has brought nothing new of '" + entry.tags[i].name + "' for " +
+                format_number(seconds(entry.tags[i].stale)) + " s",
+            {},
+            Severity::warning,
+            {{"link", entry.name}, {"tag", entry.tags[i].name}, {"time_s", seconds(entry.tags[i].stale)}}};
   }
   return std::nullopt;
 }
@@ -131,7 +143,12 @@ bool CellLinks::any_down() const {
 void CellLinks::take(Running& running, LinkEvent& event) {
   const LinkEntry& entry = running.link->entry();
   const auto tell = [&](const char* code, const std::string& what) {
-    news_.push_back({code, {}, what, "polyarm tags shows every link and tag", Severity::warning});
+    news_.push_back({code,
+                     {},
+                     what,
+                     "polyarm tags shows every link and tag",
+                     Severity::warning,
+                     {{"link", entry.name}, {"reason", event.text}}});
   };
   switch (event.kind) {
     case LinkEvent::Kind::value: {

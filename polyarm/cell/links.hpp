@@ -26,7 +26,7 @@ class CellLinks {
   /// Whether every link that the cell waits for has been up once: before that the programs do not begin.
   bool ready() const;
   /// A link that the cell holds without is lost now; why.
-  std::optional<std::string> lost() const;
+  std::optional<Problem> lost() const;
   /// Whether any link that has been up is not, held or not.
   bool any_down() const;
   /// What came, into the store.

@@ -22,7 +22,8 @@ class Observer {
                       const std::string& who) {}
   virtual void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {}
   virtual void on_log(Nanoseconds time, const std::string& task, const std::string& text) {}
-  virtual void on_state(Nanoseconds time, const std::string& state, const std::string& cause) {}
+  /// The state of the loop is another one now. `cause`: as Cell::stop_cause().
+  virtual void on_state(Nanoseconds time, const std::string& state, const Problem& cause) {}
   /// A stop has ended.
   virtual void on_stop(Nanoseconds time, const StopReport& stop) {}
   virtual void on_question(const std::string& text) {}
@@ -56,7 +57,7 @@ class Observers : public Observer {
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     for (Observer* each : list_) each->on_log(time, task, text);
   }
-  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
+  void on_state(Nanoseconds time, const std::string& state, const Problem& cause) override {
     for (Observer* each : list_) each->on_state(time, state, cause);
   }
   void on_stop(Nanoseconds time, const StopReport& stop) override {

@@ -9,6 +9,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/problem_json.hpp"
 #include "polyarm/cell/request_roles.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -48,20 +49,11 @@ const std::vector<Row>& rows() {
   return table;
 }
 
-/// What was wrong may be quoted in it, however long that was.
-std::string clipped(std::string text) {
-  if (text.size() > bounds::kErrorTextBytes) text = text.substr(0, bounds::kErrorTextBytes) + " …";
-  return text;
-}
-
 Json error_json(const Error& error) {
   Json all = Json::array();
   for (const Problem& problem : error.problems()) {
     if (all.size() >= bounds::kErrorProblems) break;
-    all.push_back({{"code", problem.code},
-                   {"what", clipped(problem.what)},
-                   {"advice", clipped(problem.advice)},
-                   {"where", clipped(problem.where.text())}});
+    all.push_back(problem_json(problem));
   }
   Json out = all.front();
   if (all.size() > 1) out["all"] = all;

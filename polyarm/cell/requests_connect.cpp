@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/problem_json.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/hardware/component.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -88,7 +89,8 @@ Json connect_json(Cell& cell, const std::vector<Found>& found) {
           {"hardware", std::move(hardware)},
           {"possible", !why},
           {"why", why ? why->problems().front().what : ""},
-          {"advice", why ? why->problems().front().advice : ""}};
+          {"advice", why ? why->problems().front().advice : ""},
+          {"problem", why ? problem_json(why->problems().front()) : Json()}};
 }
 
 Poll cell_connect(Cell& cell, const Json& arguments) {
@@ -116,7 +118,7 @@ const std::vector<RequestRow>& connect_rows() {
         {{"real", kFlag}},
         "{real, hardware: [{robot, component, driver, drives, devices: [{parameter, path, there}]}], "
         "possible, "
-        "why, advice, asked}",
+        "why, advice, problem, asked}",
         "without `real`: what real hardware the cell names, and whether it can be connected; with it: build "
         "the "
         "cell anew, on that hardware, held and disarmed, or simulated",

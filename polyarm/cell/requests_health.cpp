@@ -84,7 +84,9 @@ Poll health(Cell& cell, const Json&) {
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const std::string& name = hardware.component_name(i);
     if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
-      fallen.push_back({{"component", name}, {"cause", control::name(seen.fallen[i])}});
+      fallen.push_back({{"component", name},
+                        {"cause", control::name(seen.fallen[i])},
+                        {"cause_code", control::code(seen.fallen[i])}});
     const hardware::HostedInfo info = hardware.info(i);
     if (const realtime::ThreadHealth* thread = hardware.thread_health(i))
       threads.push_back(thread_of("component", name, rate_of(cell, info), info.period > 0, *thread));
@@ -97,7 +99,8 @@ Poll health(Cell& cell, const Json&) {
     else
       add_part(parts, "controller", c.name, rate_of(cell, c), *c.part);
   return at_once({{"state", control::name(seen.state)},
-                  {"cause", control::name(seen.cause)},
+                  {"cause", cell.stop_cause().what},
+                  {"cause_code", cell.stop_cause().code},
                   {"standing", seen.standing},
                   {"parts", parts},
                   {"override_percent", 100 * cell.loop().supervisor().override_share()},
@@ -141,9 +144,11 @@ const std::vector<RequestRow>& health_rows() {
        interfaces_list},
       {{"health",
         {},
-        "{state, cause, standing, time_s, rate_hz, cycles, late, cost, wake_up, period, clamps, parts: "
+        "{state, cause, cause_code, standing, time_s, rate_hz, cycles, late, cost, wake_up, period, clamps, "
+        "parts: "
         "[{component or controller, rate_hz, turns, cost, period}], threads: [{component or controller, "
-        "rate_hz, own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause}]}",
+        "rate_hz, own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause, "
+        "cause_code}]}",
         "how the control loop is doing",
         false},
        health},

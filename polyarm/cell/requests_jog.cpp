@@ -128,14 +128,20 @@ double speed_argument(const Json& arguments) {
   return speed;
 }
 
+/// The joint or the zone of the workspace that holds it back; empty: neither does.
+std::string which_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+  const auto i = static_cast<std::size_t>(std::max(which, 0));
+  if (hold == JogHold::joint_limit && i < robot.joints.size()) return short_name(robot.joints[i]);
+  if (hold == JogHold::workspace && i < robot.facts->workspace.zones().size())
+    return robot.facts->workspace.zones()[i].name;
+  return "";
+}
+
 /// What holds it back, for a person.
 std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
-  const auto i = static_cast<std::size_t>(std::max(which, 0));
   if (hold == JogHold::none) return "";
-  if (hold == JogHold::joint_limit && i < robot.joints.size())
-    return "joint limit " + short_name(robot.joints[i]);
-  if (hold == JogHold::workspace && i < robot.facts->workspace.zones().size())
-    return "workspace " + robot.facts->workspace.zones()[i].name;
+  if (const std::string what = which_text(robot, hold, which); !what.empty())
+    return std::string(name(hold)) + " " + what;
   if (hold == JogHold::direction) return "direction: the arm has too few joints for it";
   return name(hold);
 }
@@ -177,6 +183,7 @@ Json state_of(Cell& cell, std::size_t i) {
           {"moving", ours && !status.standing},
           {"held_back", going ? name(status.hold) : "none"},
           {"reason", going ? reason_text(robot, status.hold, status.which) : ""},
+          {"which", going ? which_text(robot, status.hold, status.which) : ""},
           {"profile", cell.profile()},
           {"control", cell.control_holder()}};
 }
@@ -265,6 +272,7 @@ Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
       out["done"] = done;
       out["held_back"] = name(status.step_hold);
       out["reason"] = reason_text(*cell.robots()[i], status.step_hold, status.step_which);
+      out["which"] = which_text(*cell.robots()[i], status.step_hold, status.step_which);
       return Progress::done(std::move(out));
     }
     if (cell.now() - renewed >= kRenewEvery) {
@@ -389,7 +397,7 @@ Poll profile(Cell& cell, const Json& arguments) {
 
 constexpr const char* kJogState =
     "{session, robot, model, tool, names, slides, joints, limits, position, rpy, orientation, speed, moving, "
-    "held_back, reason, profile, control}; "
+    "held_back, reason, which, profile, control}; "
     "of a step also {done}";
 
 }  // namespace

@@ -197,7 +197,8 @@ const std::vector<RequestRow>& motion_rows() {
        control_discard},
       {{"contacts",
         {},
-        "{checked, stop, touching, unchecked, list: [{a, b, robot, at_s, depth, position, now, doing, where, text}]}",
+        "{checked, stop, touching, unchecked, unchecked_why, list: [{a, b, robot, at_s, depth, position, "
+        "now, doing, where, text}]}",
         "what touched what in physics and where, what touches now, and what contacts are not detected for",
         false},
        control_contacts},

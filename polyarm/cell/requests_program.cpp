@@ -9,6 +9,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/problem_json.hpp"
 #include "polyarm/cell/program_hash.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/cell/requests_work.hpp"
@@ -90,13 +91,6 @@ Json surroundings(Cell& cell) {
           {"problem", Json()}};
 }
 
-Json json_of(const Problem& problem) {
-  return {{"code", problem.code},
-          {"what", problem.what},
-          {"advice", problem.advice},
-          {"where", problem.where.text()}};
-}
-
 }  // namespace
 
 Json program_json(Cell& cell) {
@@ -119,7 +113,7 @@ Json program_json(Cell& cell) {
               {"passes", status.cycles},
               {"tasks", tasks},
               {"question", asks ? Json(status.waiting.text) : Json()},
-              {"problem", status.problem ? json_of(*status.problem) : Json()}});
+              {"problem", status.problem ? problem_json(*status.problem) : Json()}});
   return out;
 }
 

@@ -26,7 +26,7 @@ using program::Statement;
 
 constexpr std::size_t kLargest = 900'000;
 
-Json problem_json(const Problem& p) {
+Json finding_json(const Problem& p) {
   return {{"code", p.code},           {"severity", p.severity == Severity::error ? "error" : "warning"},
           {"file", p.where.file},     {"line", p.where.line},
           {"column", p.where.column}, {"what", p.what},
@@ -153,7 +153,7 @@ Poll program_check(Cell& cell, const Json& arguments) {
         add_loaded(parsed, known);
         program::check(parsed, known, found);
         Json out = Json::array();
-        for (const Problem& problem : found.list()) out.push_back(problem_json(problem));
+        for (const Problem& problem : found.list()) out.push_back(finding_json(problem));
         return Json{{"problems", out}};
       },
       [](Cell&, Json& out) { return std::move(out); });
@@ -166,7 +166,7 @@ Poll program_steps(Cell& cell, const Json& arguments) {
         Problems found;
         const Program parsed = program::parse(source.read(), source.file.string(), found);
         Json problems = Json::array();
-        for (const Problem& problem : found.list()) problems.push_back(problem_json(problem));
+        for (const Problem& problem : found.list()) problems.push_back(finding_json(problem));
         return Json{{"steps", Steps(parsed).list()}, {"problems", problems}};
       },
       [](Cell&, Json& out) { return std::move(out); });

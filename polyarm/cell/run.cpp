@@ -383,9 +383,7 @@ class Runner {
     const control::Snapshot& seen = cell_.snapshot();
     if (seen.state == told_state_) return;
     told_state_ = seen.state;
-    const bool failed = cell_.failure() && seen.cause == control::StopCause::asked;  // by nobody
-    observer_.on_state(now, control::name(seen.state),
-                       failed ? "the run failed" : std::string(control::name(seen.cause)));
+    observer_.on_state(now, control::name(seen.state), cell_.stop_cause());
   }
 
   void watch_first_motion() {

@@ -25,20 +25,40 @@ std::string StopReport::sentence() const {
   return out + ": " + cause;
 }
 
+Facts StopReport::facts() const {
+  Facts out{{"cause", cause_code}, {"category", static_cast<double>(category)}, {"time_s", time_s}};
+  const auto most =
+      std::max_element(tcps.begin(), tcps.end(), [](const Way& a, const Way& b) { return a.way < b.way; });
+  if (most == tcps.end()) return out;
+  out.push_back({"robot", most->name});
+  out.push_back({"tcp_m", most->way});
+  return out;
+}
+
 nlohmann::json json_of(const StopReport& stop) {
   nlohmann::json tcps = nlohmann::json::object(), joints = nlohmann::json::object();
   for (const StopReport::Way& tcp : stop.tcps) tcps[tcp.name] = tcp.way;
   for (const StopReport::Way& joint : stop.joints) joints[joint.name] = joint.way;
-  return {{"at_s", seconds(stop.begun)}, {"time_s", stop.time_s}, {"category", stop.category},
-          {"cause", stop.cause},         {"tcp_m", tcps},         {"joints", joints}};
+  return {{"at_s", seconds(stop.begun)},
+          {"time_s", stop.time_s},
+          {"category", stop.category},
+          {"cause", stop.cause},
+          {"cause_code", stop.cause_code},
+          {"tcp_m", tcps},
+          {"joints", joints}};
 }
 
 JointPlaces::JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table) {
   const auto index = [](const auto& found) { return found ? static_cast<int>(*found) : -1; };
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    for (const controllers::JointFacts& joint : robots[r]->joints)
-      places_.push_back({joint.name, r, index(table.find_state(joint.name + "/position")),
-                         index(table.find_command(joint.name + "/position"))});
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const kinematics::Chain& chain = robots[r]->facts->chain;
+    for (std::size_t j = 0; j < robots[r]->joints.size(); ++j) {
+      const std::string& name = robots[r]->joints[j].name;
+      places_.push_back({name, r, index(table.find_state(name + "/position")),
+                         index(table.find_command(name + "/position")),
+                         j < chain.names().size() && chain.slides(j)});
+    }
+  }
 }
 
 std::vector<double> JointPlaces::commanded(const control::Snapshot& snapshot) const {
@@ -79,8 +99,12 @@ std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, con
   before_ = std::move(now);
   if (!under_way_ || snapshot.stop.ended < 0) return std::nullopt;
   under_way_ = false;
-  StopReport out{seen_, seconds(snapshot.stop.ended - seen_), category_, control::name(snapshot.cause), {},
-                 {}};
+  StopReport out;
+  out.begun = seen_;
+  out.time_s = seconds(snapshot.stop.ended - seen_);
+  out.category = category_;
+  out.cause = control::name(snapshot.cause);
+  out.cause_code = control::code(snapshot.cause);
   category_ = 2;
   for (std::size_t r = 0; r < robots.size(); ++r)
     if (tcp_way_[r] > kNoWay) out.tcps.push_back({robots[r]->entry.name, tcp_way_[r]});
@@ -110,6 +134,7 @@ void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& place
     if (const double moved = off[j] - settled_[j]; std::abs(moved) > std::abs(most_)) {
       most_ = moved;
       joint_ = places.all()[j].name;
+      slides_ = places.all()[j].slides;
     }
 }
 
@@ -118,10 +143,12 @@ std::optional<Problem> HeldPlace::pushed() const {
   return Problem{
       "moved-while-held",
       {},
-      fmt::format("{} was moved by {:+.4f} rad or m since it is held, off where it is to go on from", joint_,
-                  most_),
+      fmt::format("{} was moved by {:+.4f} {} since it is held, off where it is to go on from", joint_, most_,
+                  slides_ ? "m" : "rad"),
       "let it go back; or forget the motion: polyarm control discard; or go on all the same: polyarm control "
-      "resume --anyway"};
+      "resume --anyway",
+      Severity::error,
+      {{"joint", joint_}, {slides_ ? "moved_m" : "moved_rad", most_}}};
 }
 
 }  // namespace polyarm::cell

@@ -24,10 +24,13 @@ struct StopReport {
   /// the drives are switched off; after a contact (0 or 1) they hold, so that the robot can be moved away.
   int category = 2;
   std::string cause;
+  std::string cause_code;   ///< as control::code
   std::vector<Way> tcps;    ///< of each robot that moved, m along its path
   std::vector<Way> joints;  ///< of each joint that moved, rad or m
   /// In one line.
   std::string sentence() const;
+  /// {cause, category, time_s, robot?, tcp_m?}: the robot whose TCP came furthest.
+  Facts facts() const;
 };
 
 /// {at_s, time_s, category, cause, tcp_m: {robot: m}, joints: {joint: rad or m}}
@@ -39,7 +42,8 @@ class JointPlaces {
   struct Place {
     std::string name;
     std::size_t robot;
-    int state, command;  ///< index of its position, -1: none
+    int state, command;   ///< index of its position, -1: none
+    bool slides = false;  ///< its position is in m, else in rad
   };
   JointPlaces() = default;
   JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table);
@@ -83,6 +87,7 @@ class HeldPlace {
   Nanoseconds since_ = -1;
   std::vector<double> settled_;  // measured less commanded; empty: not yet
   std::string joint_;
+  bool slides_ = false;
   double most_ = 0;
 };
 

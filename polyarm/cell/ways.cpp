@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/problem_json.hpp"
 
 namespace polyarm::cell {
 
@@ -16,14 +17,18 @@ Problem in_fault(const Cell& cell) {
   return {"fault",
           {},
           std::string("the cell is in a fault: ") + control::name(cell.snapshot().cause),
-          "polyarm control recover, then polyarm control resume"};
+          "polyarm control recover, then polyarm control resume",
+          Severity::error,
+          {{"cause", control::code(cell.snapshot().cause)}}};
 }
 
 Problem still_moving(const Cell& cell) {
   return {"stopping",
           {},
           std::string("the cell is ") + control::name(cell.snapshot().state) + " and still moves",
-          "ask again when it stands"};
+          "ask again when it stands",
+          Severity::error,
+          {{"state", control::name(cell.snapshot().state)}}};
 }
 
 /// A stop that is not asked for any more is answered by the loop one cycle later.
@@ -39,12 +44,15 @@ std::optional<Problem> why_no_resume(const Cell& cell) {
   if (is_moving_state(state)) return still_moving(cell);
   const ContactReport* contact = cell.contacts().touching_now();
   if (state == RunState::held && contact && cell.motion_left())
-    return Problem{"in-contact",
-                   {},
-                   fmt::format("{} still touches {} ({:.2f} mm deep), and the motion that is held goes on from there",
-                               contact->a, contact->b, 1e3 * contact->depth),
-                   "polyarm control back leads out along the path; or polyarm control discard forgets the motion, "
-                   "then jog away slowly and polyarm control resume; --anyway goes on all the same"};
+    return Problem{
+        "in-contact",
+        {},
+        fmt::format("{} still touches {} ({:.2f} mm deep), and the motion that is held goes on from there",
+                    contact->a, contact->b, 1e3 * contact->depth),
+        "polyarm control back leads out along the path; or polyarm control discard forgets the motion, "
+        "then jog away slowly and polyarm control resume; --anyway goes on all the same",
+        Severity::error,
+        {{"a", contact->a}, {"b", contact->b}, {"depth_m", contact->depth}}};
   return cell.held_place().pushed();
 }
 
@@ -65,7 +73,9 @@ std::optional<Problem> why_no_back(const Cell& cell) {
     return Problem{"wrong-state",
                    {},
                    std::string("the loop is at ") + control::name(state),
-                   "only what is held steps back: polyarm control hold"};
+                   "only what is held steps back: polyarm control hold",
+                   Severity::error,
+                   {{"state", control::name(state)}}};
   return cell.held_place().pushed();
 }
 
@@ -75,7 +85,9 @@ std::optional<Problem> why_no_recover(const Cell& cell) {
   return Problem{"no-fault",
                  {},
                  std::string("there is no fault to leave: the cell is ") + control::name(state),
-                 state == RunState::held ? "polyarm control resume" : "nothing has to be done"};
+                 state == RunState::held ? "polyarm control resume" : "nothing has to be done",
+                 Severity::error,
+                 {{"state", control::name(state)}}};
 }
 
 std::optional<Problem> why_no_statement(const Cell& cell) {
@@ -85,24 +97,26 @@ std::optional<Problem> why_no_statement(const Cell& cell) {
   if (state == RunState::fault) return in_fault(cell);
   if (is_moving_state(state)) return still_moving(cell);
   if (state == RunState::held)
-    return Problem{"held",
-                   {},
-                   std::string("the cell is held (") + control::name(cell.snapshot().cause) +
-                       "), and no statement of the program begins",
-                   "polyarm control resume"};
+    return Problem{
+        "held",
+        {},
+        "the cell is held (" + cell.stop_cause().what + "), and no statement of the program begins",
+        "polyarm control resume",
+        Severity::error,
+        {{"cause", cell.stop_cause().code}}};
   return std::nullopt;
 }
 
-nlohmann::json ways_json(const Cell& cell) {
+nlohmann::json ways_json(Cell& cell) {
   const auto of = [](const std::optional<Problem>& why) {
-    return why ? nlohmann::json{{"code", why->code}, {"what", why->what}, {"advice", why->advice}}
-               : nlohmann::json();
+    return why ? problem_json(*why) : nlohmann::json();
   };
-  return {{"resume", of(why_no_resume(cell))},
-          {"discard", of(why_no_discard(cell))},
-          {"back", of(why_no_back(cell))},
-          {"recover", of(why_no_recover(cell))},
-          {"program", of(why_no_statement(cell))}};
+  nlohmann::json jog = nlohmann::json::object();
+  for (std::size_t i = 0; i < cell.robots().size(); ++i)
+    jog[cell.robots()[i]->entry.name] = of(cell.jogging().why_not(i));
+  return {{"resume", of(why_no_resume(cell))},     {"discard", of(why_no_discard(cell))},
+          {"back", of(why_no_back(cell))},         {"recover", of(why_no_recover(cell))},
+          {"program", of(why_no_statement(cell))}, {"jog", std::move(jog)}};
 }
 
 }  // namespace polyarm::cell

@@ -17,7 +17,8 @@ std::optional<Problem> why_no_recover(const Cell& cell);
 /// Statements of a program go on only while the cell runs.
 std::optional<Problem> why_no_statement(const Cell& cell);
 
-/// {resume, discard, back, recover, program}: null where it can be now, else {code, what, advice}.
-nlohmann::json ways_json(const Cell& cell);
+/// {resume, discard, back, recover, program, jog: {ROBOT: …}}: null if it is possible now, else the JSON of
+/// the problem.
+nlohmann::json ways_json(Cell& cell);
 
 }  // namespace polyarm::cell

@@ -318,11 +318,24 @@ Fault Hardware::write(const Cycle& cycle) noexcept {
   return fault;
 }
 
+std::string Hardware::own_reason(std::size_t i) const {
+  std::string own = hosted_[i]->pending ? "" : because(*hosted_[i]->component);
+  if (!own.empty()) own.erase(0, 2);  // ": "
+  return own;
+}
+
+std::string Hardware::blamed_interface(std::size_t i) const {
+  const int state = hosted_[i]->bad_state.load(std::memory_order_acquire);
+  const FaultKind kind = hosted_[i]->bad_kind.load(std::memory_order_relaxed);
+  if (state < 0 || kind == FaultKind::late || kind == FaultKind::controller) return {};
+  const auto& names = kind == FaultKind::outside ? table_.command_names() : table_.state_names();
+  return names[static_cast<std::size_t>(state)];
+}
+
 std::string Hardware::reason(std::size_t i) const {
   const Hosted& hosted = *hosted_[i];
   const int state = hosted.bad_state.load(std::memory_order_acquire);
-  std::string own = hosted.pending ? "" : because(*hosted.component);
-  if (!own.empty()) own.erase(0, 2);  // ": "
+  const std::string own = own_reason(i);
   if (hosted.bad_kind.load(std::memory_order_acquire) == FaultKind::late)
     return "its thread was late, or missed its turn, " + std::to_string(hosted.options.late_after) +
            " times in a row" + (own.empty() ? "" : " (" + own + ")");

@@ -213,6 +213,10 @@ class Hardware {
   bool real(std::size_t i) const { return hosted_[i]->component->real(); }
   /// Why the component failed last: what was watched, else its own words; may be empty.
   std::string reason(std::size_t i) const;
+  /// Of that, the component's own words; may be empty.
+  std::string own_reason(std::size_t i) const;
+  /// The interface whose value was the reason; empty: none was.
+  std::string blamed_interface(std::size_t i) const;
 
  private:
   /// Two lists side by side: the first is gone through in every cycle, and kept small for it.

@@ -369,8 +369,8 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     log(time, LogLevel::info, task, text);
   }
-  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override {
-    log(time, LogLevel::info, "cell", cause.empty() ? state : state + ": " + cause);
+  void on_state(Nanoseconds time, const std::string& state, const Problem& cause) override {
+    log(time, LogLevel::info, "cell", cause.what.empty() ? state : state + ": " + cause.what);
   }
   void on_stop(Nanoseconds time, const cell::StopReport& stop) override {
     log(time, LogLevel::info, "cell", stop.sentence());

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "polyarm/cell/problem_json.hpp"
 #include "polyarm/cell/program_hash.hpp"
 #include "polyarm/cell/ways.hpp"
 #include "polyarm/server/documents.hpp"
@@ -78,6 +79,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
   const control::Snapshot& seen = cell.snapshot();
   const control::Supervisor& supervisor = cell.loop().supervisor();
   const bool running = seen.state == control::RunState::running;
+  const Problem cause = cell.stop_cause();
   Json bases = Json::object(), jogged = Json::array();
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
     bases[cell.robots()[i]->entry.name] = rounded(cell.base(i).pose(seen));
@@ -93,9 +95,10 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
   return {{"event", "status"},
           {"cell", cell.file().name},
           {"state", control::name(seen.state)},
-          {"cause", control::name(seen.cause)},
-          {"cause_code", control::code(seen.cause)},
-          {"held", running ? "" : control::name(seen.cause)},
+          {"cause", cause.what},
+          {"cause_code", cause.code},
+          {"cause_facts", cell::facts_json(cause.facts)},
+          {"held", running ? "" : cause.what},
           {"can", cell::ways_json(cell)},
           {"contacts", cell::contacts_json(cell)},
           {"standing", seen.standing},
@@ -299,8 +302,12 @@ Text log_event(const Journal& journal, std::uint64_t after) {
   Json lines = Json::array();
   for (const Journal::Line& line : journal.lines())
     if (line.number > after)
-      lines.push_back(
-          {{"number", line.number}, {"time", line.time}, {"level", line.level}, {"text", line.text}});
+      lines.push_back({{"number", line.number},
+                       {"time", line.time},
+                       {"level", line.level},
+                       {"text", line.text},
+                       {"code", line.code},
+                       {"facts", cell::facts_json(line.facts)}});
   if (lines.empty()) return nullptr;
   return text_of({{"event", "log"}, {"lines", lines}});
 }
@@ -314,6 +321,7 @@ Text alarm_event(const Journal::Alarm& alarm) {
                   {"what", p.what},
                   {"where", place_json(p.where)},
                   {"advice", p.advice},
+                  {"facts", cell::facts_json(p.facts)},
                   {"severity", p.severity == Severity::error ? "error" : "warning"}});
 }
 

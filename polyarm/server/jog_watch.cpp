@@ -246,10 +246,12 @@ void JogWatch::ask(const std::shared_ptr<Jog>& jog) {
       return true;
     }
     jog->session = jog->drives ? 1 : answer["result"].value("session", std::uint32_t{0});
-    jog->held_back =
-        answer["result"].value("held_back", "none") == "none"
-            ? ""
-            : answer["result"].value("held_back", "") + "|" + answer["result"].value("reason", "");
+    const Json& now = answer["result"];
+    const std::string held_back = now.value("held_back", "none");
+    jog->held_back = held_back == "none" ? Json()
+                                         : Json{{"why", word_of(held_back)},
+                                                {"text", now.value("reason", "")},
+                                                {"which", now.value("which", "")}};
     return true;
   });
 }
@@ -338,13 +340,11 @@ void JogWatch::tick() {
     if (!jog->over && jog->begun && !jog->asked && std::exchange(jog->beaten, false)) ask(jog);
     if (jog->over || !jog->begun || jog->told == jog->held_back) continue;
     jog->told = jog->held_back;
-    const auto bar = jog->held_back.find('|');
-    tell_(jog->client, {{"event", "jog"},
-                        {"jog", jog->number},
-                        {"robot", cell_.robots()[jog->robot]->entry.name},
-                        {"over", false},
-                        {"why", word_of(jog->held_back.substr(0, bar))},
-                        {"text", bar == std::string::npos ? "" : jog->held_back.substr(bar + 1)}});
+    Json event{{"event", "jog"}, {"jog", jog->number}, {"robot", cell_.robots()[jog->robot]->entry.name},
+               {"over", false},  {"why", ""},          {"text", ""},
+               {"which", ""}};
+    if (!jog->held_back.is_null()) event.update(jog->held_back);
+    tell_(jog->client, event);
   }
   // One that is over stays until the cell has answered, since only then its session is known and can be
   // ended.

@@ -60,7 +60,8 @@ class JogWatch {
     bool planned = false;        ///< and not yet asked for
     std::vector<double> joints;  ///< of that place; empty: it is `place`
     Pose place;
-    std::string held_back, told, refused;  ///< "word|text"
+    Json held_back, told;  ///< {why, text, which} of what holds it back; null: nothing does
+    std::string refused;
   };
   std::size_t robot_of(const Json& request) const;
   Json wish_of(std::size_t robot, const Json& request, double amount, bool by) const;

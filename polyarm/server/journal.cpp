@@ -6,8 +6,8 @@
 
 namespace polyarm::server {
 
-void Journal::keep(double time, const char* level, std::string text) {
-  lines_.push_back({++last_line_, time, level, std::move(text)});
+void Journal::keep(double time, const char* level, std::string text, std::string code, Facts facts) {
+  lines_.push_back({++last_line_, time, level, std::move(text), std::move(code), std::move(facts)});
   if (lines_.size() > kKept) lines_.pop_front();
 }
 
@@ -35,13 +35,15 @@ void Journal::on_log(Nanoseconds time, const std::string& task, const std::strin
   next_.on_log(time, task, text);
 }
 
-void Journal::on_state(Nanoseconds time, const std::string& state, const std::string& cause) {
-  keep(seconds(time), "info", state == "running" ? state : state + ": " + cause);
+void Journal::on_state(Nanoseconds time, const std::string& state, const Problem& cause) {
+  const bool running = state == "running";
+  keep(seconds(time), "info", running ? state : state + ": " + cause.what, "state",
+       running ? Facts{{"state", state}} : Facts{{"state", state}, {"cause", cause.code}});
   next_.on_state(time, state, cause);
 }
 
 void Journal::on_stop(Nanoseconds time, const cell::StopReport& stop) {
-  keep(seconds(time), "info", stop.sentence());
+  keep(seconds(time), "info", stop.sentence(), "stop", stop.facts());
   next_.on_stop(time, stop);
 }
 
@@ -51,7 +53,8 @@ void Journal::on_question(const std::string& text) {
 }
 
 void Journal::on_problem(Nanoseconds time, const Problem& problem) {
-  keep(seconds(time), problem.severity == Severity::error ? "error" : "warning", problem.text());
+  keep(seconds(time), problem.severity == Severity::error ? "error" : "warning", problem.text(), problem.code,
+       problem.facts);
   alarms_.push_back({++last_alarm_, seconds(time), problem});
   if (alarms_.size() > kKept) alarms_.pop_front();
   next_.on_problem(time, problem);

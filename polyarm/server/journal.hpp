@@ -21,6 +21,9 @@ class Journal : public cell::Observer {
     double time = 0;             ///< cell time, s
     const char* level = "info";  ///< info, warning, error, log (a program's own), question
     std::string text;
+    /// For pages in other languages; without a code there is only `text`.
+    std::string code = {};
+    Facts facts = {};
   };
   struct Alarm {
     std::uint64_t number = 0;
@@ -41,13 +44,13 @@ class Journal : public cell::Observer {
               const std::string& who) override;
   void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override;
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override;
-  void on_state(Nanoseconds time, const std::string& state, const std::string& cause) override;
+  void on_state(Nanoseconds time, const std::string& state, const Problem& cause) override;
   void on_stop(Nanoseconds time, const cell::StopReport& stop) override;
   void on_question(const std::string& text) override;
   void on_problem(Nanoseconds time, const Problem& problem) override;
 
  private:
-  void keep(double time, const char* level, std::string text);
+  void keep(double time, const char* level, std::string text, std::string code = {}, Facts facts = {});
 
   cell::Observer& next_;
   std::deque<Line> lines_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "polyarm/cell/known_cells.hpp"
+#include "polyarm/cell/problem_json.hpp"
 #include "polyarm/cell/request_roles.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/server/control.hpp"
@@ -33,8 +34,7 @@ struct Seat {
 };
 
 Json error_of(const Error& error) {
-  const Problem& p = error.problems().front();
-  return {{"code", p.code}, {"what", p.what}, {"advice", p.advice}, {"where", p.where.text()}};
+  return cell::problem_json(error.problems().front());
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 /// Every state of a cell has a way back that its refusals name, and a contact is blamed on what moved.
+#include "polyarm/cell/ways.hpp"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -248,6 +250,49 @@ TEST_F(Ways, DiscardForgetsThatTheRobotWasMovedWhileHeld) {
   EXPECT_TRUE(ask("control.resume")["ok"].get<bool>());
   cell->run(0.1);
   EXPECT_EQ(state(), "running");
+}
+
+TEST_F(Ways, AReasonComesWithTheValuesOfItsSentence) {
+  build();
+  begin("work.script", 0.3);
+  ask("control.hold");
+  cell->run(2);
+  EXPECT_EQ(cell::ways_json(cell->cell())["jog"]["arm"]["code"], "motion-held");
+  EXPECT_EQ(cell::ways_json(cell->cell())["program"]["facts"]["cause"], "asked");
+  FailingMock::pushed = 0.03;
+  cell->run(0.2);
+  const Json pushed = ask("control.resume")["error"]["facts"];
+  EXPECT_EQ(pushed["joint"], "arm/joint_1");
+  EXPECT_NEAR(pushed["moved_rad"].get<double>(), 0.03, 1e-3);
+  FailingMock::pushed = 0;
+  cell->run(0.2);
+  ask("control.resume");
+  cell->run(0.1);
+  touch();
+  const Json refused = ask("control.resume")["error"];
+  EXPECT_EQ(refused["facts"], (Json{{"a", "arm/link_6"}, {"b", "fixture wall"}, {"depth_m", 0.002}}))
+      << refused;
+  FailingMock::fails = true;
+  cell->run(0.1);
+  EXPECT_EQ(ask("control.resume")["error"]["facts"], (Json{{"cause", "component"}}));
+  EXPECT_EQ(cell::ways_json(cell->cell())["jog"]["arm"]["code"], "fault");
+}
+
+TEST_F(Ways, AHoldOfTheProgramHasItsOwnCauseUntilTheCellRunsAgain) {
+  folder.write("hold.script", "load work_data\nhold \"look at the gripper\"\nmovej A\n");
+  build();
+  begin("hold.script", 0.5);
+  EXPECT_EQ(state(), "held");
+  const Problem cause = cell->cell().stop_cause();
+  EXPECT_EQ(cause.code, "program-hold");
+  ASSERT_EQ(cause.facts.size(), 1u);
+  EXPECT_EQ(std::get<std::string>(cause.facts[0].value), "look at the gripper");
+  EXPECT_EQ(ask("health")["result"]["cause_code"], "program-hold");
+  EXPECT_TRUE(ask("control.resume")["ok"].get<bool>());
+  cell->run(0.3);
+  ask("control.hold");
+  cell->run(1);
+  EXPECT_EQ(cell->cell().stop_cause().code, "asked");
 }
 
 TEST_F(Ways, AContactStopsWithItsOwnCauseAndIsBlamedOnTheMoveUnderWay) {
