@@ -85,10 +85,10 @@ test('runs the program that drives, picks and puts down', async () => {
   await page.getByRole('region', { name: 'Messages' }).getByText('The scene is as at the start').first().waitFor();
   await go(page, 'Run');
   await button('Start').click();
-  await until(async () => (await at.goOn(), at.watcher.value('arm/tool/part_present') > 0.5), 120, 'a box in the cup');
-  await until(async () => (await at.goOn(), base('y') > 0.9), 180, 'the base at the other table');
+  await until(() => at.watcher.value('arm/tool/part_present') > 0.5, 120, 'a box in the cup');
+  await until(() => base('y') > 0.9, 180, 'the base at the other table');
   await picture(page, 'carrier-there');
-  await until(async () => (await at.goOn(), at.watcher.value('arm/tool/part_present') < 0.5), 120, 'the box put down');
+  await until(() => at.watcher.value('arm/tool/part_present') < 0.5, 120, 'the box put down');
   await endProgram();
   assert.deepEqual(page.problems, []);
 });

@@ -72,6 +72,7 @@ export class Watcher {
     this.cell = cell;
     this.frames = [];
     this.events = {};
+    this.holds = [];
     this.open = new Map();
     this.next = 1;
   }
@@ -96,6 +97,7 @@ export class Watcher {
   text(message) {
     if (message.event) {
       this.events[message.event] = message;
+      if (message.event === 'status') this.note(message);
       if (message.event === 'layout') this.places = new Map(message.fields.map((field, i) => [field.name, i]));
       return;
     }
@@ -103,6 +105,13 @@ export class Watcher {
     if (!open || message.more) return;
     this.open.delete(message.id);
     message.ok ? open.done(message.result) : open.failed(Object.assign(new Error(message.error?.what), message.error));
+  }
+
+  /** Stops that nobody asked for and no case brings about: the machine stood still, or was late. */
+  note({ state, cause_code }) {
+    if (state === this.last || !['gap', 'cell-silent', 'late'].includes(cause_code)) return void (this.last = state);
+    this.last = state;
+    if (state !== 'running') this.holds.push(`${state}: ${cause_code}`);
   }
 
   frame(data) {

@@ -4,7 +4,7 @@ import { spawn } from 'node:child_process';
 import { existsSync, readFileSync, readlinkSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after } from 'node:test';
-import { go, picture, state } from './browser.mjs';
+import { go, picture, screen, state, stopKey } from './browser.mjs';
 import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
@@ -49,6 +49,32 @@ test('what would be connected is shown, and comes up held and disarmed', async (
   const from = at.watcher.time;
   await until(() => at.watcher.time > from + 0.5, 60, 'half a second');
   assert.ok(Math.abs(joint() - before) < 1e-3, 'nothing moves');
+});
+
+test('Stop keeps its corner on a phone, too, whatever stands beside it', async () => {
+  const corner = async () => Object.values(await stopKey(page).boundingBox()).map(Math.round).join();
+  const places = new Set();
+  for (const language of ['en-GB', 'es-ES']) {
+    const phone = await screen(at.chrome.browser, at.cell.link, { viewport: { width: 390, height: 844 }, locale: language });
+    try {
+      const stop = phone.getByRole('button', { name: /^(Stop|Parar) / });
+      await stop.waitFor();
+      await phone.getByText(/^(Not armed|No habilitado)$/).first().waitFor();
+      places.add(Object.values(await stop.boundingBox()).map(Math.round).join());
+      const key = phone.getByRole('button', { name: /^(Compare and arm|Comparar y habilitar)$/ });
+      assert.ok((await key.boundingBox()).width > 150, 'the key beside it is as wide as ever');
+      assert.ok(await key.evaluate((each) => each.scrollWidth <= each.clientWidth), 'and its words fit');
+    } finally {
+      await phone.context().close();
+    }
+  }
+  await page.setViewportSize({ width: 390, height: 844 });
+  places.add(await corner());
+  await mode('Simulation').waitFor();
+  assert.equal(places.size, 1, [...places].join(' | '));
+  const box = await stopKey(page).boundingBox();
+  assert.equal(Math.round(box.x + box.width), 380, 'at the right');
+  await page.setViewportSize({ width: 1280, height: 800 });
 });
 
 test('a person compares the joints, arms, resumes and moves it', async () => {

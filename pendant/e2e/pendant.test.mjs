@@ -1,23 +1,27 @@
 // The page in a browser against a running cell. Each test begins where the one before has left the cell.
 import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
+import { join } from 'node:path';
 import { go, screen, state, stopKey } from './browser.mjs';
 import { until, Watcher } from './cell.mjs';
 import { suite } from './suite.mjs';
 
-const { at, test, atRest, endProgram, holdKey } = suite();
-const { cell, goOn } = at;
+/** A program that moves without end; its first line is a remark. */
+const endless = (folder) => {
+  const file = join(folder, 'cell.yaml');
+  writeFileSync(file, readFileSync(file, 'utf8').replace(/^program:.*$/m, 'program: endless.script').replace(/^plc:.*\n/m, ''));
+  writeFileSync(join(folder, 'endless.script'), '# to and fro\nload PAPpoints\nwhile true\n  moveto PrePick\n  moveto PrePlace\nend\n');
+};
+const { at, test, atRest, endProgram, holdKey } = suite({ change: endless });
+const { cell } = at;
 let page;
 
 const inControl = (on) => on.getByRole('button', { name: /^In control/ });
 const watching = (on) => on.getByRole('button', { name: /^(Watching|No control)/ });
-/** The robot goes at so much, rad/s, at least; gone on with where the machine stood still. */
-const startAgain = async () => {
-  if (at.watcher.events.status?.program?.ended) await page.getByRole('main').getByRole('button', { name: 'Start' }).click({ timeout: 5000 }).catch(() => undefined);
-};
-const moving = (speed) => until(async () => (await goOn(), await startAgain(), at.watcher.speed() > speed), 90, 'motion of the robot');
-/** The program runs; gone on with where the machine stood still. */
-const running = () => until(async () => (await goOn(), state(page).getByText(/^Program/).isVisible()), 90, 'a program that runs');
+/** The robot goes at so much, rad/s, at least. */
+const moving = (speed) => until(() => at.watcher.speed() > speed, 90, 'motion of the robot');
+const running = () => until(() => state(page).getByText(/^Program/).isVisible(), 90, 'a program that runs');
 const joint = (name) => `arm/${name}_joint/position`;
 test('opens, has control and shows the robot moving', async (t) => {
   const began = Date.now();
@@ -28,7 +32,7 @@ test('opens, has control and shows the robot moving', async (t) => {
   await view.getByRole('button', { name: 'Views' }).waitFor();
   await moving(0.05);
   const first = await view.screenshot();
-  await until(async () => (await goOn(), !first.equals(await view.screenshot())), 60, 'another picture');
+  await until(async () => !first.equals(await view.screenshot()), 60, 'another picture');
   t.diagnostic(`robot seen moving ${Date.now() - at.commanded} ms after the command, ${Date.now() - began} ms after the page was asked for`);
   assert.equal(new URL(page.url()).searchParams.get('token'), null, 'the token stays in the address');
   assert.deepEqual(page.problems, []);
@@ -59,7 +63,7 @@ test('sets the speed of everything, and tells it', async () => {
 
 test('ends the program after a question, and starts it anew from its beginning', async () => {
   await endProgram();
-  await page.getByRole('button', { name: 'Start' }).click();  // its first line is a remark
+  await page.getByRole('button', { name: 'Start' }).click();
   await running();
   await endProgram();
   await page.getByRole('button', { name: 'Start' }).waitFor();
@@ -198,7 +202,7 @@ test('shows the robot without WebGL, too', async () => {
   await plain.getByText('Simple view: this browser has no WebGL.').waitFor();
   const view = plain.getByRole('img', { name: /^The robot/ });
   const first = await view.screenshot();
-  await until(async () => (await goOn(), !first.equals(await view.screenshot())), 60, 'another picture');
+  await until(async () => !first.equals(await view.screenshot()), 60, 'another picture');
   await plain.context().close();
 });
 

@@ -24,9 +24,8 @@ const tcp = (axis) => at.watcher.value(`arm/tcp/${axis}`);
 const step = async (axis, key, times) => {
   for (let i = 0; i < times; ++i) {
     const before = tcp(axis);
-    await at.goOn();
     await button(key).click();
-    await until(async () => (await at.goOn(), Math.abs(tcp(axis) - before) > 0.0095), 30, `a step along ${axis}`);
+    await until(() => Math.abs(tcp(axis) - before) > 0.0095, 30, `a step along ${axis}`);
     await atRest();
   }
 };
@@ -34,7 +33,7 @@ const step = async (axis, key, times) => {
 test('a frame is taught from three places, the robot moved between them', async () => {
   page = await at.open();
   await page.getByRole('button', { name: /^In control/ }).waitFor();
-  await until(async () => (await at.goOn(), at.watcher.events.status?.program?.ended), 90, 'the end of the program');
+  await until(() => at.watcher.events.status?.program?.ended, 90, 'the end of the program');
   await go(page, 'Points');
   await button('Teach a frame').click();
   const wizard = page.getByRole('dialog', { name: 'Teach a frame' });
@@ -69,7 +68,7 @@ test('the frame that was saved leads a program', async () => {
   writeFileSync(join(at.cell.folder, 'job.script'), 'load work\nuse frame Bench\nmovel pose(0mm, 0mm, 0mm, 180deg, 0deg, -90deg)\n');
   await go(page, 'Program');
   await button('Start').click();
-  await until(async () => (await at.goOn(), Math.hypot(...['x', 'y', 'z'].map((axis, i) => tcp(axis) - at.origin[i])) < 0.002), 60, 'the TCP at the origin of the frame');
+  await until(() => Math.hypot(...['x', 'y', 'z'].map((axis, i) => tcp(axis) - at.origin[i])) < 0.002, 60, 'the TCP at the origin of the frame');
   assert.deepEqual(page.problems, []);
 });
 

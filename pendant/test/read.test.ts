@@ -81,19 +81,44 @@ describe('events', () => {
     expect(readAlarm({ ...alarm, where: { file: '', line: 0 } }).where).toBe('');
   });
   it('tell what a jog is held back by, and that it is over', () => {
-    expect(readJog({ jog: 3, robot: 'arm', over: true, why: 'lost', text: '' })).toEqual({ jog: 3, robot: 'arm', over: true, why: 'lost', text: '' });
+    expect(readJog({jog: 3, robot: 'arm', over: true, why: 'lost', text: '', which: 'elbow'}))
+        .toEqual({jog: 3, robot: 'arm', over: true, why: 'lost', text: '', which: 'elbow'});
   });
 });
 
 describe('contacts of a status', () => {
-  const told = { state: 'held', cause: 'x', cause_code: 'contact', contacts: { checked: true, touching: true, unchecked: ['a mesh', 3], list: [{ a: 'arm/hand', b: 'table', depth: 0.002, position: [1, 2, 3], now: true }, { a: 'arm/hand', position: ['no'] }] }, can: { resume: { code: 'in-contact', what: 'no' }, back: null } };
+  const told = {
+    state: 'held',
+    cause: 'x',
+    cause_code: 'contact',
+    contacts: {
+      checked: true,
+      touching: true,
+      unchecked: ['a mesh', 3],
+      unchecked_why: [{code: 'fixture-without-body', facts: {fixture: 'table'}}],
+      list: [
+        {a: 'arm/hand', b: 'table', depth: 0.002, position: [1, 2, 3], now: true},
+        {a: 'arm/hand', position: ['no']}
+      ]
+    },
+    can: {
+      resume: {code: 'in-contact', what: 'no'},
+      back: null,
+      jog: {arm: {code: 'motion-held', what: 'no'}, other: null}
+    }
+  };
   it('are read with pair, depth and place', () => {
     const status = readStatus(told, 1);
     expect(status.causeCode).toBe('contact');
-    expect(status.contacts).toMatchObject({ checked: true, touching: true, unchecked: ['a mesh'] });
+    expect(status.contacts).toMatchObject({
+      checked: true,
+      touching: true,
+      unchecked: [{what: 'a mesh', code: 'fixture-without-body', facts: {fixture: 'table'}}]
+    });
     expect(status.contacts.list[0]).toMatchObject({ a: 'arm/hand', b: 'table', depth: 0.002, at: [1, 2, 3], now: true });
     expect(status.contacts.list[1]).toMatchObject({ b: '', at: null, now: false });
     expect(Object.keys(status.cannot)).toEqual(['resume']);
+    expect(Object.keys(status.cannotJog)).toEqual(['arm']);
   });
   it('are none where a server tells none', () => {
     for (const contacts of [undefined, null, 3, []]) expect(readStatus({ contacts }, 1).contacts).toEqual({ checked: true, touching: false, unchecked: [], list: [] });

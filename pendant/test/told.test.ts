@@ -1,11 +1,31 @@
-// What the cell says for terminals, as the page says it.
+// What the cell says for terminals, as the page says it: by code and values.
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const { causes, causeWords, plain, problemWords } = await import('../src/i18n/told');
+const {causeWords, lineWords, plain, problemWords} = await import('../src/i18n/told');
 const { settings } = await import('../src/state/settings');
-const sources = import.meta.glob('../../polyarm/{cell,server,motion,control,data,signals}/*.cpp', { query: '?raw', import: 'default', eager: true }) as Record<string, string>;
+const {en} = await import('../src/i18n/en');
+const {es} = await import('../src/i18n/es');
+const {codes} = await import('../src/i18n/en/codes');
+const sources =
+    import.meta.glob(
+        '../../{polyarm/{cell,server,motion,control,controllers,hardware,data,signals,trajectory,program,plugins},links/*,apps}/*.cpp',
+        {query: '?raw', import: 'default', eager: true}) as Record<string, string>;
+
+/** Where a problem's code stands in the sources. */
+const kProblem =
+    /(?:\bProblem\s*\{|\bProblem \w+\s*\{|\bError\(|\.(?:error|warning)\(|(?:on_problem|hold_for)\([^"{]{0,60}\{|\b(?:unchecked|return no|return tell)\()\s*"([a-z][a-z0-9]*(?:-[a-z0-9]+)*)"/g;
+/** Only at a terminal, or while files of a cell are read: their own words name file, line and value. */
+const kOfFiles =
+    /\/(?:cell_file|cell_reach|compare|launch_cell|controllers_plan|parser|lexer|statement_parser|expression_parser|checker\w*|check\w*)\.cpp$/;
+const sentAs = new Map<string, string>();
+for (const [file, text] of Object.entries(sources))
+  if (!kOfFiles.test(file) && !file.includes('/apps/'))
+    for (const [, code] of text.matchAll(kProblem)) sentAs.set(code!, file);
+
+const inBoth = (say: () => string) => ['en', 'es'].map(
+    (language) => ((settings.language.value = language as 'en' | 'es'), say()));
 
 beforeEach(() => {
   settings.language.value = 'en';
@@ -13,22 +33,121 @@ beforeEach(() => {
 
 describe('what the cell tells', () => {
   it('has every cause of a stop in both languages', () => {
-    const list = /const char\* name\(StopCause cause\) \{([^}]*\})/.exec(supervisor)?.[1] ?? '';
-    const told = [...list.matchAll(/"([^"]+)"/g)].map((found) => found[1]!).filter((cause) => cause !== 'nothing');
-    expect(told.length).toBeGreaterThan(10);
-    for (const cause of told) {
-      expect(causes.filter(([beginning]) => beginning.test(cause)).length, cause).toBeGreaterThan(0);
-      settings.language.value = 'en';
-      const english = causeWords(cause);
-      settings.language.value = 'es';
-      expect(causeWords(cause), cause).not.toBe(english);
+    const list = /const char\* code\(StopCause cause\) \{([^}]*\})/.exec(supervisor)?.[1] ?? '';
+    const ofLoop =
+        [...list.matchAll(/"([^"]+)"/g)].map((found) => found[1]!).filter((cause) => cause !== 'none');
+    expect(ofLoop.length).toBeGreaterThan(10);
+    // What the cell itself stops for: links, signs of life, programs, a run that failed.
+    const own = Object.values(sources).flatMap(
+        (text) =>
+            [...text.matchAll(
+                 /hold_for\(\{"([\w-]+)"|Problem why\{"([\w-]+)"|Cell::stop_cause[^}]*return \{"([\w-]+)"|(?:stopped_ = |return )Problem\{\s*"(link-\w+|heartbeat)"/g)]
+                .map((found) => (found[1] ?? found[2] ?? found[3] ?? found[4])!));
+    for (const code of ['connected', 'program-hold', 'run-failed', 'link-lost', 'link-stale', 'heartbeat'])
+      expect(own).toContain(code);
+    const facts = {link: 'plc', tag: 'Alive', time_s: 0.5, reason: 'empty'};
+    for (const code of [...ofLoop, ...own]) {
+      const [english, spanish] = inBoth(() => causeWords(code, 'its own words', facts));
+      expect(english, code).not.toBe('its own words');
+      expect(spanish, code).not.toBe('its own words');
+      expect(spanish, code).not.toBe(english);
+      expect(english + spanish!, code).not.toMatch(/[{}]/);
     }
+  });
+
+  it('has a text in every language for every code that a running cell can send', () => {
+    expect(sentAs.size).toBeGreaterThan(150);
+    const lacks =
+        [...sentAs].filter(([code]) => !(`told.${code}` in en)).map(([code, file]) => `${code} (${file})`);
+    expect(lacks).toEqual([]);
+    for (const key of Object.keys(codes) as (keyof typeof codes)[]) expect(es[key], key).toBeTruthy();
+  });
+
+  it('has no text for a code that nobody sends', () => {
+    const all = Object.values(sources).join('\n');
+    const ofPage = ['not-connected', 'no-answer', 'http-401', 'http-403', 'http-404'];
+    const unused = Object.keys(codes)
+                       .map((key) => key.slice('told.'.length))
+                       .filter((code) => !ofPage.includes(code) && !all.includes(`"${code}"`));
+    expect(unused).toEqual([]);
+  });
+
+  it('fills the values of a problem into its sentence, with units as they are shown', () => {
+    const contact = {
+      code: 'contact',
+      what: 'arm/tool touched fixture table at 1.2 s, 2.10 mm deep',
+      facts: {a: 'arm/tool', b: 'fixture table', depth_m: 0.0021, at_s: 1.2, doing: 'program'}
+    };
+    expect(inBoth(() => problemWords(contact).text)).toEqual([
+      'arm/tool touched table, 2.1 mm deep', 'arm/tool tocó table, 2,1 mm de profundidad'
+    ]);
+    const pushed = {code: 'moved-while-held', what: '…', facts: {joint: 'arm/elbow', moved_rad: 0.1}};
+    expect(inBoth(() => problemWords(pushed).text)).toEqual([
+      'arm/elbow was moved by 5.7 ° while it was held', 'arm/elbow se movió 5,7 ° mientras estaba retenido'
+    ]);
+    const fault = {
+      code: 'fault',
+      what: 'a hardware component failed (R6Bot: no answer)',
+      facts: {cause: 'component', component: 'R6Bot', reason: 'no answer'}
+    };
+    expect(inBoth(() => problemWords(fault).text)).toEqual([
+      'A hardware component failed: R6Bot', 'Falló un componente de los equipos: R6Bot'
+    ]);
+    expect(problemWords(fault).detail).toBe('no answer');
+    expect(inBoth(() => problemWords({code: 'fault', what: '', facts: {cause: 'jump'}}).text)[1])
+        .toBe('La celda está en fallo: La posición medida de un eje dio un salto');
+  });
+
+  it('falls back to the sentence of the code where a value is missing, and to the words of the cell where there is no code',
+     () => {
+       const lacks = {code: 'moved-while-held', what: 'own words', facts: {joint: 'arm/elbow'}};
+       expect(inBoth(() => problemWords(lacks).text)).toEqual([
+         'own words', 'Un eje se movió mientras estaba retenido'
+       ]);
+       expect(inBoth(() => problemWords({code: 'never-heard-of', what: 'own words'}).text)).toEqual([
+         'own words', 'own words'
+       ]);
+       expect(causeWords('never-heard-of', 'own words')).toBe('own words');
+       settings.language.value = 'es';
+       expect(problemWords({code: 'no-answer', what: 'the cell did not answer in time'}))
+           .toEqual({text: 'La celda no respondió a tiempo', detail: '', advice: ''});
+     });
+
+  it('says stops and states of the log in the language of the page', () => {
+    settings.language.value = 'es';
+    const stop = {
+      text: 'stopped in 0.3 s …',
+      code: 'stop',
+      facts: {cause: 'asked', category: 2, time_s: 0.3, robot: 'arm', tcp_m: 0.012}
+    };
+    expect(lineWords(stop)).toBe('Parado en 0,30 s, TCP de arm tras 12,0 mm: Se pulsó Pausa o Parar');
+    expect(lineWords({text: 'held: a contact', code: 'state', facts: {state: 'held', cause: 'contact'}}))
+        .toBe('Retenido: Parado tras un contacto');
+    expect(lineWords({text: 'running', code: 'state', facts: {state: 'running'}})).toBe('En marcha');
+    expect(lineWords({text: 'program: own', code: ''})).toBe('program: own');
+  });
+
+  it('has a word for everything that a task can wait for, and for every state', () => {
+    const kinds = [...(/waits_for\(program::WaitKind kind\) \{([^}]*\})/
+                           .exec(sources['../../polyarm/cell/requests_program.cpp']!)
+                           ?.[1] ??
+                       '')
+                       .matchAll(/"([^"]*)"/g)]
+                      .map((found) => found[1]!)
+                      .filter(Boolean);
+    expect(kinds.length).toBeGreaterThan(8);
+    expect(kinds.filter((kind) => !(`wait.${kind}` in en))).toEqual([]);
+    const states =
+        [...(/name\(RunState state\) \{([^}]*\})/.exec(supervisor)?.[1] ?? '').matchAll(/"([^"]+)"/g)].map(
+            (found) => found[1]!);
+    expect(states.length).toBe(5);
+    for (const state of states) expect(`state.${state}` in en, state).toBe(true);
   });
 
   it('never advises to type a command', () => {
     const texts = Object.values(sources).flatMap((text) => [...text.matchAll(/"((?:[^"\\]|\\.)*\bpolyarm (?:control|run|hardware|tags)\b(?:[^"\\]|\\.)*)"/g)].map((found) => found[1]!));
     expect(texts.length).toBeGreaterThan(20);
-    for (const text of [...texts, "let it go back; or discard the motion; or resume with --anyway"]) {
+    for (const text of [...texts, 'let it go back; or discard the motion; or resume with --anyway']) {
       expect(plain(text), text).not.toMatch(/\bpolyarm [a-z]|--[a-z]/);
       expect(problemWords({ code: 'whatever', what: 'It failed', advice: text }).advice, text).not.toMatch(/\bpolyarm [a-z]|--[a-z]/);
     }

@@ -90,7 +90,7 @@ TEST_F(Waits, AProgramThatGoesRoundWithoutEndEndsTheRun) {
   const std::string text = "let n = 1\nwhile n != 0\n  set n = n * 1\nend\n";
   EXPECT_EQ(failure(text).text(), Problem{}.text()) << "a program may have much to calculate";
   const Problem told = failure(text, "", 40);
-  EXPECT_EQ(told.code, "deadlock") << told.text();
+  EXPECT_EQ(told.code, "endless-loop") << told.text();
   EXPECT_NE(told.what.find("goes round without end"), std::string::npos) << told.text();
 }
 

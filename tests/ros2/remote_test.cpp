@@ -259,8 +259,12 @@ TEST_P(Rotten, DoesNothingButEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const std::string how = GetParam();
-  if (how == "noise" || how == "memory" || how == "frozen") EXPECT_GT(remote.statistics().losses, 0u);
-  if (how == "lies") EXPECT_GT(taken, 0u) << "what is well-formed arrives, whatever it says";
+  if (how == "noise" || how == "memory" || how == "frozen") {
+    EXPECT_GT(remote.statistics().losses, 0u);
+  }
+  if (how == "lies") {
+    EXPECT_GT(taken, 0u) << "what is well-formed arrives, whatever it says";
+  }
   EXPECT_LE(remote.known(), bounds::kRemoteEndpoints);
 #if !defined(__SANITIZE_ADDRESS__)
   EXPECT_LT(::mallinfo2().uordblks, before + (80u << 20));

@@ -271,9 +271,8 @@ TEST(Run, GoesOnAndEndsWhereNobodyReadsItsOutput) {
   EXPECT_EQ(finished.output.find("silent"), std::string::npos) << finished.output;
 }
 
-/// A cell of a UR3 with one part in physics.
-test::Folder cell_with_part(const std::string& mass) {
-  test::Folder folder;
+/// Writes a cell of a UR3 with one part in physics.
+void write_cell_with_part(const test::Folder& folder, const std::string& mass) {
   folder.write("cell.yaml",
                "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3, hardware: mujoco, tool: "
                "suction_cup}\nscene: scene.yaml\nsignals: signals.yaml\nprogram: job.script\n");
@@ -284,11 +283,11 @@ test::Folder cell_with_part(const std::string& mass) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Suck: {command: arm/tool/vacuum}\n  Held: {state: "
                "arm/tool/part_present}\n");
-  return folder;
 }
 
 TEST(Run, APartThatIsTooHeavyForTheCupIsNamed) {
-  const test::Folder folder = cell_with_part("20kg");
+  const test::Folder folder;
+  write_cell_with_part(folder, "20kg");
   folder.write(
       "job.script",
       "movej pose(300mm, 100mm, 140mm, 180deg, 0, 0)\nmovel pose(300mm, 100mm, 40.5mm, 180deg, 0, 0)\n"
@@ -312,7 +311,8 @@ TEST(Run, APartThatIsTooHeavyForTheCupIsNamed) {
 }
 
 TEST(Run, WhoStartsInsideSomethingIsToldThatAlone) {
-  const test::Folder folder = cell_with_part("50g");
+  const test::Folder folder;
+  write_cell_with_part(folder, "50g");
   folder.write("scene.yaml",
                "polyarm: scene/1\nfixtures:\n  crate: {box: [0.3, 0.3, 0.3], at: [0.2, 0, 0.3]}\n");
   folder.write("job.script", "movej joints(0, -90deg, 90deg, -90deg, -90deg, 0)\n");

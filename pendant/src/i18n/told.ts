@@ -1,31 +1,135 @@
-/** What the cell tells in English for terminals, as the page says it: by code in the page's language, without advice to type commands. */
-import { type Key, language, t } from '.';
+/**
+ * What the cell tells in English for terminals, as the page says it: by code and values in the page's
+ * language, without advice to type commands. Without a text for the code, the cell's own words are shown.
+ */
+import {type Key, language, number, t, word} from '.';
+import {jointText} from '../ui/format';
 import { en } from './en';
 
-/** Beginnings of the causes as `control::name(StopCause)` tells them; a test compares the list with that. */
-export const causes: [RegExp, Key][] = [
-  [/^a stop was asked for/, 'cause.asked'],
-  [/^wall time went missing/, 'cause.gap'],
-  [/^the cell thread was silent/, 'cause.cellSilent'],
-  [/^a hardware component failed/, 'cause.component'],
-  [/^a controller failed/, 'cause.controller'],
-  [/^the program ended/, 'cause.programEnded'],
-  [/^cycles were late/, 'cause.late'],
-  [/^a measured joint position is no number/, 'cause.notANumber'],
-  [/^a measured joint position jumped/, 'cause.jump'],
-  [/^a joint does not follow/, 'cause.notFollowing'],
-  [/^a joint is far outside/, 'cause.limits'],
-  [/contact|touched/, 'cause.contact'],
-];
+/** Values of a sentence. The name of a number ends with its unit: depth_m, moved_rad, time_s. */
+export type Facts = Record<string, string|number>;
 
-/** A cause of a stop in the page's language, by its code where that is told; what no table knows stays as it is. */
-export function causeWords(cause: string, code = ''): string {
-  if (code === 'contact') return t('cause.contact');
-  const found = causes.find(([beginning]) => beginning.test(cause));
-  return found ? t(found[1]) : plain(cause);
+export interface Problem {
+  code: string;
+  what: string;
+  advice?: string;
+  facts?: Facts;
 }
 
-export const ofContact = (cause: string) => /contact|touched/.test(cause);
+/** Of a request that was refused, or of what else was thrown. */
+export const problemOf = (error: unknown): Problem => (error as {problem?: Problem}).problem ??
+    {code: '', what: error instanceof Error ? error.message : String(error)};
+
+export interface Told {
+  text: string;
+  /** What the cell said itself, where `text` does not say it. */
+  detail: string;
+  advice: string;
+}
+
+/** What the page finds itself: there are no words of the cell for it. */
+const kOfPage = new Set(['not-connected', 'no-answer']);
+
+const known = (key: string): key is Key => key in en;
+
+// --- values
+
+/** `fixture table`, `part cube`: as contacts name bodies. */
+export function bodyWords(name: string): string {
+  const found = /^(fixture|part|the part held by) (.+)$/.exec(name);
+  if (found)
+    return t(
+        ({fixture: 'body.fixture', part: 'body.part'} as Record<string, Key>)[found[1]!] ?? 'body.held',
+        {name: found[2]!});
+  return name === 'floor' || name === 'something' ? t(`body.${name}`) : name;
+}
+
+function numberWords(value: number, unit: string): string {
+  if (unit === 'm' || unit === 'rad') return jointText(value, unit);
+  return unit === 's' ? `${number(value, 2)} s` : String(value);
+}
+
+function valueWords(name: string, value: string|number): string {
+  if (typeof value === 'number') return numberWords(value, /_(m|rad|s)$/.exec(name)?.[1] ?? '');
+  if (name === 'cause') return causeWords(value);
+  if (name === 'state') return word('state', value);
+  return name === 'a' || name === 'b' ? bodyWords(value) : value;
+}
+
+/** By the names that texts use: without units, and `who` for what a fault blames. */
+function namesOf(facts: Facts): Record<string, string> {
+  const out = Object.fromEntries(Object.entries(facts).map(
+      ([name, value]) => [name.replace(/_(m|rad|s)$/, ''), valueWords(name, value)]));
+  const who = [facts.component ?? facts.controller, facts.interface].filter(Boolean).join(', ');
+  return who ? {...out, who} : out;
+}
+
+/** The text of `key` with all its values; null where there is no such text, or a value of it is missing. */
+function filled(key: string, names: Record<string, string>): string|null {
+  if (!known(key)) return null;
+  const lacks = [...en[key].matchAll(/\{(\w+)\}/g)].some(([, name]) => !(name! in names));
+  return lacks ? null : t(key, names);
+}
+
+// --- causes and problems
+
+/** Why the cell does not run, by its code; without one that is known, in the cell's own words. */
+export function causeWords(code: string, own = '', facts: Facts = {}): string {
+  if (code === 'none') return '';
+  return filled(`cause.${code}`, namesOf(facts)) ??
+      (known(`told.${code}`) ? t(`told.${code}` as Key) : plain(own || code));
+}
+
+/**
+ * The sentence with the values that came with the code, the most exact one that they fill; null where the
+ * page has none.
+ */
+function sentence(code: string, facts: Facts): string|null {
+  const names = namesOf(facts);
+  const variants = [
+    facts.doing, ...['tcp', 'who', 'cause'].filter((each) => each in names)
+  ].filter(Boolean).map((each) => `with.${code}.${each}`);
+  for (const key of [...variants, `with.${code}`]) {
+    const text = filled(key, names);
+    if (text !== null) return text;
+  }
+  return null;
+}
+
+/**
+ * A problem by its code: with its values where they are told; else in English as the cell says it, in other
+ * languages the sentence of the code with the cell's own below it.
+ */
+export function problemWords({code, what, advice, facts = {}}: Problem): Told {
+  const own = kOfPage.has(code) ? '' : plain(what);
+  const remedy = [`do.${code}.${facts.doing}`, `do.${code}`].find(known);
+  const todo = remedy ? t(remedy) : plain(advice ?? '');
+  const whole = sentence(code, facts);
+  if (whole !== null) {
+    const reason = typeof facts.reason === 'string' ? plain(facts.reason) : '';
+    return {text: whole, detail: whole.includes(reason) ? '' : reason, advice: todo};
+  }
+  const said = known(`told.${code}`) ? t(`told.${code}` as Key) : own || t('told.refused');
+  const first = language.value === 'en' && own ? own : said;
+  return {text: first, detail: first === own ? '' : own, advice: todo};
+}
+
+/** In one line, with what the cell said itself in brackets. */
+export function problemLine(problem: Problem): string {
+  const {text, detail} = problemWords(problem);
+  return detail ? `${text} (${detail})` : text;
+}
+
+/** A line of the log. In English the cell's own words have everything. */
+export function lineWords(line: {text: string; code?: string; facts?: Facts}): string {
+  const own = plain(line.text);
+  if (!line.code || language.value === 'en') return own;
+  const whole = sentence(line.code, line.facts ?? {});
+  if (whole !== null) return whole;
+  return known(`told.${line.code}`) ? `${t(`told.${line.code}` as Key)} (${own})` : own;
+}
+
+// --- what only a terminal can do
 
 // A path may hold the name, too: /home/me/polyarm-cells/arm.stl.
 const kCommand = /(?<![\w./-])polyarm [a-z]+(?<!runs)\b|(?:^|[\s('`])--[a-z]|\btypes? ['`]/;
@@ -48,23 +152,4 @@ function clauses(text: string): string {
     .join(' ')
     .replace(/[;:,\s]+$/, '')
     .replace(/^or /, '');
-}
-
-const known = (key: string): key is Key => key in en;
-
-export interface Told {
-  text: string;
-  /** What the cell said itself, with numbers and names. */
-  detail: string;
-  advice: string;
-}
-
-/** A problem by its code: in English as the cell says it, else the sentence of the code with the cell's own below it. */
-export function problemWords(problem: { code: string; what: string; advice?: string }): Told {
-  const own = plain(problem.what);
-  const [name, remedy] = [`told.${problem.code}`, `do.${problem.code}`];
-  const said = known(name) ? t(name) : own || t('told.refused');
-  const first = language.value === 'en' && own ? own : said;
-  const advice = known(remedy) ? t(remedy) : plain(problem.advice ?? '');
-  return { text: first, detail: first === own ? '' : own, advice };
 }

@@ -1,21 +1,27 @@
 /** One strip for what went wrong and nobody has looked at yet; after a contact it leads back. */
 import { effect } from '@preact/signals';
-import { number, t } from '../i18n';
-import { ofContact, plain, problemWords } from '../i18n/told';
-import { alarms, attempt, connected, markSeen, mayMove, status } from '../state/cell';
-import { discard, recover, resume } from '../state/actions';
+import { type Key, number, t } from '../i18n';
+import { bodyWords, problemWords } from '../i18n/told';
+import { alarms, connected, markSeen, mayMove, status, ways } from '../state/cell';
+import { back, discard, recover, resume } from '../state/actions';
+import { type Blocked, canBe } from '../state/ways';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
 import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
 import { go, pageId } from './route';
 
-/** Who goes on after a contact has seen it. */
-let before = '';
+/** Who brings the cell back after a contact or a fault has seen it. */
+let stood = false;
+let wanted = false;
 effect(() => {
-  const now = status.value?.state ?? '';
-  if (now === 'running' && (before === 'held' || before === 'fault')) markSeen((each) => each.code === 'contact');
-  before = now;
+  const now = status.value;
+  const runs = now?.state === 'running';
+  const wants = (now?.inactive.length ?? 0) > 0;
+  if (runs && stood) markSeen((each) => each.code === 'contact');
+  if (runs && !wants && (stood || wanted)) markSeen((each) => each.code === 'fault');
+  stood = now?.state === 'held' || now?.state === 'fault';
+  wanted = wants;
 });
 
 export function AlarmStrip() {
@@ -25,12 +31,13 @@ export function AlarmStrip() {
   const alarm = unseen.filter((each) => each.severity === 'error').pop() ?? unseen[unseen.length - 1];
   if (!alarm) return null;
   const told = problemWords(alarm);
+  const advice = alarm.code === 'fault' ? afterFault() : told.advice;
   return (
     <section class={`alarm-strip ${alarm.severity}`} role="alert" aria-label={t('alarms.strip')}>
       <Icon name="alarm" size={22} />
       <p>
         <strong>{told.text}</strong>
-        {(told.detail || told.advice) && <span> {[told.detail, told.advice].filter(Boolean).join(' · ')}</span>}
+        {(told.detail || advice) && <span> {[told.detail, advice].filter(Boolean).join(' · ')}</span>}
       </p>
       {unseen.length > 1 && <span class="chip">{t('alarms.more', { count: unseen.length - 1 })}</span>}
       <Button label={t('alarms.details')} onClick={() => open((close) => <Alarms onClose={close} />)} />
@@ -39,11 +46,18 @@ export function AlarmStrip() {
   );
 }
 
+/** What comes next on the way out of a fault; '' once the cell runs again. */
+function afterFault(): string {
+  const { next } = ways.value;
+  const step = ({ recover: 'do.fault', activate: 'do.fault.activate', arm: 'do.disarmed', resume: 'do.fault.resume' } as Record<string, Key>)[next];
+  return step ? t(step) : '';
+}
+
 /** The cell stands because something touched what it should not. */
 export function afterContact(): boolean {
   const now = status.value;
   if (!now || !['held', 'fault', 'stopping'].includes(now.state)) return false;
-  return now.causeCode === 'contact' || (now.causeCode === '' && ofContact(now.cause)) || contactSince();
+  return now.causeCode === 'contact' || contactSince();
 }
 
 /** The newest error is a contact that nobody has gone on after. */
@@ -55,34 +69,45 @@ function contactSince(): boolean {
 function pairs(): string {
   const list = status.value?.contacts.list ?? [];
   const shown = list.some((each) => each.now) ? list.filter((each) => each.now) : list.slice(-1);
-  if (shown.length) return shown.map((each) => t('contact.pair', { a: each.a, b: each.b, mm: number(1000 * each.depth, 1) })).join(' · ');
+  if (shown.length) return shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: number(1000 * each.depth, 1) })).join(' · ');
   const told = alarms.value.filter((each) => each.code === 'contact').pop();
-  return told ? plain(told.what) : '';
+  return told ? problemWords(told).text : '';
 }
 
 /** Out of a contact, step by step; each step that can be taken now has its key. */
 function WayBack() {
   const now = status.value!;
-  const may = mayMove.value;
+  const { next, nextBlocked, discard: forget, back: backwards } = ways.value;
   const held = now.state === 'held';
-  const can = (what: string) => held && !now.cannot[what];
+  const may = mayMove.value;
+  const steps: Key[] = [
+    now.state === 'fault' ? 'contact.recover' : now.motionLeft ? 'contact.cancel' : 'contact.canceled',
+    now.contacts.touching ? 'contact.away' : 'contact.clear',
+    'contact.resume',
+  ];
+  /** The step that comes now; a phone has room for that one alone. */
+  const at = now.state === 'fault' || now.motionLeft ? 0 : now.contacts.touching ? 1 : 2;
+  /** Shown to who watches, too, but for what the state forbids. */
+  const shown = (blocked: Blocked) => canBe(blocked) || blocked === 'why.control';
   return (
     <section class="alarm-strip error way-back" role="alert" aria-label={t('contact.title')}>
       <Icon name="alarm" size={22} />
       <div>
         <strong>{t('contact.title')}</strong> <span>{pairs()}</span>
         <ol>
-          <li>{t(now.state === 'fault' ? 'contact.recover' : now.motionLeft ? 'contact.cancel' : 'contact.canceled')}</li>
-          <li>{t(now.contacts.touching ? 'contact.away' : 'contact.clear')}</li>
-          <li>{t('contact.resume')}</li>
+          {steps.map((key, i) => (
+            <li key={i} value={i + 1} aria-current={i === at ? 'step' : undefined}>
+              {t(key)}
+            </li>
+          ))}
         </ol>
       </div>
       <div class="row">
-        {now.state === 'fault' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may} onClick={() => void recover()} />}
-        {can('discard') && now.motionLeft && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
-        {can('back') && now.motionLeft && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void attempt('control.back', { time: 0.5 })} />}
+        {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!canBe(nextBlocked)} onClick={() => void recover()} />}
+        {forget !== null && shown(forget) && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
+        {held && shown(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
         {held && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
-        {can('resume') && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
+        {next === 'resume' && shown(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
       </div>
     </section>
   );

@@ -1,6 +1,6 @@
 /** Says on the pages that move something what nothing checks for contacts. */
 import { t } from '../i18n';
-import { plain } from '../i18n/told';
+import { problemWords } from '../i18n/told';
 import { status } from '../state/cell';
 import { Icon } from '../ui/Icon';
 import { pageId } from './route';
@@ -10,7 +10,7 @@ const kMoving = ['run', 'move', 'program'];
 export function Bodies() {
   const told = status.value?.contacts;
   if (!told || !kMoving.includes(pageId.value) || (told.checked && told.unchecked.length === 0)) return null;
-  const which = told.unchecked.map(plain).join(' · ');
+  const which = told.unchecked.map((each) => problemWords(each).text).join(' · ');
   const text = told.checked ? t('bodies.some', { count: told.unchecked.length, names: which }) : t('bodies.none');
   return (
     <p class="bodies" role="note" title={which || text}>

@@ -1,20 +1,25 @@
 /** Always at the bottom: the state in words, the modes, the speed, pause and resume, and Stop. */
-import { t } from '../i18n';
-import { discard, goOn, hold, isPaused, recover, setProfile, stop, touches } from '../state/actions';
-import { connected, mayMove, programRuns, status } from '../state/cell';
-import { ask, close } from '../ui/ask';
-import { Button } from '../ui/controls';
-import { Icon } from '../ui/Icon';
+import { type Key, t } from '../i18n';
+import { discard, goOn, hold, recover, setProfile, stop } from '../state/actions';
+import { connected, mayMove, programRuns, status, ways } from '../state/cell';
+import { canBe, type Next } from '../state/ways';
+import { ask, close, open } from '../ui/ask';
+import { Button, type Tone } from '../ui/controls';
+import { Icon, type IconName } from '../ui/Icon';
 import { activateAll } from './activate';
+import { ArmDialog } from './ArmDialog';
+import { blockedWords } from './blocked';
 import { Override } from './Override';
 import { stateWord } from './words';
 
 export function RobotBar() {
   return (
     <footer class="robot-bar" aria-label={t('bar.label')}>
-      <StateShown />
-      <Modes />
-      <Override />
+      <div class="bar-top">
+        <StateShown />
+        <Modes />
+        <Override />
+      </div>
       <Go />
       <StopButton />
     </footer>
@@ -48,9 +53,7 @@ function Modes() {
       {now.armed || now.simulated ? (
         <ProfileChip />
       ) : (
-        <a class="chip warn" href="#/cell">
-          {t('mode.notArmed')}
-        </a>
+        <span class="chip warn">{t('mode.notArmed')}</span>
       )}
     </div>
   );
@@ -58,6 +61,12 @@ function Modes() {
 
 function ProfileChip() {
   const reduced = status.value?.profile === 'reduced';
+  if (!reduced && status.value?.reduced)
+    return (
+      <span class="chip good" title={t('mode.firstRunWhy')}>
+        {t('mode.reduced')}
+      </span>
+    );
   const toFull = () =>
     ask({
       title: t('mode.toFull'),
@@ -82,39 +91,31 @@ function moves(): boolean {
   return status.value?.moving === true || programRuns.value;
 }
 
-/** The one thing that a person may want next: pause what goes, resume what is paused, recover from a fault. */
+const kNext: Record<Next, { label: Key; icon: IconName; tone: Tone; press: () => void }> = {
+  pause: { label: 'bar.hold', icon: 'pause', tone: 'plain', press: () => void hold() },
+  resume: { label: 'bar.resume', icon: 'run', tone: 'good', press: () => void goOn() },
+  recover: { label: 'bar.recover', icon: 'undo', tone: 'warn', press: () => void recover() },
+  arm: { label: 'cell.arm', icon: 'lock', tone: 'warn', press: () => open((close) => <ArmDialog onClose={close} />) },
+  activate: { label: 'state.activate', icon: 'power', tone: 'warn', press: activateAll },
+};
+
+/** The one thing that a person may want next: pause what goes, resume what is paused, recover, arm, activate. */
 function Go() {
-  const now = status.value;
-  const may = mayMove.value;
-  if (now?.state === 'fault')
-    return (
-      <div class="go">
-        <Button label={t('bar.recover')} icon="undo" big tone="warn" disabled={!may} onClick={() => void recover()} />
-      </div>
-    );
-  if (now?.state === 'running' && (now.simulated || now.armed) && now.inactive.length > 0)
-    return (
-      <div class="go">
-        <Button label={t('state.activate')} icon="power" big tone="warn" disabled={!may} onClick={activateAll} />
-      </div>
-    );
-  if (isPaused())
-    return (
-      <div class="go">
-        {now?.state === 'held' && now.moving === false && now.motionLeft && (
-          <Button
-            label={t('bar.discard')}
-            class="cancel-motion"
-            disabled={!may}
-            onClick={() => ask({ title: `${t('bar.discard')}?`, text: t('bar.discardText'), action: t('bar.discard'), onYes: () => void discard() })}
-          />
-        )}
-        <Button label={t('bar.resume')} icon="run" big tone="good" disabled={!may || touches()} onClick={() => void goOn()} />
-      </div>
-    );
+  const { next, nextBlocked, resumesToo, discard: forget, discards } = ways.value;
+  const { label, icon, tone, press } = kNext[next];
+  const forgets: Key = discards === 'motion' ? 'bar.discard' : 'bar.accept';
   return (
     <div class="go">
-      <Button label={t('bar.hold')} icon="pause" big tone={moves() ? 'warn' : 'plain'} disabled={!connected.value || now?.state === 'no cell'} onClick={() => void hold()} />
+      {forget !== null && (
+        <Button
+          label={t(forgets)}
+          class="cancel-motion"
+          disabled={!canBe(forget)}
+          onClick={() => ask({ title: `${t(forgets)}?`, text: t(discards === 'motion' ? 'bar.discardText' : 'bar.acceptText'), action: t(forgets), onYes: () => void discard() })}
+        />
+      )}
+      {resumesToo !== null && <Button label={t('bar.resume')} class="cancel-motion" disabled={!canBe(resumesToo)} onClick={() => void goOn()} />}
+      <Button label={t(label)} icon={icon} big tone={next === 'pause' && moves() ? 'warn' : tone} disabled={!canBe(nextBlocked)} title={blockedWords(nextBlocked) || undefined} onClick={press} />
     </div>
   );
 }

@@ -1,8 +1,8 @@
 /** Keys that hold everywhere. Escape stops whenever something goes on, before anything else sees it. */
-import { pages } from '../pages';
-import { goOn, hold, isPaused, somethingGoesOn, stop } from '../state/actions';
-import { mayMove } from '../state/cell';
-import { go } from './route';
+import {pages} from '../pages';
+import {pauseOrGoOn, somethingGoesOn, stop} from '../state/actions';
+
+import {go} from './route';
 
 export function startKeys(): void {
   addEventListener('keydown', take, { capture: true });
@@ -18,9 +18,7 @@ function take(event: KeyboardEvent): void {
   }
   if (event.key === 'F8' && !event.repeat) {
     event.preventDefault();
-    if (isPaused()) {
-      if (mayMove.peek()) void goOn();
-    } else void hold();
+    pauseOrGoOn();
     return;
   }
   const page = event.altKey && !event.ctrlKey && !event.metaKey ? /^Digit([1-8])$/.exec(event.code) : null;

@@ -19,7 +19,7 @@ export function stateWord(): StateWord {
     const text = t({ connecting: 'link.connecting', open: 'link.connecting', lost: 'state.reconnecting', refused: 'link.refused' }[link.value] as Key);
     return { text, tone: 'off', icon: 'link', why: '' };
   }
-  const why = causeWords(now.cause, now.causeCode);
+  const why = causeWords(now.causeCode, now.cause, now.causeFacts);
   switch (now.state) {
     case 'fault':
       return afterContact() ? { text: t('state.contact'), tone: 'bad', icon: 'alarm', why: '' } : { text: t('state.fault'), tone: 'bad', icon: 'alarm', why };
@@ -41,15 +41,26 @@ function runningWord(): StateWord {
   const now = status.value!;
   const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({ text, tone, icon, why: '' });
   if (!now.simulated && !now.armed) return word(t('state.notArmed'), 'warn', 'lock');
-  if (now.inactive.length > 0) return { ...word(t('state.notReady'), 'warn', 'power'), why: t('state.inactive', { names: now.inactive.join(', ') }) };
+  const wanting = now.inactive.length > 0 ? t('state.inactive', {names: now.inactive.join(', ')}) : '';
+  const going = goingWord();
+  if (going) return {...going, why: wanting};
+  if (wanting) return {...word(t('state.notReady'), 'warn', 'power'), why: wanting};
+  return word(t('state.ready'), 'good', 'check');
+}
+
+/** What goes on in a cell that runs; null where nothing does. */
+function goingWord(): StateWord|null {
+  const now = status.value!;
+  const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({text, tone, icon, why: ''});
   if (now.jogged.length > 0 && now.moving)
     return word(t('state.jogging'), 'busy', 'hand');
   const program = now.program;
-  if (!program || program.ended || program.ready) return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
+  if (!program || program.ended || program.ready)
+    return now.moving ? word(t('state.moving'), 'busy', 'run') : null;
   if (pausing.value) return word(t('state.pausing'), 'warn', 'clock');
   if (program?.paused) return word(t('state.programPaused'), 'warn', 'pause');
   if (program?.state === 'running') return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting' && now.moving) return word(t('state.programRuns'), 'busy', 'run');
   if (program?.state === 'waiting') return word(t('state.programWaits'), 'busy', 'clock');
-  return now.moving ? word(t('state.moving'), 'busy', 'run') : word(t('state.ready'), 'good', 'check');
+  return now.moving ? word(t('state.moving'), 'busy', 'run') : null;
 }

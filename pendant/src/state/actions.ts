@@ -1,8 +1,10 @@
 /** What a person does to the cell as a whole. */
-import { dropSteps } from './jog';
-import { toast } from './toasts';
-import { t } from '../i18n';
-import { attempt, complain, pausing, programRuns, request, status } from './cell';
+import {t} from '../i18n';
+
+import {attempt, complain, pausing, programRuns, request, status, ways} from './cell';
+import {dropSteps} from './jog';
+import {toast} from './toasts';
+import {canBe} from './ways';
 
 /** Stops whatever moves. Needs no control; tried by every way there is. */
 export async function stop(): Promise<void> {
@@ -19,18 +21,21 @@ export const recover = () => attempt('control.recover');
 export const discard = () => attempt('control.discard');
 /** What is paused goes on: what is held along its path, else the program that a step or a breakpoint has paused. */
 export const goOn = () => (status.peek()?.state === 'held' ? resume() : attempt('program.go'));
-/** Something still touches, so that nothing can go on; the strip of the contact says what leads out. */
-export const touches = () => status.value?.cannot.resume?.code === 'in-contact';
-/** Can `goOn` do something? */
-export const isPaused = () => {
-  const now = status.value;
-  return now?.state === 'held' || (now?.state === 'running' && now.program?.paused === true && !now.program.ended && !now.program.ready);
-};
+export const back = () => attempt('control.back', {time: 0.5});
+/** What the key for pause and resume does now: nothing where neither can be. */
+export function pauseOrGoOn(): void {
+  const {next, nextBlocked} = ways.peek();
+  if (!canBe(nextBlocked)) return;
+  if (next === 'resume')
+    void goOn();
+  else if (next !== 'recover')
+    void hold();
+}
 
 /** One statement: of a program that runs, what is under way is gone through to its end; so it is where that is held. */
 export async function step(how: 'over' | 'into' | 'out' = 'over'): Promise<void> {
   const now = status.peek();
-  if (pausing.peek() || !now?.program) return;
+  if (!now?.program || !canBe(ways.peek().step)) return;
   const paused = now.program.paused;
   if (!paused || now.state === 'held') pausing.value = true;
   try {

@@ -1,7 +1,9 @@
 /** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
-import { computed, signal } from '@preact/signals';
-import { t } from '../i18n';
-import { plain, problemWords } from '../i18n/told';
+import {computed, signal} from '@preact/signals';
+
+import {t} from '../i18n';
+import {problemWords} from '../i18n/told';
+
 import { Connection, type Json, type LinkState, RequestError } from '../wire/connection';
 import { type Field, Layout, parseFrame } from '../wire/frames';
 import type {
@@ -20,6 +22,7 @@ import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStat
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { settings } from './settings';
 import { toast } from './toasts';
+import {waysOf} from './ways';
 
 export const link = signal<LinkState>('connecting');
 export const client = signal(-1);
@@ -42,6 +45,8 @@ export const log = signal<LogLine[]>([]);
 /** The whole program state as it comes (tasks, variables); the short one is `status.program`. */
 export const program = signal<Json | null>(null);
 export const jogEvents = signal<JogEvent | null>(null);
+/** A pause or a step was asked for, and the statement under way goes on until its end. */
+export const pausing = signal(false);
 /** The robot that Move and the 3D view look at. */
 export const robotName = signal('');
 
@@ -52,14 +57,17 @@ export const robot = computed<RobotInfo | null>(() => {
 export const connected = computed(() => link.value === 'open' && status.value !== null);
 /** May this page move the robot now? */
 export const mayMove = computed(() => connected.value && youHold.value);
+/** What a person can do now: every key is drawn from it. */
+export const ways =
+    computed(() => waysOf({status: status.value, mayMove: mayMove.value, pausing: pausing.value}));
+/** Why the robot that Move looks at cannot be jogged; '' where it can. */
+export const jogBlocked = computed(() => ways.value.jog(robot.value?.name ?? ''));
 /** A program is under way and neither paused nor waiting to be started. */
 export const programRuns = computed(() => {
   const it = status.value?.program;
   return !!it && !it.ended && !it.ready && !it.paused;
 });
 export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).length);
-/** A pause or a step was asked for, and the statement under way goes on until its end. */
-export const pausing = signal(false);
 /** Tags whose values somebody forces. */
 export const forced = computed(() => Object.keys(tags.value).filter((name) => tags.value[name]!.forced).sort());
 
@@ -194,8 +202,10 @@ const events: Record<string, (event: Event) => void> = {
     status.value = next;
     holder.value = next.holder;
     youHold.value = next.youHold;
-    if (youHold.value) waiting.value = null;
-    else asked.value = null;
+    if (youHold.value)
+      waiting.value = null;
+    else
+      asked.value = null;
     if (lastOld < 0) lastOld = Number(e.alarms ?? 0);
     if (!next.program || next.program.ended || next.program.paused) pausing.value = false;
   },
@@ -209,7 +219,7 @@ const events: Record<string, (event: Event) => void> = {
     parts.value = next;
   },
   log: (e) => {
-    const lines = (e.lines as LogLine[]).map((line) => ({ ...line, text: plain(line.text) }));
+    const lines = e.lines as LogLine[];
     const last = log.value[log.value.length - 1]?.number ?? -1;
     // After a reconnect the history comes again; a new cell counts from the beginning.
     const again = lines.length > 0 && lines[0]!.number <= last;
@@ -246,8 +256,10 @@ const events: Record<string, (event: Event) => void> = {
     youHold.value = e.you_hold === true;
     asked.value = null;
     waiting.value = null;
-    if (youHold.value && what === 'given') toast({ kind: 'ok', text: t('control.yours') });
-    else if (what === 'refused') toast({ kind: 'warning', text: t('control.refused') });
+    if (youHold.value && what === 'given')
+      toast({kind: 'ok', text: t('control.yours')});
+    else if (what === 'refused')
+      toast({kind: 'warning', text: t('control.refused')});
     else if (!youHold.value && (what === 'taken' || what === 'lost' || what === 'given'))
       toast({ kind: 'warning', text: t('control.taken', { name }) });
   },

@@ -12,7 +12,7 @@ export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user' | 'drive';
 
 /** Which key is held: `joint/2/+1`, `goto` …; empty when none. */
 export const heldKey = signal('');
-export const heldBack = signal<{ what: string; reason: string } | null>(null);
+export const heldBack = signal<{what: string; which: string}|null>(null);
 export const jogMode = kept<JogMode>('jogMode', 'joint');
 export const userFrame = kept<string>('userFrame', '');
 /** Share of the greatest jogging speed, percent. */
@@ -145,8 +145,11 @@ async function oneStep(args: Json, key: string): Promise<void> {
 effect(() => {
   const event = jogEvents.value;
   if (!event) return;
-  if (event.over) return jogger.ended(event.jog);
-  heldBack.value = event.why ? { what: event.why, reason: event.text } : null;
+  if (event.over) {
+    if (jogger.ended(event.jog) && event.why === 'lost') toast({kind: 'warning', text: t('move.lost')});
+    return;
+  }
+  heldBack.value = event.why ? {what: event.why, which: event.which} : null;
 });
 effect(() => {
   if (!connected.value || !mayMove.value) {

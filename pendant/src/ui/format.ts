@@ -16,6 +16,11 @@ export function jointText(value: number, unit: string, digits = 1): string {
   return unit === 'm' ? `${mm(value, digits)} mm` : `${angle(value, digits)} ${angleUnit()}`;
 }
 
+/** As `shoulder_pan_joint` is read: “shoulder pan”. */
+export function jointTitle(name: string): string {
+  return name.replace(/[_-]?joint[_-]?/gi, ' ').replace(/[_-]/g, ' ').trim() || name;
+}
+
 /** Seconds as 12.3 s, or 4:05 from a minute on, or 1:02:03. */
 export function duration(seconds: number): string {
   if (!Number.isFinite(seconds)) return '–';

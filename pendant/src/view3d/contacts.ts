@@ -1,6 +1,9 @@
 /** What touches what it should not: both bodies in red, and a mark between them that says the pair and how deep. */
 import * as THREE from 'three';
-import { t, number } from '../i18n';
+
+import {number, t} from '../i18n';
+import {bodyWords} from '../i18n/told';
+
 import type { Touch } from '../wire/types';
 import { empty, label } from './overlay';
 
@@ -48,7 +51,9 @@ export class Contacts {
     const ball = new THREE.Mesh(new THREE.SphereGeometry(0.012, 16, 12), new THREE.MeshBasicMaterial({ color: kRed, depthTest: false }));
     ball.renderOrder = 6;
     ball.position.copy(at);
-    ball.add(label(t('view.contact', { a: touch.a, b: touch.b, mm: number(1000 * touch.depth, 1) }), true, '#ff9a9e'));
+    ball.add(label(
+        t('view.contact', {a: bodyWords(touch.a), b: bodyWords(touch.b), mm: number(1000 * touch.depth, 1)}),
+        true, '#ff9a9e'));
     this.group.add(ball);
   }
 }

@@ -197,5 +197,7 @@ export class Stage {
     this.grid?.dispose();
     this.sun.dispose();
     this.renderer.dispose();
+    // Else the context stays until its canvas is collected, and a browser has few of them.
+    this.renderer.forceContextLoss();
   }
 }

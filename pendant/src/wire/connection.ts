@@ -8,6 +8,8 @@ export interface Problem {
   what: string;
   advice?: string;
   where?: string;
+  /** Values of the sentence, by name. */
+  facts?: Record<string, string|number>;
   all?: Problem[];
 }
 

@@ -28,7 +28,7 @@ export interface HealthNow {
   period: Times | null;
   clamps: number;
   parts: Part[];
-  fallen: { component: string; cause: string }[];
+  fallen: {component: string; cause: string; cause_code: string}[];
 }
 /** Whatever the unit the cell tells it in (…_ns, …_us, or none for us). */
 export function readTimes(value: unknown): Times | null {

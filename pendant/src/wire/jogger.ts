@@ -66,9 +66,11 @@ export class Jogger {
     this.over();
   }
 
-  /** The cell says that a motion has ended. */
-  ended(jog: number): void {
-    if (this.active && this.jog === jog) this.over();
+  /** The cell says that a motion has ended. True where it is the one that is held. */
+  ended(jog: number): boolean {
+    if (!this.active || this.jog !== jog) return false;
+    this.over();
+    return true;
   }
 
   private beat(): void {

@@ -1,9 +1,10 @@
 /** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
-import type { Alarm, CellInfo, Contacts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual } from './types';
+import type {Alarm, CellInfo, Contacts, Facts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual, Why} from './types';
 import type { Json } from './connection';
 
 const list = (value: unknown): Json[] => (Array.isArray(value) ? (value as Json[]) : []);
 const text = (value: unknown): string => (typeof value === 'string' ? value : '');
+const factsOf = (value: unknown): Facts => (value && typeof value === 'object' ? (value as Facts) : {});
 const num = (value: unknown, fallback: number): number => (typeof value === 'number' ? value : fallback);
 
 export function readHolder(value: unknown): Holder | null {
@@ -39,18 +40,22 @@ function readTouch(each: Json): Touch {
 
 function readContacts(value: unknown): Contacts {
   const got = (value && typeof value === 'object' ? value : {}) as Json;
+  const unchecked = Array.isArray(got.unchecked) ? got.unchecked.map(text).filter(Boolean) : [];
+  const why = list(got.unchecked_why);
   return {
     checked: got.checked !== false,
     touching: got.touching === true,
-    unchecked: Array.isArray(got.unchecked) ? got.unchecked.map(text).filter(Boolean) : [],
+    unchecked: unchecked.map((what, i) => ({what, code: text(why[i]?.code), facts: factsOf(why[i]?.facts)})),
     list: list(got.list).map(readTouch),
   };
 }
 
-function readCannot(value: unknown): Status['cannot'] {
-  const out: Status['cannot'] = {};
+function readCannot(value: unknown): Record<string, Why> {
+  const out: Record<string, Why> = {};
   for (const [name, why] of Object.entries((value ?? {}) as Record<string, Json | null>))
-    if (why && typeof why === 'object') out[name] = { code: text(why.code), what: text(why.what), advice: text(why.advice) };
+    if (why && typeof why === 'object' && 'code' in why)
+      out[name] =
+          {code: text(why.code), what: text(why.what), advice: text(why.advice), facts: factsOf(why.facts)};
   return out;
 }
 
@@ -65,6 +70,7 @@ export function readStatus(event: Json, client: number): Status {
     armed: event.armed !== false,
     simulated: event.simulated !== false,
     profile: text(event.profile),
+    reduced: event.reduced === true || event.profile === 'reduced',
     override: num(event.override, event.state === 'no cell' ? NaN : 100),
     allowed: num(event.allowed, 100),
     holder,
@@ -74,8 +80,10 @@ export function readStatus(event: Json, client: number): Status {
     failure: text(event.failure),
     inactive: Array.isArray(event.inactive) ? (event.inactive as string[]) : [],
     causeCode: text(event.cause_code),
+    causeFacts: factsOf(event.cause_facts),
     contacts: readContacts(event.contacts),
     cannot: readCannot(event.can),
+    cannotJog: readCannot((event.can as Json | undefined)?.jog),
     jogged: Array.isArray(event.jogged) ? (event.jogged as string[]) : [],
   };
 }
@@ -149,6 +157,7 @@ export function readAlarm(event: Json): Alarm {
     what: text(event.what),
     where: place,
     advice: text(event.advice),
+    facts: factsOf(event.facts),
     severity: event.severity === 'warning' ? 'warning' : 'error',
   };
 }
@@ -160,5 +169,6 @@ export function readJog(event: Json): JogEvent {
     over: event.over === true,
     why: text(event.why),
     text: text(event.text),
+    which: text(event.which),
   };
 }

@@ -7,6 +7,9 @@ export interface Pose {
   q: Quat;
 }
 
+/** Values of a sentence, by name; the name of a number ends with its unit. */
+export type Facts = Record<string, string|number>;
+
 export type RunState = 'running' | 'stopping' | 'held' | 'fault' | 'backing';
 export type ProgramState = 'ready' | 'running' | 'waiting' | 'finished' | 'failed' | 'stopped';
 
@@ -49,10 +52,18 @@ export interface Contacts {
   /** False: nothing in this cell finds contacts. */
   checked: boolean;
   touching: boolean;
-  /** In sentences: bodies whose contacts nothing finds. */
-  unchecked: string[];
+  /** Bodies whose contacts nothing finds: in the cell's own sentences, and by code. */
+  unchecked: {code: string; what: string; facts: Facts}[];
   /** Newest last. */
   list: Touch[];
+}
+
+/** Why something cannot be done. */
+export interface Why {
+  code: string;
+  what: string;
+  advice?: string;
+  facts?: Facts;
 }
 
 export interface Status {
@@ -65,6 +76,8 @@ export interface Status {
   armed: boolean;
   simulated: boolean;
   profile: string;
+  /** The TCP is kept slow: by the profile, or as the first run after arming. */
+  reduced: boolean;
   /** Percent of the planned speed that is asked, and that is allowed. */
   override: number;
   allowed: number;
@@ -75,11 +88,15 @@ export interface Status {
   failure: string;
   /** Hardware that is not active. */
   inactive: string[];
-  /** Why it does not run, as the cell counts it; '' where it runs or does not say. */
+  /** Why it does not run, in one word for programs; 'none' or '' where it runs. */
   causeCode: string;
+  /** Values of that cause. */
+  causeFacts: Facts;
   contacts: Contacts;
   /** What cannot be done now and why, by request (resume, discard, back …); what is not named can be. */
-  cannot: Record<string, { code: string; what: string; advice?: string }>;
+  cannot: Record<string, Why>;
+  /** The same of jogging, by robot. */
+  cannotJog: Record<string, Why>;
   /** Robots that somebody moves by hand. */
   jogged: string[];
 }
@@ -199,6 +216,8 @@ export interface LogLine {
   time: number;
   level: string;
   text: string;
+  code?: string;
+  facts?: Facts;
 }
 
 export interface Alarm {
@@ -208,6 +227,7 @@ export interface Alarm {
   what: string;
   where: string;
   advice: string;
+  facts: Facts;
   severity: 'error' | 'warning';
   /** Set by the page: has somebody seen it? */
   seen?: boolean;
@@ -226,4 +246,6 @@ export interface JogEvent {
   /** Not over: what holds it back; over: why. */
   why: string;
   text: string;
+  /** The joint or the zone that holds it back; '' where neither does. */
+  which: string;
 }

@@ -1,13 +1,27 @@
-import { cell } from './cell';
-import { health } from './health';
-import { move } from './move';
-import { program } from './program';
-import { plots } from './plots';
-import { points } from './points';
-import { signals } from './signals';
-import { run } from './run';
-import { shell } from './shell';
-import { told } from './told';
-import { view } from './view';
+import {cell} from './cell';
+import {codes} from './codes';
+import {health} from './health';
+import {move} from './move';
+import {plots} from './plots';
+import {points} from './points';
+import {program} from './program';
+import {run} from './run';
+import {shell} from './shell';
+import {signals} from './signals';
+import {told} from './told';
+import {view} from './view';
 
-export const en = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell, ...told };
+export const en = {
+  ...shell,
+  ...run,
+  ...move,
+  ...view,
+  ...program,
+  ...points,
+  ...signals,
+  ...plots,
+  ...health,
+  ...cell,
+  ...told,
+  ...codes
+};

@@ -38,7 +38,6 @@ export const move = {
   'move.held.direction': 'The arm cannot turn that way',
   'move.held.limit': 'Held back by a joint limit',
   'move.held.workspace': 'Held back by the workspace',
-  'move.blocked': 'Jogging waits until the program is stopped or held',
 
   'move.keyboard': 'Keyboard',
   'move.keyboardWhy': 'Keys Q W E R T Y U I move up, A S D F G H J K down, as long as they are held',
@@ -68,6 +67,7 @@ export const move = {
   'goto.seconds': 'about {seconds} s',
   'goto.bad': 'Not a number',
   'goto.outside': 'Outside {range}',
+  'move.lost': 'The motion ended: no sign of life reached the cell in time. Press again.',
   'move.queued': '{count} steps to go',
   'move.queueFull': 'At most {most} steps wait; this one was not taken.',
 } as const;

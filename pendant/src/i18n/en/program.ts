@@ -55,7 +55,8 @@ export const program = {
   'program.warnings': '{count} warnings',
   'program.noErrors': 'No errors',
   'program.changedMeanwhile': '{name} has changed meanwhile',
-  'program.changedText': 'Somebody else has saved it since you began. Nothing is overwritten before you choose.',
+  'program.changedText':
+      'Somebody else has saved it since you began. Nothing is overwritten before you choose.',
   'program.compare': 'Show both',
   'program.whatCounts': 'What counts',
   'program.mine': 'My text',
@@ -72,13 +73,13 @@ export const program = {
   'program.discardDraftQ': 'Discard the draft?',
   'program.discardDraftText': 'The file is shown as it was saved last.',
   'program.keepDraft': 'Keep the draft',
-  'program.runsWithItsText': 'This program is running with the text that it was started with. Changes count from the next start.',
+  'program.runsWithItsText':
+      'The program goes by the text that it was started with. Changes count from the next start.',
 
   'program.start': 'Start',
   'program.startErrors': 'Correct the errors first',
   'program.dry': 'Dry run',
   'program.go': 'Resume',
-  'program.end': 'End program',
   'program.stepOver': 'Step',
   'program.stepInto': 'Step into',
   'program.stepOut': 'Step out',
@@ -128,11 +129,6 @@ export const program = {
   'program.state.finished': 'Finished',
   'program.state.failed': 'Failed',
   'program.state.stopped': 'Stopped',
-  'program.wait.time': 'time',
-  'program.wait.condition': 'a condition:',
-  'program.wait.move': 'the move',
-  'program.wait.motion': 'the robot to arrive',
-  'program.wait.person': 'a person:',
 
   'program.steps': 'Steps',
   'program.noSteps': 'No steps yet. Add the first one.',

@@ -1,5 +1,4 @@
 export const shell = {
-  'app.name': 'Polyarm pendant',
   'app.skip': 'Skip to the page',
 
   'nav.label': 'Pages',
@@ -17,11 +16,13 @@ export const shell = {
   'link.lost': 'Reconnecting…',
   'link.refused': 'Link expired',
   'link.refusedWhy': 'Open the current link of the cell: the terminal that runs it shows it.',
-  'link.lostWhy': 'No values are shown, and Stop does not reach the cell. Use the emergency stop of the robot.',
+  'link.lostWhy':
+      'No values are shown, and Stop does not reach the cell. Use the emergency stop of the robot.',
   'link.back': 'Connected again',
 
   'state.label': 'State',
   'state.ready': 'Ready',
+  'state.running': 'Running',
   'state.moving': 'Moving',
   'state.jogging': 'Jogging',
   'state.programRuns': 'Program runs',
@@ -35,7 +36,6 @@ export const shell = {
   'state.notReady': 'Not ready',
   'state.inactive': '{names}: not active',
   'state.noCell': 'No cell runs',
-  'state.none': 'Not connected',
 
   'mode.label': 'Modes',
   'mode.simulated': 'Simulation',
@@ -45,11 +45,11 @@ export const shell = {
   'mode.full': 'Full speed',
   'mode.reducedWhy': 'Teaching: the TCP stays below 250 mm/s. Press for full speed.',
   'mode.fullWhy': 'The limits of the joints hold. Press for reduced speed.',
+  'mode.firstRunWhy': 'Just armed: the TCP stays below 250 mm/s until the program has run through once.',
   'mode.toFull': 'Switch to full speed?',
   'mode.toFullText': 'The robot will move as fast as its joints may. Nobody may be in its reach.',
   'mode.toFullDo': 'Full speed',
 
-  'control.label': 'Control',
   'control.youShort': 'In control',
   'control.otherShort': 'Watching',
   'control.freeShort': 'No control',
@@ -84,8 +84,10 @@ export const shell = {
   'bar.recover': 'Recover',
   'bar.discard': 'Cancel motion',
   'bar.discardText': 'The rest of the paused motion is dropped. The program that asked for it fails.',
+  'bar.accept': 'Stay here',
+  'bar.acceptText':
+      'The robot was moved while it was held. It stays where it is now, and the rest of a paused motion is dropped.',
   'bar.speed': 'Speed',
-  'bar.speedOf': 'Speed {percent} %',
   'bar.allowed': 'at most {percent} % allowed',
 
   'question.label': 'The program asks',
@@ -97,7 +99,6 @@ export const shell = {
   'alarms.count': '{count} new alarms',
   'alarms.none': 'No alarms',
   'alarms.seen': 'Mark all as seen',
-  'alarms.why': 'Cause',
   'alarms.do': 'Remedy',
 
   'help.label': 'Help',
@@ -130,14 +131,14 @@ export const shell = {
   'page.loading': 'Loading…',
   'page.failed': 'This page could not be loaded',
   'page.again': 'Try again',
-  'page.soon': 'Nothing here yet.',
   'link.oldPicture': 'The view shows the last known position',
   'state.reconnecting': 'Reconnecting…',
   'state.pausing': 'Pausing…',
   'state.contact': 'Stopped after contact',
   'state.activate': 'Activate',
   'state.activateQ': 'Activate {names}?',
-  'state.activateText': 'The device is switched on and its controllers are started. The robot does not move by that.',
+  'state.activateText':
+      'The device is switched on and its controllers are started. The robot does not move by that.',
   'control.asking': 'Asked {name} for control: {seconds} s',
   'control.askingShort': 'Asked',
   'stop.offline': 'not connected: use the emergency stop',
@@ -158,5 +159,18 @@ export const shell = {
   'bodies.none': 'Contacts are not detected in this cell: the robot passes through everything.',
   'contact.back': 'Step back',
   'bodies.some': 'Contacts are not detected for {count}: {names}',
+  'why.offline': 'Not connected',
+  'why.noCell': 'No cell runs',
+  'why.control': 'Take control first',
+  'why.resumeFirst': 'Press Resume first: the cell is held.',
+  'why.recoverFirst': 'Press Recover first: the cell is in a fault.',
+  'why.armFirst': 'Compare and arm the robot first.',
+  'why.stopping': 'The cell is stopping.',
+  'why.motionFirst': 'Resume or cancel the paused motion first.',
+  'why.programFirst': 'Pause or end the program first.',
+  'why.activateFirst': 'Activate the hardware first.',
+  'why.moving': 'Wait until the robot stands.',
+  'why.noProgram': 'No program is under way.',
+  'why.pauseFirst': 'Press Step first: the program is not paused.',
   'contact.canceled': 'No motion is left to go on with.',
 } as const;

@@ -1,5 +1,6 @@
 import type { en } from '../en';
 import { cell } from './cell';
+import {codes} from './codes';
 import { health } from './health';
 import { move } from './move';
 import { program } from './program';
@@ -11,4 +12,17 @@ import { shell } from './shell';
 import { told } from './told';
 import { view } from './view';
 
-export const es: Record<keyof typeof en, string> = { ...shell, ...run, ...move, ...view, ...program, ...points, ...signals, ...plots, ...health, ...cell, ...told };
+export const es: Record<keyof typeof en, string> = {
+  ...shell,
+  ...run,
+  ...move,
+  ...view,
+  ...program,
+  ...points,
+  ...signals,
+  ...plots,
+  ...health,
+  ...cell,
+  ...told,
+  ...codes
+};

@@ -40,7 +40,6 @@ export const move: Record<keyof typeof en, string> = {
   'move.held.direction': 'El brazo no puede girar así',
   'move.held.limit': 'Frenado por el límite de un eje',
   'move.held.workspace': 'Frenado por el área de trabajo',
-  'move.blocked': 'Para mover a mano, pare o retenga antes el programa',
 
   'move.keyboard': 'Teclado',
   'move.keyboardWhy': 'Las teclas Q W E R T Y U I suben y A S D F G H J K bajan mientras se pulsan',
@@ -70,6 +69,7 @@ export const move: Record<keyof typeof en, string> = {
   'goto.seconds': 'unos {seconds} s',
   'goto.bad': 'No es un número',
   'goto.outside': 'Fuera de {range}',
+  'move.lost': 'El movimiento terminó: ninguna señal de vida llegó a tiempo a la celda. Pulse otra vez.',
   'move.queued': 'faltan {count} pasos',
   'move.queueFull': 'Como máximo esperan {most} pasos; este no se aceptó.',
 };

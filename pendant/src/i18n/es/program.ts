@@ -57,7 +57,8 @@ export const program: Record<keyof typeof en, string> = {
   'program.warnings': '{count} avisos',
   'program.noErrors': 'Sin errores',
   'program.changedMeanwhile': '{name} ha cambiado entretanto',
-  'program.changedText': 'Otra persona lo ha guardado desde que usted empezó. No se sobrescribe nada antes de que elija.',
+  'program.changedText':
+      'Otra persona lo ha guardado desde que usted empezó. No se sobrescribe nada antes de que elija.',
   'program.compare': 'Mostrar ambos',
   'program.whatCounts': 'Qué vale',
   'program.mine': 'Mi texto',
@@ -74,13 +75,13 @@ export const program: Record<keyof typeof en, string> = {
   'program.discardDraftQ': '¿Desechar el borrador?',
   'program.discardDraftText': 'El archivo se muestra como se guardó por última vez.',
   'program.keepDraft': 'Conservar el borrador',
-  'program.runsWithItsText': 'Este programa se ejecuta con el texto con que se inició. Los cambios valen desde el próximo inicio.',
+  'program.runsWithItsText':
+      'El programa sigue el texto con que se inició. Los cambios valen desde el próximo inicio.',
 
   'program.start': 'Iniciar',
   'program.startErrors': 'Corrija antes los errores',
   'program.dry': 'Ensayo en seco',
   'program.go': 'Reanudar',
-  'program.end': 'Terminar programa',
   'program.stepOver': 'Paso',
   'program.stepInto': 'Entrar',
   'program.stepOut': 'Salir',
@@ -130,11 +131,6 @@ export const program: Record<keyof typeof en, string> = {
   'program.state.finished': 'Terminado',
   'program.state.failed': 'Fallido',
   'program.state.stopped': 'Parado',
-  'program.wait.time': 'un tiempo',
-  'program.wait.condition': 'una condición:',
-  'program.wait.move': 'el movimiento',
-  'program.wait.motion': 'a que llegue el robot',
-  'program.wait.person': 'a una persona:',
 
   'program.steps': 'Pasos',
   'program.noSteps': 'Aún no hay pasos. Añada el primero.',
@@ -253,7 +249,8 @@ export const program: Record<keyof typeof en, string> = {
   'editor.word': 'palabras enteras',
   'editor.replaceOne': 'reemplazar',
   'editor.replaceAll': 'reemplazar todos',
-  'program.notChecked': 'No se comprueba aquí. Guarde el archivo y pulse Comprobar la celda en la página Celda.',
+  'program.notChecked':
+      'No se comprueba aquí. Guarde el archivo y pulse Comprobar la celda en la página Celda.',
   'program.toCell': 'Abrir la página Celda',
   'program.beingChecked': 'Comprobando…',
   'program.dryContact': 'Ensayo en seco: se toca algo',

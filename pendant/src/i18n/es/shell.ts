@@ -1,7 +1,6 @@
 import type { shell as en } from '../en/shell';
 
 export const shell: Record<keyof typeof en, string> = {
-  'app.name': 'Consola Polyarm',
   'app.skip': 'Ir a la página',
 
   'nav.label': 'Páginas',
@@ -19,11 +18,13 @@ export const shell: Record<keyof typeof en, string> = {
   'link.lost': 'Reconectando…',
   'link.refused': 'Enlace caducado',
   'link.refusedWhy': 'Abra el enlace actual de la celda: lo muestra el terminal en que se ejecuta.',
-  'link.lostWhy': 'No se muestran valores y Parar no llega a la celda. Use la parada de emergencia del robot.',
+  'link.lostWhy':
+      'No se muestran valores y Parar no llega a la celda. Use la parada de emergencia del robot.',
   'link.back': 'Conectado de nuevo',
 
   'state.label': 'Estado',
   'state.ready': 'Listo',
+  'state.running': 'En marcha',
   'state.moving': 'En movimiento',
   'state.jogging': 'Movimiento manual',
   'state.programRuns': 'Programa en marcha',
@@ -37,7 +38,6 @@ export const shell: Record<keyof typeof en, string> = {
   'state.notReady': 'No listo',
   'state.inactive': '{names}: no activo',
   'state.noCell': 'Ninguna celda en marcha',
-  'state.none': 'Sin conexión',
 
   'mode.label': 'Modos',
   'mode.simulated': 'Simulación',
@@ -47,11 +47,12 @@ export const shell: Record<keyof typeof en, string> = {
   'mode.full': 'Velocidad plena',
   'mode.reducedWhy': 'Aprendizaje: el TCP no pasa de 250 mm/s. Pulse para velocidad plena.',
   'mode.fullWhy': 'Valen los límites de los ejes. Pulse para velocidad reducida.',
+  'mode.firstRunWhy':
+      'Recién habilitado: el TCP no pasa de 250 mm/s hasta que el programa se haya ejecutado una vez entero.',
   'mode.toFull': '¿Pasar a velocidad plena?',
   'mode.toFullText': 'El robot se moverá tan rápido como permiten sus ejes. Nadie debe estar a su alcance.',
   'mode.toFullDo': 'Velocidad plena',
 
-  'control.label': 'Control',
   'control.youShort': 'Con control',
   'control.otherShort': 'Mirando',
   'control.freeShort': 'Sin control',
@@ -86,8 +87,10 @@ export const shell: Record<keyof typeof en, string> = {
   'bar.recover': 'Rearmar',
   'bar.discard': 'Cancelar movimiento',
   'bar.discardText': 'Se descarta el resto del movimiento en pausa. El programa que lo pidió falla.',
+  'bar.accept': 'Quedarse aquí',
+  'bar.acceptText':
+      'El robot se movió mientras estaba retenido. Se queda donde está ahora, y se descarta el resto de un movimiento en pausa.',
   'bar.speed': 'Velocidad',
-  'bar.speedOf': 'Velocidad {percent} %',
   'bar.allowed': 'permitido {percent} % como máximo',
 
   'question.label': 'El programa pregunta',
@@ -99,7 +102,6 @@ export const shell: Record<keyof typeof en, string> = {
   'alarms.count': '{count} alarmas nuevas',
   'alarms.none': 'Sin alarmas',
   'alarms.seen': 'Marcar todas como vistas',
-  'alarms.why': 'Causa',
   'alarms.do': 'Remedio',
 
   'help.label': 'Ayuda',
@@ -132,14 +134,14 @@ export const shell: Record<keyof typeof en, string> = {
   'page.loading': 'Cargando…',
   'page.failed': 'No se pudo cargar esta página',
   'page.again': 'Reintentar',
-  'page.soon': 'Aún no hay nada aquí.',
   'link.oldPicture': 'La vista muestra la última posición conocida',
   'state.reconnecting': 'Reconectando…',
   'state.pausing': 'Pausando…',
   'state.contact': 'Parado tras un contacto',
   'state.activate': 'Activar',
   'state.activateQ': '¿Activar {names}?',
-  'state.activateText': 'Se enciende el equipo y se inician sus controladores. El robot no se mueve por ello.',
+  'state.activateText':
+      'Se enciende el equipo y se inician sus controladores. El robot no se mueve por ello.',
   'control.asking': 'Control pedido a {name}: {seconds} s',
   'control.askingShort': 'Pedido',
   'stop.offline': 'sin conexión: use la parada de emergencia',
@@ -160,5 +162,18 @@ export const shell: Record<keyof typeof en, string> = {
   'bodies.none': 'En esta celda no se detectan contactos: el robot atraviesa todo.',
   'contact.back': 'Retroceder',
   'bodies.some': 'No se detectan contactos de {count}: {names}',
+  'why.offline': 'Sin conexión',
+  'why.noCell': 'Ninguna celda en marcha',
+  'why.control': 'Tome antes el control',
+  'why.resumeFirst': 'Pulse antes Reanudar: la celda está retenida.',
+  'why.recoverFirst': 'Pulse antes Rearmar: la celda está en fallo.',
+  'why.armFirst': 'Compare y habilite antes el robot.',
+  'why.stopping': 'La celda está parando.',
+  'why.motionFirst': 'Reanude o cancele antes el movimiento en pausa.',
+  'why.programFirst': 'Ponga en pausa o termine antes el programa.',
+  'why.activateFirst': 'Active antes los equipos.',
+  'why.moving': 'Espere a que el robot esté parado.',
+  'why.noProgram': 'Ningún programa en curso.',
+  'why.pauseFirst': 'Pulse antes Paso: el programa no está en pausa.',
   'contact.canceled': 'No queda ningún movimiento por continuar.',
 };

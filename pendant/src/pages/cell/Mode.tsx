@@ -1,13 +1,13 @@
 /** Simulated or on the real robot: what would be connected is shown first, and a person arms it. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { plain } from '../../i18n/told';
+import { type Problem, problemWords } from '../../i18n/told';
 import { able } from '../../state/abilities';
-import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { complain, mayMove, request, status } from '../../state/cell';
+import { ArmDialog } from '../../shell/ArmDialog';
 import { ask, open } from '../../ui/ask';
 import { Button, Card, Loading, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { jointText } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import { restart, restarting } from './restart';
 
@@ -23,8 +23,7 @@ interface Reachable {
   real: boolean;
   hardware: Hardware[];
   possible: boolean;
-  why: string;
-  advice: string;
+  problem: Problem | null;
 }
 
 export function Mode() {
@@ -90,6 +89,7 @@ function ConnectDialog({ onClose }: { onClose: () => void }) {
 }
 
 function WhatIsThere({ found }: { found: Reachable }) {
+  const why = problemWords(found.problem ?? { code: 'refused', what: '' });
   return (
     <>
       {found.hardware.length > 0 && (
@@ -116,68 +116,11 @@ function WhatIsThere({ found }: { found: Reachable }) {
         <div class="banner" role="alert">
           <Icon name="alarm" />
           <div>
-            <strong>{found.why}</strong>
-            <p>{plain(found.advice)}</p>
+            <strong>{why.text}</strong>
+            <p>{[why.detail, why.advice].filter(Boolean).join(' · ')}</p>
           </div>
         </div>
       )}
     </>
-  );
-}
-
-interface Compared {
-  joint: string;
-  measured: number;
-  expected: number;
-}
-
-/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
-function ArmDialog({ onClose }: { onClose: () => void }) {
-  const [joints, setJoints] = useState<Compared[] | null>(null);
-  const [asked, setAsked] = useState(false);
-  if (!asked) {
-    setAsked(true);
-    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
-  }
-  const unit = (name: string) => cell.value?.robots.flatMap((robot) => robot.joints).find((joint) => joint.interface === name || joint.name === name)?.unit ?? 'rad';
-  return (
-    <Dialog
-      title={t('cell.arm')}
-      onClose={onClose}
-      actions={
-        <>
-          <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('cell.armDo')} tone="warn" disabled={!joints || !mayMove.value} onClick={() => (onClose(), void attempt('control.arm', { confirmed: true }))} />
-        </>
-      }
-    >
-      <p>{t('cell.armText')}</p>
-      {!joints ? (
-        <Loading />
-      ) : (
-        <table class="plain">
-          <thead>
-            <tr>
-              <th scope="col">{t('cell.joint')}</th>
-              <th scope="col" class="right">
-                {t('cell.measured')}
-              </th>
-              <th scope="col" class="right">
-                {t('cell.expected')}
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {joints.map((each) => (
-              <tr key={each.joint}>
-                <th scope="row">{each.joint}</th>
-                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
-                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
-    </Dialog>
   );
 }

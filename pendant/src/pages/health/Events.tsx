@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { t, word } from '../../i18n';
-import { problemWords } from '../../i18n/told';
+import { lineWords, problemWords } from '../../i18n/told';
 import { alarms, log, markSeen } from '../../state/cell';
 import { kept } from '../../state/settings';
 import type { LogLine } from '../../wire/types';
@@ -60,7 +60,7 @@ export function filterLog(lines: LogLine[], which: Level, text: string): LogLine
     if (which === 'error' && line.level !== 'error') return false;
     if (which === 'warning' && line.level !== 'error' && line.level !== 'warning') return false;
     if (which === 'log' && line.level !== 'log') return false;
-    const here = line.text.toLowerCase();
+    const here = lineWords(line).toLowerCase();
     return wanted.every((one) => here.includes(one));
   });
 }
@@ -75,7 +75,7 @@ export function LogList() {
     if (box.current && atEnd.current) box.current.scrollTop = box.current.scrollHeight;
   }, [list.length, list[list.length - 1]]);
   const save = () => {
-    const text = list.map((line) => `${clockTime(line.time)} ${line.level} ${line.text}`).join('\n');
+    const text = list.map((line) => `${clockTime(line.time)} ${line.level} ${lineWords(line)}`).join('\n');
     const url = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));
     const link = document.createElement('a');
     link.href = url;
@@ -117,7 +117,7 @@ export function LogList() {
             <li key={line.number ?? i} class={line.level}>
               <time>{clockTime(line.time)}</time>
               <span class="level">{word('health.l', line.level)}</span>
-              <span>{line.text}</span>
+              <span>{lineWords(line)}</span>
             </li>
           ))}
         </ol>

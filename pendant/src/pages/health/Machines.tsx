@@ -1,7 +1,7 @@
 /** Hardware and controllers: their states, who uses what, and taking them to another state. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
-import { causeWords, plain } from '../../i18n/told';
+import { causeWords, plain, problemLine, problemOf } from '../../i18n/told';
 import { attempt, complain, mayMove, request } from '../../state/cell';
 import { type Component, type Controller, controllers, hardware, health, loadHealth } from '../../state/health';
 import { ask, open } from '../../ui/ask';
@@ -69,7 +69,7 @@ function ComponentCard({ component }: { component: Component }) {
         <h3>{name}</h3>
         <StateChip state={state} />
       </header>
-      {fallen && <p class="health-bad">{t('health.failed', { cause: causeWords(fallen.cause) })}</p>}
+      {fallen && <p class="health-bad">{t('health.failed', { cause: causeWords(fallen.cause_code, fallen.cause) })}</p>}
       <p class="note">
         {[component.type, component.plugin, component.rate ? `${number(component.rate, 0)} Hz` : ''].filter(Boolean).join(' · ')}
         {component.missed > 0 && ` · ${t('health.missed')}: ${component.missed}`}
@@ -137,7 +137,7 @@ function SwitchDialog({ onClose }: { onClose: () => void }) {
   useEffect(() => {
     setPlan(null);
     if (!changes) return;
-    request<Plan>('control.switch', { ...args, dry: true }).then(setPlan, (error: Error) => setPlan({ ok: false, reason: error.message, start: [], stop: [] }));
+    request<Plan>('control.switch', { ...args, dry: true }).then(setPlan, (error: Error) => setPlan({ ok: false, reason: problemLine(problemOf(error)), start: [], stop: [] }));
   }, [key]);
   const toggle = (name: string) => {
     const next = new Set(on);

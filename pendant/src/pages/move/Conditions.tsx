@@ -1,14 +1,15 @@
 /** One line that says what holds the robot back, or soon will: what the cell says while it moves, else what is near. */
 import { computed } from '@preact/signals';
 import { t } from '../../i18n';
-import { connected, mayMove, robot } from '../../state/cell';
+import { connected, jogBlocked, robot } from '../../state/cell';
 import { heldBack, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
 import { Icon } from '../../ui/Icon';
-import { jointTitle, nearLimit, roomTo } from './axes';
+import { blockedWords } from '../../shell/blocked';
+import { jointTitle } from '../../ui/format';
+import { nearLimit, roomTo } from './axes';
 import { heldWords } from './held';
-import { programMoves } from './JogKeys';
 
 /** Below the first the TCP is slowed down, below the second it hardly moves (of Chain.smallestGain). */
 const kNear = 0.09;
@@ -31,7 +32,8 @@ interface Condition {
 
 function condition(): Condition {
   if (!connected.value) return { tone: 'off', text: '–' };
-  if (mayMove.value && programMoves()) return { tone: 'warn', text: t('move.blocked') };
+  const blocked = blockedWords(jogBlocked.value);
+  if (blocked) return { tone: 'warn', text: blocked };
   const held = heldWords();
   if (held) return { tone: heldBack.value?.what === 'singular' ? 'bad' : 'warn', text: held };
   return nearby();

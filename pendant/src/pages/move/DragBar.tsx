@@ -2,18 +2,18 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
-import { mayMove } from '../../state/cell';
+import { jogBlocked } from '../../state/cell';
 import { dragHandle, heldKey, holdHandle, jogMode, release } from '../../state/jog';
 import { beat } from '../../state/live';
+import { canBe } from '../../state/ways';
 import { Button } from '../../ui/controls';
 import { handle } from '../../view3d/RobotView';
 import { tcpPose } from './axes';
-import { programMoves } from './JogKeys';
 
 const dragging = signal(false);
 const turning = signal(false);
 export function DragBar() {
-  const on = dragging.value && mayMove.value && !programMoves();
+  const on = dragging.value && canBe(jogBlocked.value);
   useEffect(() => () => ((dragging.value = false), release(), (handle.value = null)), []);
   beat.value;
   useEffect(() => {
@@ -38,7 +38,7 @@ export function DragBar() {
         icon="hand"
         title={t('move.dragWhy')}
         pressed={dragging.value}
-        disabled={!mayMove.value || programMoves()}
+        disabled={!canBe(jogBlocked.value)}
         onClick={() => (dragging.value = !dragging.value)}
       />
       {on && (

@@ -1,8 +1,8 @@
 /** The way to a place: looked along by the cell and shown first, then gone as long as the key is held. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
-import { plain } from '../../i18n/told';
-import { mayMove, request, robot } from '../../state/cell';
+import { type Problem, problemLine, problemOf } from '../../i18n/told';
+import { jogBlocked, request, robot } from '../../state/cell';
 import { heldKey, pressGoTo, release } from '../../state/jog';
 import { beat } from '../../state/live';
 import { jointValues } from '../../state/models';
@@ -12,7 +12,9 @@ import { preview } from '../../view3d/RobotView';
 import type { Json } from '../../wire/connection';
 import type { Pose, Vec3 } from '../../wire/types';
 import { heldWords } from './held';
-import { HoldButton, programMoves } from './JogKeys';
+import { HoldButton } from './JogKeys';
+import { blockedWords } from '../../shell/blocked';
+import { canBe } from '../../state/ways';
 import './go.css';
 
 /** In the world, or by joints' names. */
@@ -22,7 +24,7 @@ interface Dry {
   /** The wish that it was asked for. */
   of: string;
   ok: boolean;
-  reason?: string;
+  reason?: Problem;
   path?: Vec3[];
   seconds?: number;
   joints?: Record<string, number>;
@@ -59,7 +61,7 @@ export function GoKey({ goal }: { goal: Goal | null }) {
         },
         (error: Error) => {
           if (gone) return;
-          setDry({ ok: false, reason: error.message, of: wish });
+          setDry({ ok: false, reason: problemOf(error), of: wish });
           preview.value = null;
         },
       );
@@ -91,7 +93,7 @@ export function GoKey({ goal }: { goal: Goal | null }) {
         class="go-hold"
         label={t(moving ? 'goto.moving' : 'goto.move')}
         held={moving}
-        disabled={!args || !mayMove.value || programMoves() || (!moving && !known?.ok)}
+        disabled={!args || !canBe(jogBlocked.value) || (!moving && !known?.ok)}
         onPress={() => args && pressGoTo(args)}
         onRelease={release}
       >
@@ -99,10 +101,10 @@ export function GoKey({ goal }: { goal: Goal | null }) {
         {t(moving ? 'goto.moving' : 'goto.move')}
       </HoldButton>
       <p class="note" role="status">
-        {known && !known.ok && <span class="problem-text">{plain(known.reason ?? '')}</span>}
+        {known?.reason && !known.ok && <span class="problem-text">{problemLine(known.reason)}</span>}
         {known?.ok && !moving && wordsOf(known)}
         {held && <span class="problem-text">{held}</span>}
-        {mayMove.value && programMoves() && <span class="problem-text">{t('move.blocked')}</span>}
+        {blockedWords(jogBlocked.value) && <span class="problem-text">{blockedWords(jogBlocked.value)}</span>}
       </p>
     </div>
   );

@@ -7,10 +7,10 @@ import { valueNow } from '../../state/live';
 import { settings } from '../../state/settings';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { angleUnit, jointText, kDeg, kMm } from '../../ui/format';
+import { angleUnit, jointText, kDeg, kMm, jointTitle } from '../../ui/format';
 import { compose, fromRollPitchYaw, rollPitchYaw } from '../../view3d/chain';
 import type { JointInfo, Pose, Vec3 } from '../../wire/types';
-import { inFrame, jointTitle, tcpPose } from './axes';
+import { inFrame, tcpPose } from './axes';
 import { GoKey, type Goal } from './GoKey';
 
 interface PointValue {

@@ -2,13 +2,13 @@
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect } from 'preact/hooks';
 import { t } from '../../i18n';
-import { mayMove } from '../../state/cell';
+import { jogBlocked, mayMove } from '../../state/cell';
 import { heldKey, jogMode, type JogMode, jogSpeed, pressJog, pushJog, release } from '../../state/jog';
 import { frames } from '../../state/models';
+import { canBe } from '../../state/ways';
 import { toast } from '../../state/toasts';
 import { Button } from '../../ui/controls';
 import { axesNow } from './axes';
-import { programMoves } from './JogKeys';
 import { chooseMode } from './JogSettings';
 import { sticks } from './sticks';
 
@@ -63,7 +63,7 @@ function useKeyboard(): void {
     if (!on) return;
     let held = '';
     const down = (event: KeyboardEvent) => {
-      if (event.altKey || event.ctrlKey || event.metaKey || inText(event) || programMoves()) return;
+      if (event.altKey || event.ctrlKey || event.metaKey || inText(event) || !canBe(jogBlocked.peek())) return;
       const up = kUp.indexOf(event.code);
       const axis = up >= 0 ? up : kDown.indexOf(event.code);
       if (axis >= 0) {
@@ -103,7 +103,7 @@ function useGamepad(): void {
     const timer = setInterval(() => {
       const pad = navigator.getGamepads().find((each) => each !== null);
       const wish = pad ? sticks(pad) : null;
-      const moves = wish?.some((v) => v !== 0) && mayMove.peek() && !programMoves();
+      const moves = wish?.some((v) => v !== 0) && canBe(jogBlocked.peek());
       if (moves) {
         if (jogMode.peek() === 'joint') jogMode.value = 'base';
         pushJog('gamepad', wish!);

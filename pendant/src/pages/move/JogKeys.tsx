@@ -1,21 +1,17 @@
 /** A row an axis: minus, the value with its bar, plus. Keys move while they are pressed. */
 import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
-import { mayMove, programRuns, status } from '../../state/cell';
+import { jogBlocked } from '../../state/cell';
 import { heldKey, jogMode, pressJog, release, stepsToGo } from '../../state/jog';
 import { beat } from '../../state/live';
+import { canBe } from '../../state/ways';
 import { jointText } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import { type Axis, axesNow, nearLimit, roomTo } from './axes';
 
-/** A program that moves must be held first. */
-export function programMoves(): boolean {
-  return status.value?.state === 'running' && programRuns.value;
-}
-
 export function JogKeys() {
   beat.value;
-  const blocked = !mayMove.value || programMoves();
+  const blocked = !canBe(jogBlocked.value);
   const axes = axesNow();
   return (
     <div class={`jog-keys ${axes.length > 6 ? 'many' : ''}`} role="group" aria-label={t('move.axes')}>

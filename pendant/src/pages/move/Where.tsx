@@ -3,9 +3,9 @@ import { jogMode } from '../../state/jog';
 import { beat, valueOf } from '../../state/live';
 import { armOrder, models } from '../../state/models';
 import { robot } from '../../state/cell';
-import { angle, angleUnit, jointText, mm } from '../../ui/format';
+import { angle, angleUnit, jointText, mm, jointTitle } from '../../ui/format';
 import { rollPitchYaw } from '../../view3d/chain';
-import { inFrame, jointTitle, shownFrame, tcpPose } from './axes';
+import { inFrame, shownFrame, tcpPose } from './axes';
 
 /** What the keys do not show: the TCP while joints are moved, the joints while the TCP is. */
 export function Where() {

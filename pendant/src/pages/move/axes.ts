@@ -1,10 +1,12 @@
 /** The rows of keys: joints of the robot, or the six ways of the TCP. */
-import { conjugate, multiply, rollPitchYaw, rotate } from '../../view3d/chain';
-import { jogMode, userFrame } from '../../state/jog';
-import { robot } from '../../state/cell';
-import { armOrder, baseNow, frames } from '../../state/models';
-import { t } from '../../i18n';
-import { valueNow } from '../../state/live';
+import {t} from '../../i18n';
+import {robot} from '../../state/cell';
+import {jogMode, userFrame} from '../../state/jog';
+import {valueNow} from '../../state/live';
+import {armOrder, baseNow, frames} from '../../state/models';
+import {jointTitle} from '../../ui/format';
+import {conjugate, multiply, rollPitchYaw, rotate} from '../../view3d/chain';
+
 import type { JointInfo, Pose, Quat, Vec3 } from '../../wire/types';
 
 export interface Axis {
@@ -29,11 +31,6 @@ export function roomTo(joint: JointInfo, value: number, direction: number): numb
   if (joint.type === 'continuous') return Infinity;
   const room = direction > 0 ? joint.upper - value : value - joint.lower;
   return Number.isFinite(room) ? Math.max(0, room) : Infinity;
-}
-
-/** As `shoulder_pan_joint` is read: “shoulder pan”. */
-export function jointTitle(name: string): string {
-  return name.replace(/[_-]?joint[_-]?/gi, ' ').replace(/[_-]/g, ' ').trim() || name;
 }
 
 export function tcpPose(): Pose {

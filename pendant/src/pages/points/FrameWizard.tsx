@@ -1,6 +1,7 @@
 /** A frame from three points that the tip of the tool touches: its origin, one on x, one on the side of y. */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
+import { problemLine, problemOf } from '../../i18n/told';
 import { complain, mayMove, request, robot } from '../../state/cell';
 import { changePoints, distance, frameNames, goodName, type Here, values } from '../../state/points';
 import { toast } from '../../state/toasts';
@@ -34,7 +35,7 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (!whole) return;
-    request<Answer>('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(error.message));
+    request<Answer>('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
   }, [touched]);
   const touch = (i: number) =>
     request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);

@@ -1,6 +1,7 @@
 /** The TCP of a tool whose tip touches one place from four or more directions, with what is left over. */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { problemLine, problemOf } from '../../i18n/told';
 import { complain, mayMove, request, robot } from '../../state/cell';
 import { changePoints, goodName, type Here, values } from '../../state/points';
 import { toast } from '../../state/toasts';
@@ -33,7 +34,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (poses.length < kLeast) return;
-    request<Answer>('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(error.message));
+    request<Answer>('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
   }, [poses]);
   const touch = () => request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
   const taken = values.value.some((each) => each.name === name);

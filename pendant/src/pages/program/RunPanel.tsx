@@ -1,8 +1,10 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
-import { attempt, complain, mayMove, pausing, program, request, status } from '../../state/cell';
-import { step, touches } from '../../state/actions';
+import { attempt, complain, connected, mayMove, pausing, program, request, status, ways } from '../../state/cell';
+import { step } from '../../state/actions';
+import { canBe } from '../../state/ways';
+import { blockedWords } from '../../shell/blocked';
 import { lastCycle } from '../../state/cycle';
 import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
@@ -13,6 +15,7 @@ import { Icon } from '../../ui/Icon';
 import { RobotView } from '../../view3d/RobotView';
 import { EndKey } from '../run/Keys';
 import { NoPass } from '../run/NoPass';
+import { programWord } from '../run/Now';
 import { BreakpointButton } from './CodeView';
 import * as doc from './documents';
 import { dry, dryRun, forgetDry } from './dry';
@@ -43,11 +46,9 @@ export function RunPanel() {
 function Where() {
   const now = status.value?.program;
   if (!now || now.ready) return <p class="program-where off">{t('program.notBegun')}</p>;
-  const goes = !now.ended;
-  const still = goes && (status.value?.state === 'held' || status.value?.state === 'stopping');
-  const state = still ? t('state.held') : now.paused ? t('state.programPaused') : goes && status.value?.moving ? t('program.state.running') : word('program.state', now.state);
+  const { text: state, tone } = programWord();
   return (
-    <div class={`program-where ${now.paused || still ? 'warn' : now.state}`} role="status">
+    <div class={`program-where ${tone} ${now.state}`} role="status">
       <strong>{state}</strong>
       <span>{t('program.whereIs', { file: shortName(now.file), line: now.line })}</span>
       <dl>
@@ -67,28 +68,30 @@ function Where() {
 const shortName = (file: string) => file.slice(file.lastIndexOf('/') + 1);
 
 function Buttons() {
-  const now = status.value?.program;
-  const goes = doc.anyRunning.value;
-  const may = mayMove.value;
+  const now = ways.value;
   const line = doc.atLine.value;
-  const ready = may && doc.fileName.value !== '' && doc.isProgram.value && status.value?.state === 'running';
-  if (!goes)
+  const open = doc.fileName.value !== '' && doc.isProgram.value;
+  if (!now.going) {
+    const wrong = doc.errors.value > 0;
+    const why = open ? blockedWords(now.start) || (wrong ? t('program.startErrors') : '') : '';
     return (
       <div key="start" class="program-buttons">
-        <Button label={t('program.start')} icon="run" big tone="good" disabled={!ready || doc.errors.value > 0} title={doc.errors.value > 0 ? t('program.startErrors') : undefined} onClick={() => void doc.start()} />
-        <Button label={t('program.dry')} icon="eye" big disabled={!doc.isProgram.value || dry.value.kind === 'runs'} onClick={beginDry} />
-        <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready} onClick={() => void runFrom(line)} />
+        <Button label={t('program.start')} icon="run" big tone="good" disabled={!open || !canBe(now.start) || wrong} onClick={() => void doc.start()} />
+        <Button label={t('program.dry')} icon="eye" big disabled={!connected.value || !doc.isProgram.value || dry.value.kind === 'runs'} onClick={beginDry} />
+        <Button label={t('program.fromLine', { line })} icon="right" disabled={!open || !canBe(now.start)} onClick={() => void runFrom(line)} />
         <BreakpointButton />
+        {why && <p class="note">{why}</p>}
       </div>
     );
+  }
   return (
     <div key="goes" class="program-buttons">
-      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!may || touches() || pausing.value} onClick={() => void step()} />
-      <Button label={t('program.stepInto')} icon="down" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('into')} />
-      <Button label={t('program.stepOut')} icon="up" disabled={!may || !now?.paused || pausing.value} onClick={() => void step('out')} />
-      <Button label={t('program.fromLine', { line })} icon="right" disabled={!ready || !now?.paused} onClick={() => void runFrom(line)} />
+      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!canBe(now.step)} onClick={() => void step()} />
+      <Button label={t('program.stepInto')} icon="down" disabled={!canBe(now.stepInto)} onClick={() => void step('into')} />
+      <Button label={t('program.stepOut')} icon="up" disabled={!canBe(now.stepInto)} onClick={() => void step('out')} />
+      <Button label={t('program.fromLine', { line })} icon="right" disabled={!open || !canBe(now.stepInto)} onClick={() => void runFrom(line)} />
       <BreakpointButton />
-      <EndKey disabled={!may} />
+      <EndKey />
     </div>
   );
 }
@@ -305,7 +308,7 @@ function Tasks() {
           </button>
           {task.waits_for && (
             <p class="note">
-              {t('program.waitsFor')} {word('program.wait', task.waits_for)} {task.text}
+              {t('program.waitsFor')} {word('wait', task.waits_for)}{task.text && `: ${task.text}`}
             </p>
           )}
           {task.problem && <p class="program-failed">{plain(task.problem)}</p>}

@@ -9,7 +9,16 @@ interface State {
   begun: boolean;
 }
 
-export function mode(language: Language) {
+/** One for each list of words: CodeMirror keeps every language that was ever defined. */
+const made = new WeakMap<Language, StreamLanguage<State>>();
+
+export function mode(language: Language): StreamLanguage<State> {
+  let out = made.get(language);
+  if (!out) made.set(language, (out = define(language)));
+  return out;
+}
+
+function define(language: Language): StreamLanguage<State> {
   const roles = new Map(language.words.map((each) => [each.name, each.role]));
   const functions = new Set(language.functions.map((each) => each.name));
   const moves = new Set(kMotionWords);

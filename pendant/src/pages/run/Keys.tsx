@@ -1,6 +1,8 @@
 import { t } from '../../i18n';
-import { step, touches } from '../../state/actions';
-import { attempt, mayMove, pausing, status } from '../../state/cell';
+import { blockedWords } from '../../shell/blocked';
+import { step } from '../../state/actions';
+import { attempt, pausing, status, ways } from '../../state/cell';
+import { canBe } from '../../state/ways';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
 import { chosen } from './Choice';
@@ -24,27 +26,27 @@ async function start(): Promise<void> {
 /** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. The keys are
  * other elements than Start, so that a press that began on Start is never a press on Step. */
 export function Keys() {
-  const now = status.value;
-  const it = now?.program;
-  const may = mayMove.value;
-  if (it && !it.ended && !it.ready)
+  const it = status.value?.program;
+  const now = ways.value;
+  if (now.going)
     return (
       <div key="goes" class="run-keys goes">
-        <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!may || now.state === 'fault' || touches() || pausing.value} onClick={() => void step()} />
-        <EndKey disabled={!may} />
+        <Button label={t(pausing.value ? 'state.pausing' : 'run.step')} icon="step" big disabled={!canBe(now.step)} onClick={() => void step()} />
+        <EndKey />
       </div>
     );
-  const disabled = !may || (!it && !chosen.value) || now?.state !== 'running';
+  const nothing = !it && !chosen.value;
+  const why = nothing ? '' : blockedWords(now.start);
   return (
     <div key="start" class="run-keys">
-      <Button label={t('run.start')} icon="run" tone="good" big disabled={disabled} class="main" onClick={() => void start()} />
-      {may && now?.state === 'held' && <p class="note">{t('run.resumeFirst')}</p>}
+      <Button label={t('run.start')} icon="run" tone="good" big disabled={nothing || !canBe(now.start)} class="main" onClick={() => void start()} />
+      {why && <p class="note">{why}</p>}
     </div>
   );
 }
 
-export function EndKey({ disabled }: { disabled: boolean }) {
+export function EndKey() {
   const end = () =>
     ask({ title: `${t('run.stop')}?`, text: t('run.stopText'), action: t('run.stop'), tone: 'danger', onYes: () => void attempt('program.stop') });
-  return <Button label={t('run.stop')} class="end-program" disabled={disabled} onClick={end} />;
+  return <Button label={t('run.stop')} class="end-program" disabled={!canBe(ways.value.end)} onClick={end} />;
 }

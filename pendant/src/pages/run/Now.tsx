@@ -1,4 +1,4 @@
-import { type Key, t, word } from '../../i18n';
+import { t, word } from '../../i18n';
 import { plain, problemWords } from '../../i18n/told';
 import { pausing, program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
@@ -73,8 +73,8 @@ interface TaskLine {
 
 function waits(task: TaskLine): string {
   if (task.paused) return t('program.paused');
-  const key = `wait.${task.waits_for}`;
-  return task.waits_for ? t('run.waitsFor', { what: t(key as Key) ?? task.waits_for }) : '';
+  // A cell that does not run waits for a person, whatever its program waits for.
+  return task.waits_for && status.value?.state === 'running' ? t('run.waitsFor', { what: word('wait', task.waits_for) }) : '';
 }
 
 /** What the task waits for; with several tasks, a line for each. */

@@ -1,0 +1,70 @@
+/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
+import { useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { attempt, cell, complain, mayMove, request } from '../state/cell';
+import { Button, Loading } from '../ui/controls';
+import { Dialog } from '../ui/Dialog';
+import { jointText, jointTitle } from '../ui/format';
+
+interface Compared {
+  joint: string;
+  measured: number;
+  expected: number;
+}
+
+export function ArmDialog({ onClose }: { onClose: () => void }) {
+  const [joints, setJoints] = useState<Compared[] | null>(null);
+  const [asked, setAsked] = useState(false);
+  if (!asked) {
+    setAsked(true);
+    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
+  }
+  const robots = cell.value?.robots ?? [];
+  const jointOf = (name: string) => robots.flatMap((robot) => robot.joints.map((joint) => ({ robot: robot.name, joint }))).find(({ joint }) => joint.interface === name);
+  const unit = (name: string) => jointOf(name)?.joint.unit ?? 'rad';
+  /** As Move names it; with the robot where there are several. */
+  const title = (name: string) => {
+    const found = jointOf(name);
+    return found ? [robots.length > 1 && found.robot, jointTitle(found.joint.name)].filter(Boolean).join(': ') : name;
+  };
+  return (
+    <Dialog
+      title={t('cell.arm')}
+      onClose={onClose}
+      actions={
+        <>
+          <Button label={t('dialog.cancel')} onClick={onClose} />
+          <Button label={t('cell.armDo')} tone="warn" disabled={!joints || !mayMove.value} onClick={() => (onClose(), void attempt('control.arm', { confirmed: true }))} />
+        </>
+      }
+    >
+      <p>{t('cell.armText')}</p>
+      {!joints ? (
+        <Loading />
+      ) : (
+        <table class="plain">
+          <thead>
+            <tr>
+              <th scope="col">{t('cell.joint')}</th>
+              <th scope="col" class="right">
+                {t('cell.measured')}
+              </th>
+              <th scope="col" class="right">
+                {t('cell.expected')}
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {joints.map((each) => (
+              <tr key={each.joint}>
+                <th scope="row">{title(each.joint)}</th>
+                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
+                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </Dialog>
+  );
+}
