@@ -11,6 +11,7 @@
 
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -365,6 +366,7 @@ int write_new_cell(const NewCell& asked) {
     throw Error("exists", folder.string() + " is there already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
   const Scratch scratch;
+  reach().allow(scratch.path());  // it is written again after a cell in it was opened
   Sizes sizes;
   sizes = sizes_of(robot_with_tool(asked, scratch.path(), sizes).front()->model,
                    robot_with_tool(asked, scratch.path(), sizes).front()->facts->chain.reach());

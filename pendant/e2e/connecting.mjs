@@ -38,7 +38,7 @@ test('what would be connected is shown, and comes up held and disarmed', async (
   await dialog.getByText('is there').waitFor();
   await picture(page, 'connecting');
   await button('Connect', dialog).click();
-  await bar().getByText('Real robot').waitFor();
+  await bar().getByText('Real robot', { exact: true }).waitFor();
   await state(page).getByText('Held').waitFor();
   await until(() => at.watcher.events.status?.simulated === false, 60, 'the real robot');
   const { state: word, armed } = at.watcher.events.status;

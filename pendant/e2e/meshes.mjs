@@ -94,7 +94,7 @@ test('says of each mesh that cannot be shown which it is, why, and what to do', 
   const said = page.getByRole('main');
   await said.getByText(/the link 'broken' is shown by what it collides with: the mesh .*broken\.stl is no whole STL/).waitFor();
   await said.getByText(/the link 'missing' is shown by what it collides with: .*gone\.stl/).waitFor();
-  await said.getByText(/the link 'huge' is shown by what it collides with: .*huge\.stl is larger than 256 MB/).waitFor();
+  await said.getByText(/the link 'huge' is shown by what it collides with: .*huge\.stl is larger than 128 MB/).waitFor();
   await picture(page, 'meshes-alarms');
   await page.reload();
   await page.getByRole('button', { name: /^In control/ }).waitFor();

@@ -265,7 +265,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   read_joints(*robot, limits, problems);
   robot->start = start_of(robot->model, robot->joints);
   check_start(*robot, problems);
-  choose_drivers(*robot, real, notes);
+  at_key(entry, "hardware", [&] { choose_drivers(*robot, real, notes); });
   if (file.controllers.empty() && !file.launched) tell_of_controllers(*robot, notes);
   check_carried(*robot, problems);
   robot->facts = motion_facts(*robot, file.motion.tcp, std::move(workspace));

@@ -46,9 +46,10 @@ class CellNamesCheck {
   void not_measured(const std::string& name, Place place) {
     if (own_.contains(name)) return;
     if (const auto link = known_.brought.find(name); link != known_.brought.end())
-      scope_.error("read-only", place,
-                   "'" + name + "' comes from the link '" + link->second + "'; a program cannot set it",
-                   "wait for it; if both sides set it, say direction: both in signals.yaml");
+      scope_.warning("read-only", place,
+                     "'" + name + "' comes from the link '" + link->second +
+                         "': what a program sets holds until the other side changes it",
+                     "wait for it; if both sides set it, say direction: both in signals.yaml");
     if (!known_.measured.contains(name)) return;
     scope_.error("read-only", place,
                  "'" + name + "' says what the hardware measures; a program cannot set it",

@@ -125,6 +125,8 @@ TEST(Description, AReloadWithOtherInterfacesIsRefusedAndTheOldOneStays) {
 }
 
 TEST(Description, IsCheckedWithItsControllersAsACellIs) {
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   const Folder folder;
   const auto urdf = folder.write("arm.urdf", description("", "<joint name='nobody'/>"));
   const auto yaml = folder.write("c.yaml", kControllers);
@@ -133,7 +135,7 @@ TEST(Description, IsCheckedWithItsControllersAsACellIs) {
                        description::Catalogue({}), {});
   };
   const cell::CheckResult good = checked(yaml);
-  EXPECT_FALSE(good.has_errors()) << good.problems.front().text();
+  for (const Problem& p : good.problems) EXPECT_EQ(p.severity, Severity::warning) << p.text();
   EXPECT_TRUE(std::any_of(good.problems.begin(), good.problems.end(), [](const Problem& p) {
     return p.what.find("'nobody'") != std::string::npos && p.severity == Severity::warning;
   }));

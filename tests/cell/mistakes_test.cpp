@@ -183,7 +183,7 @@ TEST_F(Mistakes, NamesThatOnlyThePlcLoadsAreKnown) {
             std::string::npos);
 }
 
-TEST_F(Mistakes, NobodyInTheCellSetsATagThatALinkBrings) {
+TEST_F(Mistakes, WhoSetsATagThatALinkBringsIsWarned) {
   const std::string link =
       "polyarm: signals/1\ntags:\n  Lamp: {initial: false}\nlinks:\n  plc: {modbus: client, port: 1502, "
       "tags: "
@@ -192,14 +192,14 @@ TEST_F(Mistakes, NobodyInTheCellSetsATagThatALinkBrings) {
   folder.write("job.script", "wait Go\nset Done = true\nset Go = false\n");
   cell("", "signals: signals.yaml\nprogram: job.script\n");
   const std::string text =
-      "job.script:3 'Go' comes from the link 'plc'; a program cannot set it (wait for it; if both sides set "
-      "it, "
-      "say direction: both in signals.yaml)\n";
-  EXPECT_EQ(both(), text);
+      "job.script:3 'Go' comes from the link 'plc': what a program sets holds until the other side changes it "
+      "(wait for it; if both sides set it, say direction: both in signals.yaml)\n";
+  EXPECT_EQ(checked(), text);
+  EXPECT_EQ(run(), "") << "a warning";
   folder.write("job.script", "wait Go\n");
   folder.write("plc.script", "wait Lamp\nwait Lamp\nset Go = false\n");
   cell("", "signals: signals.yaml\nprogram: job.script\nplc: plc.script\n");
-  EXPECT_EQ(both(), "plc" + text.substr(3));
+  EXPECT_EQ(checked(), "plc" + text.substr(3));
   folder.write("signals.yaml",
                "polyarm: signals/1\nlinks:\n  eye: {mqtt: client, tags: {Go: {topic: go, direction: in}}}\n");
   folder.write("job.script", "wait Go\nset Go = false\n");
@@ -216,10 +216,14 @@ TEST_F(Mistakes, AControllerWithoutJointsSaysSo) {
       "push:\n  ros__parameters:\n    interface_name: position\n");
   cell("", "controllers: controllers.yaml\n");
   const std::string told = checked();
-  EXPECT_NE(told.find("controllers.yaml:9 'joints' names no joint (write joints: [NAME, …])"),
+  EXPECT_NE(told.find("controllers.yaml:8 the controller 'arm' is left unconfigured: 'joints' names no joint "
+                      "(write joints: [NAME, "
+                      "…])"),
             std::string::npos)
       << told;
-  EXPECT_NE(told.find("it is not said which joints the controller moves"), std::string::npos) << told;
+  EXPECT_NE(told.find("'push' is left unconfigured: it is not said which joints the controller moves"),
+            std::string::npos)
+      << told;
 }
 
 /// What a cell says that waits for `Ready` of cycledata, which nobody sets.

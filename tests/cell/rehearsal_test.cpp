@@ -44,8 +44,8 @@ Found checked(const std::string& program, const std::string& more = "", const st
 TEST(Rehearsal, GoodWaysAreGood) {
   const Found found =
       checked(kBend +
-              "for i in 1 .. 3\n  movel offset(start, z = -50mm), blend 10mm\n"
-              "  movel offset(start, y = i * 10mm), blend 10mm\nend\nmovel offset(start, x = 20mm)\n");
+              "for i in 1 .. 3\n  movel offset(start, y = i * 40mm, z = -50mm), blend 10mm\n"
+              "  movel offset(start, y = i * 40mm), blend 10mm\nend\nmovel offset(start, x = 20mm)\n");
   EXPECT_EQ(found.texts, "");
   EXPECT_EQ(found.result.moves, 8u);
   EXPECT_TRUE(found.result.reached.file.empty());
@@ -187,7 +187,7 @@ TEST(Rehearsal, BlendsThatAreShrunkAreTold) {
 TEST(Rehearsal, ThePlcIsGoneThrough) {
   const auto texts = [](const std::string& plc) {
     return checked("wait Ready\nset Kind = 2\nmovej joints(0, 0, 0, 0, 0, 0)\n", kTags, "", plc)
-        .texts.substr(0, 14);
+        .texts.substr(0, 15);
   };
   EXPECT_EQ(texts("func f(x)\n  return 1 / x\nend\nset Ready = true\nlog(f(0))\n"), "E2 zero '/' by ");
   EXPECT_EQ(texts("set Ready = true\nwait Kind == 2\nlog(1 / (Kind - 2))\n"), "W3 zero '/' by ")

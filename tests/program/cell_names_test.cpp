@@ -64,8 +64,9 @@ TEST(CellNames, NoProgramSetsWhatTheHardwareMeasures) {
   EXPECT_EQ(found("test \"a sensor\"\n  set Held = true\n  run\nend\n"), "") << "a test is the far side";
 }
 
-TEST(CellNames, NoProgramSetsWhatALinkBrings) {
-  const std::string text = " read-only 'Go' comes from the link 'plc'; a program cannot set it\n";
+TEST(CellNames, AProgramThatSetsWhatALinkBringsIsWarned) {
+  const std::string text = 
+      " read-only 'Go' comes from the link 'plc': what a program sets holds until the other side changes it\n";
   EXPECT_EQ(found("set Go = true\n"), "1:5" + text);
   EXPECT_EQ(found("set Go True\n"), "1:5" + text);
   EXPECT_EQ(found("movel P, at end - 10mm set Go = true\n"), "1:10" + text);

@@ -205,7 +205,7 @@ TEST(MixedPrograms, EndOrWaitWhateverHappens) {
   }
   EXPECT_GT(ran, wanted_mixtures() / 2);
   EXPECT_GT(moved, wanted_mixtures());
-  EXPECT_GT(saved, wanted_mixtures() / 4);
+  EXPECT_GT(saved, wanted_mixtures() / 5);  // a loop that never waits is never saved
 }
 
 }  // namespace

@@ -247,6 +247,11 @@ Outcome in_two_pieces(const std::string& text, int steps) {
   return outcome(host, second);
 }
 
+/// A failure without the calls that led to it, which the tree does not know.
+std::string without_calls(const std::string& failure) {
+  return failure.substr(0, failure.find("; called from line "));
+}
+
 int wanted_programs() {
   const char* given = std::getenv("POLYARM_RANDOM_PROGRAMS");
   return given ? std::atoi(given) : 500;
@@ -260,7 +265,7 @@ TEST(RandomPrograms, DoTheSameAsTheirTree) {
     if (!expected) continue;
     const Outcome found = by_interpreter(text, 1000);
     ASSERT_EQ(found.logs, expected->logs) << i << "\n" << text;
-    ASSERT_EQ(found.failure, expected->failure) << i << "\n" << text;
+    ASSERT_EQ(without_calls(found.failure), expected->failure) << i << "\n" << text;
     ASSERT_EQ(by_interpreter(text, 1), found) << i << "\n" << text;
     ASSERT_EQ(in_two_pieces(text, 1 + i % 60), found) << i << "\n" << text;
     finished += found.failure.empty();

@@ -191,8 +191,8 @@ TEST(PickAndPlace, CyclesEndTheProgramAfterThatManyPasses) {
 TEST(PickAndPlace, ARunChangesNoFileOfTheUser) {
   const ExampleCopy copy("pick_and_place");
   std::map<std::string, std::string> before;
-  for (const auto& entry : std::filesystem::directory_iterator(copy.path()))
-    before[entry.path()] = read_file(entry.path());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(copy.path()))
+    if (entry.is_regular_file()) before[entry.path()] = read_file(entry.path());
   run_command({"run", copy.path(), "--fast", "-q", "--cycles", "1"});
   for (const auto& [path, content] : before) EXPECT_EQ(read_file(path), content) << path;
   EXPECT_TRUE(std::filesystem::exists(copy.file(".state/.gitignore")));

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "polyarm/base/file.hpp"
 #include "tests/links/peers.hpp"
 #include "tests/support/command.hpp"
@@ -16,12 +14,6 @@ using test::ExampleCopy;
 class FarPlc {
  public:
   explicit FarPlc(const std::string& example) : copy_(example), port_(test::free_port()) {
-    namespace fs = std::filesystem;
-    const fs::path from = fs::path(POLYARM_SOURCE_DIR) / "examples" / example / "far_plc";
-    fs::create_directories(copy_.file("far_plc"));
-    for (const auto& entry : fs::directory_iterator(from))
-      if (entry.is_regular_file())
-        fs::copy_file(entry.path(), copy_.file("far_plc") / entry.path().filename());
     for (const char* file : {"far_plc/signals.yaml", "modbus_signals.yaml"}) {
       std::string text = read_file(copy_.file(file));
       const auto at = text.find("1502");

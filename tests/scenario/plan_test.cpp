@@ -242,7 +242,7 @@ TEST_F(Plan, ACommandLineWithoutARobotOrWithBareNumbersSaysWhatToWrite) {
 
 TEST_F(Plan, ARobotMayStandWhereACellStands) {
   const std::vector<std::string> move{"movej", "joints(0,-90deg,90deg,-90deg,-90deg,0)"};
-  const auto run = plan({"universal_robots/ur5", move[0], move[1]});
+  const auto run = plan({"universal_robots/ur5e", move[0], move[1]});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_EQ(run.output, ur(move).output);
 }
