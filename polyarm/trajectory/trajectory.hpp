@@ -46,7 +46,7 @@ class Trajectory {
  private:
   std::size_t joints_ = 0;
   std::vector<double> ends_;          // s, increasing
-  std::vector<double> coefficients_;  // [segment][joint][power]
+  std::vector<double> coefficients_;  // [segment][power][joint], so that joints are sampled in lanes
 };
 
 }  // namespace polyarm::trajectory
