@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,11 @@ class AskedLimits {
   /// Control thread: where the joint is. From outside its limits it may be asked to stay, or to come back.
   void note_position(std::size_t joint, double position) noexcept {
     at_[joint].store(position, std::memory_order_relaxed);
+  }
+  /// The same for all joints.
+  void note_positions(std::span<const double> positions) noexcept {
+    std::atomic<double>* at = at_.get();
+    for (const double position : positions) (at++)->store(position, std::memory_order_relaxed);
   }
   double position(std::size_t joint) const noexcept { return at_[joint].load(std::memory_order_relaxed); }
   std::size_t size() const noexcept { return joints_.size(); }

@@ -162,6 +162,8 @@ class Controller {
   /// Declares `command_timeout` and reads it into the command watch; off unless it is stated.
   void read_command_timeout(Parameters& parameters);
 
+  /// For loops over many of them.
+  const Bindings& bindings() const noexcept { return bindings_; }
   double state(std::size_t i) const noexcept { return bindings_.states[bindings_.state[i]]; }
   double command(std::size_t i) const noexcept { return bindings_.commands[bindings_.command[i]]; }
   void set_command(std::size_t i, double value) noexcept { bindings_.commands[bindings_.command[i]] = value; }

@@ -11,17 +11,21 @@ namespace polyarm::controllers {
 class JointStateBroadcaster : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
+  CallbackReturn on_activate(const Cycle& cycle) noexcept override;
   ReturnType update(const Cycle& cycle, const Verdict& verdict) noexcept override;
 
   /// As published: without their robot where the name is the only one of its kind.
   const std::vector<std::string>& joints() const { return joints_; }
 
  private:
-  void add_joint(const ControllerContext& context, const std::string& whole);
+  void add_joint(const ControllerContext& context, const std::string& whole, bool is_only_one);
   std::vector<std::string> joints_, wanted_;
   std::vector<std::string> renamed_{"position", "velocity", "effort"};
-  std::vector<int> places_;  // index of the state behind each field, or -1
-  std::vector<double> fixed_;
+  struct Measured {
+    std::uint32_t field, claimed, state;  // of the message; of claimed states; of the table
+  };
+  std::vector<Measured> measured_;
+  std::vector<double> values_;  // of the fields that nobody measures
   Output* joint_states_ = nullptr;
   Output* dynamic_ = nullptr;
 };

@@ -28,6 +28,12 @@ bool is_ended(const TrajectoryGoal& goal) {
   return goal.ends && goal.ends->load(std::memory_order_relaxed);
 }
 
+bool is_in_order(const std::vector<std::uint32_t>& joints) {
+  for (std::size_t k = 0; k < joints.size(); ++k)
+    if (joints[k] != k) return false;
+  return true;
+}
+
 double shortest(double angle) {
   return angle - kTurn * std::round(angle / kTurn);
 }
@@ -40,6 +46,7 @@ JointTrajectoryController::~JointTrajectoryController() {
 
 CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexcept {
   now_.store(cycle.time, std::memory_order_relaxed);
+  find_places();
   measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const double last = commands_.position[j] >= 0 ? command(static_cast<std::size_t>(commands_.position[j]))
@@ -80,7 +87,7 @@ void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
 
 bool JointTrajectoryController::standing() const noexcept {
   if (any_braking_) return false;
-  for (const Track& track : tracks_)
+  for (const Track& track : tracks())
     if (track.goal && !(track.goal->planned ? track.goal->planned->stands() : scale_.value() <= 0))
       return false;
   return true;
@@ -104,6 +111,7 @@ void JointTrajectoryController::retire(std::size_t i, bool finished) noexcept {
     status_.active.store(0, std::memory_order_release);
   inbox_.put_back(track.goal);
   track = {};
+  while (tracks_used_ > 0 && !tracks_[tracks_used_ - 1].goal) --tracks_used_;
 }
 
 void JointTrajectoryController::take_joint(std::size_t j) noexcept {
@@ -116,7 +124,7 @@ void JointTrajectoryController::take_joint(std::size_t j) noexcept {
 }
 
 void JointTrajectoryController::drop_all() noexcept {
-  for (std::size_t i = 0; i < tracks_.size(); ++i) retire(i, false);
+  for (std::size_t i = 0, used = tracks_used_; i < used; ++i) retire(i, false);
   std::fill(leader_.begin(), leader_.end(), -1);
 }
 
@@ -175,6 +183,7 @@ void JointTrajectoryController::arrive(TrajectoryGoal* goal, const Cycle& cycle)
     for (TrajectoryGoal*& other : waiting_)
       if (!other) {
         other = goal;
+        any_waiting_ = true;
         return;
       }
     return refuse(goal, GoalRefusal::busy);
@@ -235,7 +244,8 @@ void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcep
   for (std::size_t k = 0; k < count; ++k) take_joint(goal->joints.empty() ? k : goal->joints[k]);
   std::size_t free = 0;
   while (free < tracks_.size() && tracks_[free].goal) ++free;  // there is one for each joint, and one more
-  tracks_[free] = {goal, into, 0, count};
+  tracks_[free] = {goal, into, 0, count, count == joints_.size() && is_in_order(goal->joints)};
+  tracks_used_ = std::max(tracks_used_, free + 1);
   for (std::size_t k = 0; k < count; ++k)
     leader_[goal->joints.empty() ? k : goal->joints[k]] = static_cast<int>(free);
   status_.active.store(goal->id, std::memory_order_release);
@@ -267,7 +277,7 @@ void JointTrajectoryController::hold(bool may_brake) noexcept {
 
 /// Every joint that is led brakes by itself from the speed that it is commanded; the motion is given up.
 void JointTrajectoryController::cut() noexcept {
-  if (std::none_of(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.goal != nullptr; })) return;
+  if (tracks_used_ == 0) return;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const double v = velocity_[j], limit = dynamics_[j].deceleration;
     if (leader_[j] < 0 || !std::isfinite(v) || v == 0) continue;
@@ -279,16 +289,19 @@ void JointTrajectoryController::cut() noexcept {
   drop_all();
 }
 
-void JointTrajectoryController::take_requests(const Cycle& cycle) noexcept {
+inline void JointTrajectoryController::take_requests(const Cycle& cycle) noexcept {
   for (std::uint64_t id = 0; cancels_.pop(id);) {
     if (judged_.id != id) continue;
     end_action(GoalOutcome::canceled, 0);
     hold(true);
   }
-  for (TrajectoryGoal*& goal : waiting_)
-    if (goal && goal->start <= cycle.time) {
-      begin(std::exchange(goal, nullptr), 0);
-      status_.started_cycle.store(cycle.index + 1, std::memory_order_release);
+  if (std::exchange(any_waiting_, false))
+    for (TrajectoryGoal*& goal : waiting_) {
+      if (goal && goal->start <= cycle.time) {
+        begin(std::exchange(goal, nullptr), 0);
+        status_.started_cycle.store(cycle.index + 1, std::memory_order_release);
+      }
+      any_waiting_ = any_waiting_ || goal;
     }
   if (TrajectoryGoal* goal = inbox_.take()) arrive(goal, cycle);
 }
@@ -308,7 +321,7 @@ double JointTrajectoryController::position_error(std::size_t j) const noexcept {
   return continuous_[j] ? shortest(error) : error;
 }
 
-double JointTrajectoryController::scaling() noexcept {
+inline double JointTrajectoryController::scaling() noexcept {
   double wanted = asked_factor_.load(std::memory_order_relaxed);
   if (scaling_state_ >= 0) wanted = state(static_cast<std::size_t>(scaling_state_));
   if (std::isfinite(wanted) && wanted >= 0) factor_ = wanted;
@@ -349,7 +362,7 @@ bool JointTrajectoryController::stands_in_one_cycle() const noexcept {
 
 /// The seconds of the trajectories that pass in this cycle: towards the speed that the verdict asks for, as
 /// fast as the joints can.
-double JointTrajectoryController::pass_time(const Verdict& verdict) noexcept {
+inline double JointTrajectoryController::pass_time(const Verdict& verdict) noexcept {
   const bool stops = !(verdict.speed > 0);
   stopping_for_ = stops && scale_.value() > 0 ? stopping_for_ + period_s_ : 0;
   const bool led = std::any_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
@@ -372,39 +385,52 @@ void JointTrajectoryController::brake(std::size_t j, double dt) noexcept {
   acceleration_[j] = b.on ? a : 0;
 }
 
-void JointTrajectoryController::follow_trajectory(std::size_t i, double dt) noexcept {
+/// One that leads all joints, in their order.
+inline void JointTrajectoryController::follow_all(Track& track, double speed) noexcept {
+  const TrajectoryGoal& goal = *track.goal;
+  goal.trajectory.sample(track.time, position_, plan_velocity_, plan_acceleration_, track.hint);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    velocity_[j] = plan_velocity_[j] * speed;
+    acceleration_[j] = plan_acceleration_[j] * speed * speed;
+  }
+  std::size_t hint = 0;
+  if (!goal.effort.empty())
+    goal.effort.sample(track.time, effort_, {}, {}, hint);
+  else if (rules_.effort)
+    std::fill(effort_.begin(), effort_.end(), 0.0);
+}
+
+void JointTrajectoryController::follow_some(std::size_t i, double speed) noexcept {
+  Track& track = tracks_[i];
+  const TrajectoryGoal& goal = *track.goal;
+  const std::size_t n = goal.trajectory.joints();
+  const auto some = [n](std::span<double> list) { return list.first(n); };
+  goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),
+                         some(sample_acceleration_), track.hint);
+  std::size_t hint = 0;
+  if (!goal.effort.empty()) goal.effort.sample(track.time, some(sample_effort_), {}, {}, hint);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t j = goal.joints.empty() ? k : goal.joints[k];
+    if (leader_[j] != static_cast<int>(i)) continue;
+    position_[j] = sample_position_[k];
+    plan_velocity_[j] = sample_velocity_[k];
+    plan_acceleration_[j] = sample_acceleration_[k];
+    velocity_[j] = sample_velocity_[k] * speed;
+    acceleration_[j] = sample_acceleration_[k] * speed * speed;
+    effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
+  }
+}
+
+inline void JointTrajectoryController::follow_trajectory(std::size_t i, double dt) noexcept {
   Track& track = tracks_[i];
   const double speed = scale_.value() * factor_;
   track.time += dt;
-  const TrajectoryGoal& goal = *track.goal;
-  const std::size_t n = goal.trajectory.joints();
-  if (goal.joints.empty()) {  // all joints in order, nobody else leads any
-    goal.trajectory.sample(track.time, position_, velocity_, acceleration_, track.hint);
-    std::copy(velocity_.begin(), velocity_.end(), plan_velocity_.begin());
-    std::copy(acceleration_.begin(), acceleration_.end(), plan_acceleration_.begin());
-    if (speed != 1) {
-      for (double& v : velocity_) v *= speed;
-      for (double& a : acceleration_) a *= speed * speed;
-    }
-  } else {
-    const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
-    goal.trajectory.sample(track.time, some(sample_position_), some(sample_velocity_),
-                           some(sample_acceleration_), track.hint);
-    std::size_t hint = 0;
-    if (!goal.effort.empty()) goal.effort.sample(track.time, some(sample_effort_), {}, {}, hint);
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t j = goal.joints[k];
-      if (leader_[j] != static_cast<int>(i)) continue;
-      position_[j] = sample_position_[k];
-      plan_velocity_[j] = sample_velocity_[k];
-      plan_acceleration_[j] = sample_acceleration_[k];
-      velocity_[j] = sample_velocity_[k] * speed;
-      acceleration_[j] = sample_acceleration_[k] * speed * speed;
-      effort_[j] = goal.effort.empty() ? 0 : sample_effort_[k];
-    }
-  }
+  if (track.in_order && track.joints == joints_.size())
+    follow_all(track, speed);
+  else
+    follow_some(i, speed);
   status_.time.store(track.time, std::memory_order_relaxed);
-  if (track.time >= goal.trajectory.duration()) end_track(i);
+  if (track.time >= track.goal->trajectory.duration()) end_track(i);
 }
 
 /// Where the path was moved to in this cycle.
@@ -435,11 +461,11 @@ void JointTrajectoryController::end_track(std::size_t i) noexcept {
 }
 
 /// A path keeps its own limits on the way to the speed that the verdict asks for.
-void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
+inline void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
   const double target = verdict.speed > 0 ? verdict.speed * factor_ : 0;
   const bool back = verdict.back > 0 && !verdict.immediate, begins = back && !backing_;
   backing_ = back;
-  for (const Track& track : tracks_) {
+  for (const Track& track : tracks()) {
     timing::PathFollower* path = track.goal ? track.goal->planned.get() : nullptr;
     if (path && begins) path->step_back(verdict.back_time, verdict.back_way);
     if (path && back)
@@ -449,9 +475,9 @@ void JointTrajectoryController::advance_paths(const Verdict& verdict) noexcept {
   }
 }
 
-void JointTrajectoryController::advance(double dt) noexcept {
+inline void JointTrajectoryController::advance(double dt) noexcept {
   bool moving = false;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+  for (std::size_t i = 0; i < tracks_used_; ++i) {  // one that ends is gone afterwards
     if (!tracks_[i].goal) continue;
     moving = true;
     if (tracks_[i].goal->planned)
@@ -472,7 +498,7 @@ void JointTrajectoryController::advance(double dt) noexcept {
 bool JointTrajectoryController::judge(const Cycle&) noexcept {
   const Tolerances& t = judged_.id ? judged_.tolerances : default_tolerances_;
   bool moving = false;
-  for (const Track& track : tracks_) moving = moving || track.goal;
+  for (const Track& track : tracks()) moving = moving || track.goal;
   const bool velocity_counts =
       !commands_.velocity.empty() && (commands_.velocity[0] >= 0 || commands_.effort[0] >= 0);
   const auto beyond = [&](std::size_t j, const Tolerances::Of& of) {
@@ -519,17 +545,28 @@ int JointTrajectoryController::farthest_without_tolerance(const Tolerances& t) c
   return out;
 }
 
-void JointTrajectoryController::command_all(double dt) noexcept {
-  const auto put = [&](const std::vector<int>& places, const std::vector<double>& values) {
-    if (places.front() < 0) return;  // all joints have the same interfaces
-    for (std::size_t j = 0; j < values.size(); ++j)
-      set_command(static_cast<std::size_t>(places[j]), values[j]);
+/// All joints have the same interfaces.
+void JointTrajectoryController::find_places() noexcept {
+  const auto find = [this](const std::vector<int>& claimed, std::vector<std::uint32_t>& out) {
+    for (std::size_t j = 0; j < out.size(); ++j)
+      out[j] = static_cast<std::uint32_t>(bindings().command[static_cast<std::size_t>(claimed[j])]);
   };
-  for (std::size_t j = 0; j < position_.size(); ++j) asked_.note_position(j, position_[j]);
-  put(commands_.position, position_);
+  find(commands_.position, position_places_);
+  find(commands_.velocity, velocity_places_);
+  find(commands_.acceleration, acceleration_places_);
+  find(commands_.effort, effort_places_);
+}
+
+inline void JointTrajectoryController::command_all(double dt) noexcept {
+  double* const commands = bindings().commands.data();
+  const auto put = [=](const std::vector<std::uint32_t>& places, std::span<const double> values) {
+    for (std::size_t j = 0; j < places.size(); ++j) commands[places[j]] = values[j];
+  };
+  asked_.note_positions(position_);
+  put(position_places_, position_);
   if (!closed_loop_) {
-    put(commands_.velocity, velocity_);
-    put(commands_.acceleration, acceleration_);
+    put(velocity_places_, velocity_);
+    put(acceleration_places_, acceleration_);
     return;
   }
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -537,8 +574,8 @@ void JointTrajectoryController::command_all(double dt) noexcept {
     const double feedback = dt > 0 ? pids_[j].compute(position_error(j), velocity_error, dt) : 0;
     output_[j] = feed_forward_[j] * velocity_[j] + feedback + effort_[j];
   }
-  put(commands_.velocity, output_);
-  put(commands_.effort, output_);
+  put(velocity_places_, output_);
+  put(effort_places_, output_);
 }
 
 ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& verdict) noexcept {

@@ -73,6 +73,7 @@ class JointTrajectoryController : public Controller {
     double time = 0;
     std::size_t hint = 0;
     std::size_t joints = 0;
+    bool in_order = false;  ///< the trajectory has all joints of the controller, in its order
   };
   /// The action goal that is judged; its tolerances, copied so that they outlive the trajectory.
   struct Judged {
@@ -91,9 +92,13 @@ class JointTrajectoryController : public Controller {
   void read_behaviour(ControllerContext& context);
   void note_checks() noexcept;
   void make_output();
+  void make_rows();
+  void find_places() noexcept;
   int place(bool command, std::size_t joint, const char* quantity);
 
   // control thread
+  std::span<Track> tracks() noexcept { return std::span(tracks_).first(tracks_used_); }
+  std::span<const Track> tracks() const noexcept { return std::span(tracks_).first(tracks_used_); }
   void take_requests(const Cycle& cycle) noexcept;
   void arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
   void begin(TrajectoryGoal* goal, double into) noexcept;
@@ -108,6 +113,8 @@ class JointTrajectoryController : public Controller {
   void measure() noexcept;
   void advance(double dt) noexcept;
   void follow_trajectory(std::size_t track, double dt) noexcept;
+  void follow_all(Track& track, double speed) noexcept;
+  void follow_some(std::size_t track, double speed) noexcept;
   void follow_path(std::size_t track) noexcept;
   void end_track(std::size_t track) noexcept;
   void advance_paths(const Verdict& verdict) noexcept;
@@ -132,6 +139,8 @@ class JointTrajectoryController : public Controller {
   std::vector<std::string> told_joints_;
   std::vector<char> continuous_;
   Interfaces commands_, states_;
+  /// Places of the commands in the table, from activation on; a quantity without commands has none.
+  std::vector<std::uint32_t> position_places_, velocity_places_, acceleration_places_, effort_places_;
   bool closed_loop_ = false;  // velocity alone or effort: through PID
   TrajectoryRules rules_;
   AskedLimits asked_;
@@ -148,15 +157,19 @@ class JointTrajectoryController : public Controller {
 
   // control thread
   std::vector<Pid> pids_;
-  std::vector<double> position_, velocity_, acceleration_, effort_;  // desired
-  std::vector<double> measured_position_, measured_velocity_, measured_acceleration_;
-  std::vector<double> plan_velocity_, plan_acceleration_;  // of what leads, as planned
-  std::vector<double> error_, error_velocity_, output_;
-  std::vector<double> sample_position_, sample_velocity_, sample_acceleration_, sample_effort_;
+  /// One number for each joint in each row, all in one block: a controller is a few cache lines.
+  std::vector<double> rows_;
+  std::span<double> position_, velocity_, acceleration_, effort_;  // desired
+  std::span<double> plan_velocity_, plan_acceleration_;            // of what leads, as planned
+  std::span<double> sample_position_, sample_velocity_, sample_acceleration_, sample_effort_;
+  std::span<double> measured_position_, measured_velocity_;
+  std::span<double> error_, error_velocity_, output_;
   std::vector<int> leader_;  // track of each joint; -1: held
   std::vector<Braking> braking_;
   std::vector<Track> tracks_;
+  std::size_t tracks_used_ = 0;           // those beyond have no goal
   std::vector<TrajectoryGoal*> waiting_;  // that begin later
+  bool any_waiting_ = false;              // there may be one
   Judged judged_;
   bool checks_ = false;            // some tolerance is not 0
   bool reject_when_held_ = false;  // read by who gives it goals

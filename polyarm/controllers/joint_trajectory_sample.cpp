@@ -32,7 +32,7 @@ bool JointTrajectoryController::sample_track(const Track& track, double ahead) n
   const double time = track.time + ahead * factor_;
   if (goal.planned || time < 0 || time > goal.trajectory.duration()) return false;
   const std::size_t n = goal.trajectory.joints();
-  const auto some = [n](std::vector<double>& list) { return std::span<double>(list).first(n); };
+  const auto some = [n](std::span<double> list) { return list.first(n); };
   std::size_t hint = 0;
   goal.trajectory.sample(time, some(sample_position_), some(sample_velocity_), some(sample_acceleration_),
                          hint);
@@ -51,7 +51,7 @@ void JointTrajectoryController::answer_sample(const Cycle& cycle) noexcept {
   if (!asking_.compare_exchange_strong(was, Asking::answering, std::memory_order_acq_rel)) return;
   const double ahead = seconds(asked_time_ - cycle.time);
   sampled_.found = std::all_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
-  for (const Track& track : tracks_)
+  for (const Track& track : tracks())
     if (track.goal && sampled_.found) sampled_.found = sample_track(track, ahead);
   asking_.store(Asking::answered, std::memory_order_release);
 }

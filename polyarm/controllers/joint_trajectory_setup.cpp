@@ -249,6 +249,27 @@ void JointTrajectoryController::make_output() {
       &add_output("controller_state", "control_msgs/JointTrajectoryControllerState", std::move(fields));
 }
 
+void JointTrajectoryController::make_rows() {
+  const std::size_t n = joints_.size();
+  const auto rows = {&position_,        &plan_velocity_,     &plan_acceleration_,
+                     &velocity_,        &acceleration_,      &effort_,
+                     &sample_position_, &sample_velocity_,   &sample_acceleration_,
+                     &sample_effort_,   &measured_position_, &measured_velocity_,
+                     &error_,           &error_velocity_,    &output_};
+  rows_.assign(rows.size() * n, 0.0);
+  std::size_t at = 0;
+  for (std::span<double>* row : rows) *row = std::span(rows_).subspan(n * at++, n);
+  const auto places = [n](const std::vector<int>& claimed, std::vector<std::uint32_t>& out) {
+    out.assign(claimed.front() >= 0 ? n : 0, 0);
+  };
+  places(commands_.position, position_places_);
+  places(commands_.velocity, velocity_places_);
+  places(commands_.acceleration, acceleration_places_);
+  places(commands_.effort, effort_places_);
+  for (auto* values : {&sampled_.position, &sampled_.velocity, &sampled_.acceleration})
+    values->assign(n, 0.0);
+}
+
 CallbackReturn JointTrajectoryController::on_configure(ControllerContext& context) {
   joints_.clear();
   told_joints_.clear();
@@ -279,14 +300,11 @@ CallbackReturn JointTrajectoryController::on_configure(ControllerContext& contex
   read_behaviour(context);
   make_output();
   const std::size_t n = joints_.size();
-  for (auto* values : {&position_, &velocity_, &acceleration_, &effort_, &measured_position_,
-                       &measured_velocity_, &plan_velocity_, &plan_acceleration_, &error_, &error_velocity_,
-                       &output_, &sample_position_, &sample_velocity_, &sample_acceleration_, &sample_effort_,
-                       &sampled_.position, &sampled_.velocity, &sampled_.acceleration})
-    values->assign(n, 0.0);
+  make_rows();
   leader_.assign(n, -1);
   braking_.assign(n, {});
   tracks_.assign(n + 1, {});
+  tracks_used_ = 0;
   waiting_.assign(8, nullptr);
   period_s_ = seconds(context.period);
   dynamics_.clear();

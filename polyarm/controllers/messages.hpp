@@ -73,6 +73,8 @@ class Output {
   const std::string& type() const { return type_; }  ///< "nav_msgs/Odometry"
   const std::vector<std::string>& fields() const { return fields_; }
 
+  /// Before either thread uses it: the values of fields that nobody fills.
+  void begin_with(const std::vector<double>& values) { outbox_.reset({0, values}); }
   /// Control thread: the sample to fill; publish() when it is whole.
   Sample& draft() noexcept { return outbox_.draft(); }
   void publish(Nanoseconds time) noexcept {
