@@ -15,6 +15,7 @@ using hardware::ReturnType;
 
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMovesNothing = -1, kMovesFollower = -2;  // in place of the index of a part
 
 bool flag(const std::map<std::string, std::string>& parameters, const char* name) {
   const auto found = parameters.find(name);
@@ -46,13 +47,13 @@ void MockComponent::add_plain(const hardware::RobotInstance& robot) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const std::string name = robot.name + "/" + joints[j];
     Part part;
-    part.name = joints[j];
-    part.position = part.last_position = j < robot.initial_positions.size() ? robot.initial_positions[j] : 0;
+    part.position = j < robot.initial_positions.size() ? robot.initial_positions[j] : 0;
     part.position_state = state(name + "/position", part.position);
     part.velocity_state = state(name + "/velocity", 0);
     part.position_command = command(name + "/position");
     part.quotient = true;
     parts_.push_back(part);
+    part_names_.push_back(joints[j]);
   }
 }
 
@@ -61,7 +62,6 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   const bool joint = info.kind == "joint";
   const std::vector<std::string> actuated = robot.model->joint_names();
   Part part;
-  part.name = info.name;
   const auto at = std::find(actuated.begin(), actuated.end(), info.name);
   if (joint && at != actuated.end() &&
       static_cast<std::size_t>(at - actuated.begin()) < robot.initial_positions.size())
@@ -106,8 +106,9 @@ void MockComponent::add_component(const hardware::RobotInstance& robot, const Co
   if (mirrored)
     for (const InterfaceInfo& s : info.state_interfaces)
       if (Mirror* m = mirror_of(s.name); m && m->command < 0) m->command = command(name + "/" + s.name);
-  part.last_position = part.position;
-  if (joint) parts_.push_back(part);
+  if (!joint) return;
+  parts_.push_back(part);
+  part_names_.push_back(info.name);
 }
 
 void MockComponent::add_declared(const hardware::RobotInstance& robot,
@@ -156,7 +157,8 @@ const hardware::DriverFacts* MockComponent::facts() const noexcept {
 }
 
 std::string MockComponent::summary() const {
-  if (parts_.empty()) return "its inputs, outputs and sensors hold what they are commanded or began with";
+  if (part_names_.empty())
+    return "its inputs, outputs and sensors hold what they are commanded or began with";
   std::string out = "mock hardware: states follow commands at once, no physics";
   if (const std::string joints = commanded_by_effort(); !joints.empty())
     out += "; efforts move nothing here, they are only given back as states: " + joints +
@@ -168,8 +170,8 @@ std::string MockComponent::summary() const {
 std::string MockComponent::commanded_by_effort() const {
   constexpr std::size_t kNamed = 6;
   std::vector<std::string> names;
-  for (const Part& part : parts_)
-    if (part.effort_command >= 0) names.push_back(part.name);
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (parts_[i].effort_command >= 0) names.push_back(part_names_[i]);
   const std::size_t more = names.size() > kNamed ? names.size() - kNamed : 0;
   names.resize(names.size() - more);
   return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
@@ -191,14 +193,13 @@ CallbackReturn MockComponent::on_init(const hardware::ComponentContext& context)
   }
   world_ = std::make_unique<MockWorld>(context, states_, commands_);
   if (const auto faults = context.parameters.find("inject"); faults != context.parameters.end()) {
-    std::vector<std::string> joints;
     std::vector<int> positions;
-    for (const Part& part : parts_) {
-      joints.push_back(part.name);
-      positions.push_back(part.position_state);
-    }
-    injection_.parse(faults->second, joints, positions, states_.size());
+    for (const Part& part : parts_) positions.push_back(part.position_state);
+    injection_.parse(faults->second, part_names_, positions, states_.size());
   }
+  for (std::size_t i = 0; i < commands_.size(); ++i)
+    command_places_.emplace(commands_[i].name, static_cast<int>(i));
+  part_followers();
   asked_.assign(commands_.size(), kNone);
   stopped_.assign(commands_.size(), 0);
   return CallbackReturn::success;
@@ -216,38 +217,70 @@ std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() 
   return commands_;
 }
 
-int MockComponent::command_named(std::string_view name) const noexcept {
-  for (std::size_t i = 0; i < commands_.size(); ++i)
-    if (commands_[i].name == name) return static_cast<int>(i);
-  return -1;
+/// Sorts out the joints that only follow a position; commands know what they move.
+void MockComponent::part_followers() {
+  part_of_command_.assign(commands_.size(), kMovesNothing);
+  std::vector<Part> others;
+  std::vector<std::string> other_names, follower_names;
+  const bool any_mimic =
+      std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.mimicked >= 0; });
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& p = parts_[i];
+    const bool follows = p.quotient && !dynamics_ && !velocity_leads_ && !disabled_ && !any_mimic;
+    if (!follows) {
+      for (const int c : {p.position_command, p.velocity_command, p.acceleration_command})
+        if (c >= 0) part_of_command_[static_cast<std::size_t>(c)] = static_cast<int>(others.size());
+      others.push_back(p);
+      other_names.push_back(part_names_[i]);
+      continue;
+    }
+    followers_.position.push_back(p.position);
+    followers_.command.push_back(static_cast<std::uint32_t>(p.position_command));
+    followers_.position_state.push_back(static_cast<std::uint32_t>(p.position_state));
+    followers_.velocity_state.push_back(static_cast<std::uint32_t>(p.velocity_state));
+    part_of_command_[static_cast<std::size_t>(p.position_command)] = kMovesFollower;
+    follower_names.push_back(part_names_[i]);
+  }
+  parts_ = std::move(others);
+  part_names_ = std::move(other_names);
+  part_names_.insert(part_names_.end(), follower_names.begin(), follower_names.end());
+}
+
+int MockComponent::command_named(const std::string& name) const noexcept {
+  const auto found = command_places_.find(name);
+  return found == command_places_.end() ? -1 : found->second;
 }
 
 ReturnType MockComponent::prepare_command_mode_switch(std::span<const std::string> start,
                                                       std::span<const std::string>) {
   if (!dynamics_) return ReturnType::ok;
-  for (const Part& part : parts_) {
-    int modes = 0;
-    for (const std::string& name : start)
-      if (const int c = command_named(name); c >= 0)
-        modes += c == part.position_command || c == part.velocity_command || c == part.acceleration_command;
-    if (modes > 1) return ReturnType::error;
+  std::vector<int> modes(parts_.size(), 0);
+  for (const std::string& name : start) {
+    const int c = command_named(name);
+    const int part = c < 0 ? -1 : part_of_command_[static_cast<std::size_t>(c)];
+    if (part >= 0 && ++modes[static_cast<std::size_t>(part)] > 1) return ReturnType::error;
   }
   return ReturnType::ok;
 }
 
 ReturnType MockComponent::perform_command_mode_switch(std::span<const std::string> start,
                                                       std::span<const std::string> stop) noexcept {
-  for (Part& part : parts_)
-    for (const int c : {part.position_command, part.velocity_command, part.acceleration_command}) {
-      if (c < 0) continue;
-      const auto i = static_cast<std::size_t>(c);
-      if (std::find(stop.begin(), stop.end(), commands_[i].name) != stop.end()) {
-        stopped_[i] = 1;
-        asked_[i] = kNone;
-        part.velocity = part.acceleration = 0;
-      }
-      if (std::find(start.begin(), start.end(), commands_[i].name) != start.end()) stopped_[i] = 0;
+  for (const std::string& name : stop) {
+    const int c = command_named(name);
+    if (c < 0) continue;
+    const auto i = static_cast<std::size_t>(c);
+    const int moved = part_of_command_[i];
+    if (moved == kMovesNothing) continue;
+    stopped_[i] = 1;
+    asked_[i] = kNone;
+    if (moved >= 0) {
+      Part& part = parts_[static_cast<std::size_t>(moved)];
+      part.velocity = part.acceleration = 0;
     }
+  }
+  for (const std::string& name : start)
+    if (const int c = command_named(name); c >= 0) stopped_[static_cast<std::size_t>(c)] = 0;
+  any_stopped_ = std::any_of(stopped_.begin(), stopped_.end(), [](char one) { return one != 0; });
   return ReturnType::ok;
 }
 
@@ -286,8 +319,26 @@ void MockComponent::move(Part& part, double dt) noexcept {
   if (const double e = asked(part.effort_command); std::isfinite(e)) part.effort = e;
 }
 
-ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  const double dt = seconds(cycle.period);
+inline void MockComponent::follow(double dt, std::span<double> states) noexcept {
+  const double offset = custom_interface_.empty() ? following_offset_ : 0;
+  const double span = dt > 0 ? dt : std::numeric_limits<double>::infinity();  // no time: no speed
+  const std::uint32_t* const command = followers_.command.data();
+  const std::uint32_t* const at = followers_.position_state.data();
+  const std::uint32_t* const speed_at = followers_.velocity_state.data();
+  const double* const commands = asked_.data();
+  double* const position = followers_.position.data();
+  double* const out = states.data();
+  for (std::size_t j = 0, n = followers_.position.size(); j < n; ++j) {
+    const double asked = commands[command[j]], before = position[j];
+    const bool led = std::isfinite(asked);
+    const double now = led ? asked + offset : before;
+    position[j] = now;
+    out[at[j]] = now;
+    out[speed_at[j]] = led ? (now - before) / span : 0;
+  }
+}
+
+void MockComponent::move_parts(double dt, std::span<double> states) noexcept {
   if (!disabled_)
     for (Part& part : parts_)
       if (part.mimicked < 0) move(part, dt);
@@ -307,6 +358,12 @@ ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> s
     put(part.effort_state, part.effort);
     put(part.custom_state, part.position + following_offset_);
   }
+}
+
+ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  const double dt = seconds(cycle.period);
+  follow(dt, states);
+  if (!parts_.empty()) move_parts(dt, states);
   for (Mirror& mirror : mirrors_) {
     if (mirror.command >= 0 && std::isfinite(asked_[static_cast<std::size_t>(mirror.command)]) && !disabled_)
       mirror.value = asked_[static_cast<std::size_t>(mirror.command)];
@@ -319,8 +376,11 @@ ReturnType MockComponent::read(const hardware::Cycle& cycle, std::span<double> s
 
 ReturnType MockComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    if (std::isinf(commands[i])) broken_ = true;
-    if (std::isfinite(commands[i]) && !stopped_[i]) asked_[i] = commands[i];
+    const double command = commands[i];
+    if (!std::isfinite(command))
+      broken_ = broken_ || std::isinf(command);
+    else if (!any_stopped_ || !stopped_[i])
+      asked_[i] = command;
   }
   return broken_ ? ReturnType::error : injection_.after_write();
 }

@@ -1,5 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "drivers/mock/injection.hpp"
@@ -39,17 +42,20 @@ class MockComponent : public hardware::Component {
   std::string summary() const override;
 
  private:
-  /// One joint, sensor or gpio; the indices are places in the spans of read and write, -1 for none.
+  /// A joint; the indices are places in the spans of read and write, -1 for none.
   struct Part {
-    std::string name;  ///< as its robot calls it
     int position_state = -1, velocity_state = -1, acceleration_state = -1, effort_state = -1;
     int position_command = -1, velocity_command = -1, acceleration_command = -1, effort_command = -1;
     int custom_state = -1;  ///< takes the position with the following offset
+    int mimicked = -1;      ///< index of the part followed
     double position = 0, velocity = 0, acceleration = 0, effort = 0;
-    double last_position = 0;
-    int mimicked = -1;  ///< index of the part followed
     double multiplier = 1, offset = 0;
     bool quotient = false;  ///< velocity state is the difference quotient
+  };
+  /// Joints that have nothing but a position command, and position and velocity states: nearly all joints.
+  struct Followers {
+    std::vector<double> position;
+    std::vector<std::uint32_t> command, position_state, velocity_state;
   };
   struct Mirror {
     int command = -1, state = -1;
@@ -61,14 +67,22 @@ class MockComponent : public hardware::Component {
   int state(const std::string& name, double initial);
   int command(const std::string& name);
   void move(Part& part, double dt) noexcept;
-  int command_named(std::string_view name) const noexcept;
+  void follow(double dt, std::span<double> states) noexcept;
+  void move_parts(double dt, std::span<double> states) noexcept;
+  void part_followers();
+  int command_named(const std::string& name) const noexcept;
   std::string commanded_by_effort() const;
 
   std::vector<hardware::InterfaceDescription> states_, commands_;
   std::vector<Part> parts_;
+  std::vector<std::string> part_names_;  // as their robots call them; of parts_, then of followers_
+  Followers followers_;
+  std::unordered_map<std::string, int> command_places_;
+  std::vector<int> part_of_command_;  // the part that a command moves, -1: none
   std::vector<Mirror> mirrors_;
   std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
   std::vector<char> stopped_;  // commands that lead no longer
+  bool any_stopped_ = false;
   std::unique_ptr<MockWorld> world_;
   Injection injection_;
   bool dynamics_ = false, disabled_ = false, velocity_leads_ = false, mirror_sensors_ = false,

@@ -79,6 +79,8 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
     state_.parts[i].pose = scene_->parts[i].start;
     state_.parts[i].entered = state_.parts[i].in_world = here;
     state_.parts[i].asleep = true;
+    const auto kind = std::find(scene_->kinds.begin(), scene_->kinds.end(), scene_->parts[i].kind);
+    kinds_.push_back(static_cast<int>(kind - scene_->kinds.begin()) + 1);
   }
   for (const description::Feeder& f : scene_->feeders) {
     const std::string name = "scene/" + f.name + "/";
@@ -126,11 +128,12 @@ void MockWorld::let_go(Arm& arm) noexcept {
 }
 
 void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept {
-  const Pose at = tcp(arm, states);
   const bool wanted = on(asked, arm.command);
   arm.on_for = wanted ? arm.on_for + dt : 0;
   if (!wanted && arm.held >= 0) let_go(arm);
-  if (wanted && arm.held < 0 && arm.on_for >= kGripTime && scene_) {
+  const bool looks = wanted && arm.held < 0 && arm.on_for >= kGripTime && scene_;
+  const Pose at = looks || arm.held >= 0 ? tcp(arm, states) : Pose{};
+  if (looks) {
     for (std::size_t i = 0; i < state_.parts.size(); ++i) {
       hardware::PartState& part = state_.parts[i];
       const Vec3 top = part.pose * Vec3{0, 0, top_of(scene_->parts[i].shape)};
@@ -158,8 +161,7 @@ void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<do
   int here = 0;
   for (int k = 0; k < feeder.presented; ++k) {
     const auto i = static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(k)]);
-    const auto found = std::find(scene_->kinds.begin(), scene_->kinds.end(), scene_->parts[i].kind);
-    kind = static_cast<int>(found - scene_->kinds.begin()) + 1;
+    kind = kinds_[i];
     const hardware::PartState& part = state_.parts[i];
     if (part.in_world && part.held_by < 0 && norm(part.pose.position - feeder.pose.position) < 0.03) ++here;
   }

@@ -59,6 +59,7 @@ class MockWorld {
   void watch(Region& region, std::span<const double> asked, std::span<double> states) noexcept;
 
   const description::Scene* scene_ = nullptr;
+  std::vector<int> kinds_;  // of each part, from 1
   std::vector<Arm> arms_;
   std::vector<Feeder> feeders_;
   std::vector<Region> regions_;

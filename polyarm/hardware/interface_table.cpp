@@ -1,5 +1,6 @@
 #include "polyarm/hardware/interface_table.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "polyarm/base/error.hpp"
@@ -30,12 +31,13 @@ std::size_t InterfaceTable::add(Side& side, std::string name, double initial, co
                 "put the controller into the controllers file and start the cell again");
   }
   side.index.emplace(std::move(name), at);
+  side.live = std::max(side.live.load(), at + 1);
   ++changes_;
   return at;
 }
 
 void InterfaceTable::remove(Side& side, std::string_view name) {
-  const auto found = side.index.find(std::string(name));
+  const auto found = side.index.find(name);
   if (found == side.index.end()) return;
   side.names[found->second].clear();
   side.free.push_back(found->second);
@@ -70,20 +72,17 @@ void InterfaceTable::seal() {
   seal(command_);
 }
 
-namespace {
-std::optional<std::size_t> look_up(const std::unordered_map<std::string, std::size_t>& index,
-                                   std::string_view name) {
-  const auto found = index.find(std::string(name));
-  if (found == index.end()) return std::nullopt;
+std::optional<std::size_t> InterfaceTable::find(const Side& side, std::string_view name) {
+  const auto found = side.index.find(name);
+  if (found == side.index.end()) return std::nullopt;
   return found->second;
 }
-}  // namespace
 
 std::optional<std::size_t> InterfaceTable::find_state(std::string_view name) const {
-  return look_up(state_.index, name);
+  return find(state_, name);
 }
 std::optional<std::size_t> InterfaceTable::find_command(std::string_view name) const {
-  return look_up(command_.index, name);
+  return find(command_, name);
 }
 
 }  // namespace polyarm::hardware

@@ -1,7 +1,9 @@
 #pragma once
 /// Every number that hardware and controllers exchange, with its name.
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,17 +46,28 @@ class InterfaceTable {
   /// Entries that stood in the table when it was sealed; all of them before.
   std::size_t built_states() const noexcept { return state_.built; }
   std::size_t built_commands() const noexcept { return command_.built; }
+  /// Entries beyond these have never been taken: they are NaN. Any thread.
+  std::size_t live_states() const noexcept { return state_.live.load(std::memory_order_relaxed); }
+  std::size_t live_commands() const noexcept { return command_.live.load(std::memory_order_relaxed); }
   /// Counts what changed the names.
   std::uint64_t changes() const noexcept { return changes_; }
 
  private:
+  struct Hash {  // of names of any kind: a look-up makes no string
+    using is_transparent = void;
+    std::size_t operator()(std::string_view name) const noexcept {
+      return std::hash<std::string_view>{}(name);
+    }
+  };
   struct Side {
     std::vector<double> values;
     std::vector<std::string> names;
-    std::unordered_map<std::string, std::size_t> index;
+    std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> index;
     std::vector<std::size_t> free;
     std::size_t built = 0;
+    std::atomic<std::size_t> live{0};
   };
+  static std::optional<std::size_t> find(const Side& side, std::string_view name);
   std::size_t add(Side& side, std::string name, double initial, const char* kind);
   void remove(Side& side, std::string_view name);
   void seal(Side& side);
