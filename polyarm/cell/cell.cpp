@@ -84,6 +84,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   std::vector<controllers::JointFacts> joints;
   for (const auto& robot : robots_) joints.insert(joints.end(), robot->joints.begin(), robot->joints.end());
   loop_->prepare(joints);
+  joint_places_ = JointPlaces(robots_, loop_->table());
   Problems told;  // with the hardware
   for (const auto& robot : robots_)
     loop_->limits().set_turns(robot->entry.name + "/", divisor_of(*robot, loop_->options().period, told));
@@ -272,10 +273,9 @@ Pose Cell::tcp(std::size_t robot) const {
   const CellRobot& r = *robots_[robot];
   std::array<double, 64> q{};
   const control::Snapshot& snapshot = loop_->outbox().value();
-  for (std::size_t j = 0; j < r.joints.size() && j < q.size(); ++j) {
-    const auto index = loop_->table().find_state(r.joints[j].name + "/position");
-    q[j] = index ? snapshot.states[*index] : 0;
-  }
+  const std::span<const JointPlaces::Place> places = joint_places_.of(robot);
+  for (std::size_t j = 0; j < places.size() && j < q.size(); ++j)
+    q[j] = places[j].state >= 0 ? snapshot.states[static_cast<std::size_t>(places[j].state)] : 0;
   return r.facts->chain.forward({q.data(), r.joints.size()});
 }
 
@@ -306,11 +306,13 @@ void Cell::follow_strangers(const control::Snapshot& snapshot) {
   if (!snapshot.standing) return;
   for (std::size_t i = 0; i < motions_.size(); ++i) {
     if (!motions_[i] || !motions_[i]->idle()) continue;
-    std::vector<double> at = motions_[i]->planned();
-    for (std::size_t j = 0; j < at.size(); ++j)
-      if (const auto index = loop_->table().find_command(robots_[i]->joints[j].name + "/position"))
-        if (std::isfinite(snapshot.commands[*index])) at[j] = snapshot.commands[*index];
-    motions_[i]->set_planned(at);
+    const std::span<const JointPlaces::Place> places = joint_places_.of(i);
+    for (std::size_t j = 0; j < motions_[i]->planned().size(); ++j) {
+      const int command = places[j].command;
+      const double at = command < 0 ? std::numeric_limits<double>::quiet_NaN()
+                                    : snapshot.commands[static_cast<std::size_t>(command)];
+      if (std::isfinite(at)) motions_[i]->set_planned(j, at);
+    }
   }
 }
 

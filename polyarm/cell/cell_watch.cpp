@@ -230,7 +230,6 @@ void Cell::watch_stops(Nanoseconds now, const control::Snapshot& snapshot) {
   constexpr std::size_t kKept = 1000;
   const bool asked = loop_->supervisor().latch().requested() != realtime::StopKind::none;
   if (snapshot.state == control::RunState::running && !asked) held_by_.reset();
-  if (joint_places_.all().empty()) joint_places_ = JointPlaces(robots_, loop_->table());
   held_place_.tick(snapshot, joint_places_, jogging_->engaged() || contact_watch_.touching());
   if (snapshot.state == control::RunState::stopping && snapshot.cause == control::StopCause::contact)
     stop_watch_.set_category(loop_->supervisor().contact_stop() == control::ContactStop::cut ? 0 : 1);

@@ -234,20 +234,31 @@ void at_key(const RobotEntry& entry, const std::string& key, Step step) {
   }
 }
 
+/// Robots of the catalogue that a cell has read so far, by name: a cell may have a thousand of one model.
+using ReadRobots = std::map<std::string, description::RobotModel>;
+
+description::RobotModel read_model(const CellFile& file, const RobotEntry& entry,
+                                   const description::Catalogue& catalogue, ReadRobots& read,
+                                   Problems& found) {
+  if (!entry.text.empty()) return description::read_urdf(entry.text, entry.model, found);
+  const auto beside = file.folder / entry.model;
+  if (std::filesystem::is_regular_file(beside))
+    return description::load_robot(beside.string(), catalogue, found, entry.arguments);
+  if (const auto known = read.find(entry.model); known != read.end()) return known->second;
+  if (!catalogue.find(entry.model))
+    return description::load_robot(entry.model, catalogue, found, entry.arguments);
+  return read.emplace(entry.model, catalogue.load(entry.model)).first->second;
+}
+
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
                                    const std::vector<ros_files::JointLimitsSource>& limits,
                                    const RobotEntry& entry, const description::Catalogue& catalogue,
-                                   bool real, Problems& problems, std::vector<std::string>& notes) {
+                                   ReadRobots& read, bool real, Problems& problems,
+                                   std::vector<std::string>& notes) {
   auto robot = std::make_unique<CellRobot>();
   robot->entry = entry;
-  const auto beside = file.folder / entry.model;
-  const bool is_file = std::filesystem::is_regular_file(beside);
   Problems found;
-  at_key(entry, "model", [&] {
-    robot->model = entry.text.empty() ? description::load_robot(is_file ? beside.string() : entry.model,
-                                                                catalogue, found, entry.arguments)
-                                      : description::read_urdf(entry.text, entry.model, found);
-  });
+  at_key(entry, "model", [&] { robot->model = read_model(file, entry, catalogue, read, found); });
   for (const Problem& problem : found.list())
     if (problem.severity == Severity::error)
       robot->hardware_faults.push_back(problem);
@@ -335,9 +346,10 @@ CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::Joi
                           const description::Catalogue& catalogue, bool real, Problems& problems,
                           std::vector<std::string>& notes) {
   CellRobots out;
+  ReadRobots read;
   for (const RobotEntry& entry : file.robots) {
     try {
-      out.push_back(resolve(file, limits, entry, catalogue, real, problems, notes));
+      out.push_back(resolve(file, limits, entry, catalogue, read, real, problems, notes));
     } catch (const Error& e) {
       for (Problem problem : e.problems()) {
         if (problem.where.file.empty()) problem.where = entry.where;

@@ -51,6 +51,7 @@ nlohmann::json json_of(const StopReport& stop) {
 JointPlaces::JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table) {
   const auto index = [](const auto& found) { return found ? static_cast<int>(*found) : -1; };
   for (std::size_t r = 0; r < robots.size(); ++r) {
+    first_.push_back(places_.size());
     const kinematics::Chain& chain = robots[r]->facts->chain;
     for (std::size_t j = 0; j < robots[r]->joints.size(); ++j) {
       const std::string& name = robots[r]->joints[j].name;
@@ -59,17 +60,22 @@ JointPlaces::JointPlaces(const CellRobots& robots, const hardware::InterfaceTabl
                          j < chain.names().size() && chain.slides(j)});
     }
   }
+  first_.push_back(places_.size());
 }
 
-std::vector<double> JointPlaces::commanded(const control::Snapshot& snapshot) const {
-  std::vector<double> out;
+std::span<const JointPlaces::Place> JointPlaces::of(std::size_t robot) const {
+  if (robot + 1 >= first_.size()) return {};
+  return std::span(places_).subspan(first_[robot], first_[robot + 1] - first_[robot]);
+}
+
+void JointPlaces::commanded(const control::Snapshot& snapshot, std::vector<double>& out) const {
+  out.clear();
   for (const Place& p : places_) {
     double q = p.command >= 0 ? snapshot.commands[static_cast<std::size_t>(p.command)]
                               : std::numeric_limits<double>::quiet_NaN();
     if (!std::isfinite(q) && p.state >= 0) q = snapshot.states[static_cast<std::size_t>(p.state)];
     out.push_back(std::isfinite(q) ? q : 0);
   }
-  return out;
 }
 
 void StopWatch::add(const CellRobots& robots, const JointPlaces& places, const std::vector<double>& now) {
@@ -87,7 +93,8 @@ void StopWatch::add(const CellRobots& robots, const JointPlaces& places, const s
 
 std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, const CellRobots& robots,
                                           const JointPlaces& places) {
-  std::vector<double> now = places.commanded(snapshot);
+  std::vector<double>& now = now_;
+  places.commanded(snapshot, now);
   if (before_.size() != now.size()) before_ = now;
   if (snapshot.stop.begun >= 0 && snapshot.stop.begun != seen_) {
     seen_ = snapshot.stop.begun;
@@ -96,7 +103,7 @@ std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, con
     tcp_way_.assign(robots.size(), 0.0);
   }
   if (under_way_) add(robots, places, now);
-  before_ = std::move(now);
+  before_.swap(now);
   if (!under_way_ || snapshot.stop.ended < 0) return std::nullopt;
   under_way_ = false;
   StopReport out;

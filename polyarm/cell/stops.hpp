@@ -2,6 +2,7 @@
 /// What a stop took, and whether somebody has moved the robot since it stands.
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,11 +49,20 @@ class JointPlaces {
   JointPlaces() = default;
   JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table);
   const std::vector<Place>& all() const { return places_; }
-  /// The commanded position of each where there is one, else the measured one, else 0; rad or m.
-  std::vector<double> commanded(const control::Snapshot& snapshot) const;
+  /// Those of one robot, in the order of its joints.
+  std::span<const Place> of(std::size_t robot) const;
+  /// The commanded position of each where there is one, else the measured one, else 0; rad or m. `out` is
+  /// resized.
+  void commanded(const control::Snapshot& snapshot, std::vector<double>& out) const;
+  std::vector<double> commanded(const control::Snapshot& snapshot) const {
+    std::vector<double> out;
+    commanded(snapshot, out);
+    return out;
+  }
 
  private:
   std::vector<Place> places_;
+  std::vector<std::size_t> first_;  // of each robot, and the end
 };
 
 /// Adds up the ways of a stop from tick to tick, so to one tick exactly. Cell thread.
@@ -70,7 +80,7 @@ class StopWatch {
   Nanoseconds seen_ = -1;  // the stop that was told last, or is under way
   bool under_way_ = false;
   int category_ = 2;
-  std::vector<double> before_, joint_way_, tcp_way_;
+  std::vector<double> before_, now_, joint_way_, tcp_way_;
 };
 
 /// Where the joints are beside their commands while the cell is held. Cell thread.

@@ -99,6 +99,7 @@ class RobotMotion {
   const std::vector<double>& planned() const { return planned_; }
   /// Tells where the robot is commanded to be, at the start and after somebody else moved it. When idle.
   void set_planned(std::span<const double> joints) { planned_.assign(joints.begin(), joints.end()); }
+  void set_planned(std::size_t joint, double position) { planned_[joint] = position; }
   /// For what is planned from now on.
   void set_options(const MovePlanOptions& options) { options_ = options; }
   const MovePlanOptions& options() const { return options_; }
