@@ -68,7 +68,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
   problems.throw_if_errors();
   loop_->supervisor().watch_cell = !options_.lock_step && loop_->holds_after_gap();
   start_hardware();
-  for (const std::string& summary : loop_->hardware().summaries()) observer_.on_note(summary);
+  for (const std::string& summary : loop_->hardware().diagnostics().summaries()) observer_.on_note(summary);
   arming_ = std::make_unique<Arming>(*loop_, robots_, options_.full_speed, observer_);
   jogging_ = std::make_unique<Jogging>(*this);
   set_profile(file_.profiles.name);

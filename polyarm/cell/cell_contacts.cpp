@@ -83,7 +83,8 @@ Problem Cell::problem_of(const ContactReport& contact) const {
 
 void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
   std::optional<Problem> inside;  // what follows in physics is no news
-  for (ContactReport* contact : contact_watch_.tick(snapshot, loop_->hardware().world_names())) {
+  for (ContactReport* contact :
+       contact_watch_.tick(snapshot, loop_->hardware().diagnostics().world_names())) {
     find_cause(*contact);
     if (failure_) continue;
     Problem problem = problem_of(*contact);

@@ -37,7 +37,8 @@ void Cell::tell_loop_events() {
         "the hardware component {} asked to be deactivated",
         "nothing new comes for the controller {}: what it was sent last has ended"};
     std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
-    if (const std::string reason = hardware ? loop_->hardware().reason(who) : ""; !reason.empty())
+    if (const std::string reason = hardware ? loop_->hardware().diagnostics().reason(who) : "";
+        !reason.empty())
       text += ": " + reason;
     observer_.on_note(text);
     if (hardware || event.kind == Kind::controller_failed) falling_ = hardware ? name : "";
@@ -66,7 +67,7 @@ void Cell::tell_overruns() {
                                   count == 1 ? "" : fmt::format("; {} times now", count), advice));
   };
   realtime::Overrun overrun;
-  while (loop_->hardware().take_overrun(overrun))
+  while (loop_->hardware().diagnostics().take_overrun(overrun))
     tell(loop_->hardware().component_name(static_cast<std::size_t>(overrun.who)), overrun,
          "is_async=\"true\" of its <ros2_control> gives it a thread of its own");
   while (loop_->controllers().take_overrun(overrun))
@@ -77,21 +78,21 @@ void Cell::tell_overruns() {
 void Cell::tell_threads() {
   hardware::Hardware& hardware = loop_->hardware();
   told_threads_.resize(hardware.size());
-  for (std::int32_t who = 0; hardware.take_late(who);) {
+  for (std::int32_t who = 0; hardware.diagnostics().take_late(who);) {
     const auto i = static_cast<std::size_t>(who);
-    const realtime::ThreadHealth& health = *hardware.thread_health(i);
+    const realtime::ThreadHealth& health = *hardware.diagnostics().thread_health(i);
     constexpr const char* kThen[] = {"it goes on", "the loop stops on the path and holds", "it is taken off"};
     observer_.on_note(
         fmt::format("the thread of {} is late: {} runs were, and {} missed their turn; {} "
                     "('overrun' of its thread); polyarm health shows its times",
                     hardware.component_name(i), std::uint64_t{health.late}, std::uint64_t{health.missed},
-                    kThen[static_cast<std::size_t>(hardware.when_late(i))]));
+                    kThen[static_cast<std::size_t>(hardware.diagnostics().when_late(i))]));
   }
   for (std::size_t i = 0; i < hardware.size(); ++i) {
-    const realtime::ThreadHealth* health = hardware.thread_health(i);
+    const realtime::ThreadHealth* health = hardware.diagnostics().thread_health(i);
     const unsigned refused = health ? health->refused.load(std::memory_order_acquire) : 0;
     if (refused == 0 || std::exchange(told_threads_[i], 1)) continue;
-    for (const std::string& text : realtime::refusals(refused, hardware.thread_options(i),
+    for (const std::string& text : realtime::refusals(refused, hardware.diagnostics().thread_options(i),
                                                       "the thread of " + hardware.component_name(i)))
       observer_.on_note(text);
   }
@@ -154,9 +155,10 @@ void Cell::fail(Nanoseconds now, Problem problem) {
 namespace {
 void add_component_facts(const hardware::Hardware& hardware, std::size_t component, Facts& facts) {
   facts.push_back({"component", hardware.component_name(component)});
-  if (const std::string name = hardware.blamed_interface(component); !name.empty())
+  if (const std::string name = hardware.diagnostics().blamed_interface(component); !name.empty())
     facts.push_back({"interface", name});
-  if (const std::string own = hardware.own_reason(component); !own.empty()) facts.push_back({"reason", own});
+  if (const std::string own = hardware.diagnostics().own_reason(component); !own.empty())
+    facts.push_back({"reason", own});
 }
 }  // namespace
 
@@ -172,17 +174,18 @@ void Cell::watch_faults(Nanoseconds now, const control::Snapshot& snapshot) {
                            snapshot.cause == Cause::late;
   std::string who;
   Facts facts{{"cause", control::code(snapshot.cause)}};
-  if (of_hardware && snapshot.culprit >= 0) {
-    const auto component = static_cast<std::size_t>(snapshot.culprit);
-    const std::string reason = loop_->hardware().reason(component);
+  if (of_hardware && snapshot.event.component >= 0) {
+    const auto component = static_cast<std::size_t>(snapshot.event.component);
+    const std::string reason = loop_->hardware().diagnostics().reason(component);
     who = " (" + loop_->hardware().component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
     add_component_facts(loop_->hardware(), component, facts);
-  } else if (snapshot.cause == Cause::limits && snapshot.culprit >= 0) {
-    const std::string& name = loop_->table().command_names()[static_cast<std::size_t>(snapshot.culprit)];
+  } else if (snapshot.cause == Cause::limits && snapshot.event.interface >= 0) {
+    const std::string& name =
+        loop_->table().command_names()[static_cast<std::size_t>(snapshot.event.interface)];
     who = " (" + name + ")";
     facts.push_back({"interface", name});
-  } else if (snapshot.cause == Cause::controller && snapshot.culprit >= 0) {
-    const std::string name = loop_->controllers().name_of(snapshot.culprit);
+  } else if (snapshot.cause == Cause::controller && snapshot.event.controller >= 0) {
+    const std::string name = loop_->controllers().name_of(snapshot.event.controller);
     who = " (" + name + ")";
     facts.push_back({"controller", name});
   }
@@ -210,7 +213,7 @@ void Cell::watch_groups(Nanoseconds now, const control::Snapshot& snapshot) {
                       cause != control::StopCause::none;
     if (!news || !hardware.contained(i) || snapshot.state == control::RunState::fault) continue;
     if (std::exchange(told, hardware.group(i)) == hardware.group(i)) continue;
-    const std::string reason = hardware.reason(i), name = hardware.component_name(i);
+    const std::string reason = hardware.diagnostics().reason(i), name = hardware.component_name(i);
     Problem problem{
         "fault",
         {},

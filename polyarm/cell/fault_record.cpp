@@ -293,14 +293,16 @@ Replay replay_record(const fs::path& folder, const std::string& hardware) {
       out.joints.push_back({out.recorded.states[k].substr(0, out.recorded.states[k].rfind('/')), 0, 0});
     }
   hardware::Cycle cycle{0, nanoseconds(period), 0};
+  hardware::FaultEvents ignored;
   for (const RecordedCycles::Row& row : out.recorded.rows) {
-    components.read(cycle);
+    components.exchange().read(cycle, ignored);
     for (std::size_t j = 0; j < positions.size(); ++j) {
       const double off = std::abs(table.states()[positions[j].here] - row.states[positions[j].recorded]);
       if (off > out.joints[j].worst) out.joints[j] = {out.joints[j].name, off, row.cycle};
     }
     for (const Column& c : commands) table.commands()[c.here] = row.commands[c.recorded];
-    components.write(cycle);
+    components.exchange().write(cycle, ignored);
+    ignored.clear();
     cycle.time += cycle.period;
     ++cycle.index;
   }

@@ -26,7 +26,7 @@ std::size_t component_argument(Cell& cell, const Json& arguments) {
 
 /// Active controllers that command a component; with `readers_too`, those that read it as well.
 std::vector<std::string> users_of(Cell& cell, std::size_t component, bool readers_too) {
-  const hardware::HostedInfo info = cell.loop().hardware().info(component);
+  const hardware::HostedInfo info = cell.loop().hardware().diagnostics().info(component);
   const auto uses = [](const std::vector<std::string>& wanted, const std::vector<std::string>& offered) {
     return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
       return std::find(offered.begin(), offered.end(), name) != offered.end();
@@ -151,7 +151,7 @@ Poll hardware_list(Cell& cell, const Json&) {
   Json out = Json::array();
   hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
-    hardware::HostedInfo info = hardware.info(i);
+    hardware::HostedInfo info = hardware.diagnostics().info(i);
     const std::vector<std::string> names = names_of_component(cell.robots(), info.name);
     Json others = Json::array();
     for (std::size_t k = names.size(); k-- > 1;) {

@@ -87,11 +87,11 @@ Poll health(Cell& cell, const Json&) {
       fallen.push_back({{"component", name},
                         {"cause", control::name(seen.fallen[i])},
                         {"cause_code", control::code(seen.fallen[i])}});
-    const hardware::HostedInfo info = hardware.info(i);
-    if (const realtime::ThreadHealth* thread = hardware.thread_health(i))
+    const hardware::HostedInfo info = hardware.diagnostics().info(i);
+    if (const realtime::ThreadHealth* thread = hardware.diagnostics().thread_health(i))
       threads.push_back(thread_of("component", name, rate_of(cell, info), info.period > 0, *thread));
     else
-      add_part(parts, "component", name, rate_of(cell, info), hardware.part_health(i));
+      add_part(parts, "component", name, rate_of(cell, info), hardware.diagnostics().part_health(i));
   }
   for (const control::ListedController& c : cell.loop().controllers().list())
     if (c.thread)

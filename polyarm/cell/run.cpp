@@ -96,7 +96,7 @@ class ControlThread {
           control::ControlLoop& loop = cell.loop();
           realtime::Periodic clock(loop.options().period);
           for (clock.start(); !shared->done.load(std::memory_order_relaxed);) {
-            const auto paced = loop.hardware().await_cycle(2 * loop.options().period);
+            const auto paced = loop.hardware().exchange().await_cycle(2 * loop.options().period);
             const realtime::WakeUp wake = paced ? clock.woken() : clock.wait();
             loop.step_next(loop.woke(wake.latency, wake.skipped));
           }
@@ -259,6 +259,7 @@ class Runner {
 
   /// What the machine did not permit the control thread: at once, and once.
   void tell_refused(unsigned refused) {
+    if (refused == 0) return;
     for (const std::string& text : realtime::refusals(refused, thread_options(), "the control thread"))
       observer_.on_note(text);
   }
@@ -286,7 +287,7 @@ class Runner {
   std::string standing_still() {
     const hardware::Hardware& hardware = cell_.loop().hardware();
     const control::ControllerManager& controllers = cell_.loop().controllers();
-    if (const int who = hardware.in_call(); who >= 0)
+    if (const int who = hardware.diagnostics().in_call(); who >= 0)
       return "the control loop stands still: it waits for the hardware component " +
              hardware.component_name(static_cast<std::size_t>(who)) + "; give it is_async=\"true\"";
     if (const int who = controllers.in_call(); who >= 0)

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/pair.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::control {
@@ -26,8 +27,8 @@ void BlackBox::record(const Row& row) noexcept {
   if (capacity_ == 0) return;
   heads_[next_] = {row.cycle, row.state, row.cause, row.request};
   double* to = data_.data() + next_ * width_;
-  to = std::copy(row.states.begin(), row.states.end(), to);
-  std::copy(row.commands.begin(), row.commands.end(), to);
+  copy_row(row.states, to);
+  copy_row(row.commands, to + row.states.size());
   next_ = next_ + 1 == capacity_ ? 0 : next_ + 1;
   filled_ = std::min(filled_ + 1, capacity_);
 }
@@ -69,17 +70,18 @@ ControlLoop::ControlLoop(const LoopOptions& options) : options_(options) {
   cycle_.period = options.period;
   controllers_.set_cycle(cycle_);
   controllers_.measure(options.measure_parts);
-  hardware_.measure(options.measure_parts);
+  exchange_.measure(options.measure_parts);
+  supervisor_.set_when_late(options.overrun);
 }
 
 void ControlLoop::start_hardware() {
   hardware_.configure_and_activate();
-  hardware_.read(cycle_);
+  exchange_.read(cycle_, faults_);
 }
 
 void ControlLoop::start_hardware(hardware::Caller& caller) {
   hardware_.configure_and_activate(caller);
-  hardware_.read(cycle_);
+  exchange_.read(cycle_, faults_);
 }
 
 void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
@@ -95,73 +97,52 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
       watched.push_back({*index, command ? static_cast<int>(*command) : -1,
                          joint.states_velocity ? joint.velocity : controllers::kUnlimited});
     }
-  hardware_.watch(watched, options_.period);
+  exchange_.watch(watched, options_.period);
+  std::vector<Overrun> late;
+  for (std::size_t i = 0; i < hardware_.size(); ++i) late.push_back(hardware_.diagnostics().when_late(i));
+  supervisor_.set_when_late(options_.overrun, std::move(late));
   const std::size_t states = table_.built_states(), commands = table_.built_commands();
+  constexpr std::size_t kSpareEvents = 256;  // of controllers, which may be loaded later
+  faults_.make_room(3 * hardware_.size() + commands + kSpareEvents);
   black_box_.build(states, commands, options_.black_box_rows);
   Snapshot empty;
   empty.states.assign(table_.states().begin(), table_.states().end());
   empty.commands.assign(table_.commands().begin(), table_.commands().end());
-  if (hardware_.world()) empty.world = *hardware_.world();
+  if (exchange_.world()) empty.world = *exchange_.world();
   empty.threads.resize(hardware_.size());
   empty.fallen.resize(hardware_.size());
   outbox_.reset(empty);
 }
 
-controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
-  const hardware::Fault fault = hardware_.read(cycle);  // learn what the robot did
-  const bool of_all = fault && take_off_failed(cycle);
-  if (hardware_.take_hold()) supervisor_.hold(StopCause::late);
-  look_for_contacts();
-  Request request = Request::none;
-  inbox_.pop(request);  // at most one request from outside
-  const controllers::Verdict verdict = supervisor_.judge(cycle, of_all ? fault : hardware::Fault{}, gap,
-                                                         controllers_.standing(), request);  // may we go on?
-  controllers_.update(cycle, verdict);  // a stop is followed on the path
-  for (std::size_t i = 0; i < hardware_.size(); ++i)
-    if (hardware_.take_restarted(i))
-      limits_.forget(hardware_.commands_of(i).first, hardware_.commands_of(i).second);
-  if (options_.limits) {
-    const RunState now = supervisor_.state();  // held is held, whatever is commanded
-    // A controller that moves by hand what is held says that it does not stand.
-    const bool still = (now == RunState::held || now == RunState::fault) && controllers_.standing();
-    limits_.restrict(table_.commands(), table_.states(), cycle.index,
-                     still);  // the last word before the wire
-    for (const std::int32_t command : limits_.faults())
-      if (!fell_alone(hardware_.component_of_command(static_cast<std::size_t>(command)),
-                      hardware::FaultKind::outside, command))
-        supervisor_.raise(StopCause::limits, command);
+inline void ControlLoop::decide(const hardware::Cycle& cycle) noexcept {
+  if (!faults_.empty()) react_to_faults(cycle);
+}
+
+void ControlLoop::react_to_faults(const hardware::Cycle& cycle) noexcept {
+  for (FaultEvent event : faults_.list()) {
+    if (event.cause == StopCause::limits)
+      event.component = hardware_.component_of_command(static_cast<std::size_t>(event.interface));
+    if (!supervisor_.react(event, controllers_.contains(event.component))) continue;
+    for (const std::size_t component : exchange_.take_off(event))
+      controllers_.component_failed(component, event.cause == StopCause::deactivated, cycle);
   }
-  for (const ControllerManager::Failure& failure : controllers_.failures())
-    if (!fell_alone(failure.component, hardware::FaultKind::controller, -1))
-      supervisor_.raise(StopCause::controller, failure.controller);
-  const hardware::Fault failed = hardware_.write(cycle);
-  if (take_off_failed(cycle) && failed) supervisor_.raise(cause_of(failed), failed.component);
-  if (options_.publish) publish(cycle, request);  // snapshot, and the ring of cycle records
-  return verdict;
+  faults_.clear();
 }
 
-void ControlLoop::look_for_contacts() noexcept {
-  const hardware::WorldState* world = hardware_.world();
-  if (!world) return;
-  if (world->finding_count > findings_) supervisor_.touched();
-  findings_ = world->finding_count;
+inline Request ControlLoop::take_request() noexcept {
+  Request request = Request::none;
+  inbox_.pop(request);
+  return request;
 }
 
-bool ControlLoop::fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept {
-  if (component < 0 || !controllers_.contains(static_cast<std::size_t>(component))) return false;
-  hardware_.fail_for(static_cast<std::size_t>(component), kind, what);
-  return true;
-}
-
-bool ControlLoop::take_off_failed(const hardware::Cycle& cycle) noexcept {
-  using Fall = hardware::Hardware::Fall;
-  bool contained = true;
-  for (std::size_t i = 0; i < hardware_.size(); ++i)
-    if (const Fall fall = hardware_.newly_failed(i); fall != Fall::none) {
-      contained = contained && controllers_.contains(i);
-      controllers_.component_failed(i, fall == Fall::deactivated, cycle);
-    }
-  return !contained;
+inline void ControlLoop::limit(const hardware::Cycle& cycle) noexcept {
+  for (hardware::CommandRange range; exchange_.take_restarted(range);)
+    limits_.forget(range.first, range.count);
+  if (!options_.limits) return;
+  const RunState now = supervisor_.state();
+  // Held is held, whatever is commanded; a controller that a person moves by hand is not standing.
+  const bool still = (now == RunState::held || now == RunState::fault) && controllers_.standing();
+  limits_.restrict(table_.commands(), table_.states(), cycle.index, still, faults_);
 }
 
 bool ControlLoop::holds_after_gap() const {
@@ -180,31 +161,39 @@ bool ControlLoop::woke(Nanoseconds latency, std::uint64_t skipped) noexcept {
   late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
   if (late_in_a_row_ >= options_.overrun_after && options_.overrun != Overrun::report) {
     late_in_a_row_ = 0;
-    if (options_.overrun == Overrun::fault)
-      supervisor_.raise(StopCause::late, -1);
-    else
-      supervisor_.hold(StopCause::late);
+    supervisor_.react({StopCause::late}, false);
   }
   const Nanoseconds gap = static_cast<Nanoseconds>(skipped) * options_.period;
-  hardware_.skipped(gap);
+  exchange_.skipped(gap);
   if (gap < kGap) return false;
   if (!holds_after_gap()) ++health_.gaps;
   return holds_after_gap();
 }
 
-controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
-  const Nanoseconds before = options_.measure ? realtime::monotonic_now() : 0;
-  if (paced_ && began_ > 0) health_.period.add(before - began_);
-  began_ = before;
-  const controllers::Verdict verdict = step(cycle_, gap);
-  if (options_.measure) health_.cost.add(last_cost_ = realtime::monotonic_now() - before);
-  ++health_.cycles;
-  cycle_.time += cycle_.period;
-  ++cycle_.index;
-  return verdict;
+void ControlLoop::publish_components(Snapshot& draft) noexcept {
+  for (std::size_t i = 0; i < draft.threads.size(); ++i) {
+    draft.fallen[i] = exchange_.fallen(i);
+    if (const realtime::ThreadHealth* thread = hardware_.diagnostics().thread_health(i))
+      draft.threads[i] = {thread->runs, thread->late, thread->missed};
+  }
 }
 
-void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcept {
+void ControlLoop::publish_world(const hardware::WorldState& world, Snapshot& draft) noexcept {
+  for (const hardware::PartState& part : world.parts) {
+    trace_.add(part.pose.position.x);
+    trace_.add(part.pose.position.y);
+    trace_.add(part.pose.position.z);
+  }
+  std::copy(world.parts.begin(), world.parts.end(), draft.world.parts.begin());
+  const int news = std::min(world.finding_count, hardware::WorldState::kMaxFindings);
+  std::copy_n(world.findings.begin(), news, draft.world.findings.begin());
+  draft.world.finding_count = world.finding_count;
+  draft.world.contacts = world.contacts;
+  draft.world.tracking_error = world.tracking_error;
+  draft.world.at_rest = world.at_rest;
+}
+
+inline void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcept {
   const std::span<const double> states = table_.states(), commands = table_.commands();
   for (const std::uint32_t index : traced_) trace_.add(states[index]);
   black_box_.record({cycle.index, supervisor_.state(), supervisor_.cause(), request,
@@ -217,32 +206,41 @@ void ControlLoop::publish(const hardware::Cycle& cycle, Request request) noexcep
   draft.cycle = cycle;
   draft.state = supervisor_.state();
   draft.cause = supervisor_.cause();
-  draft.culprit = supervisor_.culprit();
+  draft.event = supervisor_.event();
   draft.standing = controllers_.standing();
   draft.stop = supervisor_.stop_times();
-  for (std::size_t i = 0; i < draft.threads.size(); ++i) {
-    const hardware::FaultKind fallen = hardware_.fallen(i);
-    draft.fallen[i] = fallen == hardware::FaultKind::none ? StopCause::none : cause_of({fallen, -1});
-    if (const realtime::ThreadHealth* thread = hardware_.thread_health(i))
-      draft.threads[i] = {thread->runs, thread->late, thread->missed};
-  }
-  std::copy(states.begin(), states.end(), draft.states.begin());
-  std::copy(commands.begin(), commands.end(), draft.commands.begin());
-  if (const hardware::WorldState* world = hardware_.world()) {
-    for (const hardware::PartState& part : world->parts) {
-      trace_.add(part.pose.position.x);
-      trace_.add(part.pose.position.y);
-      trace_.add(part.pose.position.z);
-    }
-    std::copy(world->parts.begin(), world->parts.end(), draft.world.parts.begin());
-    const int news = std::min(world->finding_count, hardware::WorldState::kMaxFindings);
-    std::copy_n(world->findings.begin(), news, draft.world.findings.begin());
-    draft.world.finding_count = world->finding_count;
-    draft.world.contacts = world->contacts;
-    draft.world.tracking_error = world->tracking_error;
-    draft.world.at_rest = world->at_rest;
-  }
+  copy_row(states.first(table_.live_states()), draft.states.data());
+  copy_row(commands.first(table_.live_commands()), draft.commands.data());
+  publish_components(draft);
+  if (const hardware::WorldState* world = exchange_.world()) publish_world(*world, draft);
   outbox_.publish();
+}
+
+controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) noexcept {
+  if (gap) faults_.push({StopCause::gap});
+  exchange_.read(cycle, faults_);  // what did the robot do?
+  decide(cycle);
+  const Request request = take_request();
+  const controllers::Verdict verdict = supervisor_.judge(cycle.time, controllers_.standing(), request);
+  controllers_.update(cycle, verdict, faults_);  // a stop is followed on the path
+  limit(cycle);                                  // the last word before the wire
+  decide(cycle);
+  exchange_.write(cycle, faults_);
+  decide(cycle);
+  if (options_.publish) publish(cycle, request);
+  return verdict;
+}
+
+controllers::Verdict ControlLoop::step_next(bool gap) noexcept {
+  const Nanoseconds began = options_.measure ? realtime::monotonic_now() : 0;
+  const controllers::Verdict verdict = step(cycle_, gap);
+  if (options_.measure) health_.cost.add(last_cost_ = realtime::monotonic_now() - began);
+  if (paced_ && began_ > 0) health_.period.add(began - began_);
+  began_ = began;
+  ++health_.cycles;
+  cycle_.time += cycle_.period;
+  ++cycle_.index;
+  return verdict;
 }
 
 }  // namespace polyarm::control

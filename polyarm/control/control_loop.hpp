@@ -11,6 +11,7 @@
 #include "polyarm/control/cycle_tap.hpp"
 #include "polyarm/control/limits.hpp"
 #include "polyarm/control/supervisor.hpp"
+#include "polyarm/hardware/hardware.hpp"
 #include "polyarm/realtime/histogram.hpp"
 #include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -28,7 +29,7 @@ struct Snapshot {
   hardware::Cycle cycle;
   RunState state = RunState::running;
   StopCause cause = StopCause::none;
-  std::int32_t culprit = -1;
+  FaultEvent event;  ///< what led to this state
   bool standing = true;
   StopTimes stop;
   std::vector<double> states, commands;
@@ -77,11 +78,6 @@ struct Health {
   realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
   realtime::Histogram period;   ///< between the beginnings of two cycles, ns; empty in lock-step
 };
-
-/// What follows when cycles are late one after the other: it is counted; the robot stops on its path and is
-/// held; it is a fault. (A single late cycle is always only counted; a gap of half a second has a rule of its
-/// own, LoopOptions::stall_holds.)
-enum class Overrun : std::uint8_t { report, hold, fault };
 
 struct LoopOptions {
   Nanoseconds period = 1'000'000;
@@ -158,17 +154,21 @@ class ControlLoop {
   const TraceHash& trace() const noexcept { return trace_; }
 
  private:
+  /// The supervisor decides on what was found; what is to be taken off is.
+  void decide(const hardware::Cycle& cycle) noexcept;
+  void react_to_faults(const hardware::Cycle& cycle) noexcept;
+  Request take_request() noexcept;
+  void limit(const hardware::Cycle& cycle) noexcept;
   void publish(const hardware::Cycle& cycle, Request request) noexcept;
-  /// Takes the group of the component off where its fault concerns no other; false where it concerns all.
-  bool fell_alone(int component, hardware::FaultKind kind, std::int32_t what) noexcept;
-  void look_for_contacts() noexcept;
-  /// Stops the controllers of what has failed. Returns whether the fault concerns the whole loop.
-  bool take_off_failed(const hardware::Cycle& cycle) noexcept;
+  void publish_components(Snapshot& draft) noexcept;
+  void publish_world(const hardware::WorldState& world, Snapshot& draft) noexcept;
 
   LoopOptions options_;
   realtime::Jobs jobs_;
   hardware::InterfaceTable table_;
   hardware::Hardware hardware_{table_, jobs_};
+  hardware::Exchange& exchange_ = hardware_.exchange();
+  hardware::FaultEvents faults_;
   ControllerManager controllers_{table_, hardware_, jobs_};
   Supervisor supervisor_;
   CommandLimits limits_;
@@ -182,7 +182,6 @@ class ControlLoop {
   realtime::Queue<Request> inbox_{64};
   realtime::Latest<Snapshot> outbox_;
   hardware::Cycle cycle_;
-  int findings_ = 0;  // contacts of the simulated world that were seen
   unsigned late_in_a_row_ = 0;
   bool paced_ = false;
   Nanoseconds began_ = 0;  // the last cycle, on the wall clock

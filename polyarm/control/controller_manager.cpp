@@ -70,7 +70,7 @@ class ControllerManager::NewSchedule : public realtime::Job {
   std::unique_ptr<Schedule> schedule_;
 };
 
-ControllerManager::ControllerManager(hardware::InterfaceTable& table, hardware::Hardware& hardware,
+ControllerManager::ControllerManager(hardware::InterfaceTable& table, hardware::Components& hardware,
                                      realtime::Jobs& jobs)
     : table_(table), hardware_(hardware), jobs_(jobs), schedule_(std::make_unique<Schedule>()) {}
 
@@ -100,6 +100,7 @@ void ControllerManager::load(std::unique_ptr<controllers::Controller> controller
   slot->name = context.name;
   slot->controller = std::move(controller);
   slot->options = std::move(options);
+  slot->budget = slot->options.budget;
   slot->options.divisor = std::max(1u, slot->options.divisor);
   context.loop_period = context.period;
   if (slot->options.period <= context.period) slot->options.period = 0;
@@ -488,7 +489,7 @@ std::vector<ListedController> ControllerManager::list() const {
     listed.updates = s->updates.load();
     listed.missed = s->runner ? s->runner->missed() : 0;
     listed.thread = s->runner ? &s->runner->health() : nullptr;
-    listed.part = &s->part;
+    listed.part = s->part.get();
     listed.required_commands = c.command_interfaces();
     listed.required_states = c.state_interfaces();
     if (listed.state == LifecycleState::active) listed.claimed = listed.required_commands;

@@ -10,7 +10,8 @@
 
 #include "polyarm/control/switch_plan.hpp"
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/hardware/hardware.hpp"
+#include "polyarm/hardware/components.hpp"
+#include "polyarm/hardware/fault_event.hpp"
 #include "polyarm/realtime/async_runner.hpp"
 #include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/overrun_watch.hpp"
@@ -65,7 +66,7 @@ struct ListedController {
 /// loop is running (Jobs not started), it is done at once.
 class ControllerManager {
  public:
-  ControllerManager(hardware::InterfaceTable& table, hardware::Hardware& hardware, realtime::Jobs& jobs);
+  ControllerManager(hardware::InterfaceTable& table, hardware::Components& hardware, realtime::Jobs& jobs);
   ~ControllerManager();
 
   /// → unconfigured. Throws Error("duplicate-controller").
@@ -129,21 +130,16 @@ class ControllerManager {
   void measure(bool on) noexcept { measuring_ = on; }
 
   // --- control thread ---
-  void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
+  /// Updates the active controllers in order. One that fails with nobody to take its place is a fault event.
+  void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict,
+              hardware::FaultEvents& faults) noexcept;
   /// Stops the controllers that use the component, whose place in the hardware is `component`.
   void component_failed(std::size_t component, bool deactivated, const hardware::Cycle& cycle) noexcept;
-  /// Does a fault of the component concern its group alone? Not when what works on it commands others, too.
-  bool contains(std::size_t component) const noexcept;
+  /// Does a fault of the component concern its group alone? Not when a controller that works on the group
+  /// commands others, too. False for -1.
+  bool contains(std::int32_t component) const noexcept;
   /// True when no active controller asks for motion.
   bool standing() const noexcept;
-  /// A controller whose update failed with nobody to take its place.
-  struct Failure {
-    int controller = -1;  ///< its id
-    int component =
-        -1;  ///< one of the only group of components that it works on; -1: there are several, or none
-  };
-  /// Those of this cycle.
-  std::span<const Failure> failures() const noexcept;
 
  private:
   struct Slot;
@@ -167,6 +163,7 @@ class ControllerManager {
   std::set<std::size_t> components_of(const ControllerView& view) const;
   std::vector<std::string> active_names() const;
   int home_of(std::span<const ControllerView> chain) const;
+  std::vector<char> contained_components(std::span<const char> tied) const;
   bool commands_beyond(const ControllerView& view, std::size_t component) const;
   void post_schedule();
 
@@ -182,7 +179,7 @@ class ControllerManager {
   void fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept;
 
   hardware::InterfaceTable& table_;
-  hardware::Hardware& hardware_;
+  hardware::Components& hardware_;
   realtime::Jobs& jobs_;
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<std::pair<std::shared_ptr<realtime::Job>, std::unique_ptr<Slot>>> leaving_;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "polyarm/base/pair.hpp"
+
 namespace polyarm::control {
 
 using controllers::Limit;
@@ -45,6 +47,19 @@ bool leads_away(double velocity, double off) noexcept {
 }
 }  // namespace
 
+void CommandLimits::add_plain(const controllers::LimiterSettings& settings, std::uint32_t command,
+                              std::int32_t state) {
+  plain_.lower.push_back(settings.lower);
+  plain_.upper.push_back(settings.upper);
+  plain_.step.push_back(settings.velocity * dt_);
+  plain_.given.push_back(kNone);
+  plain_.command.push_back(command);
+  plain_.state.push_back(state);
+  plain_.turns.push_back(1);
+  plain_.since.push_back(1);
+  plain_.outside.push_back(0);
+}
+
 void CommandLimits::add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint,
                         const char* quantity, Quantity kind) {
   const std::string whole = joint.name + "/" + quantity;
@@ -56,7 +71,7 @@ void CommandLimits::add(const hardware::InterfaceTable& table, const controllers
   const auto index = static_cast<std::uint32_t>(*command);
   const std::int32_t position = state_of(table, joint.name + "/position");
   if (kind == Quantity::position && !settings.soft && settings.acceleration == controllers::kUnlimited)
-    plain_.push_back({index, position, settings.lower, settings.upper, settings.velocity * dt_, kNone});
+    add_plain(settings, index, position);
   else
     full_.push_back(
         {index, position, state_of(table, joint.name + "/velocity"), kind, settings, kNone, kNone, kNone});
@@ -64,7 +79,8 @@ void CommandLimits::add(const hardware::InterfaceTable& table, const controllers
 
 void CommandLimits::build(const hardware::InterfaceTable& table,
                           const std::vector<controllers::JointFacts>& joints, Nanoseconds period) {
-  plain_.clear();
+  plain_ = {};
+  plain_as_usual_ = false;
   full_.clear();
   names_.clear();
   place_.assign(table.commands().size(), -1);
@@ -76,18 +92,18 @@ void CommandLimits::build(const hardware::InterfaceTable& table,
     add(table, joint, "acceleration", Quantity::acceleration);
     add(table, joint, "effort", Quantity::effort);
   }
-  faults_.clear();
-  faults_.reserve(names_.size());
   records_ = std::make_unique<Record[]>(names_.size() * controllers::kLimits);
 }
 
 void CommandLimits::set_turns(const std::string& prefix, unsigned cycles) {
-  const auto set = [&](auto& one) {
-    if (names_[static_cast<std::size_t>(place_[one.command])].starts_with(prefix))
-      one.turns = std::max(1u, cycles);
+  const auto is_meant = [&](std::uint32_t command) {
+    return names_[static_cast<std::size_t>(place_[command])].starts_with(prefix);
   };
-  std::for_each(plain_.begin(), plain_.end(), set);
-  std::for_each(full_.begin(), full_.end(), set);
+  for (std::size_t i = 0; i < plain_.command.size(); ++i)
+    if (is_meant(plain_.command[i])) plain_.turns[i] = std::max(1u, cycles);
+  for (Full& f : full_)
+    if (is_meant(f.command)) f.turns = std::max(1u, cycles);
+  plain_as_usual_ = false;
 }
 
 void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit, double asked,
@@ -102,7 +118,7 @@ void CommandLimits::note(std::uint64_t cycle, std::uint32_t command, Limit limit
 }
 
 void CommandLimits::one(Full& f, double share, std::span<double> commands, std::span<const double> states,
-                        std::uint64_t cycle, bool still) noexcept {
+                        std::uint64_t cycle, bool still, hardware::FaultEvents& faults) noexcept {
   const double asked = commands[f.command];
   if (std::isnan(asked) && std::isnan(f.given)) return;  // never commanded
   const auto state = [&](std::int32_t place) {
@@ -139,7 +155,7 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
       allowed = controllers::allow_effort(settings, now, asked);
       break;
   }
-  judge(f.command, allowed.fault, f.outside);
+  judge(f.command, now.position, allowed.fault, f.outside, faults);
   if (allowed.cause != Limit::none) note(cycle, f.command, allowed.cause, asked, allowed.value);
   f.before = f.given;
   f.span = std::exchange(f.since, 0u);
@@ -147,45 +163,89 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
 }
 
 void CommandLimits::forget(std::size_t first, std::size_t count) noexcept {
-  for (Plain& p : plain_)
-    if (p.command >= first && p.command < first + count) p.given = kNone;
+  const auto is_meant = [=](std::uint32_t command) { return command >= first && command < first + count; };
+  for (std::size_t i = 0; i < plain_.command.size(); ++i)
+    if (is_meant(plain_.command[i])) plain_.given[i] = kNone;
   for (Full& f : full_)
-    if (f.command >= first && f.command < first + count) f.given = f.before = kNone;
+    if (is_meant(f.command)) f.given = f.before = kNone;
 }
 
-void CommandLimits::one(Plain& p, double share, std::span<double> commands, std::span<const double> states,
-                        std::uint64_t cycle, bool still) noexcept {
-  const double asked = commands[p.command];
-  if (std::isnan(asked) && std::isnan(p.given)) return;  // never commanded
-  const double at = p.state >= 0 ? states[static_cast<std::size_t>(p.state)] : kNone;
-  if (std::isnan(p.given)) p.given = std::isfinite(at) ? at : asked;
-  judge(p.command, at > p.upper + controllers::kFaultBeyond || at < p.lower - controllers::kFaultBeyond,
-        p.outside);
-  double given = std::isfinite(asked) ? asked : p.given;
-  const double inside = std::clamp(given, std::min(p.lower, p.given), std::max(p.upper, p.given));
-  p.since = std::min(p.since + 1, p.turns);
-  const double step = p.step * share * p.since;
-  given = still ? p.given : std::clamp(inside, p.given - step, p.given + step);
-  if (given != p.given) p.since = 0;
+void CommandLimits::one_plain(std::size_t i, double share, std::span<double> commands,
+                              std::span<const double> states, std::uint64_t cycle, bool still,
+                              hardware::FaultEvents& faults) noexcept {
+  const std::uint32_t command = plain_.command[i];
+  const double asked = commands[command], lower = plain_.lower[i], upper = plain_.upper[i];
+  double& last = plain_.given[i];
+  if (std::isnan(asked) && std::isnan(last)) return;  // never commanded
+  const double at = plain_.state[i] >= 0 ? states[static_cast<std::size_t>(plain_.state[i])] : kNone;
+  if (std::isnan(last)) last = std::isfinite(at) ? at : asked;
+  judge(command, at, at > upper + controllers::kFaultBeyond || at < lower - controllers::kFaultBeyond,
+        plain_.outside[i], faults);
+  double given = std::isfinite(asked) ? asked : last;
+  const double inside = std::clamp(given, std::min(lower, last), std::max(upper, last));
+  unsigned& since = plain_.since[i];
+  since = std::min(since + 1, plain_.turns[i]);
+  const double step = plain_.step[i] * share * since;
+  given = still ? last : std::clamp(inside, last - step, last + step);
+  if (given != last) since = 0;
   if (given != asked)
-    note(cycle, p.command,
+    note(cycle, command,
          !std::isfinite(asked) ? Limit::not_a_number
          : still               ? Limit::held
          : given != inside     ? Limit::velocity
                                : Limit::position,
          asked, given);
-  commands[p.command] = p.given = given;
+  commands[command] = last = given;
+}
+
+/// Are both commands within the limits, and both joints measured within them? Nearly always; false for NaN.
+inline bool CommandLimits::pair_is_fine(std::size_t i, Pair asked, Pair at, double share) const noexcept {
+  const Pair lower = load_pair(&plain_.lower[i]), upper = load_pair(&plain_.upper[i]);
+  const Pair last = load_pair(&plain_.given[i]), step = load_pair(&plain_.step[i]) * share;
+  const PairTest near = at_most(last - step, asked) & at_most(asked, last + step);
+  const PairTest inside =
+      (at_most(lower, asked) | at_most(last, asked)) & (at_most(asked, upper) | at_most(asked, last));
+  const PairTest measured =
+      at_most(at, upper + controllers::kFaultBeyond) & at_most(lower - controllers::kFaultBeyond, at);
+  return (near & inside & measured).both();
+}
+
+/// The usual case, two at a time, as long as both commands are within their limits. Returns where that ends.
+inline std::size_t CommandLimits::pass_pairs(std::size_t i, double share, const double* commands,
+                                             const double* states) noexcept {
+  const std::uint32_t* const command = plain_.command.data();
+  const std::int32_t* const state = plain_.state.data();
+  double* const given = plain_.given.data();
+  for (const std::size_t n = plain_.command.size(); i + 2 <= n; i += 2) {
+    const Pair asked{commands[command[i]], commands[command[i + 1]]};
+    if (!pair_is_fine(i, asked, Pair{states[state[i]], states[state[i + 1]]}, share)) break;
+    store_pair(given + i, asked);
+  }
+  return i;
+}
+
+void CommandLimits::limit_plain(double share, std::span<double> commands, std::span<const double> states,
+                                std::uint64_t cycle, bool still, hardware::FaultEvents& faults) noexcept {
+  const std::size_t n = plain_.command.size();
+  const bool as_usual = plain_as_usual_ && !still;
+  plain_as_usual_ = true;
+  for (std::size_t i = 0; i < n;) {
+    if (as_usual) i = pass_pairs(i, share, commands.data(), states.data());
+    for (const std::size_t end = std::min(i + 2, n); i < end; ++i) {
+      one_plain(i, share, commands, states, cycle, still, faults);
+      if (plain_.state[i] < 0 || plain_.turns[i] != 1 || plain_.outside[i]) plain_as_usual_ = false;
+    }
+  }
 }
 
 void CommandLimits::restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle,
-                             bool still) noexcept {
+                             bool still, hardware::FaultEvents& faults) noexcept {
   const double share = share_.load(std::memory_order_relaxed);
-  faults_.clear();
   if (still && !still_)
     for (Full& f : full_) f.stood = f.position < 0 ? kNone : states[static_cast<std::size_t>(f.position)];
   still_ = still;
-  for (Plain& p : plain_) one(p, share, commands, states, cycle, still);
-  for (Full& f : full_) one(f, share, commands, states, cycle, still);
+  limit_plain(share, commands, states, cycle, still, faults);
+  for (Full& f : full_) one(f, share, commands, states, cycle, still, faults);
 }
 
 std::vector<Clamp> CommandLimits::report() const {

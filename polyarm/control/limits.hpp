@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/pair.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/controllers/joint_limiters.hpp"
+#include "polyarm/hardware/fault_event.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 
 namespace polyarm::control {
@@ -34,30 +36,29 @@ class CommandLimits {
   /// Commands whose names begin with `prefix` change every so many cycles: a change may be as large as that
   /// time allows, and no larger than what it is since the last one allows. After build().
   void set_turns(const std::string& prefix, unsigned cycles);
-  /// `still`: the loop is held, or at fault and no controller says that it still slows down.
-  void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle,
-                bool still = false) noexcept;
+  /// `still`: the loop is held, or at fault and no controller says that it still slows down. A joint that is
+  /// found far outside its limits, and was not in the cycle before, is a fault event.
+  void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle, bool still,
+                hardware::FaultEvents& faults) noexcept;
   /// What was commanded on these interfaces so far says nothing about where their joints are. Control thread.
   void forget(std::size_t first, std::size_t count) noexcept;
   /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
-  /// The commands whose joints were found far outside their limits in the last restrict(), and not in the one
-  /// before. Control thread.
-  std::span<const std::int32_t> faults() const noexcept { return faults_; }
   /// All clamps so far.
   std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
   /// Those that happened, newest first.
   std::vector<Clamp> report() const;
 
  private:
-  /// Positions with limits of position and velocity alone: nearly all there are.
+  /// Positions with limits of position and velocity alone: nearly all there are. By joint, so that two are
+  /// checked at a time.
   struct Plain {
-    std::uint32_t command;
-    std::int32_t state;
-    double lower, upper, step;
-    double given;  // last command, NaN before the first
-    bool outside = false;
-    unsigned turns = 1, since = 1;  // cycles: between changes, and since the last one
+    std::vector<double> lower, upper, step;
+    std::vector<double> given;  // last command, NaN before the first
+    std::vector<std::uint32_t> command;
+    std::vector<std::int32_t> state;
+    std::vector<unsigned> turns, since;  // cycles: between changes, and since the last one
+    std::vector<char> outside;
   };
   enum class Quantity : std::uint8_t { position, velocity, acceleration, effort };
   struct Full {
@@ -76,24 +77,31 @@ class CommandLimits {
   };
   void add(const hardware::InterfaceTable& table, const controllers::JointFacts& joint, const char* quantity,
            Quantity kind);
-  void one(Plain& p, double share, std::span<double> commands, std::span<const double> states,
-           std::uint64_t cycle, bool still) noexcept;
+  void one_plain(std::size_t i, double share, std::span<double> commands, std::span<const double> states,
+                 std::uint64_t cycle, bool still, hardware::FaultEvents& faults) noexcept;
+  void add_plain(const controllers::LimiterSettings& settings, std::uint32_t command, std::int32_t state);
+  bool pair_is_fine(std::size_t i, Pair asked, Pair at, double share) const noexcept;
+  std::size_t pass_pairs(std::size_t i, double share, const double* commands, const double* states) noexcept;
+  void limit_plain(double share, std::span<double> commands, std::span<const double> states,
+                   std::uint64_t cycle, bool still, hardware::FaultEvents& faults) noexcept;
   void one(Full& f, double share, std::span<double> commands, std::span<const double> states,
-           std::uint64_t cycle, bool still) noexcept;
+           std::uint64_t cycle, bool still, hardware::FaultEvents& faults) noexcept;
   void note(std::uint64_t cycle, std::uint32_t command, controllers::Limit limit, double asked,
             double given) noexcept;
-  /// Tells of a joint that was not far outside before.
-  void judge(std::uint32_t command, bool far_outside, bool& outside) noexcept {
-    if (far_outside && !outside) faults_.push_back(static_cast<std::int32_t>(command));  // room is reserved
+  /// Reports a joint that was not far outside before.
+  static void judge(std::uint32_t command, double measured, bool far_outside, auto& outside,
+                    hardware::FaultEvents& faults) noexcept {
+    if (far_outside && !outside)
+      faults.push({hardware::StopCause::limits, -1, static_cast<std::int32_t>(command), -1, measured});
     outside = far_outside;
   }
 
-  std::vector<Plain> plain_;
+  Plain plain_;
+  bool plain_as_usual_ = false;  // each is measured, changes every cycle, and was inside its limits
   std::vector<Full> full_;
   double dt_ = 1e-3;
   std::atomic<double> share_{1};
   bool still_ = false;
-  std::vector<std::int32_t> faults_;
   std::vector<std::string> names_;     // of the limited commands
   std::vector<std::int32_t> place_;    // of each command in names_
   std::unique_ptr<Record[]> records_;  // kLimits for each name

@@ -31,7 +31,8 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::commit_of(const Sw
 }
 
 namespace {
-std::vector<ControllerView> some_of(std::span<const ControllerView> views, std::span<const std::size_t> which) {
+std::vector<ControllerView> some_of(std::span<const ControllerView> views,
+                                    std::span<const std::size_t> which) {
   std::vector<ControllerView> out;
   for (const std::size_t i : which) out.push_back(views[i]);
   return out;
@@ -130,16 +131,29 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
                             slots[i]->options.period, active[i] ? fall_of(slots, all, chain, i) : nullptr,
                             active[i] ? home_of(chain) : -1});
     if (!active[i]) continue;
-    for (const std::size_t component : components_of(all[i])) falling[component].insert(linked.begin(), linked.end());
+    for (const std::size_t component : components_of(all[i]))
+      falling[component].insert(linked.begin(), linked.end());
   }
-  out->failures.reserve(out->entries.size());
+  std::vector<char> tied;
   for (std::size_t c = 0; c < hardware_.size(); ++c) {
     const std::vector<std::size_t> falls(falling[c].begin(), falling[c].end());
-    const bool tied = std::any_of(falls.begin(), falls.end(),
-                                  [&](std::size_t i) { return commands_beyond(all[i], c); });
-    out->ties.push_back(tied ? 1 : 0);
+    tied.push_back(
+        std::any_of(falls.begin(), falls.end(), [&](std::size_t i) { return commands_beyond(all[i], c); }));
     out->component_falls.push_back(commit_of(plan_of_fall(some_of(all, falls))));
   }
+  out->contained = contained_components(tied);
+  return out;
+}
+
+/// The components whose faults concern their group alone. `tied`: a controller that falls with the component
+/// commands components outside its group.
+std::vector<char> ControllerManager::contained_components(std::span<const char> tied) const {
+  std::set<std::string> tied_groups;
+  for (std::size_t c = 0; c < tied.size(); ++c)
+    if (tied[c] && !hardware_.group(c).empty()) tied_groups.insert(hardware_.group(c));
+  std::vector<char> out;
+  for (std::size_t c = 0; c < tied.size(); ++c)
+    out.push_back(hardware_.contained(c) && !tied[c] && !tied_groups.contains(hardware_.group(c)));
   return out;
 }
 

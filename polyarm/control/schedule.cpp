@@ -45,20 +45,20 @@ ReturnType ControllerManager::run_async(Slot& s, const hardware::Cycle& cycle,
   return ReturnType::ok;
 }
 
-ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
-                                  const controllers::Verdict& verdict) noexcept {
+inline ReturnType ControllerManager::run(Slot& s, const hardware::Cycle& cycle,
+                                         const controllers::Verdict& verdict) noexcept {
   if (s.runner) return run_async(s, cycle, verdict);
   in_call_.store(s.id, std::memory_order_relaxed);
-  const ReturnType out = overruns_.timed(s.options.budget, s.id, "update", cycle.index,
+  const ReturnType out = overruns_.timed(s.budget, s.id, "update", cycle.index,
                                          [&] { return s.controller->update(cycle, verdict); });
   in_call_.store(-1, std::memory_order_relaxed);
   return out;
 }
 
-void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
+void ControllerManager::update(const hardware::Cycle& cycle, const controllers::Verdict& verdict,
+                               hardware::FaultEvents& faults) noexcept {
   now_ = cycle;
   jobs_.run_one();
-  schedule_->failures.clear();
   realtime::Laps laps(measuring_);
   for (Schedule::Entry& entry : schedule_->entries) {
     Slot& s = *entry.slot;
@@ -74,14 +74,15 @@ void ControllerManager::update(const hardware::Cycle& cycle, const controllers::
       result = run(s, longer(cycle, entry.divisor, entry.period), verdict);
     }
     const Nanoseconds began = laps.began(), took = laps.next();
-    if (laps.on() && !s.runner) s.part.note(began, took);
+    if (laps.on() && !s.runner) s.part->note(began, took);
     s.updates.store(s.updates.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
     if (s.controller->command_watch().take_news())
       events_.push({LoopEvent::Kind::commands_stale, s.id, cycle.index});
     if (result == ReturnType::ok || !entry.fall) continue;
     const bool somebody_takes_over = !entry.fall->start.empty();
     fall(*entry.fall, &s, cycle);
-    if (!somebody_takes_over || entry.fall->refused) schedule_->failures.push_back({s.id, entry.home});
+    if (!somebody_takes_over || entry.fall->refused)
+      faults.push({hardware::StopCause::controller, entry.home, -1, s.id});
   }
 }
 
@@ -111,7 +112,7 @@ void ControllerManager::start(Slot& s, const hardware::Cycle& cycle, Commit& com
 void ControllerManager::stop(Slot& s, const hardware::Cycle& cycle) noexcept {
   if (!s.active) return;
   s.active = false;
-  s.part.pause();
+  s.part->pause();
   if (s.runner && !s.runner->idle()) {
     s.own_stop.store(true);  // its thread says good-bye when it is through
   } else {
@@ -147,10 +148,6 @@ void ControllerManager::let_go(const Commit& commit) noexcept {
     if (!s->active) std::for_each(s->pushes.begin(), s->pushes.end(), end);
 }
 
-std::span<const ControllerManager::Failure> ControllerManager::failures() const noexcept {
-  return schedule_->failures;
-}
-
 void ControllerManager::fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept {
   using Kind = LoopEvent::Kind;
   ++epoch_;
@@ -173,9 +170,9 @@ void ControllerManager::component_failed(std::size_t component, bool deactivated
     ++epoch_;
 }
 
-bool ControllerManager::contains(std::size_t component) const noexcept {
-  return hardware_.contained(component) && component < schedule_->ties.size() &&
-         schedule_->ties[component] == 0;
+bool ControllerManager::contains(std::int32_t component) const noexcept {
+  const auto i = static_cast<std::size_t>(component);
+  return component >= 0 && i < schedule_->contained.size() && schedule_->contained[i] != 0;
 }
 
 bool ControllerManager::standing() const noexcept {

@@ -9,20 +9,24 @@ namespace polyarm::control {
 
 /// A controller and everything that belongs to it.
 struct ControllerManager::Slot {
-  int id = 0;
-  std::string name;
+  ~Slot() { runner.reset(); }  // its thread ends before the rest goes
+
+  // control thread, every cycle
   std::unique_ptr<controllers::Controller> controller;
+  std::unique_ptr<realtime::AsyncRunner> runner;
+  Nanoseconds budget = 0;
+  std::atomic<std::uint64_t> updates{0};
+  int id = 0;
+  bool active = false;
+
+  std::string name;
   controllers::ControllerContext context;
   LoadOptions options;
   std::vector<std::size_t> commands, references, exported;  // indices in the table
   std::vector<std::size_t> pushes;  // of the commands, those that move a joint until they are taken back
   std::atomic<hardware::LifecycleState> state{hardware::LifecycleState::unconfigured};
   std::atomic<bool> chained{false};
-  std::atomic<std::uint64_t> updates{0};
-
-  // control thread
-  bool active = false;
-  realtime::PartHealth part;
+  std::unique_ptr<realtime::PartHealth> part = std::make_unique<realtime::PartHealth>();
 
   // of an async controller: what it works on while the loop goes on
   std::vector<double> own_states, own_commands;
@@ -30,7 +34,6 @@ struct ControllerManager::Slot {
   controllers::Verdict own_verdict;
   std::atomic<controllers::ReturnType> own_result{controllers::ReturnType::ok};
   std::atomic<bool> own_stop{false};
-  std::unique_ptr<realtime::AsyncRunner> runner;  // last: its thread ends before the rest goes
 };
 
 /// A switch, prepared.
@@ -49,12 +52,11 @@ struct ControllerManager::Schedule {
     unsigned divisor;
     Nanoseconds period;            // 0: by the divisor
     std::unique_ptr<Commit> fall;  // when its update fails
-    int home;                      // where a failure of it belongs, see Failure
+    int home;  // a component of the only group that it works on; -1: of several, or of none
   };
   std::vector<Entry> entries;
   std::vector<std::unique_ptr<Commit>> component_falls;
-  std::vector<Failure> failures;  // of this cycle; there is room for all
-  std::vector<char> ties;         // by component: what falls with it commands components outside its group
+  std::vector<char> contained;  // by component: a fault of it concerns its group alone
 };
 
 }  // namespace polyarm::control

@@ -30,58 +30,43 @@ const char* name(StopCause cause) {
       "a joint does not follow its command",
       "a joint is far outside its limits",
       "a contact",
+      "a hardware component failed",
   };
   return kNames[static_cast<std::size_t>(cause)];
 }
 
 const char* code(StopCause cause) {
-  constexpr const char* kCodes[] = {"none",    "asked", "gap",          "cell-silent", "component",
-                                    "controller", "program", "late",     "not-a-number", "jump",
-                                    "not-following", "limits", "contact"};
+  constexpr const char* kCodes[] = {"none",          "asked",   "gap",     "cell-silent",  "component",
+                                    "controller",    "program", "late",    "not-a-number", "jump",
+                                    "not-following", "limits",  "contact", "component"};
   return kCodes[static_cast<std::size_t>(cause)];
 }
 
-StopCause cause_of(const hardware::Fault& fault) noexcept {
-  using hardware::FaultKind;
-  switch (fault.kind) {
-    case FaultKind::not_a_number:
-      return StopCause::not_a_number;
-    case FaultKind::jump:
-      return StopCause::jump;
-    case FaultKind::not_following:
-      return StopCause::not_following;
-    case FaultKind::late:
-      return StopCause::late;
-    case FaultKind::outside:
-      return StopCause::limits;
-    case FaultKind::controller:
-      return StopCause::controller;
-    default:
-      return StopCause::component;
-  }
-}
-
-void Supervisor::enter(Event event, StopCause cause) noexcept {
-  if (event == Event::stop && cause != StopCause::asked) ++other_stops_;
+void Supervisor::enter(Event event, const FaultEvent& why) noexcept {
+  if (event == Event::stop && why.cause != StopCause::asked) ++other_stops_;
   const RunState now = state();
   const RunState then = next(now, event);
   if (then == now) return;
-  if (then == RunState::running) culprit_.store(-1, std::memory_order_relaxed);
-  if (then == RunState::running || then == RunState::stopping || then == RunState::fault)
-    cause_.store(cause, std::memory_order_release);
+  if (then == RunState::running || then == RunState::stopping || then == RunState::fault) {
+    event_ = why;
+    cause_.store(reported(why.cause), std::memory_order_release);
+  }
   state_.store(then, std::memory_order_release);
 }
 
-void Supervisor::raise(StopCause cause, std::int32_t who) noexcept {
-  if (state() == RunState::fault) return;
-  culprit_.store(who, std::memory_order_release);
-  enter(Event::fault, cause);
+Overrun Supervisor::when_late(const FaultEvent& event) const noexcept {
+  const auto component = static_cast<std::size_t>(event.component);
+  if (event.component < 0) return late_;
+  return component < component_late_.size() ? component_late_[component] : Overrun::report;
 }
 
-void Supervisor::touched() noexcept {
-  if (contact_stop_ == ContactStop::none) return;
-  enter(Event::stop, StopCause::contact);
-  touched_ = state() == RunState::stopping;
+bool Supervisor::react(const FaultEvent& event, bool contained) noexcept {
+  const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop_);
+  if (reaction.loop == Reaction::Loop::stops) enter(Event::stop, event);
+  if (reaction.loop == Reaction::Loop::faults) enter(Event::fault, event);
+  if (event.cause == StopCause::contact && contact_stop_ != ContactStop::none)
+    touched_ = state() == RunState::stopping;
+  return reaction.group_off;
 }
 
 void Supervisor::note_times(Nanoseconds now, bool standing) noexcept {
@@ -91,21 +76,18 @@ void Supervisor::note_times(Nanoseconds now, bool standing) noexcept {
   stops_ = stops;
 }
 
-controllers::Verdict Supervisor::judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
-                                       bool standing, Request request) noexcept {
+controllers::Verdict Supervisor::judge(Nanoseconds now, bool standing, Request request) noexcept {
   controllers::Verdict verdict;
   const realtime::StopKind stop = latch_.requested();
-  if (fault) raise(cause_of(fault), fault.component);
-  if (stop != realtime::StopKind::none) enter(Event::stop, StopCause::asked);
-  if (gap) enter(Event::stop, StopCause::gap);
-  if (watch_cell.load(std::memory_order_relaxed) && !standing && cycle.time - heartbeat_.load(std::memory_order_relaxed) > kSilence)
-    enter(Event::stop, StopCause::cell_silent);
-  if ((state() == RunState::stopping || state() == RunState::backing) && standing)
-    enter(Event::standing, StopCause::none);
-  if (request == Request::resume && stop == realtime::StopKind::none) enter(Event::resume, StopCause::none);
-  if (request == Request::recover) enter(Event::recover, StopCause::none);
-  if (request == Request::back && stop == realtime::StopKind::none) enter(Event::back, StopCause::none);
-  note_times(cycle.time, standing);
+  if (stop != realtime::StopKind::none) react({StopCause::asked}, false);
+  if (watch_cell.load(std::memory_order_relaxed) && !standing &&
+      now - heartbeat_.load(std::memory_order_relaxed) > kSilence)
+    react({StopCause::cell_silent}, false);
+  if ((state() == RunState::stopping || state() == RunState::backing) && standing) enter(Event::standing);
+  if (request == Request::resume && stop == realtime::StopKind::none) enter(Event::resume);
+  if (request == Request::recover) enter(Event::recover);
+  if (request == Request::back && stop == realtime::StopKind::none) enter(Event::back);
+  note_times(now, standing);
   verdict.discard = request == Request::discard && state() == RunState::held;
   const double most = share() * override_share();
   verdict.speed = state() == RunState::running ? most : 0;

@@ -3,10 +3,12 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "polyarm/base/time.hpp"
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/hardware/hardware.hpp"
+#include "polyarm/hardware/fault_event.hpp"
 #include "polyarm/realtime/stop_latch.hpp"
 
 namespace polyarm::control {
@@ -38,35 +40,64 @@ constexpr RunState next(RunState state, Event event) {
   return kNextState[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
 }
 
-/// Why the robot is not running.
-enum class StopCause : std::uint8_t {
-  none,
-  asked,
-  gap,
-  cell_silent,
-  component,
-  controller,
-  program,
-  late,
-  not_a_number,
-  jump,
-  not_following,
-  limits,
-  contact,
-};
-constexpr int kStopCauses = 13;
+using hardware::FaultEvent;
+using hardware::kStopCauses;
+using hardware::StopCause;
+/// What happens when cycles are late in a row. (A single late cycle is only counted; a gap of half a second
+/// has a rule of its own, LoopOptions::stall_holds.)
+using Overrun = hardware::WhenLate;
+/// A sentence for people: "a contact".
 const char* name(StopCause cause);
 /// One word that stays the same in every language: "contact".
 const char* code(StopCause cause);
-/// What a fault of the hardware is to the loop.
-StopCause cause_of(const hardware::Fault& fault) noexcept;
 
-/// What a person or the cell asks of the supervisor; taken once each cycle.
+/// A request from a person or the cell; the loop takes one each cycle.
 enum class Request : std::uint8_t { none, resume, discard, recover, back };
 
-/// What a contact in a simulated world leads to: it is only reported; a stop on the path as hard as the joints
-/// can (category 1); each joint brakes by itself at once and the path is left (category 0).
-enum class ContactStop : std::uint8_t { none, path, cut };
+/// What a contact in a simulated world leads to.
+enum class ContactStop : std::uint8_t {
+  none,  ///< it is only reported
+  path,  ///< a stop on the path as hard as the joints can (category 1)
+  cut,   ///< each joint brakes by itself at once and leaves the path (category 0)
+};
+
+/// What follows from a fault event.
+struct Reaction {
+  enum class Loop : std::uint8_t { goes_on, stops, faults };
+  Loop loop = Loop::goes_on;  ///< stops: on the path, then held
+  bool group_off = false;     ///< its component and the component's group are taken off
+  friend constexpr bool operator==(const Reaction&, const Reaction&) = default;
+};
+
+/// The reaction table. `contained`: the fault concerns only the group of its component (`on_fault: group`).
+/// `late` and `contact`: what the cell file says.
+constexpr Reaction reaction_to(StopCause cause, bool contained, Overrun late, ContactStop contact) noexcept {
+  using enum Reaction::Loop;
+  switch (cause) {
+    case StopCause::none:
+      return {goes_on, false};
+    case StopCause::asked:
+    case StopCause::gap:
+    case StopCause::cell_silent:
+    case StopCause::program:
+      return {stops, false};
+    case StopCause::contact:
+      return {contact == ContactStop::none ? goes_on : stops, false};
+    case StopCause::late:
+      if (late != Overrun::fault) return {late == Overrun::hold ? stops : goes_on, false};
+      [[fallthrough]];
+    case StopCause::component:
+    case StopCause::deactivated:
+    case StopCause::not_a_number:
+    case StopCause::jump:
+    case StopCause::not_following:
+      return {contained ? goes_on : faults, true};
+    case StopCause::controller:
+    case StopCause::limits:  // the hardware works: it stays on, and brakes
+      return {contained ? goes_on : faults, contained};
+  }
+  return {faults, false};
+}
 
 /// When the newest stop began and when all stood, cell time; -1: not yet.
 struct StopTimes {
@@ -85,26 +116,26 @@ class Supervisor {
   /// The cell thread's sign of life; `now` is the cell's time.
   void heartbeat(Nanoseconds now) noexcept { heartbeat_.store(now, std::memory_order_relaxed); }
 
-  /// The verdict of this cycle. `gap`: wall time has gone missing before this cycle. `standing`: no
-  /// controller asked for motion in the cycle before.
-  controllers::Verdict judge(const hardware::Cycle& cycle, const hardware::Fault& fault, bool gap,
-                             bool standing, Request request) noexcept;
-  /// A fault found after judging, for the next cycle. In a fault already, the first cause stays.
-  void raise(StopCause cause, std::int32_t who) noexcept;
-  /// A reason to stop on the path and hold, found outside of judging. Control thread.
-  void hold(StopCause cause) noexcept { enter(Event::stop, cause); }
+  /// Decides what follows from a fault event, and changes the state. Returns whether the event's component
+  /// and its group are to be taken off. Of two faults the first stays the cause. Control thread.
+  bool react(const FaultEvent& event, bool contained) noexcept;
+  /// The verdict of this cycle, after the fault events of its read. `standing`: no controller asked for
+  /// motion in the cycle before. Control thread.
+  controllers::Verdict judge(Nanoseconds now, bool standing, Request request) noexcept;
 
-  /// Something touched what it should not have. Control thread.
-  void touched() noexcept;
+  /// Before the loop runs: what late cycles and late threads of components lead to.
+  void set_when_late(Overrun of_loop, std::vector<Overrun> of_components = {}) {
+    late_ = of_loop;
+    component_late_ = std::move(of_components);
+  }
   /// Before the loop runs.
   void set_contact_stop(ContactStop stop) noexcept { contact_stop_ = stop; }
   ContactStop contact_stop() const noexcept { return contact_stop_; }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
-  /// Index of the component, the controller or (of a joint outside its limits) the command at fault, -1 for
-  /// none.
-  std::int32_t culprit() const noexcept { return culprit_.load(std::memory_order_acquire); }
+  /// What led to this state; its cause is none while running. Control thread.
+  const FaultEvent& event() const noexcept { return event_; }
   /// How much of the planned speed may be used while running, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   double share() const noexcept { return share_.load(std::memory_order_relaxed); }
@@ -123,7 +154,8 @@ class Supervisor {
   std::atomic<bool> watch_cell{true};
 
  private:
-  void enter(Event event, StopCause cause) noexcept;
+  void enter(Event event, const FaultEvent& why = {}) noexcept;
+  Overrun when_late(const FaultEvent& event) const noexcept;
   void note_times(Nanoseconds now, bool standing) noexcept;
 
   std::uint32_t other_stops_ = 0;  // control thread
@@ -131,11 +163,13 @@ class Supervisor {
   std::atomic<Nanoseconds> heartbeat_{0};
   std::atomic<RunState> state_{RunState::running};
   std::atomic<StopCause> cause_{StopCause::none};
-  std::atomic<std::int32_t> culprit_{-1};
+  FaultEvent event_;
   std::atomic<double> share_{1}, override_{1}, back_time_{0}, back_way_{0};
   StopTimes times_;
   bool stops_ = false;  // in the cycle before
   ContactStop contact_stop_ = ContactStop::none;
+  Overrun late_ = Overrun::report;
+  std::vector<Overrun> component_late_;
   bool touched_ = false;  // the stop under way is harder for a contact
 };
 

@@ -6,38 +6,44 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/hardware/hardware.hpp"
+#include "polyarm/hardware/hosted.hpp"
 
 namespace polyarm::hardware {
 
-/// Tells the loop whether to read and to write a component, between two cycles.
+/// The loop reads and writes a component from now on, or no longer; between two cycles.
 class Hardware::Letting : public realtime::Job {
  public:
-  Letting(Hosted& hosted, std::span<double> commands, bool reading, bool writing)
-      : hosted_(hosted), commands_(commands), reading_(reading), writing_(writing) {}
+  Letting(Hosting& hosting, std::size_t i, bool reading, bool writing)
+      : hosting_(hosting), i_(i), hosted_(*hosting.all[i]), reading_(reading), writing_(writing) {}
   void run() noexcept override {
-    if (reading_ && !hosted_.reading) {  // it may stand anywhere now
-      hosted_.ran.store(false, std::memory_order_relaxed);
-      for (Watch& watch : hosted_.watched) watch.last = std::numeric_limits<double>::quiet_NaN();
-      // What was commanded before means nothing any more.
-      std::fill(commands_.begin(), commands_.end(), std::numeric_limits<double>::quiet_NaN());
-      hosted_.restarted = true;
-      hosted_.late_told = false;
-      hosted_.part.pause();
-      hosted_.missed_in_a_row = 0;
-      if (hosted_.runner) hosted_.runner->forgive();
-      if (hosted_.own_clock) hosted_.own_clock->open();
-    }
+    if (reading_ && !hosted_.reading) begin_anew();
     if (!reading_ && hosted_.own_clock) hosted_.own_clock->close();
     if (writing_ && !hosted_.writing)
       for (Following& following : hosted_.following) following.behind = 0;
-    if (writing_) hosted_.fallen = FaultKind::none;
+    if (writing_) hosted_.fallen = StopCause::none;
     hosted_.reading = reading_;
     hosted_.writing = writing_;
   }
 
  private:
+  /// The joints may be anywhere now, and the commands of before mean nothing.
+  void begin_anew() noexcept {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    hosted_.ran.store(false, std::memory_order_relaxed);
+    hosted_.watched.forget();
+    const auto commands = hosting_.table.commands().subspan(hosted_.first_command, hosted_.commands);
+    std::fill(commands.begin(), commands.end(), kNone);
+    if (hosting_.restarted.size() < hosting_.restarted.capacity()) hosting_.restarted.push_back(i_);
+    hosted_.late_reported = false;
+    hosted_.part->pause();
+    hosted_.missed_in_a_row = 0;
+    if (hosted_.runner) hosted_.runner->forgive();
+    if (hosted_.own_clock) hosted_.own_clock->open();
+  }
+
+  Hosting& hosting_;
+  std::size_t i_;
   Hosted& hosted_;
-  std::span<double> commands_;
   bool reading_, writing_;
 };
 
@@ -139,7 +145,8 @@ Here here;
 
 // --- transitions ------------------------------------------------------------------------------------------
 
-void Hardware::require(const Hosted& hosted, LifecycleState state, const char* what) const {
+namespace {
+void require(const Hosted& hosted, LifecycleState state, const char* what) {
   const LifecycleState now = hosted.state.load(std::memory_order_acquire);
   if (now == state) return;
   throw Error("wrong-state",
@@ -147,22 +154,29 @@ void Hardware::require(const Hosted& hosted, LifecycleState state, const char* w
               std::string("that begins at ") + name(state));
 }
 
-std::shared_ptr<realtime::Job> Hardware::let(Hosted& hosted, bool reading, bool writing) {
-  const auto commands = table_.commands().subspan(hosted.first_command, hosted.commands);
-  auto job = std::make_shared<Letting>(hosted, commands, reading, writing);
-  if (!jobs_.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
+[[noreturn]] void fail(const Hosted& hosted, Step step, const std::string& thrown) {
+  throw Error("component-failed",
+              "the hardware component '" + hosted.name + "' could not be " + done_word(step) + " and is " +
+                  name(hosted.state.load()) + (thrown.empty() ? because(*hosted.component) : thrown),
+              "check that it is connected and that its parameters are right");
+}
+}  // namespace
+
+std::shared_ptr<realtime::Job> Hardware::let(std::size_t i, bool reading, bool writing) {
+  auto job = std::make_shared<Letting>(*hosting_, i, reading, writing);
+  if (!hosting_->jobs.post(job)) throw Error("busy", "the control loop has not taken the last requests yet");
   return job;
 }
 
 void Hardware::note_world() {
-  for (const auto& hosted : hosted_)
-    if (!world() && hosted->component->world()) {
-      world_ = hosted->component->world();
-      world_names_ = hosted->component->world_names();
+  for (const auto& hosted : hosting_->all)
+    if (!hosting_->world.load() && hosted->component->world()) {
+      hosting_->world = hosted->component->world();
+      hosting_->world_names = hosted->component->world_names();
     }
 }
 
-void Hardware::require_idle(const Hosted& hosted) const {
+void require_idle(const Hosted& hosted) {
   if (!hosted.pending) return;
   throw Error("busy",
               "the hardware component '" + hosted.name + "' is being " + done_word(hosted.pending->step()) +
@@ -170,22 +184,30 @@ void Hardware::require_idle(const Hosted& hosted) const {
               "wait until it has; polyarm hardware list shows it");
 }
 
+void Hardware::require_idle(std::size_t i) const {
+  hardware::require_idle(*hosting_->all[i]);
+}
+
+const Transition* Hardware::pending(std::size_t i) const noexcept {
+  return hosting_->all[i]->pending.get();
+}
+
 std::shared_ptr<Transition> Hardware::begin(std::size_t i, Step step) {
-  Hosted& hosted = *hosted_[i];
-  require_idle(hosted);
+  Hosted& hosted = *hosting_->all[i];
+  hardware::require_idle(hosted);
   if (step == Step::configure) {
     require(hosted, LifecycleState::unconfigured, "configured");
-    hosted.bad_state.store(-1, std::memory_order_relaxed);
-    hosted.bad_kind.store(FaultKind::none, std::memory_order_relaxed);
+    hosted.failed_at.store(-1, std::memory_order_relaxed);
+    hosted.failed_by.store(StopCause::none, std::memory_order_relaxed);
   }
   if (step == Step::activate) require(hosted, LifecycleState::inactive, "activated");
   if (step == Step::cleanup) require(hosted, LifecycleState::inactive, "cleaned up");
-  if (step == Step::error) let(hosted, false, false);
+  if (step == Step::error) let(i, false, false);
   return pend(i, step);
 }
 
 std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
-  Hosted& hosted = *hosted_[i];
+  Hosted& hosted = *hosting_->all[i];
   auto out = std::make_shared<Transition>();
   out->step_ = step;
   out->index_ = i;
@@ -203,8 +225,8 @@ std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
 
 std::shared_ptr<Transition> Hardware::begin_replace(std::size_t i, std::unique_ptr<Component> component,
                                                     const ComponentContext& context) {
-  Hosted& hosted = *hosted_[i];
-  require_idle(hosted);
+  Hosted& hosted = *hosting_->all[i];
+  hardware::require_idle(hosted);
   const LifecycleState now = hosted.state.load();
   if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
     require(hosted, LifecycleState::unconfigured, "reloaded");
@@ -216,7 +238,7 @@ std::shared_ptr<Transition> Hardware::begin_replace(std::size_t i, std::unique_p
 }
 
 std::shared_ptr<Transition> Hardware::finish(Transition& done) {
-  Hosted& hosted = *hosted_[done.index_];
+  Hosted& hosted = *hosting_->all[done.index_];
   hosted.pending.reset();
   hosted.busy.store(false, std::memory_order_release);
   if (done.step_ == Step::init) {
@@ -228,11 +250,11 @@ std::shared_ptr<Transition> Hardware::finish(Transition& done) {
     return nullptr;
   }
   if (done.step_ == Step::shutdown || done.result_ == CallbackReturn::success) {
-    succeed(hosted, done.step_);
+    succeed(done.index_, done.step_);
     return nullptr;
   }
   if (done.result_ == CallbackReturn::error) {  // on_error decides what it becomes
-    let(hosted, false, false);
+    let(done.index_, false, false);
     const auto next = pend(done.index_, Step::error);
     next->failed_ = done.step_;
     next->thrown_before_ = told(done.thrown_);
@@ -241,20 +263,14 @@ std::shared_ptr<Transition> Hardware::finish(Transition& done) {
   fail(hosted, done.step_, {});
 }
 
-void Hardware::fail(const Hosted& hosted, Step step, const std::string& thrown) const {
-  throw Error("component-failed",
-              "the hardware component '" + hosted.name + "' could not be " + done_word(step) + " and is " +
-                  name(hosted.state.load()) + (thrown.empty() ? because(*hosted.component) : thrown),
-              "check that it is connected and that its parameters are right");
-}
-
-void Hardware::succeed(Hosted& hosted, Step step) {
+void Hardware::succeed(std::size_t i, Step step) {
+  Hosted& hosted = *hosting_->all[i];
   constexpr LifecycleState kThen[] = {LifecycleState::unconfigured, LifecycleState::inactive,
                                       LifecycleState::active,       LifecycleState::inactive,
                                       LifecycleState::unconfigured, LifecycleState::finalized};
   hosted.state.store(kThen[static_cast<std::size_t>(step)], std::memory_order_release);
   if (step == Step::configure) note_world();
-  if (step == Step::configure || step == Step::activate) let(hosted, true, step == Step::activate);
+  if (step == Step::configure || step == Step::activate) let(i, true, step == Step::activate);
 }
 
 void Hardware::settle_error(Hosted& hosted, const Transition& done) {
@@ -276,37 +292,18 @@ void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {
   }
 }
 
-void Hardware::configure(std::size_t i) {
-  go(begin(i, Step::configure), here);
-}
-void Hardware::activate(std::size_t i) {
-  go(begin(i, Step::activate), here);
+void Hardware::run(std::size_t i, Step step) {
+  go(begin(i, step), here);
 }
 
 std::shared_ptr<realtime::Job> Hardware::begin_deactivate(std::size_t i) {
-  require_idle(*hosted_[i]);
-  require(*hosted_[i], LifecycleState::active, "deactivated");
-  return let(*hosted_[i], true, false);
+  require_idle(i);
+  require(*hosting_->all[i], LifecycleState::active, "deactivated");
+  return let(i, true, false);
 }
 std::shared_ptr<realtime::Job> Hardware::begin_cleanup(std::size_t i) {
-  require_idle(*hosted_[i]);
-  return let(*hosted_[i], false, false);
-}
-
-void Hardware::finish_deactivate(std::size_t i) {
-  go(begin(i, Step::deactivate), here);
-}
-void Hardware::finish_cleanup(std::size_t i) {
-  go(begin(i, Step::cleanup), here);
-}
-void Hardware::finish_shutdown(std::size_t i) {
-  go(begin(i, Step::shutdown), here);
-}
-void Hardware::recover_from_error(std::size_t i) {
-  go(begin(i, Step::error), here);
-}
-void Hardware::replace(std::size_t i, std::unique_ptr<Component> component, const ComponentContext& context) {
-  go(begin_replace(i, std::move(component), context), here);
+  require_idle(i);
+  return let(i, false, false);
 }
 
 namespace {
@@ -328,11 +325,11 @@ void expect_same(const std::vector<InterfaceDescription>& offered, const Names& 
 void Hardware::take_new(Hosted& hosted, Transition& done) {
   if (done.thrown_) std::rethrow_exception(done.thrown_);
   Component& made = *done.made_;
-  expect_same(offered(hosted.name, [&] { return made.state_interfaces(); }), table_.state_names(),
+  expect_same(offered(hosted.name, [&] { return made.state_interfaces(); }), hosting_->table.state_names(),
               hosted.first_state, hosted.states, hosted.name);
-  expect_same(offered(hosted.name, [&] { return made.command_interfaces(); }), table_.command_names(),
-              hosted.first_command, hosted.commands, hosted.name);
-  if (world() && hosted.component->world() == world()) world_ = nullptr;
+  expect_same(offered(hosted.name, [&] { return made.command_interfaces(); }),
+              hosting_->table.command_names(), hosted.first_command, hosted.commands, hosted.name);
+  if (hosted.component->world() && hosted.component->world() == hosting_->world) hosting_->world = nullptr;
   retired_.push_back(std::exchange(hosted.component, std::move(done.made_)));
   hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
 }
@@ -344,12 +341,13 @@ void Hardware::configure_and_activate() {
 }
 
 void Hardware::configure_and_activate(Caller& caller) {
-  for (std::size_t i = 0; i < hosted_.size(); ++i)
-    if (hosted_[i]->options.initial != LifecycleState::unconfigured) go(begin(i, Step::configure), caller);
-  for (std::size_t i = 0; i < hosted_.size(); ++i)
-    if (hosted_[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
+  for (std::size_t i = 0; i < hosting_->all.size(); ++i)
+    if (hosting_->all[i]->options.initial != LifecycleState::unconfigured)
+      go(begin(i, Step::configure), caller);
+  for (std::size_t i = 0; i < hosting_->all.size(); ++i)
+    if (hosting_->all[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
   // What waits for a device has measured before controllers begin; its thread does not run yet.
-  for (const auto& hosted : hosted_)
+  for (const auto& hosted : hosting_->all)
     if (hosted->own_clock && hosted->component->blocks() &&
         hosted->state.load() != LifecycleState::unconfigured) {
       hosted->own_clock->measure();
@@ -372,12 +370,13 @@ bool Hardware::shut_down() noexcept {
 }
 
 bool Hardware::shut_down(Caller& caller) noexcept {
-  bool all = true;
-  for (auto each = hosted_.rbegin(); each != hosted_.rend(); ++each) {
+  auto& all = hosting_->all;
+  bool ended = true;
+  for (auto each = all.rbegin(); each != all.rend(); ++each) {
     Hosted& hosted = **each;
     if (hosted.own_clock) hosted.own_clock->close();
     if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
-    const auto place = static_cast<std::size_t>(hosted_.rend() - each) - 1;
+    const auto place = static_cast<std::size_t>(all.rend() - each) - 1;
     if (!hosted.pending && hosted.state.load() != LifecycleState::finalized) {
       const auto last = pend(place, Step::shutdown);  // waits for an exchange that is under way
       caller.start(last);
@@ -386,14 +385,14 @@ bool Hardware::shut_down(Caller& caller) noexcept {
     hosted.state = LifecycleState::finalized;
     if (!hosted.pending) continue;
     leave_behind(std::move(*each));
-    all = false;
+    ended = false;
   }
-  std::erase(hosted_, nullptr);
-  for (const auto& hosted : hosted_) {
+  std::erase(all, nullptr);
+  for (const auto& hosted : hosting_->all) {
     hosted->runner.reset();
     hosted->own_clock.reset();
   }
-  return all;
+  return ended;
 }
 
 }  // namespace polyarm::hardware

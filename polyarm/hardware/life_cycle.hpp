@@ -8,8 +8,12 @@
 
 namespace polyarm::hardware {
 
+struct Hosted;
+
 /// ": " and the component's own reason, or nothing.
 std::string because(const Component& component);
+/// Throws Error("busy") while the component is in a callback.
+void require_idle(const Hosted& hosted);
 /// on_init; throws Error that begins with `which`.
 void initialise(Component& component, const ComponentContext& context, const char* which);
 

@@ -44,7 +44,7 @@ class ManagerNode : public Part {
       for (const std::string& name :
            cell::names_of_component(bridge_.cell().robots(), hardware.component_name(i)))
         now["hardware_components"].push_back(
-            {{"name", name}, {"state", state_json(hardware::name(hardware.info(i).state))}});
+            {{"name", name}, {"state", state_json(hardware::name(hardware.diagnostics().info(i).state))}});
     if (now == told_) return;
     told_ = now;
     now["header"]["stamp"] = bridge_.ros_stamp(bridge_.cell().now());

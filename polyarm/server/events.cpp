@@ -88,7 +88,7 @@ Json status_of(cell::Cell& cell, const Journal& journal) {
   Json inactive = Json::array();
   const hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i)
-    if (hardware.commands_of(i).second > 0 && hardware.state_of(i) != hardware::LifecycleState::active)
+    if (hardware.takes_commands(i) && hardware.state_of(i) != hardware::LifecycleState::active)
       inactive.push_back(hardware.component_name(i));
   for (std::size_t i = 0; i < cell.robots().size(); ++i)
     if (const std::string mover = idle_mover(cell, i); !mover.empty()) inactive.push_back(mover);

@@ -78,7 +78,7 @@ TEST_P(FaultTable, EndsTheSameWay) {
   ASSERT_EQ(health["state"], "fault") << health;
   EXPECT_EQ(health["cause"], GetParam().cause);
   EXPECT_EQ(cell.state_of("follow"), "inactive") << "its component is gone";
-  const std::string reason = cell.cell().loop().hardware().reason(0);
+  const std::string reason = cell.cell().loop().hardware().diagnostics().reason(0);
   EXPECT_NE(reason.find(GetParam().told), std::string::npos) << reason;
 
   // No single request moves it.

@@ -38,14 +38,14 @@ struct TwoRobots {
   unsigned divisor_of_component(const std::string& robot) {
     hardware::Hardware& hardware = made->loop().hardware();
     const auto index = made->loop().table().find_state(robot + "/joint_1/position");
-    return hardware.info(static_cast<std::size_t>(hardware.component_of_state(*index))).divisor;
+    return hardware.diagnostics().info(static_cast<std::size_t>(hardware.component_of_state(*index))).divisor;
   }
   std::size_t index_of(const std::string& robot) {
     const auto index = made->loop().table().find_state(robot + "/joint_1/position");
     return static_cast<std::size_t>(made->loop().hardware().component_of_state(*index));
   }
   hardware::HostedInfo component(const std::string& robot) {
-    return made->loop().hardware().info(index_of(robot));
+    return made->loop().hardware().diagnostics().info(index_of(robot));
   }
   std::uint64_t updates_of(const std::string& controller) {
     for (const control::ListedController& c : made->loop().controllers().list())
@@ -67,7 +67,7 @@ TEST(Rates, AThreadOfItsOwnIsAWord) {
   TwoRobots cell(", rate: 50, thread: true");
   hardware::Hardware& hardware = cell.made->loop().hardware();
   int own = 0;
-  for (std::size_t i = 0; i < hardware.size(); ++i) own += hardware.info(i).async ? 1 : 0;
+  for (std::size_t i = 0; i < hardware.size(); ++i) own += hardware.diagnostics().info(i).async ? 1 : 0;
   EXPECT_EQ(own, 1);
 }
 
@@ -113,9 +113,9 @@ TEST(Rates, HowTheThreadRunsIsReadAndWhatCannotBeIsRefused) {
   TwoRobots cell(", thread: {priority: 60, cpu: 0}");
   hardware::Hardware& hardware = cell.made->loop().hardware();
   const auto base = cell.index_of("base");
-  EXPECT_TRUE(hardware.info(base).async);
-  EXPECT_EQ(hardware.thread_options(base).priority, 60);
-  EXPECT_EQ(hardware.thread_options(base).cpu, 0);
+  EXPECT_TRUE(hardware.diagnostics().info(base).async);
+  EXPECT_EQ(hardware.diagnostics().thread_options(base).priority, 60);
+  EXPECT_EQ(hardware.diagnostics().thread_options(base).cpu, 0);
   for (const char* wrong : {"{priority: 100}", "{cpu: 1.5}", "{prio: 60}", "sometimes"})
     EXPECT_THROW(TwoRobots(std::string(", thread: ") + wrong), Error) << wrong;
 }
@@ -216,7 +216,7 @@ TEST(Rates, HealthTellsEachThreadFromTheOthers) {
   EXPECT_EQ(threads[0]["missed"], 0);
   for (const char* times : {"cost", "wake_up", "period"}) EXPECT_TRUE(threads[0][times].contains("p99_ns"));
   const auto base = cell.index_of("base");
-  EXPECT_EQ(cell.made->loop().hardware().when_late(base), hardware::WhenLate::hold);
+  EXPECT_EQ(cell.made->loop().hardware().diagnostics().when_late(base), hardware::WhenLate::hold);
   EXPECT_EQ(cell.made->snapshot().threads[base].runs, 51u) << "and the snapshot says it";
   EXPECT_THROW(TwoRobots(", thread: {overrun: stop}"), Error);
   EXPECT_THROW(TwoRobots(", thread: {overrun_after: 0}"), Error);
@@ -230,10 +230,10 @@ TEST(Rates, WhatTheMachineRefusesAThreadIsToldAndItRunsWithout) {
       << cell.observer.all;
   const auto base = cell.index_of("base");
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (cell.made->loop().hardware().thread_health(base)->runs == 0 &&
+  while (cell.made->loop().hardware().diagnostics().thread_health(base)->runs == 0 &&
          std::chrono::steady_clock::now() < patience)
     cell.made->loop().step_next();
-  EXPECT_GT(cell.made->loop().hardware().thread_health(base)->runs, 0u);
+  EXPECT_GT(cell.made->loop().hardware().diagnostics().thread_health(base)->runs, 0u);
   cell.made->loop().end();
 }
 

@@ -29,7 +29,8 @@ class CommandLimitsTest : public ::testing::Test {
   }
   /// A cycle in which nobody writes.
   double keep() {
-    limits.restrict(table.commands(), table.states(), ++cycle);
+    hardware::FaultEvents faults;
+    limits.restrict(table.commands(), table.states(), ++cycle, false, faults);
     return table.commands()[0];
   }
   hardware::InterfaceTable table;

@@ -160,16 +160,16 @@ TEST(ComponentLife, GoesThroughEveryState) {
   hardware::Hardware& h = b.loop.hardware();
   EXPECT_EQ(h.state_of(0), LifecycleState::active);
   h.begin_deactivate(0);
-  h.finish_deactivate(0);
+  h.run(0, hardware::Step::deactivate);
   EXPECT_EQ(h.state_of(0), LifecycleState::inactive);
   h.begin_cleanup(0);
-  h.finish_cleanup(0);
+  h.run(0, hardware::Step::cleanup);
   EXPECT_EQ(h.state_of(0), LifecycleState::unconfigured);
-  h.configure(0);
-  h.activate(0);
+  h.run(0, hardware::Step::configure);
+  h.run(0, hardware::Step::activate);
   EXPECT_EQ(h.state_of(0), LifecycleState::active);
   h.begin_cleanup(0);
-  h.finish_shutdown(0);
+  h.run(0, hardware::Step::shutdown);
   EXPECT_EQ(h.state_of(0), LifecycleState::finalized);
   EXPECT_EQ(b.part().calls, "configure activate deactivate cleanup configure activate deactivate shutdown ");
 }
@@ -178,13 +178,13 @@ TEST(ComponentLife, IsReadWhenInactiveAndWrittenOnlyWhenActive) {
   LifeCycleBench b;
   b.go();
   b.loop.hardware().begin_deactivate(0);
-  b.loop.hardware().finish_deactivate(0);
+  b.loop.hardware().run(0, hardware::Step::deactivate);
   const int reads = b.part().reads, writes = b.part().writes;
   b.run(10);
   EXPECT_EQ(b.part().reads, reads + 10);
   EXPECT_EQ(b.part().writes, writes);
   b.loop.hardware().begin_cleanup(0);
-  b.loop.hardware().finish_cleanup(0);
+  b.loop.hardware().run(0, hardware::Step::cleanup);
   b.run(10);
   EXPECT_EQ(b.part().reads, reads + 10);
 }
@@ -193,9 +193,9 @@ TEST(ComponentLife, TransitionsBeginWhereTheyBegin) {
   LifeCycleBench b;
   b.go();
   hardware::Hardware& h = b.loop.hardware();
-  EXPECT_EQ(code_of([&] { h.configure(0); }), "wrong-state");
-  EXPECT_EQ(code_of([&] { h.activate(0); }), "wrong-state");
-  EXPECT_EQ(code_of([&] { h.finish_cleanup(0); }), "wrong-state");
+  EXPECT_EQ(code_of([&] { h.run(0, hardware::Step::configure); }), "wrong-state");
+  EXPECT_EQ(code_of([&] { h.run(0, hardware::Step::activate); }), "wrong-state");
+  EXPECT_EQ(code_of([&] { h.run(0, hardware::Step::cleanup); }), "wrong-state");
 }
 
 TEST(ComponentLife, AFailureLeavesItWhereItWas) {
@@ -203,12 +203,12 @@ TEST(ComponentLife, AFailureLeavesItWhereItWas) {
   b.go();
   hardware::Hardware& h = b.loop.hardware();
   h.begin_deactivate(0);
-  h.finish_deactivate(0);
+  h.run(0, hardware::Step::deactivate);
   b.part().activate = CallbackReturn::failure;
-  EXPECT_EQ(code_of([&] { h.activate(0); }), "component-failed");
+  EXPECT_EQ(code_of([&] { h.run(0, hardware::Step::activate); }), "component-failed");
   EXPECT_EQ(h.state_of(0), LifecycleState::inactive);
   b.part().activate = CallbackReturn::success;
-  h.activate(0);
+  h.run(0, hardware::Step::activate);
   EXPECT_EQ(h.state_of(0), LifecycleState::active);
 }
 
@@ -219,10 +219,10 @@ TEST(ComponentLife, AnErrorLetsOnErrorDecide) {
     b.go();
     hardware::Hardware& h = b.loop.hardware();
     h.begin_deactivate(0);
-    h.finish_deactivate(0);
+    h.run(0, hardware::Step::deactivate);
     b.part().activate = CallbackReturn::error;
     b.part().error = verdict;
-    EXPECT_EQ(code_of([&] { h.activate(0); }), "component-failed");
+    EXPECT_EQ(code_of([&] { h.run(0, hardware::Step::activate); }), "component-failed");
     EXPECT_EQ(h.state_of(0), state);
   }
 }
@@ -248,9 +248,9 @@ TEST(ComponentLife, AReadErrorStopsWhoWorksOnItAndNobodyElse) {
   b.run(10);
   EXPECT_EQ(b.part("left").reads, reads) << "what has failed is not read again";
   b.part("left").read = ReturnType::ok;
-  b.loop.hardware().recover_from_error(0);
-  b.loop.hardware().configure(0);
-  b.loop.hardware().activate(0);
+  b.loop.hardware().run(0, hardware::Step::error);
+  b.loop.hardware().run(0, hardware::Step::configure);
+  b.loop.hardware().run(0, hardware::Step::activate);
   b.loop.controllers().switch_now({{"l"}, {}});
   b.run(5);
   EXPECT_EQ(b.state("l"), LifecycleState::active);
@@ -284,6 +284,12 @@ TEST(ComponentLife, AGroupFailsTogether) {
   EXPECT_EQ(b.state("r"), LifecycleState::inactive);
 }
 
+void replace(hardware::Hardware& hardware, const hardware::ComponentContext& context) {
+  const auto made = hardware.begin_replace(0, std::make_unique<Part>(), context);
+  made->run();
+  hardware.finish(*made);
+}
+
 TEST(ComponentLife, AReplacementMustOfferTheSame) {
   LifeCycleBench b;
   b.go();
@@ -291,13 +297,13 @@ TEST(ComponentLife, AReplacementMustOfferTheSame) {
   hardware::ComponentContext same, other;
   same.name = "arm";
   other.name = "leg";
-  EXPECT_EQ(code_of([&] { h.replace(0, std::make_unique<Part>(), same); }), "wrong-state");
+  EXPECT_EQ(code_of([&] { replace(h, same); }), "wrong-state");
   h.begin_cleanup(0);
-  h.finish_shutdown(0);
-  EXPECT_EQ(code_of([&] { h.replace(0, std::make_unique<Part>(), other); }), "other-interfaces");
-  h.replace(0, std::make_unique<Part>(), same);
-  h.configure(0);
-  h.activate(0);
+  h.run(0, hardware::Step::shutdown);
+  EXPECT_EQ(code_of([&] { replace(h, other); }), "other-interfaces");
+  replace(h, same);
+  h.run(0, hardware::Step::configure);
+  h.run(0, hardware::Step::activate);
   b.run(3);
   EXPECT_EQ(h.state_of(0), LifecycleState::active);
 }
@@ -323,7 +329,7 @@ TEST(ComponentLife, AnAsyncOneInLockStepIsOnePeriodLate) {
   b.run(10);
   const double commanded = b.loop.table().commands()[0];
   EXPECT_EQ(b.loop.table().states()[0], commanded - 1);
-  EXPECT_EQ(b.loop.hardware().info(0).missed, 0u);
+  EXPECT_EQ(b.loop.hardware().diagnostics().info(0).missed, 0u);
 }
 
 TEST(ComponentLife, OnAClockOfItsOwnItCostsTheLoopNothingForbidden) {

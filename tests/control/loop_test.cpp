@@ -248,9 +248,9 @@ TEST(ControlLoop, AComponentErrorIsAFaultThatHolds) {
   const double stands_at = bench.loop.table().states()[0];
   EXPECT_NE(stands_at, held_at) << "the last command was not done";
   hardware::Hardware& hardware = bench.loop.hardware();
-  hardware.recover_from_error(0);
-  hardware.configure(0);
-  hardware.activate(0);
+  hardware.run(0, hardware::Step::error);
+  hardware.run(0, hardware::Step::configure);
+  hardware.run(0, hardware::Step::activate);
   bench.loop.controllers().switch_now({{"jtc", "jsb"}, {}});
   bench.loop.post(Request::recover);
   bench.loop.post(Request::resume);
@@ -365,8 +365,8 @@ TEST(ControlLoop, AJointFarOutsideItsLimitsIsAFaultAndCanBeBroughtBack) {
     }
     EXPECT_EQ(supervisor.state(), RunState::fault);
     EXPECT_EQ(supervisor.cause(), StopCause::limits);
-    ASSERT_GE(supervisor.culprit(), 0);
-    EXPECT_EQ(bench.loop.table().command_names()[static_cast<std::size_t>(supervisor.culprit())],
+    ASSERT_GE(supervisor.event().interface, 0);
+    EXPECT_EQ(bench.loop.table().command_names()[static_cast<std::size_t>(supervisor.event().interface)],
               "arm/joint_1/position");
     bench.run(10);
     bench.loop.post(Request::recover);

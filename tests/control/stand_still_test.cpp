@@ -143,7 +143,7 @@ TEST(StandStill, AtAFaultToo) {
   bench.add("stubborn", {"r/arm/position", "r/wheel/velocity"}, {kNone, 1});
   bench.go("stubborn");
   bench.run(200);
-  bench.loop.supervisor().raise(StopCause::late, -1);
+  bench.loop.supervisor().react({StopCause::component}, false);
   bench.run(2);
   const std::vector<double> at = Base::at;
   bench.run(2000);

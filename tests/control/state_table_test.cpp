@@ -43,8 +43,8 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(name(row.param.from)) + "_" + name(row.param.event);
     });
 
-hardware::Cycle at_ms(int ms) {
-  return {ms * 1'000'000LL, 1'000'000, static_cast<std::uint64_t>(ms)};
+Nanoseconds at_ms(int ms) {
+  return ms * 1'000'000LL;
 }
 
 TEST(Supervisor, OverrideAndShareMultiply) {
@@ -52,9 +52,9 @@ TEST(Supervisor, OverrideAndShareMultiply) {
   supervisor.watch_cell = false;
   supervisor.set_share(0.5);
   supervisor.set_override(0.4);
-  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(0), {}, false, false, Request::none).speed, 0.2);
+  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(0), false, Request::none).speed, 0.2);
   supervisor.set_override(0);
-  EXPECT_EQ(supervisor.judge(at_ms(1), {}, false, false, Request::none).speed, 0);
+  EXPECT_EQ(supervisor.judge(at_ms(1), false, Request::none).speed, 0);
   EXPECT_EQ(supervisor.state(), RunState::running) << "it goes on when more is allowed";
 }
 
@@ -62,92 +62,94 @@ TEST(Supervisor, StepsBackOnlyFromAHoldSlowlyAndIsHeldAgain) {
   Supervisor supervisor;
   supervisor.watch_cell = false;
   supervisor.set_back(0.5, 0.1);
-  EXPECT_EQ(supervisor.judge(at_ms(0), {}, false, true, Request::back).back, 0) << "it runs";
+  EXPECT_EQ(supervisor.judge(at_ms(0), true, Request::back).back, 0) << "it runs";
   supervisor.latch().request(realtime::StopKind::controlled);
-  supervisor.judge(at_ms(1), {}, false, true, Request::none);
-  supervisor.judge(at_ms(2), {}, false, true, Request::back);
+  supervisor.judge(at_ms(1), true, Request::none);
+  supervisor.judge(at_ms(2), true, Request::back);
   EXPECT_EQ(supervisor.state(), RunState::held) << "the latch is still set";
   supervisor.latch().clear();
-  const controllers::Verdict back = supervisor.judge(at_ms(3), {}, false, true, Request::back);
+  const controllers::Verdict back = supervisor.judge(at_ms(3), true, Request::back);
   EXPECT_EQ(back.speed, 0);
   EXPECT_DOUBLE_EQ(back.back, Supervisor::kBackShare);
   EXPECT_EQ(back.back_time, 0.5);
   EXPECT_EQ(back.back_way, 0.1);
   supervisor.set_override(0.03);
-  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(4), {}, false, false, Request::none).back, 0.03);
-  EXPECT_EQ(supervisor.judge(at_ms(5), {}, false, false, Request::resume).speed, 0) << "it is under way";
-  EXPECT_EQ(supervisor.judge(at_ms(6), {}, false, true, Request::none).back, 0);
+  EXPECT_DOUBLE_EQ(supervisor.judge(at_ms(4), false, Request::none).back, 0.03);
+  EXPECT_EQ(supervisor.judge(at_ms(5), false, Request::resume).speed, 0) << "it is under way";
+  EXPECT_EQ(supervisor.judge(at_ms(6), true, Request::none).back, 0);
   EXPECT_EQ(supervisor.state(), RunState::held);
 }
 
 TEST(Supervisor, SaysWhenAStopBeganAndWhenAllStood) {
   Supervisor supervisor;
   supervisor.watch_cell = false;
-  supervisor.judge(at_ms(0), {}, false, false, Request::none);
+  supervisor.judge(at_ms(0), false, Request::none);
   EXPECT_EQ(supervisor.stop_times().begun, -1);
   supervisor.latch().request(realtime::StopKind::controlled);
-  for (int ms = 1; ms < 8; ++ms) supervisor.judge(at_ms(ms), {}, false, false, Request::none);
-  EXPECT_EQ(supervisor.stop_times().begun, at_ms(1).time);
+  for (int ms = 1; ms < 8; ++ms) supervisor.judge(at_ms(ms), false, Request::none);
+  EXPECT_EQ(supervisor.stop_times().begun, at_ms(1));
   EXPECT_EQ(supervisor.stop_times().ended, -1);
-  for (int ms = 8; ms < 12; ++ms) supervisor.judge(at_ms(ms), {}, false, true, Request::none);
-  EXPECT_EQ(supervisor.stop_times().ended, at_ms(8).time);
-  supervisor.judge(at_ms(12), {hardware::FaultKind::jump, 0}, false, true, Request::none);
-  EXPECT_EQ(supervisor.stop_times().begun, at_ms(12).time);
+  for (int ms = 8; ms < 12; ++ms) supervisor.judge(at_ms(ms), true, Request::none);
+  EXPECT_EQ(supervisor.stop_times().ended, at_ms(8));
+  supervisor.react({StopCause::jump, 0}, false);
+  supervisor.judge(at_ms(12), true, Request::none);
+  EXPECT_EQ(supervisor.stop_times().begun, at_ms(12));
 }
 
 TEST(Supervisor, NothingButResumeLeavesAHold) {
   Supervisor supervisor;
   supervisor.watch_cell = false;
   supervisor.latch().request(realtime::StopKind::controlled);
-  EXPECT_EQ(supervisor.judge(at_ms(0), {}, false, false, Request::none).speed, 0);
+  EXPECT_EQ(supervisor.judge(at_ms(0), false, Request::none).speed, 0);
   EXPECT_EQ(supervisor.state(), RunState::stopping);
-  supervisor.judge(at_ms(1), {}, false, true, Request::none);
+  supervisor.judge(at_ms(1), true, Request::none);
   EXPECT_EQ(supervisor.state(), RunState::held);
-  supervisor.judge(at_ms(2), {}, false, true, Request::resume);
+  supervisor.judge(at_ms(2), true, Request::resume);
   EXPECT_EQ(supervisor.state(), RunState::held) << "the latch is still set";
   supervisor.latch().clear();
-  supervisor.judge(at_ms(3), {}, false, true, Request::none);
+  supervisor.judge(at_ms(3), true, Request::none);
   EXPECT_EQ(supervisor.state(), RunState::held) << "clearing the latch alone moves nothing";
-  EXPECT_EQ(supervisor.judge(at_ms(4), {}, false, true, Request::resume).speed, 1);
+  EXPECT_EQ(supervisor.judge(at_ms(4), true, Request::resume).speed, 1);
   EXPECT_EQ(supervisor.state(), RunState::running);
 }
 
 TEST(Supervisor, AGapInWallTimeHolds) {
   Supervisor supervisor;
   supervisor.watch_cell = false;
-  EXPECT_EQ(supervisor.judge(at_ms(0), {}, true, false, Request::none).speed, 0);
+  supervisor.react({StopCause::gap}, false);
+  EXPECT_EQ(supervisor.judge(at_ms(0), false, Request::none).speed, 0);
   EXPECT_EQ(supervisor.cause(), StopCause::gap);
 }
 
 TEST(Supervisor, ASilentCellStopsWhatMovesAndOnlyThat) {
   Supervisor supervisor;
   supervisor.heartbeat(0);
-  supervisor.judge(at_ms(400), {}, false, false, Request::none);
+  supervisor.judge(at_ms(400), false, Request::none);
   EXPECT_EQ(supervisor.state(), RunState::running);
-  supervisor.judge(at_ms(900), {}, false, true, Request::none);
+  supervisor.judge(at_ms(900), true, Request::none);
   EXPECT_EQ(supervisor.state(), RunState::running) << "nothing moves";
-  supervisor.judge(at_ms(901), {}, false, false, Request::none);
+  supervisor.judge(at_ms(901), false, Request::none);
   EXPECT_EQ(supervisor.cause(), StopCause::cell_silent);
 }
 
 TEST(Supervisor, AFaultNeedsRecoverBeforeResume) {
   Supervisor supervisor;
   supervisor.watch_cell = false;
-  const hardware::Fault fault{hardware::FaultKind::component_read, 2};
-  EXPECT_TRUE(supervisor.judge(at_ms(0), fault, false, false, Request::none).immediate);
-  EXPECT_EQ(supervisor.culprit(), 2);
-  supervisor.judge(at_ms(1), {}, false, true, Request::resume);
+  EXPECT_TRUE(supervisor.react({StopCause::component, 2}, false)) << "the component is taken off";
+  EXPECT_TRUE(supervisor.judge(at_ms(0), false, Request::none).immediate);
+  EXPECT_EQ(supervisor.event().component, 2);
+  supervisor.judge(at_ms(1), true, Request::resume);
   EXPECT_EQ(supervisor.state(), RunState::fault);
-  supervisor.judge(at_ms(2), {}, false, true, Request::recover);
+  supervisor.judge(at_ms(2), true, Request::recover);
   EXPECT_EQ(supervisor.state(), RunState::held);
 }
 
 TEST(Supervisor, OfTwoFaultsTheFirstIsNamed) {
   Supervisor supervisor;
-  supervisor.raise(StopCause::component, 2);
-  supervisor.raise(StopCause::limits, 7);
+  supervisor.react({StopCause::component, 2}, false);
+  supervisor.react({StopCause::limits, 1, 7}, false);
   EXPECT_EQ(supervisor.cause(), StopCause::component);
-  EXPECT_EQ(supervisor.culprit(), 2);
+  EXPECT_EQ(supervisor.event().component, 2);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "tests/hardware/exchange_rig.hpp"
 
 namespace polyarm::hardware {
 namespace {
@@ -60,8 +61,8 @@ TEST(Hardware, GivesEachComponentItsOwnPlacesInTheTable) {
   hardware.add(std::make_unique<Echo>(), named("right"));
   hardware.configure_and_activate();
   table.commands()[*table.find_command("right/j/position")] = 0.5;
-  hardware.write({});
-  EXPECT_FALSE(hardware.read({}));
+  write(hardware);
+  EXPECT_FALSE(read(hardware));
   EXPECT_EQ(table.states()[*table.find_state("right/j/position")], 0.5);
   EXPECT_TRUE(std::isnan(table.states()[*table.find_state("left/j/position")]));
 }
@@ -83,7 +84,7 @@ TEST(Hardware, WhatWaitsForADeviceHasMeasuredBeforeControllersBegin) {
   Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Device>(), named("device"));
   hardware.configure_and_activate();
-  hardware.read({});
+  read(hardware);
   EXPECT_EQ(table.states()[0], 7);
 }
 
@@ -104,14 +105,15 @@ TEST(Hardware, AnActiveComponentWithAClockPacesTheLoop) {
   realtime::Jobs jobs;
   Hardware hardware(table, jobs);
   hardware.add(std::make_unique<Pacer>(), named("robot"));
-  EXPECT_FALSE(hardware.await_cycle(1000).has_value()) << "not active, the loop keeps its own time";
+  EXPECT_FALSE(hardware.exchange().await_cycle(1000).has_value())
+      << "not active, the loop keeps its own time";
   hardware.configure_and_activate();
   Pacer::ticks = 1;
-  EXPECT_EQ(hardware.await_cycle(2'000'000), std::optional<bool>(true));
+  EXPECT_EQ(hardware.exchange().await_cycle(2'000'000), std::optional<bool>(true));
   EXPECT_EQ(Pacer::asked, 2'000'000) << "never longer than it may";
-  EXPECT_EQ(hardware.await_cycle(2'000'000), std::optional<bool>(false)) << "the robot is silent";
+  EXPECT_EQ(hardware.exchange().await_cycle(2'000'000), std::optional<bool>(false)) << "the robot is silent";
   hardware.begin_deactivate(0);
-  EXPECT_FALSE(hardware.await_cycle(1000).has_value());
+  EXPECT_FALSE(hardware.exchange().await_cycle(1000).has_value());
 }
 
 TEST(Hardware, ALoopHasOneClock) {
@@ -134,9 +136,9 @@ TEST(Hardware, NamesTheComponentThatFails) {
   hardware.add(std::make_unique<Echo>(), named("left"));
   hardware.configure_and_activate();
   Echo::fail = true;
-  const Fault fault = hardware.read({});
+  const FaultEvent fault = read(hardware);
   Echo::fail = false;
-  EXPECT_EQ(fault.kind, FaultKind::component_read);
+  EXPECT_EQ(fault.cause, StopCause::component);
   EXPECT_EQ(hardware.component_name(static_cast<std::size_t>(fault.component)), "left");
 }
 
@@ -161,8 +163,8 @@ TEST(Hardware, ForcesAFaultOverWhatControllersSay) {
   hardware.configure_and_activate();
   hardware.force("arm/j/position", 0.25);
   table.commands()[0] = 1;
-  hardware.write({});
-  hardware.read({});
+  write(hardware);
+  read(hardware);
   EXPECT_EQ(table.commands()[0], 0.25);
   EXPECT_EQ(table.states()[0], 0.25);
   EXPECT_THROW(hardware.force("arm/k/position", 0), Error);
@@ -196,9 +198,9 @@ class WaitingTest : public ::testing::Test {
     table.commands()[0] = 0.5;
     cycle();
   }
-  Fault cycle() {
-    const Fault fault = hardware.read({});
-    hardware.write({});
+  FaultEvent cycle() {
+    const FaultEvent fault = read(hardware);
+    write(hardware);
     return fault;
   }
   InterfaceTable table;
@@ -210,7 +212,7 @@ TEST_F(WaitingTest, AComponentWithAThreadIsNotToldOldCommandsWhenItIsInactive) {
   ASSERT_EQ(Waiting::told.back(), 0.5);
   hardware.begin_deactivate(0);
   cycle();
-  hardware.finish_deactivate(0);
+  hardware.run(0, Step::deactivate);
   cycle();
   EXPECT_TRUE(std::isnan(Waiting::told.back())) << Waiting::told.back();
 }
@@ -219,9 +221,9 @@ TEST_F(WaitingTest, AComponentWithAThreadFailsOnceAndCanBeUsedAgain) {
   Waiting::fail = true;
   cycle();
   EXPECT_TRUE(cycle()) << "the failure of the cycle before";
-  hardware.recover_from_error(0);
-  hardware.configure(0);
-  hardware.activate(0);
+  hardware.run(0, Step::error);
+  hardware.run(0, Step::configure);
+  hardware.run(0, Step::activate);
   for (int k = 0; k < 3; ++k) EXPECT_FALSE(cycle()) << k;
   EXPECT_EQ(hardware.state_of(0), LifecycleState::active);
 }

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/hardware/hardware.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "tests/hardware/exchange_rig.hpp"
 
 namespace polyarm::hardware {
 namespace {
@@ -59,27 +59,27 @@ struct Rig {
     hardware.add(std::move(made), context, options);
     hardware.configure_and_activate();
     table.seal();
-    hardware.watch({{0, 0, velocity}}, cycle.period);
+    hardware.exchange().watch({{0, 0, velocity}}, cycle.period);
   }
   ~Rig() { gate.release(100'000); }
-  Fault step() {
-    const Fault read = hardware.read(cycle), wrote = hardware.write(cycle);
+  FaultEvent step() {
+    const FaultEvent first = read(hardware, cycle), second = write(hardware, cycle);
     cycle.time += cycle.period;
     ++cycle.index;
-    return read ? read : wrote;
+    return first ? first : second;
   }
-  Fault run(int cycles) {
+  FaultEvent run(int cycles) {
     for (int k = 0; k < cycles; ++k)
-      if (const Fault fault = step()) return fault;
+      if (const FaultEvent fault = step()) return fault;
     return {};
   }
   /// Lets the component's thread read once, and the loop take it.
-  Fault exchange() {
+  FaultEvent exchange() {
     const int before = placed->reads;
     step();
     gate.release();
     while (placed->reads == before) {
-      if (const Fault fault = step()) return fault;
+      if (const FaultEvent fault = step()) return fault;
     }
     return run(100);
   }
@@ -91,10 +91,11 @@ TEST_P(JumpOnAThread, IsAFaultInLockStep) {
   Rig rig(GetParam(), true, 2);
   EXPECT_FALSE(rig.run(100));
   rig.placed->at = 0.9;
-  const Fault fault = rig.run(100);
-  EXPECT_EQ(fault.kind, FaultKind::jump);
-  EXPECT_NE(rig.hardware.reason(0).find("a/j/position changed by more"), std::string::npos)
-      << rig.hardware.reason(0);
+  const FaultEvent fault = rig.run(100);
+  EXPECT_EQ(fault.cause, StopCause::jump);
+  EXPECT_NE(rig.hardware.diagnostics().reason(0).find("a/j/position changed by more"), std::string::npos)
+      << rig.hardware.diagnostics().reason(0);
+  EXPECT_EQ(rig.hardware.diagnostics().blamed_interface(0), "a/j/position");
 }
 
 TEST_P(JumpOnAThread, MotionAtFullSpeedIsNone) {
@@ -109,9 +110,9 @@ TEST_P(JumpOnAThread, IsAFaultOfARealThread) {
   Rig rig(GetParam(), false, 1e-3);  // so slow that no machine is late enough to permit it
   for (int k = 0; k < 5; ++k) ASSERT_FALSE(rig.exchange()) << k;
   rig.placed->at = 0.9;
-  FaultKind seen = FaultKind::none;  // an exchange that was under way may still have the place before
-  for (int k = 0; k < 3 && seen == FaultKind::none; ++k) seen = rig.exchange().kind;
-  EXPECT_EQ(seen, FaultKind::jump);
+  StopCause seen = StopCause::none;  // an exchange that was under way may still have the place before
+  for (int k = 0; k < 3 && seen == StopCause::none; ++k) seen = rig.exchange().cause;
+  EXPECT_EQ(seen, StopCause::jump);
 }
 
 TEST_P(JumpOnAThread, WhatAJointMovedDuringALongExchangeIsNone) {
@@ -138,13 +139,13 @@ TEST(JumpInTheLoop, WhatAJointMovedWhileCyclesWereSkippedIsNone) {
     hardware.configure_and_activate();
     table.seal();
     const Cycle cycle{0, 1'000'000, 0};
-    hardware.watch({{0, 0, 2}}, cycle.period);
-    ASSERT_FALSE(hardware.read(cycle));
+    hardware.exchange().watch({{0, 0, 2}}, cycle.period);
+    ASSERT_FALSE(read(hardware, cycle));
     placed->at = 0.1;
-    if (skipped) hardware.skipped(50'000'000);
-    EXPECT_EQ(hardware.read(cycle).kind, skipped ? FaultKind::none : FaultKind::jump);
+    if (skipped) hardware.exchange().skipped(50'000'000);
+    EXPECT_EQ(read(hardware, cycle).cause, skipped ? StopCause::none : StopCause::jump);
     placed->at = 0.2;
-    EXPECT_EQ(hardware.read(cycle).kind, skipped ? FaultKind::jump : FaultKind::none) << "counted once";
+    EXPECT_EQ(read(hardware, cycle).cause, skipped ? StopCause::jump : StopCause::none) << "counted once";
   }
 }
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/hardware/hardware.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "tests/hardware/exchange_rig.hpp"
 
 namespace polyarm::hardware {
 namespace {
@@ -60,49 +60,50 @@ struct Late {
     table.seal();
   }
   ~Late() { gate.release(100'000); }
-  Fault run(int cycles) {
-    Fault first;
+  FaultEvent run(int cycles) {
+    FaultEvent seen;
     for (int k = 0; k < cycles; ++k) {
-      const Fault read = hardware.read(cycle), wrote = hardware.write(cycle);
-      if (!first) first = read ? read : wrote;
+      const FaultEvent first = read(hardware, cycle), second = write(hardware, cycle);
+      if (!seen) seen = first ? first : second;
       cycle.time += cycle.period;
       ++cycle.index;
     }
-    return first;
+    return seen;
   }
   int told() {
     int count = 0;
-    for (std::int32_t who = -1; hardware.take_late(who);) ++count;
+    for (std::int32_t who = -1; hardware.diagnostics().take_late(who);) ++count;
     return count;
   }
 };
 
 class LateThread : public testing::TestWithParam<Nanoseconds> {};
 
-TEST_P(LateThread, IsToldOnceAndTheLoopGoesOn) {
+TEST_P(LateThread, IsReportedOnceAndTheLoopGoesOn) {
   Late late(GetParam(), WhenLate::report);
   EXPECT_FALSE(late.run(4));
   EXPECT_EQ(late.told(), 0) << "not yet";
   EXPECT_FALSE(late.run(1000));
   EXPECT_EQ(late.told(), 1);
-  EXPECT_FALSE(late.hardware.take_hold());
+  EXPECT_EQ(late.hardware.exchange().fallen(0), StopCause::none);
 }
 
-TEST_P(LateThread, HoldsTheLoopOnce) {
+TEST_P(LateThread, AsksTheLoopToHoldOnce) {
   Late late(GetParam(), WhenLate::hold);
-  EXPECT_FALSE(late.run(1000));
-  EXPECT_TRUE(late.hardware.take_hold());
-  EXPECT_FALSE(late.run(1000));
-  EXPECT_FALSE(late.hardware.take_hold()) << "told once";
+  EXPECT_EQ(late.run(1000).cause, StopCause::late);
+  EXPECT_FALSE(late.run(1000)) << "once";
+  EXPECT_EQ(late.hardware.exchange().fallen(0), StopCause::none);
 }
 
 TEST_P(LateThread, IsAFaultOfItsComponentThatSaysWhy) {
   Late late(GetParam(), WhenLate::fault);
-  const Fault fault = late.run(1000);
-  EXPECT_EQ(fault.kind, FaultKind::late);
+  const FaultEvent fault = late.run(1000);
+  EXPECT_EQ(fault.cause, StopCause::late);
   EXPECT_EQ(fault.component, 0);
-  EXPECT_EQ(late.hardware.newly_failed(0), Hardware::Fall::error);
-  EXPECT_NE(late.hardware.reason(0).find("5 times in a row"), std::string::npos);
+  EXPECT_EQ(late.hardware.exchange().fallen(0), StopCause::late);
+  EXPECT_NE(late.hardware.diagnostics().reason(0).find("5 times in a row"), std::string::npos);
+  EXPECT_EQ(late.hardware.diagnostics().own_reason(0), "") << "the component itself says nothing";
+  EXPECT_EQ(late.hardware.diagnostics().blamed_interface(0), "") << "no single value showed it";
 }
 
 INSTANTIATE_TEST_SUITE_P(OfItsOwnPeriodAndTriggered, LateThread,
@@ -121,9 +122,9 @@ TEST(LateThreads, OneThatWakesLateByTheClockIsLateThoughNoneOfItsTurnsWasMissedB
     late.gate.release();
   }
   Gated::entered.wait(before);
-  EXPECT_GE(std::uint64_t{late.hardware.thread_health(0)->late}, 7u);
-  const Fault fault = late.run(1);
-  EXPECT_EQ(fault.kind, FaultKind::late);
+  EXPECT_GE(std::uint64_t{late.hardware.diagnostics().thread_health(0)->late}, 7u);
+  const FaultEvent fault = late.run(1);
+  EXPECT_EQ(fault.cause, StopCause::late);
   EXPECT_EQ(late.told(), 1);
 }
 
@@ -146,7 +147,7 @@ TEST(ThreadHealth, CountsWhatItsThreadTellsIt) {
 TEST(ThreadHealth, ATriggeredThreadsMissedTurnsAreCountedByTheLoop) {
   Late late(0, WhenLate::report);
   late.run(10);
-  EXPECT_EQ(late.hardware.thread_health(0)->missed, 9u);
+  EXPECT_EQ(late.hardware.diagnostics().thread_health(0)->missed, 9u);
 }
 
 }  // namespace

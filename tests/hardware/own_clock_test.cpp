@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/hardware/hardware.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "tests/hardware/exchange_rig.hpp"
 
 namespace polyarm::hardware {
 namespace {
@@ -76,9 +76,9 @@ struct Beside {
     hardware.configure_and_activate();
     table.seal();
   }
-  Fault step() {
-    Fault fault = hardware.read(cycle);
-    if (!fault) fault = hardware.write(cycle);
+  FaultEvent step() {
+    FaultEvent fault = read(hardware, cycle);
+    if (!fault) fault = write(hardware, cycle);
     cycle.time += cycle.period;
     ++cycle.index;
     return fault;
@@ -137,9 +137,9 @@ TEST(OwnClock, AFailureIsToldOnceAndItIsLeftAlone) {
   EXPECT_EQ(faults, 1);
   EXPECT_EQ(b.slow->reads, 2);
   b.slow->fails = false;
-  b.hardware.recover_from_error(0);
-  b.hardware.configure(0);
-  b.hardware.activate(0);
+  b.hardware.run(0, Step::error);
+  b.hardware.run(0, Step::configure);
+  b.hardware.run(0, Step::activate);
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(b.step());
   EXPECT_EQ(b.slow->reads, 23) << "at once, and every fifth cycle again";
 }

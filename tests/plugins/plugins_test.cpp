@@ -265,7 +265,7 @@ TEST(Callbacks, OneThatThrowsInOnErrorIsFinalized) {
   context.parameters["throws"] = "on_error";
   host.add(hardware::make_driver("things/Follower"), context);
   host.configure_and_activate();
-  host.recover_from_error(0);
+  host.run(0, hardware::Step::error);
   EXPECT_EQ(host.state_of(0), hardware::LifecycleState::finalized);
 }
 
@@ -278,9 +278,9 @@ TEST(Callbacks, OneThatThrowsInOnCleanupAsksOnError) {
   context.name = "bad";
   context.parameters["throws"] = "on_cleanup";
   host.add(hardware::make_driver("things/Follower"), context, {});
-  host.configure(0);
+  host.run(0, hardware::Step::configure);
   host.begin_cleanup(0);
-  EXPECT_SAYS(thrown_by([&] { host.finish_cleanup(0); }), "it threw: tripped in on_cleanup");
+  EXPECT_SAYS(thrown_by([&] { host.run(0, hardware::Step::cleanup); }), "it threw: tripped in on_cleanup");
   EXPECT_EQ(host.state_of(0), hardware::LifecycleState::unconfigured);
 }
 

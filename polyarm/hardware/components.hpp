@@ -1,0 +1,48 @@
+#pragma once
+/// Which components there are, and which interfaces they offer: what the controller manager sees.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/realtime/jobs.hpp"
+
+namespace polyarm::hardware {
+
+struct Hosting;
+
+/// Components are known by their index, in order of addition. Cell thread, unless a function says otherwise.
+class Components {
+ public:
+  std::size_t size() const noexcept;
+  const std::string& component_name(std::size_t i) const;
+  /// -1: there is none of that name.
+  int find(std::string_view name) const;
+  const std::string& group(std::size_t i) const;
+  bool contained(std::size_t i) const;  ///< a fault of it may concern its group alone
+  bool real(std::size_t i) const;
+  bool takes_commands(std::size_t i) const;      ///< it offers command interfaces
+  LifecycleState state_of(std::size_t i) const;  ///< any thread
+  /// The component that offers the interface; -1: none.
+  int component_of_state(std::size_t index) const;
+  int component_of_command(std::size_t index) const;
+
+  /// May these command interfaces be started and stopped together? Throws Error("busy") while a component
+  /// that offers one of them is in a callback, Error("mode-refused") when a component throws.
+  bool prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop);
+  /// Control thread.
+  bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) noexcept;
+
+ protected:
+  Components(InterfaceTable& table, realtime::Jobs& jobs);
+  ~Components();
+  Components(const Components&) = delete;
+  Components& operator=(const Components&) = delete;
+
+  std::unique_ptr<Hosting> hosting_;
+};
+
+}  // namespace polyarm::hardware

@@ -1,0 +1,80 @@
+#pragma once
+/// What the control thread does with the components: one call each to read and to write them all.
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/fault_event.hpp"
+#include "polyarm/hardware/own_clock.hpp"
+#include "polyarm/realtime/thread_health.hpp"
+
+namespace polyarm::hardware {
+
+struct Hosted;
+struct Hosting;
+
+/// A joint whose measured position is checked against what is possible.
+struct WatchedJoint {
+  std::size_t state = 0;  ///< index of its position among the states
+  int command = -1;       ///< index of its position command; -1: none
+  double velocity = 0;    ///< rad/s or m/s, infinite where nobody states one
+};
+
+/// The commands of one component.
+struct CommandRange {
+  std::size_t first = 0, count = 0;
+};
+
+/// Control thread, except watch() and measure(), which come before the loop runs. Nothing here allocates,
+/// locks or throws.
+class Exchange {
+ public:
+  explicit Exchange(Hosting& hosting) : hosting_(hosting) {}
+
+  /// From now on the positions of these joints are checked; an impossible one is a fault of its component.
+  void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
+  /// Whether each component is timed in each cycle.
+  void measure(bool on) noexcept { measuring_ = on; }
+
+  /// Waits for the active component that paces the loop; nothing where there is none.
+  std::optional<bool> await_cycle(Nanoseconds timeout) noexcept;
+  /// Wall time passed without cycles: joints may have moved on for so long.
+  void skipped(Nanoseconds time) noexcept { skipped_ += time; }
+  /// A component that fails is in `faults`; it is called again in the next cycle unless take_off() came
+  /// before.
+  void read(const Cycle& cycle, FaultEvents& faults) noexcept;
+  void write(const Cycle& cycle, FaultEvents& faults) noexcept;
+
+  /// Takes the component of the event and its group off. Returns the components that were on until now.
+  std::span<const std::size_t> take_off(const FaultEvent& event) noexcept;
+  /// The next component that was let in: its commands begin anew, as measured.
+  bool take_restarted(CommandRange& out) noexcept;
+
+  /// What took the component, or another of its group, off; none: it has been activated since.
+  StopCause fallen(std::size_t i) const noexcept;
+  /// The first simulated world among the components, or null.
+  const WorldState* world() const noexcept;
+
+ private:
+  ReturnType read_one(std::size_t i, const Cycle& cycle, Exchanged& exchanged) noexcept;
+  ReturnType write_one(std::size_t i, const Cycle& cycle) noexcept;
+  ReturnType read_async(Hosted& hosted, std::span<double> states, Exchanged& exchanged) noexcept;
+  void write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept;
+  bool judge_state(std::size_t i, std::size_t k, double between, FaultEvents& faults) noexcept;
+  void judge_states(std::size_t i, double between, FaultEvents& faults) noexcept;
+  void judge_following(std::size_t i, FaultEvents& faults) noexcept;
+  void judge_thread(std::size_t i, FaultEvents& faults) noexcept;
+  void look_for_contacts(FaultEvents& faults) noexcept;
+  double between_reads(Hosted& hosted, const Cycle& cycle, const Exchanged& exchanged) noexcept;
+
+  Hosting& hosting_;
+  std::uint32_t following_cycles_ = 250;
+  Nanoseconds skipped_ = 0;  // since the beginning
+  int contacts_seen_ = 0;    // findings of the simulated world
+  bool measuring_ = false;
+};
+
+}  // namespace polyarm::hardware
