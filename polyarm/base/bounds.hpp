@@ -162,6 +162,9 @@
   X(kEventsKept, 1000, "events", "events that are kept for those who ask", "the oldest go")                   \
   X(kEventBytes, 4096, "bytes", "a text of an event that is kept", "cut, with an ellipsis")
 
+#define POLYARM_BOUNDS_LOOP(X) \
+  X(kBlackBoxBytes, 512 << 20, "bytes", "the cycles that the black box keeps", "fewer than the last 10 s are kept")
+
 /// Every list with its heading.
 #define POLYARM_BOUNDS(LIST)                         \
   LIST("Requests", POLYARM_BOUNDS_REQUESTS)          \
@@ -170,7 +173,8 @@
   LIST("ROS 2", POLYARM_BOUNDS_ROS2)                 \
   LIST("Links", POLYARM_BOUNDS_LINKS)                \
   LIST("Files", POLYARM_BOUNDS_FILES)                \
-  LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS)
+  LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS) \
+  LIST("The control loop", POLYARM_BOUNDS_LOOP)
 
 namespace polyarm::bounds {
 

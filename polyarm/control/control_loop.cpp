@@ -2,24 +2,25 @@
 
 #include <algorithm>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pair.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::control {
 
-void BlackBox::build(std::size_t states, std::size_t commands, std::size_t rows) {
+void BlackBox::build(std::size_t states, std::size_t commands, std::size_t rows, std::size_t most_bytes) {
   states_ = states;
   width_ = states + commands;
-  capacity_ = rows;
-  heads_.assign(rows, {});
-  data_.assign(width_ * rows, 0.0);
+  capacity_ = std::min(rows, most_bytes / (sizeof(Head) + width_ * sizeof(double)));
+  heads_.assign(capacity_, {});
+  data_.assign(width_ * capacity_, 0.0);
   next_ = filled_ = 0;
 }
 
 BlackBox BlackBox::empty_one() const {
   BlackBox out;
-  out.build(states_, width_ - states_, capacity_);
+  out.build(states_, width_ - states_, capacity_, SIZE_MAX);
   return out;
 }
 
@@ -104,7 +105,7 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   const std::size_t states = table_.built_states(), commands = table_.built_commands();
   constexpr std::size_t kSpareEvents = 256;  // of controllers, which may be loaded later
   faults_.make_room(3 * hardware_.size() + commands + kSpareEvents);
-  black_box_.build(states, commands, options_.black_box_rows);
+  black_box_.build(states, commands, options_.black_box_rows, bounds::kBlackBoxBytes);
   Snapshot empty;
   empty.states.assign(table_.states().begin(), table_.states().end());
   empty.commands.assign(table_.commands().begin(), table_.commands().end());

@@ -49,7 +49,9 @@ class BlackBox {
     Request request = Request::none;  ///< that was taken in this cycle
     std::span<const double> states, commands;
   };
-  void build(std::size_t states, std::size_t commands, std::size_t rows);
+  /// So many rows, or as many as `most_bytes` hold.
+  void build(std::size_t states, std::size_t commands, std::size_t rows,
+             std::size_t most_bytes = static_cast<std::size_t>(-1));
   void record(const Row& row) noexcept;
   std::size_t rows() const noexcept { return filled_; }
   /// Row 0 is the oldest kept.

@@ -418,5 +418,20 @@ TEST(RealtimeGuard, SeesWhatIsForbidden) {
   EXPECT_NE(seen.find("throw"), std::string::npos);
 }
 
+TEST(BlackBox, KeepsTheNewestRowsThatItsMemoryHolds) {
+  BlackBox box;
+  box.build(2, 1, 1000, 10 * 64);
+  for (std::uint64_t cycle = 0; cycle < 100; ++cycle) {
+    const double value = static_cast<double>(cycle);
+    box.record({cycle, RunState::running, StopCause::none, Request::none, std::array{value, value + 1},
+                std::array{value + 2}});
+  }
+  ASSERT_GT(box.rows(), 5u);
+  ASSERT_LT(box.rows(), 20u);
+  EXPECT_EQ(box.row(box.rows() - 1).cycle, 99u);
+  EXPECT_EQ(box.row(0).cycle, 100 - box.rows());
+  EXPECT_EQ(box.row(0).commands[0], box.row(0).states[0] + 2);
+}
+
 }  // namespace
 }  // namespace polyarm::control
