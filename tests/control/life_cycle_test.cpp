@@ -109,8 +109,11 @@ class Counter : public controllers::Controller {
 
 struct LifeCycleBench {
   ControlLoop loop{LoopOptions{}};
-  LifeCycleBench(std::vector<std::string> parts = {"arm"}, hardware::HostOptions options = {}) {
+  /// `first_read`: the answer of each component's read until a test changes it.
+  LifeCycleBench(std::vector<std::string> parts = {"arm"}, hardware::HostOptions options = {},
+                 ReturnType first_read = ReturnType::ok) {
     Part::scripts().clear();
+    for (const std::string& part : parts) Part::scripts()[part].read = first_read;
     loop.supervisor().watch_cell = false;
     for (const std::string& part : parts) {
       hardware::ComponentContext context;
@@ -270,6 +273,19 @@ TEST(ComponentLife, OneThatAsksToBeDeactivatedIsStillRead) {
   b.run(5);
   EXPECT_EQ(b.part().reads, reads + 5);
   EXPECT_EQ(b.part().writes, writes);
+}
+
+TEST(ComponentLife, AFailureInTheReadBeforeTheFirstCycleIsAFault) {
+  LifeCycleBench b({"left", "right"}, {}, ReturnType::error);
+  b.part("left").read = b.part("right").read = ReturnType::ok;  // it failed once
+  b.go();
+  b.run(1);
+  EXPECT_EQ(b.loop.supervisor().state(), RunState::fault);
+  EXPECT_EQ(b.loop.supervisor().cause(), StopCause::component);
+  EXPECT_EQ(b.loop.supervisor().event().component, 0) << "of two faults the first is named";
+  const int reads = b.part("right").reads;
+  b.run(10);
+  EXPECT_EQ(b.part("right").reads, reads) << "what has failed is not read again";
 }
 
 TEST(ComponentLife, AGroupFailsTogether) {
