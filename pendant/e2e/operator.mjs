@@ -70,7 +70,7 @@ test('after a contact only what can be done now can be pressed', async () => {
   const resume = button('Resume', at.bar());
   await until(() => status().contacts.touching && status().standing, 30, 'standing in contact');
   await until(() => resume.isDisabled(), 10, 'no Resume while it touches');
-  await main().getByText('Held', { exact: true }).waitFor();
+  await main().getByText('held', { exact: true }).waitFor();
   assert.ok(await button('Step').isDisabled(), 'a step would go on');
   await picture(page, 'touching');
   await button('Cancel motion', strip).click();

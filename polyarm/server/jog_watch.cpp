@@ -330,7 +330,7 @@ void JogWatch::tick() {
   const std::vector<std::shared_ptr<Jog>> all = jogs_;
   for (const auto& jog : all) {
     if (jog->over) continue;
-    if (jog->planning || jog->planned) jog->beat = cell_.now();  // nobody can beat before it has begun
+    if (!jog->begun) jog->beat = cell_.now();  // a client beats once its motion has begun
     if (std::exchange(jog->planned, false)) ask(jog);
     if (seconds(cell_.now() - jog->beat) > kSilence) {
       finish(*jog, "lost", "no heartbeat came: press again");

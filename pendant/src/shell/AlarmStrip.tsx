@@ -2,9 +2,9 @@
 import { effect } from '@preact/signals';
 import { type Key, number, t } from '../i18n';
 import { bodyWords, problemWords } from '../i18n/told';
-import { alarms, connected, markSeen, mayMove, status, ways } from '../state/cell';
+import { alarms, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
-import { type Blocked, canBe } from '../state/ways';
+import { canBe, waysOf } from '../state/ways';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
 import { Icon } from '../ui/Icon';
@@ -77,7 +77,8 @@ function pairs(): string {
 /** Out of a contact, step by step; each step that can be taken now has its key. */
 function WayBack() {
   const now = status.value!;
-  const { next, nextBlocked, discard: forget, back: backwards } = ways.value;
+  // A step that the state forbids is not shown; a page without control sees the others, and cannot press them.
+  const { next, nextBlocked, discard: forget, back: backwards } = waysOf({ status: now, mayMove: true, pausing: pausing.value });
   const held = now.state === 'held';
   const may = mayMove.value;
   const steps: Key[] = [
@@ -87,8 +88,6 @@ function WayBack() {
   ];
   /** The step that comes now; a phone has room for that one alone. */
   const at = now.state === 'fault' || now.motionLeft ? 0 : now.contacts.touching ? 1 : 2;
-  /** Shown to who watches, too, but for what the state forbids. */
-  const shown = (blocked: Blocked) => canBe(blocked) || blocked === 'why.control';
   return (
     <section class="alarm-strip error way-back" role="alert" aria-label={t('contact.title')}>
       <Icon name="alarm" size={22} />
@@ -103,11 +102,11 @@ function WayBack() {
         </ol>
       </div>
       <div class="row">
-        {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!canBe(nextBlocked)} onClick={() => void recover()} />}
-        {forget !== null && shown(forget) && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
-        {held && shown(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
+        {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may || !canBe(nextBlocked)} onClick={() => void recover()} />}
+        {forget !== null && canBe(forget) && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
+        {held && canBe(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
         {held && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
-        {next === 'resume' && shown(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
+        {next === 'resume' && canBe(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
       </div>
     </section>
   );
